@@ -1,0 +1,114 @@
+//! The closure residual of a star and its analytic Jacobian.
+//!
+//! Round a vertex, the unit quaternions (cos ρ/2, sin ρ/2 (cos α, sin α, 0)) of its creases are
+//! multiplied counter-clockwise. Their product L is the rotation part of the report's local
+//! foldability matrix, and the star closes where it is the identity, Eq. (1) of
+//! [XiLien2015](crate#references).
+//!
+//! The residual is r = 2 sgn(w) v of L = (w, v). Its norm is 2 |sin θ/2| for a misclosure by the
+//! angle θ, which is ‖L − I‖ (Frobenius) over √2; unlike the skew part of L it does not vanish at a
+//! half turn.
+//!
+//! With P the product before crease k and a = P·axis, ∂L/∂ρ = ½ (0, a) L, so that
+//! ∂r/∂ρ = w a + a × v with (w, v) sign-fixed. That is exact and costs O(degree).
+
+use nalgebra::Vector3;
+
+use crate::{HalfAngle, Rotation, Scalar, StarView};
+
+/// The rotation by which the star fails to close.
+///
+/// `half_angles` has one entry for each unknown, see [`half_angles`]; a spoke whose group is not
+/// there counts as flat. Cost: 12 multiplications a spoke.
+#[inline]
+#[must_use]
+pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Rotation<T> {
+    star.spokes
+        .iter()
+        .filter_map(|s| Some((s, half_angles.get(s.group.index())?)))
+        .fold(Rotation::identity(), |product, (spoke, half)| {
+            cross(product, half.signed(spoke.negative), spoke.direction)
+        })
+}
+
+/// The closure residual r (dimensionless, about radians): zero exactly where the star closes.
+#[inline]
+#[must_use]
+pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Vector3<T> {
+    let closure = positive(misclosure(star, half_angles));
+    closure.v * T::TWO
+}
+
+/// The closure residual, and its derivative by the fold angle of each spoke in `columns`.
+///
+/// Returns `None` if `columns` has not the length of the star or a group is missing.
+#[inline]
+pub fn residual_and_jacobian<T: Scalar>(
+    star: StarView<'_, T>,
+    half_angles: &[HalfAngle<T>],
+    columns: &mut [Vector3<T>],
+) -> Option<Vector3<T>> {
+    if columns.len() != star.spokes.len() {
+        return None;
+    }
+    let mut product = Rotation::identity();
+    for (spoke, column) in star.spokes.iter().zip(columns.iter_mut()) {
+        let half = half_angles.get(spoke.group.index())?.signed(spoke.negative);
+        let [x, y] = spoke.direction;
+        *column = product.rotate(&Vector3::new(x, y, T::zero()));
+        product = cross(product, half, spoke.direction);
+    }
+    let Rotation { w, v } = positive(product);
+    for (spoke, column) in star.spokes.iter().zip(columns) {
+        let derivative = *column * w + column.cross(&v);
+        *column = if spoke.negative {
+            -derivative
+        } else {
+            derivative
+        };
+    }
+    Some(v * T::TWO)
+}
+
+/// Fills `out` with the half angles of the `unknowns` (radians), as far as both reach.
+///
+/// Done once for each evaluation, so that a crease group costs one sine and cosine, however many
+/// creases it has.
+pub fn half_angles<T: Scalar>(unknowns: &[T], out: &mut [HalfAngle<T>]) {
+    for (half, &rho) in out.iter_mut().zip(unknowns) {
+        *half = HalfAngle::of(rho);
+    }
+}
+
+/// `product` times the rotation about a crease: the general quaternion product without the terms
+/// of the axis' z, which is 0.
+#[inline]
+fn cross<T: Scalar>(
+    product: Rotation<T>,
+    HalfAngle { cos, sin }: HalfAngle<T>,
+    direction: [T; 2],
+) -> Rotation<T> {
+    let (x, y) = (sin * direction[0], sin * direction[1]);
+    let Rotation { w, v } = product;
+    Rotation {
+        w: w * cos - v.x * x - v.y * y,
+        v: Vector3::new(
+            v.x * cos + w * x - v.z * y,
+            v.y * cos + w * y + v.z * x,
+            v.z * cos + v.x * y - v.y * x,
+        ),
+    }
+}
+
+/// Of the two quaternions of a rotation, the one with w >= 0.
+#[inline]
+fn positive<T: Scalar>(rotation: Rotation<T>) -> Rotation<T> {
+    if rotation.w < T::zero() {
+        Rotation {
+            w: -rotation.w,
+            v: -rotation.v,
+        }
+    } else {
+        rotation
+    }
+}

@@ -1,0 +1,140 @@
+//! A gradient solver with O(n) memory, for controllers without room for a matrix.
+//!
+//! Implements the first step length of [BarzilaiBorwein1988](crate#references), α = s·s / s·y,
+//! with the non-monotone safeguard of [Raydan1997](crate#references): a step must improve on the
+//! worst of the last costs, or it is halved. Converges linearly where Levenberg-Marquardt converges
+//! quadratically.
+
+use crate::Scalar;
+use crate::dense::dot;
+use crate::least_squares::{ClosureProblem, Cost, Gradient, Limits, Options, Outcome, Report};
+
+/// Length of the memory of costs against which a step is judged: 1 would be monotone descent, which
+/// takes away what makes the method fast.
+const MEMORY: usize = 8;
+/// Fraction of the linear decrease that a step must reach.
+const ARMIJO: f64 = 1e-4;
+
+/// Moves `x` (radians) to a configuration near it in which every star closes.
+///
+/// `workspace` needs 3n numbers. On return `x` is the last point accepted, whatever the outcome.
+/// Cost of an iteration: one linearisation. Expect hundreds of iterations where
+/// [`levenberg_marquardt`](crate::levenberg_marquardt) takes five.
+pub fn solve<T: Scalar>(
+    problem: &mut ClosureProblem<'_, T>,
+    limits: Limits<'_, T>,
+    options: &Options<T>,
+    x: &mut [T],
+    workspace: &mut [T],
+) -> Report<T> {
+    let n = problem.unknowns();
+    let mut report = Report::capacity();
+    let Some((gradient, rest)) = workspace.split_at_mut_checked(n) else {
+        return report;
+    };
+    let Some((trial, rest)) = rest.split_at_mut_checked(n) else {
+        return report;
+    };
+    let Some(trial_gradient) = rest.get_mut(..n) else {
+        return report;
+    };
+    if x.len() != n {
+        return report;
+    }
+
+    for (index, value) in x.iter_mut().enumerate() {
+        *value = limits.clamp(index, *value);
+    }
+    let mut cost = problem.linearise(x, &mut Gradient(gradient));
+    report.evaluations += 1;
+    if !cost.is_finite() {
+        report.outcome = Outcome::NotFinite;
+        return report;
+    }
+    let mut last_costs = [cost.half_square; MEMORY];
+    let mut length = T::one();
+    report.outcome = loop {
+        report.residual = cost.max;
+        if cost.max <= options.tolerance {
+            break Outcome::Converged;
+        }
+        if report.iterations == options.max_iterations {
+            break Outcome::IterationLimit;
+        }
+        let steepest = gradient.iter().fold(T::zero(), |max, &g| max.max(g.abs()));
+        if steepest <= T::zero() {
+            break Outcome::Stalled;
+        }
+        length = length.min(options.max_step / steepest);
+        let worst = last_costs.iter().fold(T::zero(), |max, &c| max.max(c));
+        let new_cost = loop {
+            report.iterations += 1;
+            let mut decrease = T::zero();
+            let mut moved = T::zero();
+            for (index, ((&x, &g), trial)) in
+                x.iter().zip(&*gradient).zip(trial.iter_mut()).enumerate()
+            {
+                *trial = limits.clamp(index, x - g * length);
+                decrease += g * (x - *trial);
+                moved = moved.max((x - *trial).abs());
+            }
+            if moved <= T::EPSILON * T::EPSILON {
+                break None;
+            }
+            let new_cost = problem.linearise(trial, &mut Gradient(trial_gradient));
+            report.evaluations += 1;
+            let enough = worst - T::lit(ARMIJO) * decrease;
+            if new_cost.is_finite() && new_cost.half_square <= enough {
+                break Some(new_cost);
+            }
+            if report.iterations >= options.max_iterations {
+                break None;
+            }
+            length *= T::HALF;
+        };
+        let Some(new_cost) = new_cost else {
+            break if report.iterations >= options.max_iterations {
+                Outcome::IterationLimit
+            } else {
+                Outcome::Stalled
+            };
+        };
+        length = barzilai_borwein(x, gradient, trial, trial_gradient, options.max_step);
+        x.copy_from_slice(trial);
+        gradient.copy_from_slice(trial_gradient);
+        cost = new_cost;
+        remember(&mut last_costs, cost);
+    };
+    report
+}
+
+/// s·s / s·y of the step s and the change y of the gradient; the longest step where the curvature
+/// along s is not positive.
+fn barzilai_borwein<T: Scalar>(
+    x: &[T],
+    gradient: &[T],
+    new_x: &mut [T],
+    new_gradient: &[T],
+    longest: T,
+) -> T {
+    let (mut ss, mut sy) = (T::zero(), T::zero());
+    for ((&x, &g), (&new_x, &new_g)) in x.iter().zip(gradient).zip(new_x.iter().zip(new_gradient)) {
+        let s = new_x - x;
+        ss += s * s;
+        sy += s * (new_g - g);
+    }
+    let steepest = dot(new_gradient, new_gradient).sqrt();
+    let longest = longest / steepest.max(T::EPSILON * T::EPSILON);
+    if sy > T::zero() {
+        (ss / sy).min(longest)
+    } else {
+        longest
+    }
+}
+
+fn remember<T: Scalar>(last_costs: &mut [T; MEMORY], cost: Cost<T>) {
+    last_costs.rotate_left(1);
+    if let Some(last) = last_costs.last_mut() {
+        *last = cost.half_square;
+    }
+}

@@ -1,0 +1,249 @@
+//! The least-squares problem that every solver here works on: the closure of a list of stars as a
+//! function of the group angles.
+//!
+//! With the residuals r(x) of all stars, solvers minimise ½‖r‖². Stars hand their rows to an
+//! [`Accumulate`]: a gradient alone needs O(n) memory, dense or sparse normal equations more.
+
+use nalgebra::Vector3;
+
+use crate::closure;
+use crate::objective::{larger, norm};
+use crate::{HalfAngle, Scalar, Spoke, StarsView};
+
+/// Size of the residual at one configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost<T> {
+    /// ½‖r‖² over all stars.
+    pub half_square: T,
+    /// Largest ‖r(v)‖ of a star.
+    pub max: T,
+}
+
+impl<T: Scalar> Cost<T> {
+    /// Whether the residual is defined everywhere.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.half_square.is_finite() && self.max.is_finite()
+    }
+}
+
+/// Takes the rows of the linearised problem star by star.
+pub trait Accumulate<T: Scalar> {
+    /// Forgets all rows.
+    fn clear(&mut self);
+    /// Adds the three rows of star number `star`: `columns[k]` is ∂r/∂(group angle of spoke k).
+    /// Two spokes may belong to the same group.
+    fn add(
+        &mut self,
+        star: usize,
+        spokes: &[Spoke<T>],
+        columns: &[Vector3<T>],
+        residual: &Vector3<T>,
+    );
+}
+
+/// Normal equations (JᵀJ + λI) x = b behind which dense and sparse linear algebra look alike.
+pub trait NormalEquations<T: Scalar>: Accumulate<T> {
+    /// Number of unknowns.
+    fn unknowns(&self) -> usize;
+    /// The gradient Jᵀr, one number for each unknown.
+    fn gradient(&self) -> &[T];
+    /// Largest diagonal entry of JᵀJ.
+    fn max_diagonal(&self) -> T;
+    /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
+    fn factorise(&mut self, damping: T) -> bool;
+    /// Solves with the last factor, in place.
+    fn solve(&self, right_side: &mut [T]);
+}
+
+/// The closure of stars as a least-squares problem, with the scratch memory that it needs.
+#[derive(Debug)]
+pub struct ClosureProblem<'a, T> {
+    stars: StarsView<'a, T>,
+    half_angles: &'a mut [HalfAngle<T>],
+    columns: &'a mut [Vector3<T>],
+}
+
+impl<'a, T: Scalar> ClosureProblem<'a, T> {
+    /// Lends the scratch: one half angle for each unknown, one column for each spoke of the largest
+    /// star. Returns `None` if either is too small.
+    pub fn new(
+        stars: StarsView<'a, T>,
+        half_angles: &'a mut [HalfAngle<T>],
+        columns: &'a mut [Vector3<T>],
+    ) -> Option<Self> {
+        let half_angles = half_angles.get_mut(..stars.unknowns())?;
+        let columns = columns.get_mut(..stars.max_degree())?;
+        Some(Self {
+            stars,
+            half_angles,
+            columns,
+        })
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.stars.unknowns()
+    }
+
+    /// Residual at `x` (radians) without derivatives.
+    pub fn cost(&mut self, x: &[T]) -> Cost<T> {
+        closure::half_angles(x, self.half_angles);
+        let half = &*self.half_angles;
+        self.stars.iter().fold(Cost::none(), |cost, star| {
+            cost.plus(&closure::residual(star, half))
+        })
+    }
+
+    /// Residual at `x` (radians), its rows handed to `rows`.
+    pub fn linearise(&mut self, x: &[T], rows: &mut impl Accumulate<T>) -> Cost<T> {
+        closure::half_angles(x, self.half_angles);
+        rows.clear();
+        let mut cost = Cost::none();
+        for (index, star) in self.stars.iter().enumerate() {
+            let Some(columns) = self.columns.get_mut(..star.spokes.len()) else {
+                continue; // `new` made room for the largest star
+            };
+            let residual = closure::residual_and_jacobian(star, self.half_angles, columns);
+            let Some(residual) = residual else { continue };
+            rows.add(index, star.spokes, columns, &residual);
+            cost = cost.plus(&residual);
+        }
+        cost
+    }
+}
+
+impl<T: Scalar> Cost<T> {
+    fn none() -> Self {
+        Self {
+            half_square: T::zero(),
+            max: T::zero(),
+        }
+    }
+
+    fn plus(self, residual: &Vector3<T>) -> Self {
+        Self {
+            half_square: self.half_square + residual.dot(residual) * T::HALF,
+            max: larger(self.max, norm(residual)),
+        }
+    }
+}
+
+/// Accumulates the gradient Jᵀr alone.
+#[derive(Debug)]
+pub struct Gradient<'a, T>(pub &'a mut [T]);
+
+impl<T: Scalar> Accumulate<T> for Gradient<'_, T> {
+    fn clear(&mut self) {
+        self.0.fill(T::zero());
+    }
+
+    #[inline]
+    fn add(
+        &mut self,
+        _star: usize,
+        spokes: &[Spoke<T>],
+        columns: &[Vector3<T>],
+        residual: &Vector3<T>,
+    ) {
+        for (spoke, column) in spokes.iter().zip(columns) {
+            if let Some(entry) = self.0.get_mut(spoke.group.index()) {
+                *entry += column.dot(residual);
+            }
+        }
+    }
+}
+
+/// Bounds on the unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Limits<'a, T> {
+    /// A hinge cannot turn past touching itself: [-π, π] for each unknown.
+    #[default]
+    HalfTurn,
+    /// Its own (lower, upper) for each unknown, in radians; unknowns past the end get [-π, π].
+    Each(&'a [(T, T)]),
+}
+
+impl<T: Scalar> Limits<'_, T> {
+    /// `value` of unknown number `index`, moved to the nearest value allowed.
+    #[inline]
+    #[must_use]
+    pub fn clamp(&self, index: usize, value: T) -> T {
+        let (lower, upper) = match self {
+            Self::HalfTurn => None,
+            Self::Each(limits) => limits.get(index).copied(),
+        }
+        .unwrap_or((-T::PI, T::PI));
+        // A NaN passes: the solver has to see it.
+        if value < lower {
+            lower
+        } else if value > upper {
+            upper
+        } else {
+            value
+        }
+    }
+}
+
+/// Options of the solvers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options<T> {
+    /// Largest closure residual ‖r(v)‖ that counts as closed.
+    pub tolerance: T,
+    /// Steps tried before giving up.
+    pub max_iterations: u32,
+    /// No unknown moves by more than this in one step, radians.
+    pub max_step: T,
+}
+
+impl<T: Scalar> Default for Options<T> {
+    fn default() -> Self {
+        Self {
+            tolerance: T::CLOSURE_TOLERANCE,
+            max_iterations: 100,
+            // A sixth of a turn: less than any fold angle's way to its mirror image far from flat.
+            max_step: T::PI / (T::TWO + T::one()),
+        }
+    }
+}
+
+/// How a solver ended. Not converging is an outcome, not an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every star closes within the tolerance.
+    Converged,
+    /// No step improves the residual any more, but it is above the tolerance.
+    Stalled,
+    /// The iterations allowed were used up.
+    IterationLimit,
+    /// The workspace, or the start, has not the length of the problem.
+    Capacity,
+    /// The residual at the start is not a number.
+    NotFinite,
+}
+
+/// What a solver did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report<T> {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Steps tried.
+    pub iterations: u32,
+    /// Evaluations of the residual, with or without derivatives.
+    pub evaluations: u32,
+    /// Largest ‖r(v)‖ at the point returned.
+    pub residual: T,
+}
+
+impl<T: Scalar> Report<T> {
+    /// Nothing done yet: what is reported if the memory lent does not suffice.
+    pub(crate) fn capacity() -> Self {
+        Self {
+            outcome: Outcome::Capacity,
+            iterations: 0,
+            evaluations: 0,
+            residual: T::MAX,
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Levenberg-Marquardt on the closure of stars.
+//!
+//! Implements the method of [Nielsen1999](crate#references) (damping adapted by the gain ratio) in
+//! the form of [YamashitaFukushima2001](crate#references) for zero-residual problems: the damping
+//! is λ = ½μ‖r‖², with μ adapted as Nielsen adapts λ. It vanishes as the residual does, so that
+//! convergence stays quadratic although the Jacobian of a folding sheet is always rank deficient
+//! (it moves!). Differs from both sources in that each step is bounded and projected on the
+//! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
+
+use crate::Scalar;
+use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
+
+/// First μ. The damping starts at ½‖r‖², below the curvature of any star that has more than a
+/// fraction of a radian to close.
+const FIRST_MU: f64 = 1.0;
+/// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
+const MIN_MU: f64 = 1e-6;
+
+/// Moves `x` (radians) to a configuration near it in which every star closes.
+///
+/// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
+/// Cost of an iteration: one linearisation and one factorisation.
+pub fn solve<T: Scalar, E: NormalEquations<T>>(
+    problem: &mut ClosureProblem<'_, T>,
+    equations: &mut E,
+    limits: Limits<'_, T>,
+    options: &Options<T>,
+    x: &mut [T],
+    workspace: &mut [T],
+) -> Report<T> {
+    let n = problem.unknowns();
+    let mut report = Report::capacity();
+    let Some((step, rest)) = workspace.split_at_mut_checked(n) else {
+        return report;
+    };
+    let Some(trial) = rest.get_mut(..n) else {
+        return report;
+    };
+    if x.len() != n || equations.unknowns() != n {
+        return report;
+    }
+
+    for (index, value) in x.iter_mut().enumerate() {
+        *value = limits.clamp(index, *value);
+    }
+    let mut cost = problem.linearise(x, equations);
+    report.evaluations += 1;
+    if !cost.is_finite() {
+        report.outcome = Outcome::NotFinite;
+        return report;
+    }
+    let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
+    report.outcome = loop {
+        report.residual = cost.max;
+        if cost.max <= options.tolerance {
+            break Outcome::Converged;
+        }
+        if report.iterations == options.max_iterations {
+            break Outcome::IterationLimit;
+        }
+        report.iterations += 1;
+
+        // Below this the factorisation cannot tell the matrix from a singular one.
+        let floor = equations.max_diagonal() * T::EPSILON * T::lit(16.0);
+        let damping = (mu * cost.half_square).max(floor);
+        if !equations.factorise(damping) {
+            if !(mu * growth).is_finite() {
+                break Outcome::Stalled;
+            }
+            mu *= growth;
+            growth *= T::TWO;
+            continue;
+        }
+        for (step, &slope) in step.iter_mut().zip(equations.gradient()) {
+            *step = -slope;
+        }
+        equations.solve(step);
+        let moved = bounded_step(x, step, trial, limits, options.max_step);
+        if moved <= T::EPSILON {
+            break Outcome::Stalled;
+        }
+        // ½ dᵀ(λd − Jᵀr): what the damped linear model promised for the step taken.
+        let promised = step
+            .iter()
+            .zip(equations.gradient())
+            .fold(T::zero(), |sum, (&d, &g)| sum + d * (damping * d - g))
+            * T::HALF;
+        let new_cost = problem.linearise(trial, equations);
+        report.evaluations += 1;
+        let gain = cost.half_square - new_cost.half_square;
+        if new_cost.is_finite() && gain > T::zero() {
+            x.copy_from_slice(trial);
+            cost = new_cost;
+            let ratio = if promised > T::zero() {
+                gain / promised
+            } else {
+                T::HALF
+            };
+            let bend = T::TWO * ratio - T::one();
+            let third = T::one() / (T::TWO + T::one());
+            mu = (mu * (T::one() - bend * bend * bend).max(third)).max(T::lit(MIN_MU));
+            growth = T::TWO;
+        } else {
+            problem.linearise(x, equations);
+            report.evaluations += 1;
+            mu *= growth;
+            growth *= T::TWO;
+            if !mu.is_finite() {
+                break Outcome::Stalled;
+            }
+        }
+    };
+    report
+}
+
+/// Shortens `step` so that no unknown moves by more than `max_step`, projects on the limits, and
+/// leaves the point in `trial` and the step really taken in `step`. Returns its largest entry.
+fn bounded_step<T: Scalar>(
+    x: &[T],
+    step: &mut [T],
+    trial: &mut [T],
+    limits: Limits<'_, T>,
+    max_step: T,
+) -> T {
+    let largest = step.iter().fold(T::zero(), |max, &d| max.max(d.abs()));
+    let scale = if largest > max_step {
+        max_step / largest
+    } else {
+        T::one()
+    };
+    let mut moved = T::zero();
+    for (index, ((&x, step), trial)) in x.iter().zip(step).zip(trial).enumerate() {
+        *trial = limits.clamp(index, x + *step * scale);
+        *step = *trial - x;
+        moved = moved.max(step.abs());
+    }
+    moved
+}
+
+/// Replaces `direction` by its projection on the null space of the Jacobian last accumulated: the
+/// infinitesimal motion nearest to it.
+///
+/// λ(JᵀJ + λI)⁻¹d tends to the projection with λ → 0; applied twice it errs by (λ/σ²)², with σ the
+/// smallest singular value that is not zero. Returns `false` if no λ makes the matrix definite.
+pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
+    equations: &mut E,
+    direction: &mut [T],
+) -> bool {
+    // The square root of the precision balances the error above against rounding, which is ε/λ.
+    let damping = equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt();
+    if !equations.factorise(damping) {
+        return false;
+    }
+    for _ in 0..2 {
+        equations.solve(direction);
+        for entry in direction.iter_mut() {
+            *entry *= damping;
+        }
+    }
+    direction.iter().all(|entry| entry.is_finite())
+}

@@ -1,0 +1,99 @@
+//! Rigid-origami kinematics and solvers without an allocator: what foldpath's planner on the host
+//! and its controller in the machine share.
+//!
+//! # The problem
+//!
+//! A flat sheet of rigid panels joined by hinges folds by turning each hinge by its *fold angle* ρ
+//! (π minus the dihedral angle; valley positive, mountain negative). Round an interior vertex the
+//! panels must meet again: the rotations about its creases, multiplied counter-clockwise, must give
+//! the identity. That is one *closure* condition a vertex, and a *configuration* (all fold angles)
+//! that meets them all folds the sheet without bending a panel.
+//!
+//! In a tessellation most conditions say the same. Creases that turn by the same absolute angle all
+//! along the motion form a *crease group*; with one unknown a group and one *star* for each distinct
+//! condition, a Miura fold of any size has two unknowns and one star.
+//!
+//! # A closed vertex in one page
+//!
+//! ```
+//! use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome};
+//! use foldpath_core::{DenseNormalEquations, GroupId, Spoke, StarsView, levenberg_marquardt};
+//!
+//! // A Miura vertex with 60 degree sectors: group 0 are the zigzag creases, group 1 the straight.
+//! let spoke = |group, negative, degrees: f64| {
+//!     let (sin, cos) = degrees.to_radians().sin_cos();
+//!     Spoke { group: GroupId(group), negative, direction: [cos, sin] }
+//! };
+//! let spokes = [
+//!     spoke(1, true, 0.0),
+//!     spoke(0, false, 60.0),
+//!     spoke(1, false, 180.0),
+//!     spoke(0, false, 300.0),
+//! ];
+//! let stars = StarsView::new(&spokes, &[4], 2).unwrap();
+//!
+//! let (mut half_angles, mut columns) = ([Default::default(); 2], [Default::default(); 4]);
+//! let mut problem = ClosureProblem::new(stars, &mut half_angles, &mut columns).unwrap();
+//! let mut memory = [0.0; DenseNormalEquations::<f64>::memory(2)];
+//! let mut equations = DenseNormalEquations::new(2, &mut memory).unwrap();
+//!
+//! let mut angles = [1.0, 0.6]; // does not close yet
+//! let report = levenberg_marquardt::solve(
+//!     &mut problem,
+//!     &mut equations,
+//!     Limits::HalfTurn,
+//!     &Options::default(),
+//!     &mut angles,
+//!     &mut [0.0; 4],
+//! );
+//! assert_eq!(report.outcome, Outcome::Converged);
+//! let [zigzag, straight] = angles.map(|angle| (angle / 2.0).tan());
+//! assert!((straight - 60_f64.to_radians().cos() * zigzag).abs() < 1e-12);
+//! ```
+//!
+//! # Guaranteed
+//!
+//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's: the
+//! same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
+//! caller; too little is a reported outcome. Nothing here panics.
+//!
+//! # Not guaranteed
+//!
+//! A closed configuration may still pass panels through each other: that is the host's to check.
+//!
+//! # References
+//!
+//! - **XiLien2015**: Z. Xi, J.-M. Lien, "Folding and unfolding origami tessellation by reusing
+//!   folding path", GMU-CS-TR-2015-2.
+//! - **Nielsen1999**: H. B. Nielsen, "Damping parameter in Marquardt's method", IMM-REP-1999-05.
+//! - **YamashitaFukushima2001**: N. Yamashita, M. Fukushima, "On the rate of convergence of the
+//!   Levenberg-Marquardt method", Computing Suppl. 15.
+//! - **BarzilaiBorwein1988**: J. Barzilai, J. M. Borwein, "Two-point step size gradient methods",
+//!   IMA J. Numer. Anal. 8.
+//! - **Raydan1997**: M. Raydan, "The Barzilai and Borwein gradient method for the large scale
+//!   unconstrained minimization problem", SIAM J. Optim. 7.
+#![no_std]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::indexing_slicing)]
+
+pub mod closure;
+mod dense;
+mod folding_matrix;
+pub mod gradient;
+mod group;
+pub mod least_squares;
+pub mod levenberg_marquardt;
+mod objective;
+mod rotation;
+pub mod sampling;
+mod scalar;
+mod star;
+pub mod trajectory;
+
+pub use dense::DenseNormalEquations;
+pub use folding_matrix::{folding_matrix, local_foldability_matrix};
+pub use group::{GroupId, Membership, expand};
+pub use objective::{Objective, norm};
+pub use rotation::{HalfAngle, Rotation};
+pub use scalar::Scalar;
+pub use star::{Spoke, StarView, StarsView};

@@ -1,0 +1,140 @@
+//! Rotations as unit quaternions: the form the solvers run on.
+//!
+//! nalgebra's quaternions ask for its `RealField`, which [`Scalar`](crate::Scalar) avoids on
+//! purpose; this is the small part of their algebra that folding needs.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::Scalar;
+
+/// A rotation `r_ab`: it takes coordinates in frame b to coordinates in frame a.
+///
+/// Stored as the unit quaternion (w, v) = (cos θ/2, axis · sin θ/2). Composition reads
+/// `r_ac = r_ab * r_bc`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation<T> {
+    /// Scalar part, cos θ/2.
+    pub w: T,
+    /// Vector part, axis · sin θ/2.
+    pub v: Vector3<T>,
+}
+
+impl<T: Scalar> Rotation<T> {
+    /// No rotation.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self {
+            w: T::one(),
+            v: Vector3::new(T::zero(), T::zero(), T::zero()),
+        }
+    }
+
+    /// Rotation about an axis in the plane of the sheet, given cosine and sine of half the angle
+    /// and the axis' direction (cos α, sin α).
+    #[inline]
+    #[must_use]
+    pub fn about_crease(half: HalfAngle<T>, direction: [T; 2]) -> Self {
+        let [x, y] = direction;
+        Self {
+            w: half.cos,
+            v: Vector3::new(half.sin * x, half.sin * y, T::zero()),
+        }
+    }
+
+    /// Scaled back to length one, which repeated products lose by roundings.
+    #[inline]
+    #[must_use]
+    pub fn renormalised(self) -> Self {
+        let scale = T::one() / (self.w * self.w + self.v.dot(&self.v)).sqrt();
+        Self {
+            w: self.w * scale,
+            v: self.v * scale,
+        }
+    }
+
+    /// The rotation by the opposite angle.
+    #[inline]
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self {
+            w: self.w,
+            v: -self.v,
+        }
+    }
+
+    /// `vector` rotated.
+    #[inline]
+    #[must_use]
+    pub fn rotate(self, vector: &Vector3<T>) -> Vector3<T> {
+        let t = self.v.cross(vector) * T::TWO;
+        vector + t * self.w + self.v.cross(&t)
+    }
+
+    /// The same rotation as a 3x3 matrix.
+    #[must_use]
+    pub fn matrix(self) -> Matrix3<T> {
+        let unit = |x, y, z| self.rotate(&Vector3::new(x, y, z));
+        let (zero, one) = (T::zero(), T::one());
+        Matrix3::from_columns(&[
+            unit(one, zero, zero),
+            unit(zero, one, zero),
+            unit(zero, zero, one),
+        ])
+    }
+}
+
+impl<T: Scalar> core::ops::Mul for Rotation<T> {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            w: self.w * other.w - self.v.dot(&other.v),
+            v: other.v * self.w + self.v * other.w + self.v.cross(&other.v),
+        }
+    }
+}
+
+/// Cosine and sine of half a fold angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HalfAngle<T> {
+    /// cos ρ/2.
+    pub cos: T,
+    /// sin ρ/2.
+    pub sin: T,
+}
+
+impl<T: Scalar> HalfAngle<T> {
+    /// Of the fold angle `rho` in radians.
+    #[inline]
+    #[must_use]
+    pub fn of(rho: T) -> Self {
+        let (sin, cos) = (rho * T::HALF).sin_cos();
+        Self { cos, sin }
+    }
+
+    /// Of the opposite fold angle where `negative` is set.
+    #[inline]
+    #[must_use]
+    pub fn signed(self, negative: bool) -> Self {
+        Self {
+            cos: self.cos,
+            sin: if negative { -self.sin } else { self.sin },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn composition_matches_matrices_and_the_inverse_undoes() {
+        let a = Rotation::about_crease(HalfAngle::of(0.7_f64), [0.6, 0.8]);
+        let b = Rotation::about_crease(HalfAngle::of(-1.9), [-1.0, 0.0]);
+        let difference = (a * b).matrix() - a.matrix() * b.matrix();
+        assert!(difference.abs().max() < 1e-15);
+        let back = (a * b) * (a * b).inverse();
+        assert!((back.w - 1.0).abs() < 1e-15 && back.v.norm() < 1e-15);
+    }
+}

@@ -1,0 +1,139 @@
+//! The one numeric bound of this crate: [`Scalar`], over `f32` and `f64`.
+//!
+//! It is deliberately not nalgebra's `RealField`: that trait's trigonometry changes with the
+//! features that other crates switch on, and then the same program would no longer give the same
+//! bits on the host and on the controller. All transcendental functions here are libm's.
+
+use core::fmt::{Debug, Display};
+use core::ops::{AddAssign, DivAssign, MulAssign, Neg, SubAssign};
+
+use num_traits::NumAssign;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+/// A floating-point number: `f32` on the controller, `f64` on the host.
+///
+/// Tolerances belong to the type, not to the algorithms: generic code never writes one.
+pub trait Scalar:
+    sealed::Sealed
+    + nalgebra::Scalar
+    + Copy
+    + Default
+    + PartialOrd
+    + NumAssign
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + core::iter::Sum
+    + Debug
+    + Display
+    + Serialize
+    + DeserializeOwned
+    + Send
+    + Sync
+{
+    /// One half.
+    const HALF: Self;
+    /// Two.
+    const TWO: Self;
+    /// Half a turn, the largest fold angle, in radians.
+    const PI: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// The largest finite number.
+    const MAX: Self;
+    /// A closure residual (dimensionless, about radians) at or below this counts as closed.
+    ///
+    /// About 45 roundings: what the product of a dozen unit quaternions can promise.
+    const CLOSURE_TOLERANCE: Self;
+
+    /// The number nearest to `value`.
+    fn lit(value: f64) -> Self;
+    /// This number as `f64`, exactly.
+    fn to_f64(self) -> f64;
+    /// Absolute value.
+    #[must_use]
+    fn abs(self) -> Self;
+    /// Square root, correctly rounded.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in radians.
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+    /// Angle of the point (`x`, `self`) in radians.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self;
+    /// Whether this is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The smaller of two numbers; the other one if one is NaN.
+    #[must_use]
+    fn min(self, other: Self) -> Self;
+    /// The larger of two numbers; the other one if one is NaN.
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+}
+
+macro_rules! scalar {
+    ($type:ident, $sqrt:ident, $sincos:ident, $atan2:ident, $closure:literal) => {
+        impl sealed::Sealed for $type {}
+
+        impl Scalar for $type {
+            const HALF: Self = 0.5;
+            const TWO: Self = 2.0;
+            const PI: Self = core::$type::consts::PI;
+            const EPSILON: Self = $type::EPSILON;
+            const MAX: Self = $type::MAX;
+            const CLOSURE_TOLERANCE: Self = $closure;
+
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "rounding to the nearest number of the type is what is asked for"
+            )]
+            fn lit(value: f64) -> Self {
+                value as $type
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $type::abs(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                libm::$sincos(self)
+            }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                libm::$atan2(self, x)
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $type::is_finite(self)
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                $type::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                $type::max(self, other)
+            }
+        }
+    };
+}
+
+scalar!(f32, sqrtf, sincosf, atan2f, 5e-6);
+scalar!(f64, sqrt, sincos, atan2, 1e-14);

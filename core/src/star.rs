@@ -1,0 +1,93 @@
+//! Vertex stars: the creases round a vertex, counter-clockwise, each tied to an unknown.
+
+use crate::{GroupId, Scalar};
+
+/// One crease as seen from a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spoke<T> {
+    /// The unknown whose value, up to sign, is this crease's fold angle.
+    pub group: GroupId,
+    /// Whether the fold angle is minus the unknown.
+    pub negative: bool,
+    /// Unit direction (cos α, sin α) from the vertex along the crease in the flat sheet.
+    pub direction: [T; 2],
+}
+
+impl<T: Scalar> Spoke<T> {
+    /// The crease's fold angle in radians; 0 if its group is not among the `unknowns`.
+    #[inline]
+    #[must_use]
+    pub fn fold_angle(&self, unknowns: &[T]) -> T {
+        let value = unknowns.get(self.group.index()).copied();
+        let value = value.unwrap_or_else(T::zero);
+        if self.negative { -value } else { value }
+    }
+}
+
+/// The creases round one vertex, counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StarView<'a, T> {
+    /// The spokes in counter-clockwise order.
+    pub spokes: &'a [Spoke<T>],
+}
+
+/// A list of stars in two borrowed arrays; arrays, heapless vectors and `Vec` all lend it.
+#[derive(Clone, Copy, Debug)]
+pub struct StarsView<'a, T> {
+    spokes: &'a [Spoke<T>],
+    ends: &'a [u32],
+    unknowns: usize,
+}
+
+impl<'a, T: Scalar> StarsView<'a, T> {
+    /// A view of stars that lie one behind the other in `spokes`; star i ends before spoke
+    /// `ends[i]`. `unknowns` is the number of unknowns (group angles) they refer to.
+    ///
+    /// Returns `None` if the ends decrease or do not end with the last spoke, or if a group is out
+    /// of range.
+    #[must_use]
+    pub fn new(spokes: &'a [Spoke<T>], ends: &'a [u32], unknowns: usize) -> Option<Self> {
+        let sorted = ends.is_sorted();
+        let complete = ends.last().map_or(0, |&end| end as usize) == spokes.len();
+        let known = spokes.iter().all(|s| s.group.index() < unknowns);
+        (sorted && complete && known).then_some(Self {
+            spokes,
+            ends,
+            unknowns,
+        })
+    }
+
+    /// Number of stars.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there is no star at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// Number of unknowns (group angles) that the stars refer to.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// Largest number of spokes in a star.
+    #[must_use]
+    pub fn max_degree(&self) -> usize {
+        self.iter().map(|s| s.spokes.len()).max().unwrap_or(0)
+    }
+
+    /// The stars in order.
+    pub fn iter(&self) -> impl Iterator<Item = StarView<'a, T>> + use<'a, T> {
+        let spokes = self.spokes;
+        self.ends.iter().scan(0, move |start, &end| {
+            let range = *start..end as usize;
+            *start = end as usize;
+            spokes.get(range).map(|spokes| StarView { spokes })
+        })
+    }
+}
