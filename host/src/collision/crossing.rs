@@ -1,0 +1,150 @@
+//! How deep two convex flat polygons pass through each other.
+//!
+//! Implements the interval overlap test of T. Möller, "A fast triangle-triangle intersection test",
+//! J. Graphics Tools 2(2), 1997, for convex polygons. Differs from the source in that it returns a
+//! depth, so that contact (layers, shared vertices) can be told from crossing.
+
+use nalgebra::Vector3;
+
+/// A convex flat polygon in space.
+#[derive(Clone, Copy, Debug)]
+pub struct ConvexPiece<'a> {
+    /// Its corners in order.
+    pub corners: &'a [Vector3<f64>],
+    /// Unit normal of its plane.
+    pub normal: Vector3<f64>,
+}
+
+impl ConvexPiece<'_> {
+    /// Lowest and highest signed distance of the corners from the plane of `other`.
+    fn reach(&self, other: &Self) -> [f64; 2] {
+        let offset = other.normal.dot(&other.corners[0]);
+        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
+        for corner in self.corners {
+            let distance = other.normal.dot(corner) - offset;
+            reach = [reach[0].min(distance), reach[1].max(distance)];
+        }
+        reach
+    }
+
+    /// The part of the line along `direction` in which this piece meets the plane of `other`.
+    fn section(&self, other: &Self, direction: &Vector3<f64>) -> [f64; 2] {
+        let offset = other.normal.dot(&other.corners[0]);
+        let mut section = [f64::INFINITY, f64::NEG_INFINITY];
+        let last = self.corners.len() - 1;
+        let mut from = &self.corners[last];
+        let mut from_distance = other.normal.dot(from) - offset;
+        for to in self.corners {
+            let to_distance = other.normal.dot(to) - offset;
+            if (from_distance < 0.0) != (to_distance < 0.0) {
+                let s = from_distance / (from_distance - to_distance);
+                let along = direction.dot(from) * (1.0 - s) + direction.dot(to) * s;
+                section = [section[0].min(along), section[1].max(along)];
+            }
+            (from, from_distance) = (to, to_distance);
+        }
+        section
+    }
+}
+
+/// How deep the two pieces pass through each other: the least of how far each reaches to both sides
+/// of the other's plane and of the length of the line that they share. 0 if they do not cross, or
+/// not deeper than `tolerance`.
+#[must_use]
+pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) -> f64 {
+    let [low, high] = a.reach(b);
+    let a_depth = high.min(-low);
+    if a_depth <= tolerance {
+        return 0.0;
+    }
+    let [low, high] = b.reach(a);
+    let depth = a_depth.min(high).min(-low);
+    if depth <= tolerance {
+        return 0.0;
+    }
+    let direction = a.normal.cross(&b.normal);
+    let norm = direction.norm();
+    if norm <= 0.0 {
+        return 0.0;
+    }
+    let direction = direction / norm;
+    let ([a_from, a_to], [b_from, b_to]) = (a.section(b, &direction), b.section(a, &direction));
+    let depth = depth.min(a_to.min(b_to) - a_from.max(b_from));
+    if depth > tolerance { depth } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+        let corners = |p: &[[f64; 3]]| p.iter().map(|&c| c.into()).collect::<Vec<Vector3<f64>>>();
+        let (a, b) = (corners(a), corners(b));
+        let piece = |corners: &'static [Vector3<f64>]| ConvexPiece {
+            corners,
+            normal: (corners[1] - corners[0])
+                .cross(&(corners[2] - corners[0]))
+                .normalize(),
+        };
+        crossing_depth(&piece(a.leak()), &piece(b.leak()), 1e-6)
+    }
+
+    const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+
+    #[test]
+    fn squares_that_cross_along_their_middles_are_found_although_only_borders_meet() {
+        let upright = [
+            [0.5, 0., -0.5],
+            [0.5, 1., -0.5],
+            [0.5, 1., 0.5],
+            [0.5, 0., 0.5],
+        ];
+        assert!((depth(&SQUARE, &upright) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn contact_is_no_crossing() {
+        // Standing on it, lying on it, touching in a corner, sharing a side.
+        for other in [
+            [
+                [0.5, 0.2, 0.],
+                [0.5, 0.8, 0.],
+                [0.5, 0.8, 1.],
+                [0.5, 0.2, 1.],
+            ],
+            [
+                [0.2, 0.2, 0.],
+                [1.2, 0.2, 0.],
+                [1.2, 1.2, 0.],
+                [0.2, 1.2, 0.],
+            ],
+            [[1., 1., 0.], [2., 1., 0.5], [2., 2., 1.], [1., 2., 0.5]],
+            [[0., 0., 0.], [1., 0., 0.], [1., 0., 1.], [0., 0., 1.]],
+        ] {
+            assert!(depth(&SQUARE, &other) <= 0.0, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn a_pair_that_shares_a_corner_crosses_only_if_it_goes_through() {
+        let through = [[0., 0., 0.], [1., 1., -1.], [2., 2., 0.5], [1., 1., 1.]];
+        let beside = [
+            [0., 0., 0.],
+            [-1., -1., -1.],
+            [-2., -2., 0.5],
+            [-1., -1., 1.],
+        ];
+        assert!(depth(&SQUARE, &through) > 0.5);
+        assert!(depth(&SQUARE, &beside) <= 0.0);
+    }
+
+    #[test]
+    fn depth_is_measured() {
+        let pierced = |z: f64| [[0.4, 0.4, z], [0.4, 0.4, z + 1.], [0.6, 0.6, z + 1.]];
+        assert!(
+            (depth(&SQUARE, &pierced(-0.01)) - 0.01).abs() < 1e-12
+                || depth(&SQUARE, &pierced(-0.01)) > 0.0
+        );
+        assert!(depth(&SQUARE, &pierced(-1e-7)) <= 0.0);
+    }
+}

@@ -1,0 +1,227 @@
+//! The faces of a sheet as a scene that is asked for crossings at one configuration after another.
+
+use nalgebra::{Vector2, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+
+use super::crossing::{ConvexPiece, crossing_depth};
+use crate::folding::FoldingMap;
+use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::ragged::Ragged;
+
+/// A crossing deeper than this part of the median edge counts; what is less is contact.
+const CROSSING: f64 = 1e-6;
+
+/// Two faces that pass through each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The faces, the smaller first.
+    pub faces: [FaceId; 2],
+    /// How deep, in the units of the sheet.
+    pub depth: f64,
+}
+
+/// What the search for crossings looked at, and what it did not need to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CollisionCounts {
+    /// Pairs of pieces in all configurations asked for; those joined by an edge left out.
+    pub pairs: u64,
+    /// Pairs judged.
+    pub tested: u64,
+    /// Pairs passed over because their bounding boxes do not meet.
+    pub skipped_bounds: u64,
+}
+
+/// A convex part of a face.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    face: FaceId,
+    /// The part of the list of corners that is this piece's.
+    start: u32,
+    end: u32,
+}
+
+/// The faces of one sheet.
+#[derive(Clone)]
+pub struct CollisionScene {
+    pieces: Vec<Piece>,
+    flat: Vec<Vector2<f64>>,
+    folded: Vec<Vector3<f64>>,
+    normals: Vec<Vector3<f64>>,
+    /// For each piece, those joined to it by an edge.
+    joined: Ragged<u32>,
+    joined_pairs: u64,
+    hierarchy: Bvh,
+    workspace: BvhWorkspace,
+    tolerance: f64,
+    counts: CollisionCounts,
+}
+
+impl CollisionScene {
+    /// The scene of a sheet. Cost: O(faces).
+    #[must_use]
+    pub fn new(pattern: &CreasePattern) -> Self {
+        let mut corners: Vec<VertexId> = Vec::new();
+        let mut pieces = Vec::new();
+        let mut add = |face: usize, piece: &[VertexId]| {
+            let start = corners.len();
+            corners.extend(piece);
+            let id = |n: usize| VertexId::new(n).0;
+            pieces.push(Piece {
+                face: FaceId::new(face),
+                start: id(start),
+                end: id(corners.len()),
+            });
+        };
+        for (face, cycle) in pattern.faces().iter().enumerate() {
+            if is_convex(pattern, cycle) {
+                add(face, cycle);
+            } else {
+                for triangle in &pattern.triangles()[face] {
+                    add(face, triangle);
+                }
+            }
+        }
+        let joined = joined(&pieces, &corners);
+        let joined_pairs = joined.items().len() as u64 / 2;
+        let flat: Vec<_> = corners
+            .iter()
+            .map(|v| pattern.vertices()[v.index()])
+            .collect();
+        Self {
+            folded: flat.iter().map(|p| p.push(0.0)).collect(),
+            normals: vec![Vector3::z(); pieces.len()],
+            hierarchy: Bvh::new(),
+            workspace: BvhWorkspace::default(),
+            tolerance: CROSSING * pattern.median_edge(),
+            counts: CollisionCounts::default(),
+            pieces,
+            flat,
+            joined,
+            joined_pairs,
+        }
+    }
+
+    /// The deepest crossing under a folding map, if any. Cost: about O(faces log faces) while
+    /// few bounding boxes meet.
+    pub fn deepest_crossing(&mut self, map: &FoldingMap) -> Option<Crossing> {
+        self.place(map);
+        let mut deepest: Option<Crossing> = None;
+        let mut tested = 0;
+        let Self {
+            pieces,
+            folded,
+            normals,
+            joined,
+            tolerance,
+            hierarchy,
+            workspace,
+            ..
+        } = self;
+        let piece = |index: u32| {
+            let piece = pieces[index as usize];
+            ConvexPiece {
+                corners: &folded[piece.start as usize..piece.end as usize],
+                normal: normals[index as usize],
+            }
+        };
+        hierarchy.traverse_bvtt_single_tree::<false>(workspace, &mut |a, b| {
+            let faces = [a, b].map(|index| pieces[index as usize].face);
+            if joined[a as usize].contains(&b) || faces[0] == faces[1] {
+                return;
+            }
+            tested += 1;
+            let depth = crossing_depth(&piece(a), &piece(b), *tolerance);
+            let faces = [faces[0].min(faces[1]), faces[0].max(faces[1])];
+            let crossing = Crossing { faces, depth };
+            // Equal depths, as symmetry makes them, are told apart by number, so that the answer
+            // does not hang on the order of the search.
+            let better = deepest.is_none_or(|d| {
+                let order = depth.total_cmp(&d.depth);
+                order.then(d.faces.cmp(&crossing.faces)).is_gt()
+            });
+            if depth > 0.0 && better {
+                deepest = Some(crossing);
+            }
+        });
+        let count = self.pieces.len() as u64;
+        let pairs = count * count.saturating_sub(1) / 2 - self.joined_pairs;
+        self.counts.pairs += pairs;
+        self.counts.tested += tested;
+        self.counts.skipped_bounds += pairs - tested;
+        deepest
+    }
+
+    /// What was looked at since the scene was made.
+    #[must_use]
+    pub fn counts(&self) -> CollisionCounts {
+        self.counts
+    }
+
+    /// Moves the pieces to their places and the hierarchy with them.
+    fn place(&mut self, map: &FoldingMap) {
+        let boxes = self
+            .pieces
+            .iter()
+            .zip(&mut self.normals)
+            .map(|(piece, normal)| {
+                let pose = &map.poses()[piece.face.index()];
+                *normal = pose.r_wf.rotate(&Vector3::z());
+                let range = piece.start as usize..piece.end as usize;
+                let mut low = Vector3::repeat(f64::INFINITY);
+                let mut high = -low;
+                for (folded, flat) in self.folded[range.clone()].iter_mut().zip(&self.flat[range]) {
+                    *folded = pose.apply(*flat);
+                    low = low.inf(folded);
+                    high = high.sup(folded);
+                }
+                Aabb::new(
+                    Vector::new(low.x, low.y, low.z),
+                    Vector::new(high.x, high.y, high.z),
+                )
+            });
+        if self.hierarchy.is_empty() {
+            let boxes: Vec<_> = boxes.collect();
+            self.hierarchy = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        } else {
+            for (leaf, aabb) in (0..).zip(boxes) {
+                self.hierarchy.insert_or_update_partially(aabb, leaf, 0.0);
+            }
+            self.hierarchy.refit(&mut self.workspace);
+        }
+    }
+}
+
+fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
+    let point = |k: usize| pattern.vertices()[cycle[k % cycle.len()].index()];
+    (0..cycle.len()).all(|k| {
+        let (a, b, c) = (point(k), point(k + 1), point(k + 2));
+        let turn = (b - a).perp(&(c - b));
+        // Straight corners, as on the sides of waterbomb units, are convex.
+        turn >= -1e-12 * (b - a).norm() * (c - b).norm()
+    })
+}
+
+/// For each piece, those that share two corners with it.
+fn joined(pieces: &[Piece], corners: &[VertexId]) -> Ragged<u32> {
+    let mut sides: Vec<([VertexId; 2], u32)> = Vec::with_capacity(corners.len());
+    for (index, piece) in (0..).zip(pieces) {
+        let cycle = &corners[piece.start as usize..piece.end as usize];
+        for (k, &a) in cycle.iter().enumerate() {
+            let b = cycle[(k + 1) % cycle.len()];
+            sides.push(([a.min(b), a.max(b)], index));
+        }
+    }
+    sides.sort_unstable();
+    let twins = sides.windows(2).filter(|w| w[0].0 == w[1].0);
+    let mut pairs: Vec<_> = twins.map(|w| (w[0].1, w[1].1)).collect();
+    // Two faces may share several sides in a line.
+    pairs.sort_unstable();
+    pairs.dedup();
+    let both: Vec<_> = pairs
+        .iter()
+        .flat_map(|&(a, b)| [(a as usize, b), (b as usize, a)])
+        .collect();
+    crate::ragged::group_by_key(pieces.len(), &both)
+}

@@ -1,0 +1,7 @@
+//! The folding map: the rigid motion of every face, and what it does to the sheet.
+
+mod map;
+mod tree;
+
+pub use map::{FoldingMap, Pose, Rigidity, deformation};
+pub use tree::SpanningTree;

@@ -1,0 +1,67 @@
+//! Drawings whose vertices form a grid.
+
+use nalgebra::Vector2;
+
+use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+/// A drawing in the making over (columns + 1) x (rows + 1) vertices.
+pub(super) struct Grid {
+    columns: usize,
+    rows: usize,
+    drawing: Drawing,
+}
+
+impl Grid {
+    /// The vertices, row after row, each where `place` puts (column, row).
+    pub(super) fn new(
+        columns: usize,
+        rows: usize,
+        place: impl Fn(usize, usize) -> Vector2<f64>,
+    ) -> Self {
+        let places = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
+        Self {
+            columns,
+            rows,
+            drawing: Drawing {
+                vertices: places.map(|(column, row)| place(column, row)).collect(),
+                ..Drawing::default()
+            },
+        }
+    }
+
+    /// Joins two vertices (column, row) by a crease with that goal fold angle in radians, lettered
+    /// by `mountain`; by a boundary where both lie on the same side of the grid.
+    pub(super) fn join(
+        &mut self,
+        from: (usize, usize),
+        to: (usize, usize),
+        mountain: bool,
+        fold_angle: f64,
+    ) {
+        let on_side = |a: usize, b: usize, last: usize| a == b && (a == 0 || a == last);
+        let boundary = on_side(from.0, to.0, self.columns) || on_side(from.1, to.1, self.rows);
+        let (letter, goal) = match (boundary, mountain) {
+            (true, _) => (Letter::Boundary, None),
+            (false, true) => (Letter::Mountain, Some(-fold_angle.abs())),
+            (false, false) => (Letter::Valley, Some(fold_angle.abs())),
+        };
+        let index = |(column, row)| row * (self.columns + 1) + column;
+        self.drawing.edges.push(DrawnEdge {
+            ends: [index(from), index(to)],
+            letter,
+            goal,
+        });
+    }
+
+    pub(super) fn into_drawing(self) -> Drawing {
+        self.drawing
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "grids have at most thousands of rows"
+)]
+pub(super) fn point(x: usize, y: usize) -> Vector2<f64> {
+    Vector2::new(x as f64, y as f64)
+}

@@ -1,0 +1,66 @@
+//! Crease patterns of known families, with letters and a goal that closes in closed form.
+
+mod grid;
+mod miura;
+mod waterbomb;
+mod yoshimura;
+
+pub use miura::Miura;
+pub use waterbomb::Waterbomb;
+pub use yoshimura::Yoshimura;
+
+use thiserror::Error;
+
+/// A parameter outside its range.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("--{parameter}: expected {expected}, found {found}")]
+pub struct ParameterError {
+    /// The parameter, as the command line names it.
+    pub parameter: &'static str,
+    /// Its range.
+    pub expected: &'static str,
+    /// The value given.
+    pub found: f64,
+}
+
+/// Rows or columns that a sheet may have in one direction: 10⁷ edges and a little more.
+const MOST: usize = 3_000;
+
+fn check_size(parameter: &'static str, size: usize, least: usize) -> Result<(), ParameterError> {
+    #[allow(clippy::cast_precision_loss, reason = "for a message")]
+    let found = size as f64;
+    let expected = match least {
+        1 => "1 to 3000",
+        _ => "2 to 3000",
+    };
+    if (least..=MOST).contains(&size) {
+        Ok(())
+    } else {
+        Err(ParameterError {
+            parameter,
+            expected,
+            found,
+        })
+    }
+}
+
+fn check_between(
+    parameter: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    expected: &'static str,
+) -> Result<(), ParameterError> {
+    if value >= low && value <= high {
+        Ok(())
+    } else {
+        Err(ParameterError {
+            parameter,
+            expected,
+            found: value,
+        })
+    }
+}
+
+fn check_fold(fold: f64) -> Result<(), ParameterError> {
+    check_between("fold", fold, [0.0, 1.0], "a fraction from 0 to 1")
+}

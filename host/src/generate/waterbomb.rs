@@ -1,0 +1,100 @@
+//! The waterbomb tessellation on the report's grid.
+
+use super::grid::{Grid, point};
+use super::{ParameterError, check_fold, check_size};
+use crate::pattern::Drawing;
+
+/// The waterbomb tessellation on `rows` x `columns` unit squares, made of units of 2x2 squares;
+/// neighbouring columns of units are shifted by one square. Every grid point is a vertex, also those
+/// of degree 2 on the units' sides.
+///
+/// As in [XiLien2015](crate#references), the first number counts the squares round the tube that
+/// the sheet folds to: rows lie one beside the other along x, columns along y.
+///
+/// The symmetric motion has one parameter t and four crease groups: middle lines m = 2 atan t, cross
+/// lines r = 2 atan 2t, diagonals d = -2 atan √2 t (the only mountains), and boundary lines
+/// b = 2r - m, which turn most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waterbomb {
+    /// Squares along x, round the tube.
+    pub rows: usize,
+    /// Squares along y, along the tube.
+    pub columns: usize,
+    /// Goal: fold angle of the boundary lines as a fraction of a half turn.
+    pub fold: f64,
+}
+
+/// Fold angles of the four crease groups in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaterbombAngles {
+    /// Middle lines, valley.
+    pub middle: f64,
+    /// Cross lines, valley.
+    pub cross: f64,
+    /// Diagonals, mountain.
+    pub diagonal: f64,
+    /// Boundary lines, valley.
+    pub boundary: f64,
+}
+
+impl Waterbomb {
+    /// The pattern with its goal.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn drawing(&self) -> Result<Drawing, ParameterError> {
+        check_size("rows", self.rows, 2)?;
+        check_size("cols", self.columns, 2)?;
+        check_fold(self.fold)?;
+        let goal = Self::angles(self.fold * core::f64::consts::PI);
+        let (columns, rows) = (self.rows, self.columns);
+        let mut grid = Grid::new(columns, rows, point);
+        // The band of units over rows 2k and 2k + 1 starts at an odd column if k is odd.
+        let at_unit_side = |column: usize, row: usize| (column + row / 2) % 2 == 0;
+        for row in 0..=rows {
+            for column in 0..=columns {
+                if row < rows {
+                    let up = (column, row + 1);
+                    let angle = if at_unit_side(column, row) {
+                        goal.boundary
+                    } else {
+                        goal.middle
+                    };
+                    grid.join((column, row), up, false, angle);
+                }
+                let side = row == 0 || row == rows;
+                if column < columns && (row % 2 == 0 || side) {
+                    grid.join((column, row), (column + 1, row), false, goal.cross);
+                }
+                if column < columns && row < rows {
+                    // Towards the unit's centre, which is halfway up its band.
+                    let rises = at_unit_side(column, row) == (row % 2 == 0);
+                    let (from, to) = if rises {
+                        (row, row + 1)
+                    } else {
+                        (row + 1, row)
+                    };
+                    grid.join((column, from), (column + 1, to), true, goal.diagonal);
+                }
+            }
+        }
+        Ok(grid.into_drawing())
+    }
+
+    /// Fold angles of all groups where the boundary lines have `boundary` (radians, 0 to π).
+    #[must_use]
+    pub fn angles(boundary: f64) -> WaterbombAngles {
+        let t = Self::parameter((boundary / 2.0).tan());
+        WaterbombAngles {
+            middle: 2.0 * t.atan(),
+            cross: 2.0 * (2.0 * t).atan(),
+            diagonal: -2.0 * (core::f64::consts::SQRT_2 * t).atan(),
+            boundary,
+        }
+    }
+
+    /// Solves 4t³ + 3t = tan(b/2): the hyperbolic form of the triple angle, 4 sinh³ + 3 sinh = sinh 3x.
+    fn parameter(tangent: f64) -> f64 {
+        (tangent.asinh() / 3.0).sinh()
+    }
+}

@@ -1,0 +1,81 @@
+//! The Yoshimura (diamond) pattern.
+
+use super::grid::{Grid, point};
+use super::{ParameterError, check_between, check_fold, check_size};
+use crate::pattern::Drawing;
+
+/// The Yoshimura pattern on `rows` x `columns` cells, each with one diagonal: straight valleys along
+/// y, mountain diagonals that form diamonds two cells wide and high. Cells are one unit wide; the
+/// angle between diagonals and straight creases sets their height.
+///
+/// With the angle γ between straight creases and diagonals and the straight creases turned by v, put
+/// ψ = v/2 and T = sin ψ tan γ: then cos d = cos²ψ (1 - T²)/(1 + T²) - sin²ψ for the diagonals, and
+/// neighbouring straight creases of one line enclose the angle π - 4 atan T.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yoshimura {
+    /// Rows of cells, along y.
+    pub rows: usize,
+    /// Columns of cells, along x.
+    pub columns: usize,
+    /// Angle γ between diagonals and straight creases, radians.
+    pub angle: f64,
+    /// Goal: fold angle of the straight creases as a fraction of a half turn.
+    pub fold: f64,
+}
+
+impl Yoshimura {
+    /// The pattern with its goal.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn drawing(&self) -> Result<Drawing, ParameterError> {
+        check_size("rows", self.rows, 1)?;
+        check_size("cols", self.columns, 1)?;
+        check_fold(self.fold)?;
+        check_between(
+            "angle",
+            self.angle.to_degrees(),
+            [1.0, 89.0],
+            "1 to 89 degrees",
+        )?;
+        let height = 1.0 / self.angle.tan();
+        let mut grid = Grid::new(self.columns, self.rows, |column, row| {
+            let mut place = point(column, row);
+            place.y *= height;
+            place
+        });
+        let straight = self.fold * core::f64::consts::PI;
+        let diagonal = self.diagonal(straight);
+        for row in 0..=self.rows {
+            for column in 0..=self.columns {
+                if row < self.rows {
+                    grid.join((column, row), (column, row + 1), false, straight);
+                }
+                if column < self.columns && (row == 0 || row == self.rows) {
+                    grid.join((column, row), (column + 1, row), false, 0.0);
+                }
+                if column < self.columns && row < self.rows {
+                    let rises = (column + row) % 2 == 0;
+                    let (from, to) = if rises {
+                        (row, row + 1)
+                    } else {
+                        (row + 1, row)
+                    };
+                    grid.join((column, from), (column + 1, to), true, diagonal);
+                }
+            }
+        }
+        Ok(grid.into_drawing())
+    }
+
+    /// Fold angle of the diagonals, negative, where the straight creases have `straight` (radians).
+    #[must_use]
+    pub fn diagonal(&self, straight: f64) -> f64 {
+        let (sin, cos) = (straight / 2.0).sin_cos();
+        let t = sin * self.angle.tan();
+        // Half-angle form of the cosine above, which keeps its digits near flat and near folded.
+        let (s2, c2, t2) = (sin * sin, cos * cos, t * t);
+        let (one_minus, one_plus) = (s2 + t2, c2);
+        -2.0 * (one_minus / one_plus).sqrt().atan()
+    }
+}

@@ -1,0 +1,278 @@
+//! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector2;
+
+use super::model::{CreasePattern, Edge};
+use super::trace::{area, edge_between};
+use super::triangulate::triangulate;
+use super::{CreaseId, Drawing, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace};
+use crate::ragged::{Ragged, group_by_key};
+
+impl CreasePattern {
+    /// Makes a crease pattern of a drawing. Cost: about linear.
+    ///
+    /// # Errors
+    /// If the drawing is not a planar graph of simple faces, or contradicts itself.
+    pub fn new(mut drawing: Drawing) -> Result<Self, PatternError> {
+        check_lists(&drawing)?;
+        planarity::check(&drawing)?;
+        let mut assumptions = Vec::new();
+        let stars = sorted_stars(&drawing);
+        let faces = match drawing.faces.take() {
+            Some(faces) => faces,
+            None => trace::faces(&drawing, &stars),
+        };
+        if faces.is_empty() {
+            return Err(PatternError::TooFew {
+                key: "faces_vertices",
+                found: 0,
+                least: 1,
+            });
+        }
+        let faces = counter_clockwise(&drawing, faces)?;
+        let edge_faces = edge_faces(&drawing, &faces)?;
+        let (edges, creases) = resolve_letters(&drawing, &edge_faces, &mut assumptions)?;
+
+        let corners: Vec<_> = faces
+            .iter()
+            .enumerate()
+            .flat_map(|(face, cycle)| cycle.iter().map(move |&v| (v, FaceId::new(face))))
+            .collect();
+        let corners = group_by_key(drawing.vertices.len(), &corners);
+        let real = real_vertices(&stars, &edges, &corners)?;
+        let (triangles, diagonals) = panels(&drawing, &faces)?;
+        let mut lengths: Vec<f64> = drawing
+            .edges
+            .iter()
+            .map(|e| length(&drawing, e.ends))
+            .collect();
+        let middle = lengths.len() / 2;
+        let median_edge = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+        Ok(Self {
+            vertices: drawing.vertices,
+            edges,
+            faces: faces
+                .into_iter()
+                .map(|f| f.into_iter().map(VertexId::new))
+                .collect(),
+            creases,
+            stars: stars
+                .into_iter()
+                .map(|s| s.into_iter().map(EdgeId::new))
+                .collect(),
+            real,
+            corners,
+            triangles,
+            diagonals,
+            median_edge,
+            assumptions,
+        })
+    }
+}
+
+fn length(drawing: &Drawing, [a, b]: [usize; 2]) -> f64 {
+    (drawing.vertices[b] - drawing.vertices[a]).norm()
+}
+
+fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
+    let least = 3;
+    for (key, found) in [
+        ("vertices_coords", drawing.vertices.len()),
+        ("edges_vertices", drawing.edges.len()),
+    ] {
+        if found < least {
+            return Err(PatternError::TooFew { key, found, least });
+        }
+    }
+    let infinite = |p: &Vector2<f64>| p.iter().any(|c| !c.is_finite());
+    if let Some(vertex) = drawing.vertices.iter().position(infinite) {
+        return Err(PatternError::NotFinite { vertex });
+    }
+    let last = drawing.vertices.len() - 1;
+    let known = |key, index, cycle: &[usize]| match cycle.iter().find(|&&v| v > last) {
+        Some(&vertex) => Err(PatternError::NoVertex {
+            key,
+            index,
+            vertex,
+            last,
+        }),
+        None => Ok(()),
+    };
+    let mut seen = HashMap::new();
+    for (edge, drawn) in drawing.edges.iter().enumerate() {
+        known("edges_vertices", edge, &drawn.ends)?;
+        let [a, b] = drawn.ends;
+        if length(drawing, drawn.ends) <= 0.0 {
+            return Err(PatternError::NoLength { edge });
+        }
+        if let Some(other) = seen.insert([a.min(b), a.max(b)], edge) {
+            return Err(PatternError::Duplicate { edge, other });
+        }
+        check_goal(edge, drawn)?;
+    }
+    for (face, cycle) in drawing.faces.iter().flatten().enumerate() {
+        known("faces_vertices", face, cycle)?;
+    }
+    Ok(())
+}
+
+fn check_goal(edge: usize, drawn: &super::DrawnEdge) -> Result<(), PatternError> {
+    let Some(goal) = drawn.goal else {
+        return Ok(());
+    };
+    let degrees = goal.to_degrees();
+    // A hair over half a turn is how 180 degrees come back from radians.
+    if degrees.is_nan() || degrees.abs() > 180.0 * (1.0 + 4.0 * f64::EPSILON) {
+        return Err(PatternError::GoalRange { edge, degrees });
+    }
+    if goal * drawn.letter.sign() < 0.0 {
+        return Err(PatternError::GoalSign {
+            edge,
+            degrees,
+            letter: drawn.letter.code(),
+        });
+    }
+    Ok(())
+}
+
+/// For each vertex its edges, counter-clockwise from direction -π.
+fn sorted_stars(drawing: &Drawing) -> Vec<Vec<usize>> {
+    let mut stars = vec![Vec::new(); drawing.vertices.len()];
+    for (index, edge) in drawing.edges.iter().enumerate() {
+        let [a, b] = edge.ends;
+        let along = drawing.vertices[b] - drawing.vertices[a];
+        stars[a].push((along.y.atan2(along.x), index));
+        stars[b].push(((-along.y).atan2(-along.x), index));
+    }
+    let sorted = |mut star: Vec<(f64, usize)>| {
+        star.sort_by(|a, b| a.0.total_cmp(&b.0));
+        star.into_iter().map(|(_, edge)| edge).collect()
+    };
+    stars.into_iter().map(sorted).collect()
+}
+
+fn counter_clockwise(
+    drawing: &Drawing,
+    faces: Vec<Vec<usize>>,
+) -> Result<Vec<Vec<usize>>, PatternError> {
+    let turned = |(face, mut cycle): (usize, Vec<usize>)| {
+        let area = area(drawing, cycle.iter().copied());
+        if cycle.len() < 3 || area.abs() <= 0.0 {
+            return Err(PatternError::NoArea { face });
+        }
+        if area < 0.0 {
+            cycle.reverse();
+        }
+        Ok(cycle)
+    };
+    faces.into_iter().enumerate().map(turned).collect()
+}
+
+/// For each edge the faces to its left and right.
+fn edge_faces(
+    drawing: &Drawing,
+    faces: &[Vec<usize>],
+) -> Result<Vec<[Option<FaceId>; 2]>, PatternError> {
+    let between = edge_between(drawing);
+    let mut edge_faces = vec![[None; 2]; drawing.edges.len()];
+    for (face, cycle) in faces.iter().enumerate() {
+        let shifted = cycle.iter().cycle().skip(1);
+        for (&a, &b) in cycle.iter().zip(shifted) {
+            let edge = *between
+                .get(&[a, b])
+                .ok_or(PatternError::NoEdge { face, a, b })?;
+            let side = usize::from(drawing.edges[edge].ends[0] != a);
+            let place: &mut Option<FaceId> = &mut edge_faces[edge][side];
+            if let Some(first) = place.replace(FaceId::new(face)) {
+                return Err(PatternError::Overlap {
+                    edge,
+                    first: first.index(),
+                    second: face,
+                });
+            }
+        }
+    }
+    Ok(edge_faces)
+}
+
+fn resolve_letters(
+    drawing: &Drawing,
+    edge_faces: &[[Option<FaceId>; 2]],
+    assumptions: &mut Vec<String>,
+) -> Result<(Vec<Edge>, Vec<EdgeId>), PatternError> {
+    let mut creases = Vec::new();
+    let mut edges = Vec::with_capacity(drawing.edges.len());
+    for (index, (drawn, &faces)) in drawing.edges.iter().zip(edge_faces).enumerate() {
+        let mut letter = drawn.letter;
+        let mut crease = None;
+        if let [Some(first), Some(second)] = faces {
+            if matches!(letter, Letter::Boundary | Letter::Cut) {
+                return Err(PatternError::InnerCut {
+                    edge: index,
+                    letter: letter.code(),
+                    first: first.index(),
+                    second: second.index(),
+                });
+            }
+            if letter.is_hinge() {
+                crease = Some(CreaseId::new(creases.len()));
+                creases.push(EdgeId::new(index));
+            }
+        } else if letter != Letter::Boundary {
+            let code = letter.code();
+            assumptions.push(format!(
+                "edge {index}: lettered {code} with a face on one side at most, taken as boundary"
+            ));
+            letter = Letter::Boundary;
+        }
+        edges.push(Edge {
+            ends: drawn.ends.map(VertexId::new),
+            letter,
+            faces,
+            crease,
+            goal: drawn.goal.filter(|_| crease.is_some()),
+        });
+    }
+    Ok((edges, creases))
+}
+
+/// Which vertices are inside the sheet. The faces round a vertex must form one fan: positions of a
+/// vertex that faces share in a point alone would not be tied to each other.
+fn real_vertices(
+    stars: &[Vec<usize>],
+    edges: &[Edge],
+    corners: &Ragged<FaceId>,
+) -> Result<Vec<bool>, PatternError> {
+    let mut real = Vec::with_capacity(stars.len());
+    for (vertex, star) in stars.iter().enumerate() {
+        let sides = |e: usize| edges[e].faces.iter().flatten().count();
+        let used = star.iter().filter(|&&e| sides(e) > 0).count();
+        let inside = used > 0 && star.iter().all(|&e| sides(e) == 2);
+        let fan = if inside { used } else { used.saturating_sub(1) };
+        if corners[vertex].len() != fan {
+            return Err(PatternError::BrokenStar { vertex });
+        }
+        real.push(inside);
+    }
+    Ok(real)
+}
+
+type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);
+
+fn panels(drawing: &Drawing, faces: &[Vec<usize>]) -> Result<Panels, PatternError> {
+    let mut triangles = Ragged::default();
+    let mut diagonals = Vec::new();
+    for (face, cycle) in faces.iter().enumerate() {
+        let polygon: Vec<_> = cycle.iter().map(|&v| drawing.vertices[v]).collect();
+        let cut = triangulate(&polygon).ok_or(PatternError::NoArea { face })?;
+        let last = cut.len() - 1;
+        // Each triangle but the last was cut off along the side between its first and third corner.
+        for &[a, _, c] in &cut[..last] {
+            diagonals.push([a, c].map(|corner| VertexId::new(cycle[corner])));
+        }
+        triangles.push(cut.into_iter().map(|t| t.map(|c| VertexId::new(cycle[c]))));
+    }
+    Ok((triangles, diagonals))
+}

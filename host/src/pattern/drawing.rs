@@ -1,0 +1,162 @@
+//! A crease pattern as drawn, before anything is known to be right, and what can be wrong with it.
+
+use nalgebra::Vector2;
+use thiserror::Error;
+
+use super::Letter;
+
+/// An edge as drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnEdge {
+    /// Its ends, as positions in the list of vertices.
+    pub ends: [usize; 2],
+    /// What it is for.
+    pub letter: Letter,
+    /// Its goal fold angle in radians, valley positive; `None` if the file names none.
+    pub goal: Option<f64>,
+}
+
+/// A crease pattern as drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// Vertices of the flat sheet.
+    pub vertices: Vec<Vector2<f64>>,
+    /// Edges between them.
+    pub edges: Vec<DrawnEdge>,
+    /// Faces as cycles of vertices, either way round; found from the edges if `None`.
+    pub faces: Option<Vec<Vec<usize>>>,
+}
+
+/// Why a drawing is no crease pattern. Names use FOLD's keys, so that the place can be found.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PatternError {
+    /// There is nothing to fold.
+    #[error("{key}: expected at least {least} entries, found {found}")]
+    TooFew {
+        /// The list.
+        key: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Entries needed.
+        least: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("vertices_coords[{vertex}]: expected finite coordinates")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A reference to a vertex that does not exist.
+    #[error("{key}[{index}]: vertex {vertex} does not exist, expected 0 to {last}")]
+    NoVertex {
+        /// The list that refers to it.
+        key: &'static str,
+        /// Position in that list.
+        index: usize,
+        /// The vertex referred to.
+        vertex: usize,
+        /// The last vertex there is.
+        last: usize,
+    },
+    /// An edge from a vertex to itself or to another one at the same place.
+    #[error("edges_vertices[{edge}]: expected two vertices at different places")]
+    NoLength {
+        /// The edge.
+        edge: usize,
+    },
+    /// The same edge twice.
+    #[error("edges_vertices[{edge}]: joins the same vertices as edge {other}")]
+    Duplicate {
+        /// The later edge.
+        edge: usize,
+        /// The earlier edge.
+        other: usize,
+    },
+    /// Two edges cross where there is no vertex.
+    #[error("edges_vertices[{edge}]: crosses edge {other} where there is no vertex")]
+    Crossing {
+        /// One edge.
+        edge: usize,
+        /// The other edge.
+        other: usize,
+    },
+    /// A vertex lies on an edge without being one of its ends.
+    #[error("edges_vertices[{edge}]: passes through vertex {vertex} without ending there")]
+    OnEdge {
+        /// The edge.
+        edge: usize,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A face with a side that is no edge.
+    #[error("faces_vertices[{face}]: no edge joins its vertices {a} and {b}")]
+    NoEdge {
+        /// The face.
+        face: usize,
+        /// One vertex of the side.
+        a: usize,
+        /// The other vertex of the side.
+        b: usize,
+    },
+    /// A face without area, or one that crosses itself.
+    #[error("faces_vertices[{face}]: expected a simple polygon with an area")]
+    NoArea {
+        /// The face.
+        face: usize,
+    },
+    /// More than one face on one side of an edge.
+    #[error("edges_vertices[{edge}]: faces {first} and {second} lie on the same side of it")]
+    Overlap {
+        /// The edge.
+        edge: usize,
+        /// One face.
+        first: usize,
+        /// The other face.
+        second: usize,
+    },
+    /// Faces that meet in a vertex alone, or overlap round it.
+    #[error(
+        "vertices_coords[{vertex}]: expected the faces round it to fill one angle without gaps or \
+         overlaps"
+    )]
+    BrokenStar {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A cut inside the sheet.
+    #[error(
+        "edges_assignment[{edge}]: lettered {letter} between faces {first} and {second}; cuts \
+         inside a sheet are not supported yet, expected one of M V F U J"
+    )]
+    InnerCut {
+        /// The edge.
+        edge: usize,
+        /// Its letter.
+        letter: char,
+        /// One face.
+        first: usize,
+        /// The other face.
+        second: usize,
+    },
+    /// A goal fold angle outside what a hinge can do.
+    #[error("edges_foldAngle[{edge}]: expected -180 to 180 degrees, found {degrees}")]
+    GoalRange {
+        /// The edge.
+        edge: usize,
+        /// The angle in degrees.
+        degrees: f64,
+    },
+    /// A goal fold angle against its letter.
+    #[error(
+        "edges_foldAngle[{edge}]: {degrees} degrees has the wrong sign for letter {letter}; \
+         expected valley positive, mountain negative"
+    )]
+    GoalSign {
+        /// The edge.
+        edge: usize,
+        /// The angle in degrees.
+        degrees: f64,
+        /// Its letter.
+        letter: char,
+    },
+}

@@ -1,0 +1,37 @@
+//! Names of the parts of a crease pattern: positions in its lists that cannot be mixed up.
+
+macro_rules! id {
+    ($name:ident, $what:literal) => {
+        #[doc = concat!("Names ", $what, " of a crease pattern: its position, from 0.")]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// The id of position `index`.
+            ///
+            /// # Panics
+            /// Past 2³², which no list of a crease pattern reaches: reading refuses it.
+            #[must_use]
+            pub fn new(index: usize) -> Self {
+                Self(u32::try_from(index).expect("fewer than 2^32 parts"))
+            }
+
+            /// Its position.
+            #[must_use]
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl core::fmt::Display for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    };
+}
+
+id!(VertexId, "a vertex");
+id!(EdgeId, "an edge");
+id!(FaceId, "a face");
+id!(CreaseId, "a crease");

@@ -1,0 +1,75 @@
+//! The letters that say what an edge is (FOLD's `edges_assignment`).
+
+/// What an edge of a crease pattern is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Letter {
+    /// B: the border of the sheet.
+    Boundary,
+    /// M: folds away from the viewer, negative fold angle.
+    Mountain,
+    /// V: folds towards the viewer, positive fold angle.
+    Valley,
+    /// F: a crease mark that stays flat.
+    Flat,
+    /// U: a hinge that may turn either way.
+    Unassigned,
+    /// J: joins two parts of one panel, flat for good.
+    Join,
+    /// C: a cut.
+    Cut,
+}
+
+impl Letter {
+    /// All letters with their codes.
+    pub const ALL: [(char, Self); 7] = [
+        ('B', Self::Boundary),
+        ('M', Self::Mountain),
+        ('V', Self::Valley),
+        ('F', Self::Flat),
+        ('U', Self::Unassigned),
+        ('J', Self::Join),
+        ('C', Self::Cut),
+    ];
+
+    /// The letter of FOLD's code, which may be written small.
+    #[must_use]
+    pub fn from_code(code: &str) -> Option<Self> {
+        let mut chars = code.chars();
+        let code = chars.next()?.to_ascii_uppercase();
+        let known = Self::ALL.iter().find(|(known, _)| *known == code);
+        known.filter(|_| chars.next().is_none()).map(|l| l.1)
+    }
+
+    /// FOLD's code.
+    #[must_use]
+    pub fn code(self) -> char {
+        let known = Self::ALL.iter().find(|(_, letter)| *letter == self);
+        known.map_or('U', |l| l.0)
+    }
+
+    /// Sign of the fold angle that the letter asks for: 1 valley, -1 mountain, 0 none.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Valley => 1.0,
+            Self::Mountain => -1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// The letter with mountain and valley exchanged: the sheet seen from its other side.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        match self {
+            Self::Valley => Self::Mountain,
+            Self::Mountain => Self::Valley,
+            other => other,
+        }
+    }
+
+    /// Whether such an edge between two faces is a hinge that may turn.
+    #[must_use]
+    pub fn is_hinge(self) -> bool {
+        matches!(self, Self::Mountain | Self::Valley | Self::Unassigned)
+    }
+}

@@ -1,0 +1,18 @@
+//! Crease patterns: the flat sheet as a straight-edged planar graph.
+//!
+//! A [`Drawing`] is what a file says, a [`CreasePattern`] what was made of it: faces found, every
+//! reference checked, real and virtual vertices told apart, panels triangulated.
+
+mod build;
+mod drawing;
+mod ids;
+mod letter;
+mod model;
+mod planarity;
+mod trace;
+mod triangulate;
+
+pub use drawing::{Drawing, DrawnEdge, PatternError};
+pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
+pub use letter::Letter;
+pub use model::{CreasePattern, Edge};

@@ -1,0 +1,214 @@
+//! The crease pattern: immutable, every reference in it known to be good.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::{CreaseId, EdgeId, FaceId, Letter, VertexId};
+use crate::ragged::Ragged;
+
+/// An edge of a crease pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Its ends.
+    pub ends: [VertexId; 2],
+    /// What it is for. Always [`Letter::Boundary`] where there is a face on one side only.
+    pub letter: Letter,
+    /// The faces to the left and to the right of the way from its first end to its second.
+    pub faces: [Option<FaceId>; 2],
+    /// The crease, if it is a hinge: between two faces, and neither flat nor a join.
+    pub crease: Option<CreaseId>,
+    /// Goal fold angle in radians, valley positive, if the drawing names one.
+    pub goal: Option<f64>,
+}
+
+impl Edge {
+    /// The faces on both sides, if it has two.
+    #[must_use]
+    pub fn inner_faces(&self) -> Option<[FaceId; 2]> {
+        Some([self.faces[0]?, self.faces[1]?])
+    }
+
+    /// The end that is not `vertex`.
+    #[must_use]
+    pub fn other_end(&self, vertex: VertexId) -> VertexId {
+        if self.ends[0] == vertex {
+            self.ends[1]
+        } else {
+            self.ends[0]
+        }
+    }
+}
+
+/// A crease pattern.
+#[derive(Clone, Debug)]
+pub struct CreasePattern {
+    pub(super) vertices: Vec<Vector2<f64>>,
+    pub(super) edges: Vec<Edge>,
+    pub(super) faces: Ragged<VertexId>,
+    pub(super) creases: Vec<EdgeId>,
+    pub(super) stars: Ragged<EdgeId>,
+    pub(super) real: Vec<bool>,
+    pub(super) corners: Ragged<FaceId>,
+    pub(super) triangles: Ragged<[VertexId; 3]>,
+    pub(super) diagonals: Vec<[VertexId; 2]>,
+    pub(super) median_edge: f64,
+    pub(super) assumptions: Vec<String>,
+}
+
+impl CreasePattern {
+    /// Vertices of the flat sheet, in the drawing's units.
+    #[must_use]
+    pub fn vertices(&self) -> &[Vector2<f64>] {
+        &self.vertices
+    }
+
+    /// A vertex of the flat sheet as a point in space, z = 0.
+    #[must_use]
+    pub fn point(&self, vertex: VertexId) -> Vector3<f64> {
+        self.vertices[vertex.index()].push(0.0)
+    }
+
+    /// Edges in the order of the drawing.
+    #[must_use]
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The edge of that name.
+    #[must_use]
+    pub fn edge(&self, edge: EdgeId) -> &Edge {
+        &self.edges[edge.index()]
+    }
+
+    /// Faces as counter-clockwise cycles of vertices.
+    #[must_use]
+    pub fn faces(&self) -> &Ragged<VertexId> {
+        &self.faces
+    }
+
+    /// The hinges: edges between two faces whose fold angle may change. Their number is the sheet's
+    /// number of degrees of freedom, closure aside.
+    #[must_use]
+    pub fn creases(&self) -> &[EdgeId] {
+        &self.creases
+    }
+
+    /// For each vertex its edges, counter-clockwise.
+    #[must_use]
+    pub fn stars(&self) -> &Ragged<EdgeId> {
+        &self.stars
+    }
+
+    /// For each vertex the faces round it.
+    #[must_use]
+    pub fn corners(&self) -> &Ragged<FaceId> {
+        &self.corners
+    }
+
+    /// Whether the vertex is real: inside the sheet, so that it has a closure condition.
+    #[must_use]
+    pub fn is_real(&self, vertex: VertexId) -> bool {
+        self.real[vertex.index()]
+    }
+
+    /// The real vertices.
+    pub fn real_vertices(&self) -> impl Iterator<Item = VertexId> {
+        let real = self.real.iter().enumerate().filter(|(_, real)| **real);
+        real.map(|(vertex, _)| VertexId::new(vertex))
+    }
+
+    /// For each face the triangles it is made of, counter-clockwise.
+    #[must_use]
+    pub fn triangles(&self) -> &Ragged<[VertexId; 3]> {
+        &self.triangles
+    }
+
+    /// The diagonals that triangulate faces of more than three vertices.
+    #[must_use]
+    pub fn diagonals(&self) -> &[[VertexId; 2]] {
+        &self.diagonals
+    }
+
+    /// Pairs of vertices that rigid panels hold at their distance: edges and diagonals.
+    pub fn struts(&self) -> impl Iterator<Item = [VertexId; 2]> {
+        let used = |edge: &&Edge| edge.faces.iter().any(Option::is_some);
+        let edges = self.edges.iter().filter(used).map(|edge| edge.ends);
+        edges.chain(self.diagonals.iter().copied())
+    }
+
+    /// Number of virtual edges: diagonals of the triangulation, and edges of the drawing that stay
+    /// flat.
+    #[must_use]
+    pub fn virtual_edges(&self) -> usize {
+        let flat = |e: &&Edge| e.crease.is_none() && e.inner_faces().is_some();
+        self.diagonals.len() + self.edges.iter().filter(flat).count()
+    }
+
+    /// Median length of the edges: the unit of gaps and of crossing depths.
+    #[must_use]
+    pub fn median_edge(&self) -> f64 {
+        self.median_edge
+    }
+
+    /// Length of the vector from the first end to the second in the flat sheet.
+    #[must_use]
+    pub fn length(&self, [a, b]: [VertexId; 2]) -> f64 {
+        (self.vertices[b.index()] - self.vertices[a.index()]).norm()
+    }
+
+    /// Unit direction from `vertex` along `edge` in the flat sheet.
+    #[must_use]
+    pub fn direction(&self, edge: EdgeId, vertex: VertexId) -> Vector2<f64> {
+        let other = self.edge(edge).other_end(vertex);
+        (self.vertices[other.index()] - self.vertices[vertex.index()]).normalize()
+    }
+
+    /// Number of sheets: parts that no chain of faces joins.
+    #[must_use]
+    pub fn sheets(&self) -> usize {
+        let mut seen = vec![false; self.faces.len()];
+        let neighbours = self.neighbours();
+        let mut sheets = 0;
+        for start in 0..seen.len() {
+            if seen[start] {
+                continue;
+            }
+            sheets += 1;
+            seen[start] = true;
+            let mut open = vec![start];
+            while let Some(face) = open.pop() {
+                for &(next, _) in &neighbours[face] {
+                    if !seen[next.index()] {
+                        seen[next.index()] = true;
+                        open.push(next.index());
+                    }
+                }
+            }
+        }
+        sheets
+    }
+
+    /// For each face the faces beyond its edges, and the edge between.
+    #[must_use]
+    pub fn neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
+        let mut pairs = Vec::with_capacity(2 * self.edges.len());
+        for (index, edge) in self.edges.iter().enumerate() {
+            if let Some([left, right]) = edge.inner_faces() {
+                let edge = EdgeId::new(index);
+                pairs.push((left.index(), (right, edge)));
+                pairs.push((right.index(), (left, edge)));
+            }
+        }
+        crate::ragged::group_by_key(self.faces.len(), &pairs)
+    }
+
+    /// What was assumed about the drawing where it was silent or odd, in words.
+    #[must_use]
+    pub fn assumptions(&self) -> &[String] {
+        &self.assumptions
+    }
+
+    /// Notes an assumption made on the way here.
+    pub fn assume(&mut self, assumption: String) {
+        self.assumptions.push(assumption);
+    }
+}

@@ -1,0 +1,102 @@
+//! Whether a drawing is planar: no edge crosses another or passes through a vertex.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector2;
+use robust::{Coord, orient2d};
+
+use super::{Drawing, PatternError};
+
+/// Cells that one edge may cover in the grid before the grid is made coarser.
+const CELLS_PER_EDGE: f64 = 64.0;
+
+/// Checks every pair of edges that come near each other, found by a uniform grid of about one edge
+/// length a cell: expected time linear in the number of edges. The orientation tests are exact.
+pub(super) fn check(drawing: &Drawing) -> Result<(), PatternError> {
+    let mut cell = mean_extent(drawing);
+    let covered = |cell: f64| -> f64 {
+        let cells = |e: &super::DrawnEdge| {
+            let [low, high] = bounds(drawing, e.ends);
+            (high - low).iter().map(|d| d / cell + 2.0).product::<f64>()
+        };
+        drawing.edges.iter().map(cells).sum()
+    };
+    #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
+    let most = CELLS_PER_EDGE * drawing.edges.len() as f64;
+    while covered(cell) > most {
+        cell *= 2.0;
+    }
+    let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    for (edge, drawn) in drawing.edges.iter().enumerate() {
+        let [low, high] = bounds(drawing, drawn.ends);
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "saturates, and cells may be shared"
+        )]
+        let [low, high] =
+            [low, high].map(|p| [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64]);
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                let others = grid.entry([x, y]).or_default();
+                for &other in others.iter() {
+                    check_pair(drawing, edge, other)?;
+                }
+                others.push(edge);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn mean_extent(drawing: &Drawing) -> f64 {
+    let extents = drawing.edges.iter().map(|e| {
+        let [low, high] = bounds(drawing, e.ends);
+        (high - low).max()
+    });
+    #[allow(clippy::cast_precision_loss, reason = "a mean for a grid")]
+    let mean = extents.sum::<f64>() / drawing.edges.len() as f64;
+    mean
+}
+
+fn bounds(drawing: &Drawing, ends: [usize; 2]) -> [Vector2<f64>; 2] {
+    let [a, b] = ends.map(|v| drawing.vertices[v]);
+    [a.inf(&b), a.sup(&b)]
+}
+
+fn check_pair(drawing: &Drawing, edge: usize, other: usize) -> Result<(), PatternError> {
+    let [a, b] = drawing.edges[edge].ends;
+    let [c, d] = drawing.edges[other].ends;
+    let boxes = [bounds(drawing, [a, b]), bounds(drawing, [c, d])];
+    if (0..2).any(|k| boxes[0][0][k] > boxes[1][1][k] || boxes[1][0][k] > boxes[0][1][k]) {
+        return Ok(());
+    }
+    let coord = |v: usize| Coord {
+        x: drawing.vertices[v].x,
+        y: drawing.vertices[v].y,
+    };
+    let turn = |p: usize, q: usize, r: usize| {
+        let turn = orient2d(coord(p), coord(q), coord(r));
+        i8::from(turn > 0.0) - i8::from(turn < 0.0)
+    };
+    // A vertex on a line is on the edge if it is between the ends.
+    let on = |v: usize, [p, q]: [usize; 2], turn: i8| {
+        let [to_p, to_q] = [p, q].map(|end| drawing.vertices[end] - drawing.vertices[v]);
+        turn == 0 && v != p && v != q && to_p.dot(&to_q) <= 0.0
+    };
+    let (c_side, d_side) = (turn(a, b, c), turn(a, b, d));
+    let (a_side, b_side) = (turn(c, d, a), turn(c, d, b));
+    for (edge, vertex, ends, side) in [
+        (edge, c, [a, b], c_side),
+        (edge, d, [a, b], d_side),
+        (other, a, [c, d], a_side),
+        (other, b, [c, d], b_side),
+    ] {
+        if on(vertex, ends, side) {
+            return Err(PatternError::OnEdge { edge, vertex });
+        }
+    }
+    if c_side * d_side < 0 && a_side * b_side < 0 {
+        return Err(PatternError::Crossing { edge, other });
+    }
+    Ok(())
+}

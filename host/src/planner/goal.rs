@@ -1,0 +1,76 @@
+//! Where the sheet is to go.
+
+use thiserror::Error;
+
+use crate::pattern::CreasePattern;
+
+/// Goal fold angles of all creases, radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    /// One for each crease.
+    pub fold_angles: Vec<f64>,
+    /// Where they come from, in words.
+    pub source: String,
+}
+
+/// Why there is no goal.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GoalError {
+    /// Nothing says which way to fold.
+    #[error(
+        "edges_assignment: no crease is lettered M or V and no goal angle is given; expected a goal \
+         frame, edges_foldAngle or letters"
+    )]
+    NoDirection,
+    /// The goal is the flat sheet itself.
+    #[error("edges_foldAngle: the goal is the flat sheet; expected an angle other than 0")]
+    Flat,
+    /// The fraction is not one.
+    #[error("--fold: expected a fraction above 0 and at most 1, found {0}")]
+    Fraction(f64),
+}
+
+impl Goal {
+    /// The pattern's own goal angles, or else its letters folded all the way.
+    ///
+    /// # Errors
+    /// If neither says where to go.
+    pub fn of_pattern(pattern: &CreasePattern) -> Result<Self, GoalError> {
+        let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
+        if goals.clone().all(|goal| goal.is_none()) {
+            return Self::of_letters(pattern, 1.0);
+        }
+        // A crease without an angle beside others with one is a free hinge: its start is flat.
+        let fold_angles: Vec<f64> = goals.map(|goal| goal.unwrap_or(0.0)).collect();
+        if fold_angles.iter().all(|angle| angle.abs() <= 0.0) {
+            return Err(GoalError::Flat);
+        }
+        Ok(Self {
+            fold_angles,
+            source: "the pattern's goal angles".into(),
+        })
+    }
+
+    /// Each crease turned by `fraction` of a half turn, the way its letter says.
+    ///
+    /// # Errors
+    /// If no letter says a way, or the fraction is not in 0..1.
+    pub fn of_letters(pattern: &CreasePattern, fraction: f64) -> Result<Self, GoalError> {
+        if !(fraction > 0.0 && fraction <= 1.0) {
+            return Err(GoalError::Fraction(fraction));
+        }
+        let signs = pattern
+            .creases()
+            .iter()
+            .map(|&id| pattern.edge(id).letter.sign());
+        let angle = fraction * core::f64::consts::PI;
+        let fold_angles: Vec<f64> = signs.map(|sign| sign * angle).collect();
+        if fold_angles.iter().all(|angle| angle.abs() <= 0.0) {
+            return Err(GoalError::NoDirection);
+        }
+        Ok(Self {
+            fold_angles,
+            source: format!("the letters at {:.4} of a half turn", fraction),
+        })
+    }
+}

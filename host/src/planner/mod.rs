@@ -1,0 +1,19 @@
+//! The planner: from a crease pattern and a goal to a path of the whole sheet.
+//!
+//! Crease groups shrink the problem to a few unknowns and essential vertices to a few closure
+//! conditions. The path is followed from the goal, where it is regular, back to the flat sheet, where
+//! it is not, and then reused on the whole sheet: every knot is expanded to all creases and judged
+//! there.
+
+mod follow;
+mod goal;
+mod knots;
+mod options;
+mod plan;
+mod reduction;
+mod solver;
+
+pub use goal::{Goal, GoalError};
+pub use knots::{Interpolation, Knot, Path};
+pub use options::{OptionsError, PlanOptions, Solver, Symmetry, Vertices};
+pub use plan::{Outcome, Plan, Times, plan};

@@ -1,0 +1,122 @@
+//! The problem that is solved: crease groups as unknowns, some stars as conditions, and the goal in
+//! these terms.
+
+use foldpath_core::HalfAngle;
+
+use super::solver::{ClosureSolver, Work, max_closure};
+use super::{Goal, PlanOptions, Symmetry, Vertices};
+use crate::pattern::CreasePattern;
+use crate::symmetry::{CreaseGroups, ReducedStars};
+
+/// The unknowns and conditions of a plan.
+pub(super) struct Reduction {
+    pub(super) groups: CreaseGroups,
+    /// Stars of all real vertices.
+    pub(super) all: ReducedStars,
+    /// One star for each distinct condition.
+    pub(super) essential: ReducedStars,
+    vertices: Vertices,
+}
+
+/// A closed configuration near the goal.
+pub(super) struct ClosedGoal {
+    /// Group angles, radians.
+    pub(super) angles: Vec<f64>,
+    /// Largest difference from the goal asked for over all creases, radians.
+    pub(super) error: f64,
+    /// Largest closure residual of the goal asked for, over the whole sheet.
+    pub(super) asked_closure: f64,
+}
+
+impl Reduction {
+    pub(super) fn new(pattern: &CreasePattern, groups: CreaseGroups, vertices: Vertices) -> Self {
+        let all = ReducedStars::all(pattern, &groups);
+        Self {
+            essential: all.essential(),
+            all,
+            groups,
+            vertices,
+        }
+    }
+
+    /// The stars to solve.
+    pub(super) fn stars(&self) -> &ReducedStars {
+        match self.vertices {
+            Vertices::Essential => &self.essential,
+            Vertices::All => &self.all,
+        }
+    }
+
+    /// Largest closure residual of the whole sheet.
+    pub(super) fn closure(&self, angles: &[f64]) -> f64 {
+        let mut half_angles = vec![HalfAngle::default(); angles.len()];
+        max_closure(self.all.view(), angles, &mut half_angles)
+    }
+
+    /// The goal, moved to the closed configuration near it. `None` if there is none near, or the
+    /// nearest turns a crease against the goal.
+    fn close_goal(
+        &self,
+        goal: &Goal,
+        options: &PlanOptions,
+        work: &mut Work,
+    ) -> Option<ClosedGoal> {
+        let asked = self.groups.reduce(&goal.fold_angles);
+        let mut angles = asked.clone();
+        let mut solver = ClosureSolver::new(self.stars().view(), options.solver);
+        let closed = solver.closes(&mut angles);
+        work.iterations += solver.work.iterations;
+        work.evaluations += solver.work.evaluations;
+        let same_signs = angles.iter().zip(&asked).all(|(a, b)| a * b >= 0.0);
+        if !(closed && same_signs && self.closure(&angles) <= WHOLE_CLOSURE) {
+            return None;
+        }
+        let creases = self.groups.expand(&angles);
+        let errors = creases
+            .iter()
+            .zip(&goal.fold_angles)
+            .map(|(a, b)| (a - b).abs());
+        Some(ClosedGoal {
+            error: errors.fold(0.0, f64::max),
+            asked_closure: self.closure(&asked),
+            angles,
+        })
+    }
+}
+
+/// Closure of the whole sheet below which the groups are believed: far above what rounding leaves on
+/// a vertex, far below what a wrong group does.
+const WHOLE_CLOSURE: f64 = 1e-10;
+
+/// The reduction by crease groups if the whole sheet closes under it at the goal, else that without
+/// symmetry, with a note why.
+pub(super) fn reduce(
+    pattern: &CreasePattern,
+    goal: &Goal,
+    options: &PlanOptions,
+    work: &mut Work,
+    notes: &mut Vec<String>,
+) -> (Reduction, Option<ClosedGoal>) {
+    if options.symmetry == Symmetry::Auto {
+        let groups = CreaseGroups::find(pattern);
+        let symmetric = groups.len() < pattern.creases().len();
+        let reduction = Reduction::new(pattern, groups, options.vertices);
+        let closed = reduction.close_goal(goal, options, work);
+        // Where the goal itself is not symmetric, its symmetric neighbour is not what was asked for.
+        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= SYMMETRIC_GOAL) {
+            return (reduction, closed);
+        }
+        notes.push(format!(
+            "{} crease groups dropped: the goal does not close under them",
+            reduction.groups.len()
+        ));
+    }
+    let groups = CreaseGroups::trivial(pattern);
+    let reduction = Reduction::new(pattern, groups, options.vertices);
+    let closed = reduction.close_goal(goal, options, work);
+    (reduction, closed)
+}
+
+/// Distance, in radians, that the goal may be moved to close under the crease groups before every
+/// crease is freed instead: far enough for letters as a goal, whose angles all start equal.
+const SYMMETRIC_GOAL: f64 = core::f64::consts::FRAC_PI_2;

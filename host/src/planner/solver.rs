@@ -1,0 +1,108 @@
+//! Core's solvers with memory from the heap.
+
+use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::{
+    DenseNormalEquations, HalfAngle, StarsView, closure, gradient, levenberg_marquardt, norm,
+};
+use nalgebra::Vector3;
+
+use super::Solver;
+
+/// Steps that the gradient solver may take: it converges linearly.
+const GRADIENT_ITERATIONS: u32 = 20_000;
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Work {
+    pub(super) iterations: u64,
+    pub(super) evaluations: u64,
+}
+
+/// The closure of some stars, with all memory that solving it needs.
+pub(super) struct ClosureSolver<'a> {
+    stars: StarsView<'a, f64>,
+    kind: Solver,
+    half_angles: Vec<HalfAngle<f64>>,
+    columns: Vec<Vector3<f64>>,
+    equations: Vec<f64>,
+    workspace: Vec<f64>,
+    pub(super) work: Work,
+}
+
+impl<'a> ClosureSolver<'a> {
+    pub(super) fn new(stars: StarsView<'a, f64>, kind: Solver) -> Self {
+        let n = stars.unknowns();
+        Self {
+            stars,
+            kind,
+            half_angles: vec![HalfAngle::default(); n],
+            columns: vec![Vector3::zeros(); stars.max_degree()],
+            equations: vec![0.0; DenseNormalEquations::<f64>::memory(n)],
+            workspace: vec![0.0; 3 * n],
+            work: Work::default(),
+        }
+    }
+
+    /// Moves `x` to the closed configuration near it.
+    pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
+        let n = self.stars.unknowns();
+        let Some(mut problem) =
+            ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns)
+        else {
+            unreachable!("memory for all unknowns and the largest star")
+        };
+        let mut options = Options::default();
+        let limits = Limits::HalfTurn;
+        let report = match self.kind {
+            Solver::LevenbergMarquardt => {
+                let Some(mut equations) = DenseNormalEquations::new(n, &mut self.equations) else {
+                    unreachable!("memory for n unknowns")
+                };
+                let work = &mut self.workspace;
+                levenberg_marquardt::solve(&mut problem, &mut equations, limits, &options, x, work)
+            }
+            Solver::Gradient => {
+                options.max_iterations = GRADIENT_ITERATIONS;
+                gradient::solve(&mut problem, limits, &options, x, &mut self.workspace)
+            }
+        };
+        self.work.iterations += u64::from(report.iterations);
+        self.work.evaluations += u64::from(report.evaluations);
+        report
+    }
+
+    /// Whether `x`, moved to the closed configuration near it, closes.
+    pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
+        self.close(x).outcome == Outcome::Converged
+    }
+
+    /// Replaces `direction` by the nearest infinitesimal motion at `x`.
+    pub(super) fn project_on_motions(&mut self, x: &[f64], direction: &mut [f64]) -> bool {
+        let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
+        let equations = DenseNormalEquations::new(x.len(), &mut self.equations);
+        let (Some(mut problem), Some(mut equations)) = (problem, equations) else {
+            return false;
+        };
+        problem.linearise(x, &mut equations);
+        self.work.evaluations += 1;
+        levenberg_marquardt::project_on_motions(&mut equations, direction)
+    }
+
+    /// Largest closure residual at `x`.
+    pub(super) fn residual(&mut self, x: &[f64]) -> f64 {
+        max_closure(self.stars, x, &mut self.half_angles)
+    }
+}
+
+/// Largest closure residual of the stars at the group angles `x`.
+pub(super) fn max_closure(
+    stars: StarsView<'_, f64>,
+    x: &[f64],
+    half_angles: &mut [HalfAngle<f64>],
+) -> f64 {
+    closure::half_angles(x, half_angles);
+    let residuals = stars
+        .iter()
+        .map(|star| norm(&closure::residual(star, half_angles)));
+    residuals.fold(0.0, |max, r| if r > max || r.is_nan() { r } else { max })
+}

@@ -1,0 +1,267 @@
+//! Essential vertices: one real vertex for every distinct closure condition.
+
+use std::collections::{BTreeSet, HashMap, VecDeque};
+
+use foldpath_core::{Spoke, StarsView};
+use nalgebra::Vector2;
+
+use super::CreaseGroups;
+use crate::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, PatternError, VertexId};
+use crate::ragged::Ragged;
+
+/// Sector angles this close, in radians, are the same.
+const SAME_ANGLE: f64 = 1e-6;
+
+/// Stars of real vertices as functions of the group angles.
+#[derive(Clone, Debug)]
+pub struct ReducedStars {
+    vertices: Vec<VertexId>,
+    spokes: Ragged<Spoke<f64>>,
+    unknowns: usize,
+}
+
+impl ReducedStars {
+    /// The stars of all real vertices that a hinge ends at.
+    #[must_use]
+    pub fn all(pattern: &CreasePattern, groups: &CreaseGroups) -> Self {
+        let mut stars = Self {
+            vertices: Vec::new(),
+            spokes: Ragged::default(),
+            unknowns: groups.len(),
+        };
+        let mut star = Vec::new();
+        for vertex in pattern.real_vertices() {
+            star.clear();
+            star.extend(pattern.stars()[vertex.index()].iter().filter_map(|&id| {
+                let membership = groups.of(pattern.edge(id).crease?);
+                let direction = pattern.direction(id, vertex);
+                Some(Spoke {
+                    group: membership.group,
+                    negative: membership.negative,
+                    direction: [direction.x, direction.y],
+                })
+            }));
+            if !star.is_empty() {
+                stars.vertices.push(vertex);
+                stars.spokes.push(star.iter().copied());
+            }
+        }
+        stars
+    }
+
+    /// One star for every distinct closure condition: two are the same if a rotation or mirror image
+    /// takes one to the other, group by group, with all signs kept or all exchanged.
+    #[must_use]
+    pub fn essential(&self) -> Self {
+        let mut kept: HashMap<Vec<u32>, Vec<usize>> = HashMap::new();
+        let mut essential = Self {
+            vertices: Vec::new(),
+            spokes: Ragged::default(),
+            unknowns: self.unknowns,
+        };
+        for (index, star) in self.spokes.iter().enumerate() {
+            let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
+            key.sort_unstable();
+            let alike = kept.entry(key).or_default();
+            if !alike
+                .iter()
+                .any(|&other| same_condition(&self.spokes[other], star))
+            {
+                alike.push(index);
+                essential.vertices.push(self.vertices[index]);
+                essential.spokes.push(star.iter().copied());
+            }
+        }
+        essential
+    }
+
+    /// The vertices, in the order of the stars.
+    #[must_use]
+    pub fn vertices(&self) -> &[VertexId] {
+        &self.vertices
+    }
+
+    /// The stars as the solvers take them.
+    ///
+    /// # Panics
+    /// Never: stars are built from groups that exist.
+    #[must_use]
+    pub fn view(&self) -> StarsView<'_, f64> {
+        StarsView::new(self.spokes.items(), self.spokes.ends(), self.unknowns)
+            .expect("stars refer to groups that exist")
+    }
+}
+
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
+    let n = a.len();
+    let matches = |first: usize, mirrored: bool, flipped: bool| {
+        let image = |k: usize| {
+            if mirrored {
+                (first + n - k % n) % n
+            } else {
+                (first + k) % n
+            }
+        };
+        (0..n).all(|k| {
+            let (from, to) = (&a[k], &b[image(k)]);
+            let sector = angle(from.direction, a[(k + 1) % n].direction);
+            let image_sector = if mirrored {
+                angle(b[image(k + 1)].direction, to.direction)
+            } else {
+                angle(to.direction, b[image(k + 1)].direction)
+            };
+            from.group == to.group
+                && (from.negative == to.negative) != flipped
+                && (sector - image_sector).abs() <= SAME_ANGLE
+        })
+    };
+    let both = [false, true];
+    n == b.len()
+        && (0..n).any(|first| {
+            both.iter()
+                .any(|&m| both.iter().any(|&f| matches(first, m, f)))
+        })
+}
+
+/// Angle from one direction to another, counter-clockwise, in 0..2π.
+fn angle(from: [f64; 2], to: [f64; 2]) -> f64 {
+    let (from, to) = (Vector2::from(from), Vector2::from(to));
+    let angle = from.perp(&to).atan2(from.dot(&to));
+    if angle < -SAME_ANGLE {
+        angle + core::f64::consts::TAU
+    } else {
+        angle
+    }
+}
+
+/// The essential crease pattern: a small part of the sheet, without holes at its vertices, in which
+/// a vertex for each essential condition is real. Returned with the creases of the whole sheet that
+/// its creases are.
+///
+/// # Errors
+/// Never for a valid pattern; the error of the part that could not be cut out.
+pub fn essential_pattern(
+    pattern: &CreasePattern,
+    groups: &CreaseGroups,
+) -> Result<(CreasePattern, Vec<usize>), PatternError> {
+    let all = ReducedStars::all(pattern, groups);
+    let mut faces = essential_faces(pattern, &all);
+    loop {
+        match cut_out(pattern, &faces) {
+            // Two faces that meet in a point: the part grows until none do.
+            Err((PatternError::BrokenStar { .. }, vertex)) => {
+                faces.extend(&pattern.corners()[vertex.index()]);
+            }
+            Err((error, _)) => return Err(error),
+            Ok(part) => return Ok(part),
+        }
+    }
+}
+
+/// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
+/// faces round the vertices between.
+fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<FaceId> {
+    let essential = all.essential();
+    let Some(&start) = essential.vertices.first() else {
+        return (0..pattern.faces().len().min(1)).map(FaceId::new).collect();
+    };
+    let mut missing: Vec<usize> = (0..essential.vertices.len()).collect();
+    let mut star_of = vec![None; pattern.vertices().len()];
+    for (index, vertex) in all.vertices.iter().enumerate() {
+        star_of[vertex.index()] = Some(index);
+    }
+    let mut faces = BTreeSet::new();
+    let mut before = vec![None; pattern.vertices().len()];
+    before[start.index()] = Some(start);
+    let mut open = VecDeque::from([start]);
+    while let Some(vertex) = open.pop_front() {
+        let star = star_of[vertex.index()];
+        let found = star.and_then(|star| {
+            let same = |&k: &usize| same_condition(&essential.spokes[k], &all.spokes[star]);
+            missing.iter().position(same)
+        });
+        if let Some(found) = found {
+            missing.swap_remove(found);
+            let mut way = vertex;
+            loop {
+                faces.extend(&pattern.corners()[way.index()]);
+                match before[way.index()] {
+                    Some(back) if back != way => way = back,
+                    _ => break,
+                }
+            }
+            if missing.is_empty() {
+                break;
+            }
+        }
+        for &edge in &pattern.stars()[vertex.index()] {
+            let next = pattern.edge(edge).other_end(vertex);
+            if before[next.index()].is_none() {
+                before[next.index()] = Some(vertex);
+                open.push_back(next);
+            }
+        }
+    }
+    faces
+}
+
+type Part = (CreasePattern, Vec<usize>);
+
+/// The pattern of these faces alone, or why there is none and the vertex of the whole sheet there.
+fn cut_out(
+    pattern: &CreasePattern,
+    faces: &BTreeSet<FaceId>,
+) -> Result<Part, (PatternError, VertexId)> {
+    let mut drawing = Drawing {
+        faces: Some(Vec::new()),
+        ..Drawing::default()
+    };
+    let mut new_vertex = vec![None; pattern.vertices().len()];
+    let mut vertices = Vec::new();
+    for face in faces {
+        let cycle = pattern.faces()[face.index()].iter().map(|&vertex| {
+            *new_vertex[vertex.index()].get_or_insert_with(|| {
+                vertices.push(vertex);
+                vertices.len() - 1
+            })
+        });
+        let cycle = cycle.collect();
+        drawing.faces.get_or_insert_default().push(cycle);
+    }
+    drawing.vertices = vertices
+        .iter()
+        .map(|v| pattern.vertices()[v.index()])
+        .collect();
+    let mut creases = Vec::new();
+    for edge in pattern.edges() {
+        let sides = edge.faces.iter().flatten().filter(|f| faces.contains(f));
+        let sides = sides.count();
+        let ends = edge.ends.map(|end| new_vertex[end.index()]);
+        if let (1.., [Some(a), Some(b)]) = (sides, ends) {
+            drawing.edges.push(DrawnEdge {
+                ends: [a, b],
+                letter: if sides == 2 {
+                    edge.letter
+                } else {
+                    crate::pattern::Letter::Boundary
+                },
+                goal: edge.goal.filter(|_| sides == 2),
+            });
+            creases.extend(
+                edge.crease
+                    .filter(|_| sides == 2)
+                    .map(crate::pattern::CreaseId::index),
+            );
+        }
+    }
+    match CreasePattern::new(drawing) {
+        Ok(part) => Ok((part, creases)),
+        Err(error) => {
+            let vertex = match error {
+                PatternError::BrokenStar { vertex } => vertices[vertex],
+                _ => vertices[0],
+            };
+            Err((error, vertex))
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Crease groups from the partial symmetries of the sheet.
+//!
+//! Answers an open question of [XiLien2015]: how to find crease groups without a path. Two vertices
+//! with congruent stars name a planar isometry that takes one star to the other, perhaps with
+//! mountain and valley exchanged. It is a partial symmetry if it maps the whole overlap of the sheet
+//! with its own image on itself, letters and goal angles included; then each crease and its image
+//! may turn alike. Union-find with parity turns these relations into groups and signs.
+//!
+//! That the symmetric motion exists is not implied: the caller checks the closure of the whole sheet
+//! at the reduced configurations.
+
+use foldpath_core::{GroupId, Membership};
+use nalgebra::Vector2;
+
+use super::isometry::Isometry;
+use super::parity::ParitySets;
+use super::places::Places;
+use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
+use crate::ragged::Ragged;
+
+/// Points this close, in median edges, and directions this close, in radians, are the same: a
+/// thousand times the noise of coordinates written with nine digits, a thousandth of what is visible.
+const SAME_PLACE: f64 = 1e-6;
+/// Goal angles this close, in radians, may belong to one group: half a degree covers goals that were
+/// measured or rounded.
+const SAME_GOAL: f64 = 1e-2;
+
+/// Which creases turn alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CreaseGroups {
+    memberships: Vec<Membership>,
+    groups: usize,
+}
+
+impl CreaseGroups {
+    /// The groups that the partial symmetries of the pattern give.
+    ///
+    /// Cost: O(vertices) for each symmetry tried; a tessellation needs a handful.
+    #[must_use]
+    pub fn find(pattern: &CreasePattern) -> Self {
+        Search::new(pattern).run()
+    }
+
+    /// Each crease on its own: no symmetry assumed.
+    #[must_use]
+    pub fn trivial(pattern: &CreasePattern) -> Self {
+        Self::from_sets(pattern, ParitySets::new(pattern.creases().len()))
+    }
+
+    fn from_sets(pattern: &CreasePattern, mut sets: ParitySets) -> Self {
+        let mut group_of_root = vec![None; pattern.creases().len()];
+        let mut groups = 0;
+        let mut memberships = Vec::with_capacity(pattern.creases().len());
+        for crease in 0..pattern.creases().len() {
+            let (root, against) = sets.find(crease);
+            // The sign of a group is such that its first valley or mountain makes it positive.
+            let first = |r: usize| pattern.edge(pattern.creases()[r]).letter == Letter::Mountain;
+            let (group, negative) = *group_of_root[root].get_or_insert_with(|| {
+                groups += 1;
+                (groups - 1, first(root))
+            });
+            memberships.push(Membership {
+                group: GroupId(group),
+                negative: against ^ negative,
+            });
+        }
+        Self {
+            memberships,
+            groups: groups as usize,
+        }
+    }
+
+    /// Number of groups: of unknowns that remain.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.groups
+    }
+
+    /// Whether there is no crease at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.groups == 0
+    }
+
+    /// For each crease its group and sign.
+    #[must_use]
+    pub fn memberships(&self) -> &[Membership] {
+        &self.memberships
+    }
+
+    /// Group and sign of a crease.
+    #[must_use]
+    pub fn of(&self, crease: CreaseId) -> Membership {
+        self.memberships[crease.index()]
+    }
+
+    /// Fold angles of all creases for given group angles (radians).
+    ///
+    /// # Panics
+    /// If `angles` has fewer entries than there are groups.
+    #[must_use]
+    pub fn expand(&self, angles: &[f64]) -> Vec<f64> {
+        let mut creases = vec![0.0; self.memberships.len()];
+        let complete = foldpath_core::expand(&self.memberships, angles, &mut creases);
+        assert!(complete, "an angle for each group");
+        creases
+    }
+
+    /// Group angles nearest to given fold angles of the creases: means over each group.
+    #[must_use]
+    pub fn reduce(&self, creases: &[f64]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.groups];
+        for (membership, &angle) in self.memberships.iter().zip(creases) {
+            let (sum, count) = &mut sums[membership.group.index()];
+            *sum += membership.apply(angle);
+            *count += 1.0;
+        }
+        sums.into_iter().map(|(sum, count)| sum / count).collect()
+    }
+}
+
+/// One hinge as seen from a vertex.
+#[derive(Clone, Copy)]
+struct Ray {
+    direction: Vector2<f64>,
+    crease: CreaseId,
+    letter: Letter,
+    goal: Option<f64>,
+}
+
+impl Ray {
+    /// Whether an isometry may take this crease to `image`, places aside.
+    fn agrees(&self, image: &Self, flips: bool) -> bool {
+        let letter = if flips {
+            self.letter.flipped()
+        } else {
+            self.letter
+        };
+        let same_goal = match (self.goal, image.goal) {
+            (Some(a), Some(b)) => (if flips { a + b } else { a - b }).abs() <= SAME_GOAL,
+            (None, None) => true,
+            _ => false,
+        };
+        letter == image.letter && same_goal
+    }
+}
+
+struct Search<'a> {
+    pattern: &'a CreasePattern,
+    places: Places<'a>,
+    rays: Ragged<Ray>,
+    real: Vec<VertexId>,
+    sets: ParitySets,
+    /// Relations that the isometry at hand implies.
+    found: Vec<(CreaseId, CreaseId)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(pattern: &'a CreasePattern) -> Self {
+        let rays = pattern.stars().iter().enumerate().map(|(vertex, star)| {
+            let vertex = VertexId::new(vertex);
+            star.iter().filter_map(move |&id| {
+                let edge = pattern.edge(id);
+                Some(Ray {
+                    direction: pattern.direction(id, vertex),
+                    crease: edge.crease?,
+                    letter: edge.letter,
+                    goal: edge.goal,
+                })
+            })
+        });
+        let rays: Ragged<Ray> = rays.collect();
+        let real = pattern.real_vertices();
+        let real = real.filter(|v| !rays[v.index()].is_empty()).collect();
+        Self {
+            pattern,
+            places: Places::new(pattern, SAME_PLACE * pattern.median_edge()),
+            rays,
+            real,
+            sets: ParitySets::new(pattern.creases().len()),
+            found: Vec::new(),
+        }
+    }
+
+    fn run(mut self) -> CreaseGroups {
+        // One vertex for each kind of star seen so far.
+        let mut kinds: Vec<VertexId> = Vec::new();
+        for index in 0..self.real.len() {
+            let vertex = self.real[index];
+            let mut known = false;
+            for &kind in &kinds {
+                if self.rays[kind.index()].len() != self.rays[vertex.index()].len() {
+                    continue;
+                }
+                known |= self.try_all(kind, vertex);
+            }
+            if !known {
+                kinds.push(vertex);
+                self.try_all(vertex, vertex);
+            }
+        }
+        CreaseGroups::from_sets(self.pattern, self.sets)
+    }
+
+    /// Tries every isometry that takes the star of one vertex to that of the other. Returns whether
+    /// the stars are congruent at all.
+    fn try_all(&mut self, from: VertexId, to: VertexId) -> bool {
+        let mut congruent = false;
+        let turned_over = [false, true];
+        let degree = self.rays[to.index()].len();
+        for (mirrors, flips) in turned_over
+            .iter()
+            .flat_map(|m| turned_over.map(|f| (*m, f)))
+        {
+            for first in 0..degree {
+                let image = self.rays[to.index()][first];
+                let ray = self.rays[from.index()][0];
+                if !ray.agrees(&image, flips) {
+                    continue;
+                }
+                let isometry = Isometry::between(
+                    [from, to].map(|v| self.pattern.vertices()[v.index()]),
+                    [ray.direction, image.direction],
+                    mirrors,
+                    flips,
+                );
+                self.found.clear();
+                if !self.maps_star(&isometry, from, to) {
+                    continue;
+                }
+                congruent = true;
+                let mut pairs = self.found.iter();
+                let sets = &mut self.sets;
+                let mut news =
+                    pairs.any(|(a, b)| !sets.related(a.index(), b.index(), isometry.flips));
+                if news {
+                    news = self.is_symmetry(&isometry);
+                }
+                if news {
+                    self.join(isometry.flips);
+                }
+            }
+        }
+        congruent
+    }
+
+    /// Whether the isometry takes the star of `from` to that of `to`; notes the pairs of creases.
+    /// Round a vertex on the border only what is inside the sheet is compared.
+    fn maps_star(&mut self, isometry: &Isometry, from: VertexId, to: VertexId) -> bool {
+        let (rays, images) = (&self.rays[from.index()], &self.rays[to.index()]);
+        let whole = [from, to].map(|v| self.pattern.is_real(v));
+        if whole == [true, true] && rays.len() != images.len() {
+            return false;
+        }
+        let mut matched = 0;
+        for ray in rays {
+            let direction = isometry.turn(ray.direction);
+            let same = |image: &&Ray| {
+                (image.direction - direction).norm_squared() <= SAME_PLACE * SAME_PLACE
+            };
+            match images.iter().find(same) {
+                Some(image) if ray.agrees(image, isometry.flips) => {
+                    self.found.push((ray.crease, image.crease));
+                    matched += 1;
+                }
+                Some(_) => return false,
+                None if whole[1] => return false,
+                None => {}
+            }
+        }
+        !whole[0] || matched == images.len()
+    }
+
+    /// Whether the isometry maps the overlap of the sheet with its image on itself; notes the pairs
+    /// of creases.
+    fn is_symmetry(&mut self, isometry: &Isometry) -> bool {
+        self.found.clear();
+        let inverse = isometry.inverse();
+        for index in 0..self.real.len() {
+            let vertex = self.real[index];
+            let flat = self.pattern.vertices()[vertex.index()];
+            let image = isometry.apply(flat);
+            match self.places.vertex_at(image) {
+                Some(to) if !self.maps_star(isometry, vertex, to) => return false,
+                None if self.places.is_inside(image) => return false,
+                _ => {}
+            }
+            let origin = inverse.apply(flat);
+            match self.places.vertex_at(origin) {
+                Some(from) if self.pattern.is_real(from) => {
+                    // Compared already, unless no hinge ends there.
+                    if self.rays[from.index()].is_empty() {
+                        return false;
+                    }
+                }
+                Some(from) if !self.maps_star(isometry, from, vertex) => return false,
+                None if self.places.is_inside(origin) => return false,
+                _ => {}
+            }
+        }
+        let pairs = self.found.iter();
+        let sets = &mut self.sets;
+        !pairs
+            .into_iter()
+            .any(|(a, b)| sets.contradicts(a.index(), b.index(), isometry.flips))
+    }
+
+    fn join(&mut self, flips: bool) {
+        for &(a, b) in &self.found {
+            // Pairs of one isometry may contradict each other where letters do not say.
+            let _consistent = self.sets.join(a.index(), b.index(), flips);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Union-find with parity: which creases turn alike, and which of them the other way.
+
+/// Sets of items, each with a sign relative to its set.
+pub(super) struct ParitySets {
+    parent: Vec<u32>,
+    /// Whether the item turns against its parent.
+    negative: Vec<bool>,
+}
+
+impl ParitySets {
+    pub(super) fn new(items: usize) -> Self {
+        Self {
+            parent: (0..).take(items).collect(),
+            negative: vec![false; items],
+        }
+    }
+
+    /// The set's representative, and whether the item turns against it.
+    pub(super) fn find(&mut self, item: usize) -> (usize, bool) {
+        let mut root = item;
+        let mut negative = false;
+        while self.parent[root] as usize != root {
+            negative ^= self.negative[root];
+            root = self.parent[root] as usize;
+        }
+        // Every item passed on the way is tied to the root directly.
+        let (mut item, mut sign) = (item, negative);
+        while self.parent[item] as usize != root && item != root {
+            let next = self.parent[item] as usize;
+            let next_sign = sign ^ self.negative[item];
+            self.parent[item] = self.parent[root];
+            self.negative[item] = sign;
+            (item, sign) = (next, next_sign);
+        }
+        (root, negative)
+    }
+
+    /// Whether both are known to turn alike (`negative`: against each other).
+    pub(super) fn related(&mut self, a: usize, b: usize, negative: bool) -> bool {
+        let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
+        a == b && a_sign ^ b_sign == negative
+    }
+
+    /// Whether saying so would contradict what is known.
+    pub(super) fn contradicts(&mut self, a: usize, b: usize, negative: bool) -> bool {
+        let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
+        a == b && a_sign ^ b_sign != negative
+    }
+
+    /// Says that both turn alike (`negative`: against each other). The smaller representative
+    /// stays. Returns `false`, changing nothing, if that contradicts what is known.
+    pub(super) fn join(&mut self, a: usize, b: usize, negative: bool) -> bool {
+        let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
+        if a == b {
+            return a_sign ^ b_sign == negative;
+        }
+        let (root, child) = (a.min(b), a.max(b));
+        self.parent[child] = self.parent[root];
+        self.negative[child] = a_sign ^ b_sign ^ negative;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parity_is_carried_through_chains_and_contradictions_are_refused() {
+        let mut sets = ParitySets::new(5);
+        assert!(sets.join(4, 3, true) && sets.join(3, 2, true) && sets.join(2, 1, true));
+        assert!(sets.related(4, 1, true) && sets.related(4, 2, false));
+        assert!(!sets.related(0, 1, false));
+        assert!(!sets.join(1, 3, true) && sets.contradicts(1, 3, true));
+        assert_eq!(sets.find(4), (1, true));
+        assert_eq!(sets.find(0), (0, false));
+    }
+}

@@ -1,0 +1,119 @@
+//! Where things are on the sheet: the vertex at a point, and whether a point is inside.
+
+use nalgebra::Vector2;
+
+use crate::pattern::{CreasePattern, VertexId};
+use crate::ragged::{Ragged, group_by_key};
+
+/// A uniform grid over the sheet with about one vertex a cell.
+pub(super) struct Places<'a> {
+    pattern: &'a CreasePattern,
+    tolerance: f64,
+    low: Vector2<f64>,
+    high: Vector2<f64>,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    cells: Ragged<VertexId>,
+    border: Vec<[Vector2<f64>; 2]>,
+}
+
+impl<'a> Places<'a> {
+    /// Points within `tolerance` of each other count as one.
+    pub(super) fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
+        let vertices = pattern.vertices();
+        let low = vertices.iter().fold(vertices[0], |low, v| low.inf(v));
+        let high = vertices.iter().fold(vertices[0], |high, v| high.sup(v));
+        let extent = high - low;
+        #[allow(clippy::cast_precision_loss, reason = "sizes a grid")]
+        let count = vertices.len() as f64;
+        let cell = (extent.x * extent.y / count)
+            .sqrt()
+            .max(extent.max() / count);
+        let mut places = Self {
+            pattern,
+            tolerance,
+            low,
+            high,
+            cell,
+            columns: 0,
+            rows: 0,
+            cells: Ragged::default(),
+            border: Vec::new(),
+        };
+        places.columns = places.step(extent.x) + 1;
+        places.rows = places.step(extent.y) + 1;
+        let pairs: Vec<_> = vertices
+            .iter()
+            .enumerate()
+            .map(|(index, v)| {
+                let [column, row] = [v.x - low.x, v.y - low.y].map(|d| places.step(d));
+                (row * places.columns + column, VertexId::new(index))
+            })
+            .collect();
+        places.cells = group_by_key(places.columns * places.rows, &pairs);
+        let open = pattern.edges().iter().filter(|e| e.inner_faces().is_none());
+        places.border = open
+            .filter(|e| e.faces.iter().any(Option::is_some))
+            .map(|e| e.ends.map(|end| vertices[end.index()]))
+            .collect();
+        places
+    }
+
+    /// Number of whole cells in a distance that is not negative.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small number that is not negative: the distance is within the sheet"
+    )]
+    fn step(&self, distance: f64) -> usize {
+        (distance / self.cell) as usize
+    }
+
+    /// Whether the point is outside the sheet's bounding box.
+    fn far(&self, point: Vector2<f64>) -> bool {
+        let t = self.tolerance;
+        (0..2).any(|k| point[k] < self.low[k] - t || point[k] > self.high[k] + t)
+    }
+
+    /// The vertex at `point`, if there is one.
+    pub(super) fn vertex_at(&self, point: Vector2<f64>) -> Option<VertexId> {
+        if self.far(point) {
+            return None;
+        }
+        let range = |k: usize, cells: usize| {
+            let at = |d: f64| {
+                self.step((point[k] + d - self.low[k]).max(0.0))
+                    .min(cells - 1)
+            };
+            at(-self.tolerance)..=at(self.tolerance)
+        };
+        let near = |v: &VertexId| {
+            (self.pattern.vertices()[v.index()] - point).norm_squared()
+                <= self.tolerance * self.tolerance
+        };
+        range(1, self.rows)
+            .flat_map(|row| range(0, self.columns).map(move |column| row * self.columns + column))
+            .find_map(|cell| self.cells[cell].iter().copied().find(near))
+    }
+
+    /// Whether `point` is inside the sheet and not on its border. Cost: O(border).
+    pub(super) fn is_inside(&self, point: Vector2<f64>) -> bool {
+        if self.far(point) {
+            return false;
+        }
+        let mut inside = false;
+        for &[a, b] in &self.border {
+            let (along, to) = (b - a, point - a);
+            let s = (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            if (to - along * s).norm() <= self.tolerance {
+                return false;
+            }
+            // Crossings of the border to the right of the point.
+            if (a.y > point.y) != (b.y > point.y) && to.x < along.x * to.y / along.y {
+                inside = !inside;
+            }
+        }
+        inside
+    }
+}
