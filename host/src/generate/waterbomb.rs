@@ -50,7 +50,7 @@ impl Waterbomb {
         let (columns, rows) = (self.rows, self.columns);
         let mut grid = Grid::new(columns, rows, point);
         // The band of units over rows 2k and 2k + 1 starts at an odd column if k is odd.
-        let at_unit_side = |column: usize, row: usize| (column + row / 2) % 2 == 0;
+        let at_unit_side = |column: usize, row: usize| (column + row / 2).is_multiple_of(2);
         for row in 0..=rows {
             for column in 0..=columns {
                 if row < rows {

@@ -17,3 +17,4 @@ pub use goal::{Goal, GoalError};
 pub use knots::{Interpolation, Knot, Path};
 pub use options::{OptionsError, PlanOptions, Solver, Symmetry, Vertices};
 pub use plan::{Outcome, Plan, Times, plan};
+pub use reduction::goal_closure;

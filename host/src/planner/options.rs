@@ -4,6 +4,8 @@ use core::time::Duration;
 
 use thiserror::Error;
 
+use super::Interpolation;
+
 /// Whether to look for crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Symmetry {
@@ -45,6 +47,8 @@ pub struct PlanOptions {
     pub vertices: Vertices,
     /// Whether to look for faces that pass through each other.
     pub collision: bool,
+    /// How the motion between knots is made.
+    pub interpolation: Interpolation,
     /// Which solver to use.
     pub solver: Solver,
     /// No hinge turns by more than this from one knot to the next, radians.
@@ -62,6 +66,7 @@ impl Default for PlanOptions {
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
             collision: true,
+            interpolation: Interpolation::default(),
             solver: Solver::default(),
             max_step: 10_f64.to_radians(),
             max_speed: 45_f64.to_radians(),

@@ -177,6 +177,7 @@ impl<'a> Planning<'a> {
         if let Some(stop) = followed.stop {
             return self.stopped(stop, &followed, &closed);
         }
+        self.plan.path.interpolation = self.options.interpolation;
         self.plan.path.knots = timed(&followed.waypoints, self.options.max_speed);
         self.plan.reached = 1.0;
         self.judge(&reduction, &mut solver)

@@ -120,3 +120,21 @@ pub(super) fn reduce(
 /// Distance, in radians, that the goal may be moved to close under the crease groups before every
 /// crease is freed instead: far enough for letters as a goal, whose angles all start equal.
 const SYMMETRIC_GOAL: f64 = core::f64::consts::FRAC_PI_2;
+
+/// Largest closure residual of the goal angles that the pattern itself names, if it names any.
+#[must_use]
+pub fn goal_closure(pattern: &CreasePattern) -> Option<f64> {
+    let goals: Vec<Option<f64>> = pattern
+        .creases()
+        .iter()
+        .map(|&id| pattern.edge(id).goal)
+        .collect();
+    goals.iter().flatten().next()?;
+    let groups = CreaseGroups::trivial(pattern);
+    let angles = goals
+        .iter()
+        .map(|goal| goal.unwrap_or(0.0))
+        .collect::<Vec<_>>();
+    let reduction = Reduction::new(pattern, groups, Vertices::All);
+    Some(reduction.closure(&reduction.groups.reduce(&angles)))
+}

@@ -87,11 +87,6 @@ impl<'a> ClosureSolver<'a> {
         self.work.evaluations += 1;
         levenberg_marquardt::project_on_motions(&mut equations, direction)
     }
-
-    /// Largest closure residual at `x`.
-    pub(super) fn residual(&mut self, x: &[f64]) -> f64 {
-        max_closure(self.stars, x, &mut self.half_angles)
-    }
 }
 
 /// Largest closure residual of the stars at the group angles `x`.

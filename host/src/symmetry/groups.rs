@@ -287,9 +287,10 @@ impl<'a> Search<'a> {
             }
             let origin = inverse.apply(flat);
             match self.places.vertex_at(origin) {
+                // Compared already where it was mapped, unless no hinge ends there.
                 Some(from) if self.pattern.is_real(from) => {
-                    // Compared already, unless no hinge ends there.
-                    if self.rays[from.index()].is_empty() {
+                    let mapped = !self.rays[from.index()].is_empty();
+                    if !mapped {
                         return false;
                     }
                 }

@@ -1,0 +1,264 @@
+//! Arguments of the commands.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::planner;
+
+/// Plans how a flat sheet with many hinges folds into a goal shape, and proves it.
+#[derive(Debug, Parser)]
+#[command(name = "foldpath", version, about)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Write a crease pattern of a known family with its goal
+    Generate(Generate),
+    /// Say what a crease pattern is: vertices, creases, groups, closure at its goal
+    Info(Info),
+    /// Find a path from flat to the goal
+    Plan(Plan),
+    /// Judge a path afresh
+    Check(Check),
+    /// Write one self-contained page that shows a path
+    View(View),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Generate {
+    #[command(subcommand)]
+    pub(super) family: Family,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Family {
+    /// Miura fold of rows x cols parallelograms with unit sides
+    Miura {
+        #[command(flatten)]
+        size: Size,
+        /// Sector angle, degrees
+        #[arg(long, default_value_t = 60.0)]
+        angle: f64,
+        /// Goal: fold angle of the zigzag creases over 180 degrees
+        #[arg(long, default_value_t = 0.9)]
+        fold: f64,
+    },
+    /// Waterbomb tessellation on rows x cols unit squares; rows are counted round the tube
+    Waterbomb {
+        #[command(flatten)]
+        size: Size,
+        /// Goal: fold angle of the boundary lines over 180 degrees
+        #[arg(long, default_value_t = 0.5)]
+        fold: f64,
+    },
+    /// Yoshimura pattern on rows x cols cells with one diagonal each
+    Yoshimura {
+        #[command(flatten)]
+        size: Size,
+        /// Angle between diagonals and straight creases, degrees
+        #[arg(long, default_value_t = 30.0)]
+        angle: f64,
+        /// Goal: fold angle of the straight creases over 180 degrees
+        #[arg(long, default_value_t = 0.25)]
+        fold: f64,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Size {
+    /// Number of rows
+    #[arg(long)]
+    pub(super) rows: usize,
+    /// Number of columns
+    #[arg(long)]
+    pub(super) cols: usize,
+    /// File to write
+    #[arg(short, long)]
+    pub(super) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Info {
+    /// Crease pattern, a FOLD file
+    pub(super) pattern: PathBuf,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Report {
+    /// Print one JSON object on stdout
+    #[arg(long)]
+    pub(super) json: bool,
+    /// No notes on stderr
+    #[arg(long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Plan {
+    /// Crease pattern, a FOLD file
+    pub(super) pattern: PathBuf,
+    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
+    #[arg(short, long)]
+    pub(super) output: Option<PathBuf>,
+    /// FOLD file of the same sheet whose angles are the goal
+    #[arg(long, conflicts_with = "fold")]
+    pub(super) goal: Option<PathBuf>,
+    /// Fold each crease by this fraction of a half turn, the way its letter says
+    #[arg(long)]
+    pub(super) fold: Option<f64>,
+    /// Bound on deformation and gap, a fraction
+    #[arg(long, default_value_t = 0.01)]
+    pub(super) bound: f64,
+    /// Use crease groups found from the pattern
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) symmetry: Symmetry,
+    /// Vertices whose closure is solved
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) vertices: Vertices,
+    /// Plan on the essential crease pattern and reuse its path on the whole sheet; off plans on the
+    /// closure of all vertices
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) reuse: Reuse,
+    /// Look for faces that pass through each other
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) collision: Switch,
+    /// Motion between knots
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) interpolation: Interpolation,
+    /// Speed of the fastest hinge, degrees per second
+    #[arg(long, default_value_t = 45.0, value_name = "DEG_PER_S")]
+    pub(super) max_speed: f64,
+    /// What each knot stores
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) frames: Frames,
+    /// Solver
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) solver: Solver,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    pub(super) seed: u64,
+    /// Stop planning after this time
+    #[arg(long, value_name = "SECONDS")]
+    pub(super) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Symmetry {
+    #[default]
+    Auto,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Vertices {
+    #[default]
+    Essential,
+    All,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Reuse {
+    #[default]
+    Auto,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Switch {
+    #[default]
+    On,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Interpolation {
+    /// The planner's choice: hermite
+    #[default]
+    Auto,
+    Hermite,
+    Linear,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Frames {
+    /// Fold angles and the positions of all vertices
+    #[default]
+    Full,
+    /// Fold angles alone
+    Angles,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Solver {
+    /// Levenberg-Marquardt
+    #[default]
+    Lm,
+    /// Gradient steps
+    Gradient,
+}
+
+impl Plan {
+    /// The planner's options.
+    pub(super) fn options(&self) -> Result<planner::PlanOptions, super::CliError> {
+        let timeout = self.timeout.map(core::time::Duration::try_from_secs_f64);
+        let timeout = timeout.transpose().map_err(|_| {
+            let found = self.timeout.unwrap_or_default();
+            super::CliError::Usage(format!("--timeout: expected seconds from 0, found {found}"))
+        })?;
+        let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
+        let options = planner::PlanOptions {
+            bound: self.bound,
+            symmetry: match self.symmetry {
+                Symmetry::Auto => planner::Symmetry::Auto,
+                Symmetry::Off => planner::Symmetry::Off,
+            },
+            vertices: if all {
+                planner::Vertices::All
+            } else {
+                planner::Vertices::Essential
+            },
+            collision: self.collision == Switch::On,
+            interpolation: match self.interpolation {
+                Interpolation::Auto | Interpolation::Hermite => planner::Interpolation::Hermite,
+                Interpolation::Linear => planner::Interpolation::Linear,
+            },
+            solver: match self.solver {
+                Solver::Lm => planner::Solver::LevenbergMarquardt,
+                Solver::Gradient => planner::Solver::Gradient,
+            },
+            max_speed: self.max_speed.to_radians(),
+            timeout,
+            ..planner::PlanOptions::default()
+        };
+        options.validate()?;
+        Ok(options)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Check {
+    /// Path, a FOLD animation
+    pub(super) path: PathBuf,
+    /// Bound on deformation and gap, a fraction
+    #[arg(long, default_value_t = 1e-3)]
+    pub(super) bound: f64,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct View {
+    /// Path, a FOLD animation
+    pub(super) path: PathBuf,
+    /// Page to write, an HTML file
+    #[arg(short, long)]
+    pub(super) output: PathBuf,
+}

@@ -1,0 +1,80 @@
+//! `foldpath check`.
+
+use serde::Serialize;
+
+use super::args::Check;
+use super::{Answer, CliError, print, print_json, print_notes};
+use crate::check::{CheckOptions, check};
+use crate::formats::fold::read_path;
+
+#[derive(Serialize)]
+struct CheckJson {
+    outcome: &'static str,
+    reason: Option<String>,
+    knots: usize,
+    max_deformation: f64,
+    max_gap: f64,
+    max_closure: f64,
+    certified_deformation: Option<f64>,
+    crossings: Vec<CrossingJson>,
+    min_clearance: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct CrossingJson {
+    faces: [u32; 2],
+    between_knots: [usize; 2],
+    at: f64,
+}
+
+pub(super) fn run(args: &Check) -> Answer {
+    let bound = args.bound;
+    if !(bound > 0.0 && bound.is_finite()) {
+        return Err(CliError::Usage(format!(
+            "--bound: expected a number above 0, found {bound}"
+        )));
+    }
+    let path = read_path(&args.path)?;
+    let options = CheckOptions {
+        bound,
+        ..CheckOptions::default()
+    };
+    let verdict = check(&path, &options);
+    let holds = verdict.failures.is_empty();
+    let rigidity = verdict.rigidity();
+    let crossings = verdict.crossings.iter().map(|found| CrossingJson {
+        faces: found.crossing.faces.map(|face| face.0),
+        between_knots: found.between_knots,
+        at: found.at,
+    });
+    let json = CheckJson {
+        outcome: if holds { "holds" } else { "fails" },
+        reason: (!holds).then(|| verdict.failures.join("; ")),
+        knots: path.knots.len(),
+        max_deformation: rigidity.deformation,
+        max_gap: rigidity.gap,
+        max_closure: verdict.closure(),
+        certified_deformation: None,
+        crossings: crossings.collect(),
+        min_clearance: None,
+    };
+    if args.report.json {
+        print_json(&json);
+        return Ok(holds);
+    }
+    print_notes(args.report.quiet, path.pattern.assumptions());
+    let mut text = format!("{}: {}\n", path.title, json.outcome);
+    for failure in &verdict.failures {
+        text += &format!("  fails: {failure}\n");
+    }
+    text += &format!(
+        "  {} knots, deformation {:.1e}, gap {:.1e}, closure {:.1e}, {} knots with crossings\n",
+        json.knots,
+        json.max_deformation,
+        json.max_gap,
+        json.max_closure,
+        json.crossings.len()
+    );
+    print(&text);
+    Ok(holds)
+}

@@ -1,0 +1,101 @@
+//! `foldpath info`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::args::Info;
+use super::{Answer, print, print_json, print_notes};
+use crate::formats::fold::read_pattern;
+use crate::planner::goal_closure;
+use crate::symmetry::{CreaseGroups, ReducedStars};
+
+#[derive(Serialize)]
+struct InfoJson {
+    vertices: usize,
+    edges: usize,
+    faces: usize,
+    sheets: usize,
+    creases: usize,
+    virtual_edges: usize,
+    free_hinges: usize,
+    real_vertices: usize,
+    virtual_vertices: usize,
+    letters: BTreeMap<char, usize>,
+    groups: usize,
+    essential_vertices: usize,
+    closure_goal: Option<f64>,
+    amplification: Option<f64>,
+    repairs: Vec<String>,
+    assumptions: Vec<String>,
+}
+
+pub(super) fn run(args: &Info) -> Answer {
+    let file = read_pattern(&args.pattern)?;
+    let pattern = &file.pattern;
+    let groups = CreaseGroups::find(pattern);
+    let stars = ReducedStars::all(pattern, &groups).essential();
+    let mut letters = BTreeMap::new();
+    for edge in pattern.edges() {
+        *letters.entry(edge.letter.code()).or_default() += 1;
+    }
+    let real_vertices = pattern.real_vertices().count();
+    let letter = |id: &crate::pattern::EdgeId| pattern.edge(*id).letter;
+    let free = |id: &&crate::pattern::EdgeId| letter(id) == crate::pattern::Letter::Unassigned;
+    let info = InfoJson {
+        vertices: pattern.vertices().len(),
+        edges: pattern.edges().len(),
+        faces: pattern.faces().len(),
+        sheets: pattern.sheets(),
+        creases: pattern.creases().len(),
+        virtual_edges: pattern.virtual_edges(),
+        free_hinges: pattern.creases().iter().filter(free).count(),
+        real_vertices,
+        virtual_vertices: pattern.vertices().len() - real_vertices,
+        letters,
+        groups: groups.len(),
+        essential_vertices: stars.vertices().len(),
+        closure_goal: goal_closure(pattern),
+        amplification: None,
+        repairs: Vec::new(),
+        assumptions: pattern.assumptions().to_vec(),
+    };
+    if args.report.json {
+        print_json(&info);
+        return Ok(true);
+    }
+    print_notes(args.report.quiet, &info.assumptions);
+    print(&summary(&file.title, &info));
+    Ok(true)
+}
+
+fn summary(title: &str, info: &InfoJson) -> String {
+    let letters = info
+        .letters
+        .iter()
+        .map(|(code, count)| format!("{count} {code}"));
+    let letters = letters.collect::<Vec<_>>().join(", ");
+    let goal = match info.closure_goal {
+        None => "none: plan folds along the letters".to_string(),
+        Some(closure) if closure <= 1e-9 => format!("closes (residual {closure:.1e})"),
+        Some(closure) => format!("does not close (residual {closure:.1e})"),
+    };
+    format!(
+        "{title}\n  \
+         sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters})\n  \
+         hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
+         crease groups       {}\n  \
+         essential vertices  {}\n  \
+         goal                {goal}\n",
+        info.faces,
+        info.vertices,
+        info.real_vertices,
+        info.virtual_vertices,
+        info.edges,
+        info.creases,
+        info.free_hinges,
+        info.virtual_edges,
+        info.groups,
+        info.essential_vertices,
+    )
+}

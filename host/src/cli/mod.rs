@@ -1,0 +1,74 @@
+//! The command line: arguments in, text or JSON out, an exit status.
+
+mod args;
+mod check;
+mod generate;
+mod info;
+mod plan;
+mod view;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::formats::FileError;
+use crate::generate::ParameterError;
+use crate::planner::{GoalError, OptionsError};
+
+/// Bad input or usage: exit status 2.
+#[derive(Debug, Error)]
+enum CliError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    #[error("{file}: {source}")]
+    Goal { file: String, source: GoalError },
+    #[error("{0}")]
+    Usage(String),
+}
+
+/// What a command that ran well says: done, or no.
+type Answer = Result<bool, CliError>;
+
+/// Runs the command line of this process: 0 done, 1 the answer is no, 2 bad input or usage.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = args::Cli::parse();
+    let answer = match cli.command {
+        args::Command::Generate(args) => generate::run(&args),
+        args::Command::Info(args) => info::run(&args),
+        args::Command::Plan(args) => plan::run(&args),
+        args::Command::Check(args) => check::run(&args),
+        args::Command::View(args) => view::run(&args),
+    };
+    match answer {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("foldpath: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints to stdout; a reader that went away is no error.
+fn print(text: &str) {
+    use std::io::Write;
+    let _gone = std::io::stdout().write_all(text.as_bytes());
+}
+
+fn print_json(value: &impl Serialize) {
+    let text = serde_json::to_string(value).unwrap_or_default();
+    print(&(text + "\n"));
+}
+
+fn print_notes(quiet: bool, notes: &[String]) {
+    for note in notes.iter().filter(|_| !quiet) {
+        eprintln!("note: {note}");
+    }
+}

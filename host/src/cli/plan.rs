@@ -1,0 +1,193 @@
+//! `foldpath plan`.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::args::{Frames, Plan};
+use super::{Answer, CliError, print, print_json, print_notes};
+use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
+use crate::formats::write_whole;
+use crate::planner::{self, Goal, Outcome};
+
+#[derive(Serialize)]
+struct PlanJson<'a> {
+    outcome: &'a str,
+    reason: Option<&'a str>,
+    reached: f64,
+    creases: usize,
+    real_vertices: usize,
+    groups: usize,
+    essential_vertices: usize,
+    unknowns: usize,
+    knots: usize,
+    max_deformation: f64,
+    certified_deformation: Option<f64>,
+    max_closure: f64,
+    max_gap: f64,
+    goal_error: f64,
+    min_clearance: Option<f64>,
+    time: TimeJson,
+    solver: SolverJson,
+    collision: CollisionJson,
+    seed: u64,
+}
+
+#[derive(Serialize)]
+struct TimeJson {
+    total: f64,
+    read: f64,
+    symmetry: f64,
+    solve: f64,
+    fold: f64,
+    collision: f64,
+    write: f64,
+}
+
+#[derive(Serialize)]
+struct SolverJson {
+    iterations: u64,
+    evaluations: u64,
+}
+
+#[derive(Serialize)]
+struct CollisionJson {
+    pairs: u64,
+    tested: u64,
+    skipped_symmetry: u64,
+    skipped_motion: u64,
+    skipped_bounds: u64,
+}
+
+pub(super) fn run(args: &Plan) -> Answer {
+    let start = Instant::now();
+    let options = args.options()?;
+    let file = read_pattern(&args.pattern)?;
+    let goal = goal(args, &file)?;
+    let sheets = file.pattern.sheets();
+    if sheets > 1 {
+        let file = args.pattern.display();
+        return Err(CliError::Usage(format!(
+            "{file}: faces_vertices: expected one sheet, found {sheets} that no edge joins"
+        )));
+    }
+    let read = start.elapsed();
+    let plan = planner::plan(&file.pattern, &goal, &options);
+    let write_start = Instant::now();
+    if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
+        let writer = PathWriter {
+            title: &file.title,
+            pattern: &file.pattern,
+            vertices: args.frames == Frames::Full,
+            seed: args.seed,
+        };
+        write_whole(output, writer.text(&plan.path).as_bytes())?;
+    }
+    let times = plan.times;
+    let json = PlanJson {
+        outcome: plan.outcome.name(),
+        reason: plan.reason.as_deref(),
+        reached: plan.reached,
+        creases: file.pattern.creases().len(),
+        real_vertices: file.pattern.real_vertices().count(),
+        groups: plan.groups,
+        essential_vertices: plan.essential_vertices,
+        unknowns: plan.unknowns,
+        knots: plan.path.knots.len(),
+        max_deformation: plan.rigidity.deformation,
+        certified_deformation: None,
+        max_closure: plan.max_closure,
+        max_gap: plan.rigidity.gap,
+        goal_error: plan.goal_error.to_degrees(),
+        min_clearance: None,
+        time: TimeJson {
+            write: write_start.elapsed().as_secs_f64(),
+            total: start.elapsed().as_secs_f64(),
+            read: read.as_secs_f64(),
+            symmetry: times.symmetry.as_secs_f64(),
+            solve: times.solve.as_secs_f64(),
+            fold: times.fold.as_secs_f64(),
+            collision: times.collision.as_secs_f64(),
+        },
+        solver: SolverJson {
+            iterations: plan.iterations,
+            evaluations: plan.evaluations,
+        },
+        collision: CollisionJson {
+            pairs: plan.collision.pairs,
+            tested: plan.collision.tested,
+            skipped_symmetry: 0,
+            skipped_motion: 0,
+            skipped_bounds: plan.collision.skipped_bounds,
+        },
+        seed: args.seed,
+    };
+    print_notes(args.report.quiet, file.pattern.assumptions());
+    print_notes(args.report.quiet, &plan.notes);
+    if args.report.json {
+        print_json(&json);
+    } else {
+        print(&summary(args, &file, &json, &plan));
+    }
+    Ok(plan.outcome == Outcome::Planned)
+}
+
+fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
+    let name = |path: &std::path::Path| path.display().to_string();
+    let bad = |source| CliError::Goal {
+        file: name(&args.pattern),
+        source,
+    };
+    match (&args.goal, args.fold) {
+        (Some(path), _) => Ok(Goal {
+            fold_angles: read_goal(path, &file.pattern)?,
+            source: format!("the goal angles of {}", name(path)),
+        }),
+        (None, Some(fraction)) => Goal::of_letters(&file.pattern, fraction).map_err(bad),
+        (None, None) => Goal::of_pattern(&file.pattern).map_err(bad),
+    }
+}
+
+fn summary(args: &Plan, file: &PatternFile, json: &PlanJson<'_>, plan: &planner::Plan) -> String {
+    let mut text = format!("{}: {}\n", file.title, json.outcome);
+    if let Some(reason) = json.reason {
+        text += &format!("  reason       {reason}\n");
+    }
+    text += &format!(
+        "  sheet        {} creases, {} real vertices\n  \
+         solved as    {} unknowns (crease groups), {} essential vertices\n  \
+         path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \
+         rigidity     deformation {:.1e}, gap {:.1e}, closure {:.1e}\n  \
+         essential    {} faces, deformation {:.1e}, gap {:.1e}\n  \
+         crossings    {} pairs of faces, {} tested\n  \
+         time         {:.2} ms: symmetry {:.2}, solve {:.3}, fold {:.2}, collision {:.2}\n",
+        json.creases,
+        json.real_vertices,
+        json.unknowns,
+        json.essential_vertices,
+        json.knots,
+        100.0 * json.reached,
+        json.goal_error,
+        json.max_deformation,
+        json.max_gap,
+        json.max_closure,
+        plan.essential_faces,
+        plan.essential_rigidity.deformation,
+        plan.essential_rigidity.gap,
+        json.collision.pairs,
+        json.collision.tested,
+        1e3 * json.time.total,
+        1e3 * json.time.symmetry,
+        1e3 * json.time.solve,
+        1e3 * json.time.fold,
+        1e3 * json.time.collision,
+    );
+    match (&args.output, plan.outcome) {
+        (Some(output), Outcome::Planned) => {
+            text += &format!("  written to   {}\n", output.display())
+        }
+        (Some(_), _) => text += "  nothing written\n",
+        _ => {}
+    }
+    text
+}

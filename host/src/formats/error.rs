@@ -1,0 +1,52 @@
+//! What can be wrong with a file: always with its path, the place in it and what was expected.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::pattern::PatternError;
+
+/// Why a file could not be read or written.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The text is not JSON.
+    #[error("{}:{line}:{column}: expected JSON: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser says.
+        message: String,
+    },
+    /// A value is not what its place asks for.
+    #[error("{}: {place}: expected {expected}, found {found}", path.display())]
+    Expected {
+        /// The file.
+        path: PathBuf,
+        /// The place, as keys and positions.
+        place: String,
+        /// What it asks for.
+        expected: String,
+        /// What is there.
+        found: String,
+    },
+    /// The drawing in the file is no crease pattern.
+    #[error("{}: {source}", path.display())]
+    Pattern {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: PatternError,
+    },
+}

@@ -1,0 +1,149 @@
+//! Reads a path: a FOLD animation whose key frame is the flat pattern and whose frames are knots.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::document::{Document, Frame};
+use super::pattern::{angles, pattern_of, points};
+use crate::formats::FileError;
+use crate::pattern::CreasePattern;
+use crate::planner::Interpolation;
+
+/// A path as a file has it.
+#[derive(Clone, Debug)]
+pub struct PathFile {
+    /// The file's title, or else its name.
+    pub title: String,
+    /// The flat sheet.
+    pub pattern: CreasePattern,
+    /// How the motion between knots is made.
+    pub interpolation: Interpolation,
+    /// For each edge its crease group, `None` for none; empty if the file does not say.
+    pub groups: Vec<Option<usize>>,
+    /// For each edge its sign in its group; empty if the file does not say.
+    pub signs: Vec<f64>,
+    /// The knots from start to goal.
+    pub knots: Vec<PathKnot>,
+}
+
+/// One stored configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathKnot {
+    /// Seconds since the start; the number of the knot if the file does not say.
+    pub time: f64,
+    /// Fold angle of every edge, radians.
+    pub fold_angles: Vec<f64>,
+    /// Positions of the vertices, if the file has them.
+    pub vertices: Option<Vec<Vector3<f64>>>,
+    /// Deformation, gap and closure that the file claims.
+    pub claims: [Option<f64>; 3],
+}
+
+/// Reads a path.
+///
+/// # Errors
+/// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no knot.
+pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
+    let document = Document::read(path)?;
+    let key = document.key_frame();
+    let goals = angles(&key, "edges_foldAngle", true)?;
+    let pattern = pattern_of(&document, &key, goals)?;
+    let frames = document.frame_count()?;
+    if frames == 0 {
+        return Err(document.expected("file_frames".into(), "at least one knot", "none"));
+    }
+    let knots: Vec<PathKnot> = (0..frames)
+        .map(|index| knot(&document.frame(index)?, index, &pattern.pattern))
+        .collect::<Result<_, _>>()?;
+    for (index, pair) in knots.windows(2).enumerate() {
+        if pair[0].time >= pair[1].time {
+            let place = format!("file_frames[{}].foldpath:time", index + 1);
+            let expected = format!("more than {} seconds", pair[0].time);
+            return Err(document.expected(place, &expected, &pair[1].time.to_string()));
+        }
+    }
+    let (groups, signs) = memberships(&key, pattern.pattern.edges().len())?;
+    Ok(PathFile {
+        interpolation: interpolation(&key)?,
+        title: pattern.title,
+        pattern: pattern.pattern,
+        groups,
+        signs,
+        knots,
+    })
+}
+
+fn interpolation(key: &Frame<'_>) -> Result<Interpolation, FileError> {
+    let Some(name) = key.own("foldpath:interpolation") else {
+        return Ok(Interpolation::Linear);
+    };
+    let known = [Interpolation::Hermite, Interpolation::Linear];
+    let text = name.text()?;
+    let found = known.into_iter().find(|kind| kind.name() == text);
+    found.ok_or_else(|| name.expected("\"hermite\" or \"linear\""))
+}
+
+type Memberships = (Vec<Option<usize>>, Vec<f64>);
+
+fn memberships(key: &Frame<'_>, edges: usize) -> Result<Memberships, FileError> {
+    let (Some(groups), Some(signs)) = (
+        key.own("foldpath:edges_group"),
+        key.own("foldpath:edges_sign"),
+    ) else {
+        return Ok((Vec::new(), Vec::new()));
+    };
+    let group = |entry: super::document::Located<'_>| {
+        if entry.is_null() {
+            return Ok(None);
+        }
+        entry.index().map(Some)
+    };
+    Ok((
+        groups
+            .entries_of(edges, "edge")?
+            .map(group)
+            .collect::<Result<_, _>>()?,
+        signs
+            .entries_of(edges, "edge")?
+            .map(|s| s.number())
+            .collect::<Result<_, _>>()?,
+    ))
+}
+
+fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<PathKnot, FileError> {
+    let edges = pattern.edges().len();
+    let own = |key: &str| frame.own(key);
+    let list = frame.own("edges_foldAngle");
+    let list = list.map_or_else(|| frame.require("edges_foldAngle"), Ok)?;
+    let radians = |entry: super::document::Located<'_>| entry.number().map(f64::to_radians);
+    let fold_angles = list
+        .entries_of(edges, "edge")?
+        .map(radians)
+        .collect::<Result<_, _>>()?;
+    let vertices = match own("vertices_coords") {
+        Some(list) => {
+            let _each_has_one = list.entries_of(pattern.vertices().len(), "vertex")?;
+            Some(points(frame)?)
+        }
+        None => None,
+    };
+    let number = |key: &str| {
+        own(key)
+            .filter(|v| !v.is_null())
+            .map(|v| v.number())
+            .transpose()
+    };
+    #[allow(clippy::cast_precision_loss, reason = "paths have few knots")]
+    let default_time = index as f64;
+    Ok(PathKnot {
+        time: number("foldpath:time")?.unwrap_or(default_time),
+        fold_angles,
+        vertices,
+        claims: [
+            number("foldpath:deformation")?,
+            number("foldpath:gap")?,
+            number("foldpath:closure")?,
+        ],
+    })
+}

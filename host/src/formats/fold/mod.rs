@@ -1,0 +1,14 @@
+//! FOLD 1.0 to 1.2: crease patterns in, crease patterns and animations out.
+//!
+//! Source: E. Demaine, J. Ku, R. Lang, "A new file standard to represent folded structures"; the
+//! specification at version 1.2.
+
+mod animation;
+mod document;
+mod pattern;
+mod plane;
+mod write;
+
+pub use animation::{PathFile, PathKnot, read_path};
+pub use pattern::{PatternFile, read_goal, read_pattern};
+pub use write::{PathWriter, pattern_text};

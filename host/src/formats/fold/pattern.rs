@@ -1,0 +1,269 @@
+//! Reads the flat crease pattern of a FOLD file, and its goal.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::document::{Document, Frame};
+use super::plane::flatten;
+use crate::formats::FileError;
+use crate::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+
+/// A crease pattern as a file has it.
+#[derive(Clone, Debug)]
+pub struct PatternFile {
+    /// The file's title, or else its name.
+    pub title: String,
+    /// The pattern, with the goal angles that the file names.
+    pub pattern: CreasePattern,
+}
+
+/// Reads a crease pattern. Goal angles are those of the last folded frame that has some, or else
+/// those of the pattern's own frame; a goal of zeros alone is the flat sheet, and no goal.
+///
+/// # Errors
+/// If the file cannot be read or holds no flat crease pattern.
+pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
+    let document = Document::read(path)?;
+    let frame = flat_frame(&document)?;
+    let angles = goal_angles(&document, &frame)?;
+    pattern_of(&document, &frame, angles)
+}
+
+/// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
+/// `pattern`, 0 where the file names none.
+///
+/// # Errors
+/// If the file cannot be read, has no angles, or not one for each edge of the pattern.
+pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<f64>, FileError> {
+    let document = Document::read(path)?;
+    let frame = document.key_frame();
+    let Some(angles) = goal_angles(&document, &frame)? else {
+        let place = "edges_foldAngle".into();
+        return Err(document.expected(place, "goal angles other than 0", "none"));
+    };
+    if angles.len() != pattern.edges().len() {
+        let expected = format!("{} entries, one for each edge", pattern.edges().len());
+        let found = angles.len().to_string();
+        return Err(document.expected("edges_foldAngle".into(), &expected, &found));
+    }
+    let creases = pattern.creases().iter();
+    Ok(creases
+        .map(|edge| angles[edge.index()].unwrap_or(0.0))
+        .collect())
+}
+
+pub(super) fn pattern_of(
+    document: &Document,
+    frame: &Frame<'_>,
+    goals: Option<Vec<Option<f64>>>,
+) -> Result<PatternFile, FileError> {
+    let mut notes = Vec::new();
+    let drawing = drawing(document, frame, goals, &mut notes)?;
+    let mut pattern = CreasePattern::new(drawing).map_err(|source| FileError::Pattern {
+        path: document.path().to_path_buf(),
+        source,
+    })?;
+    for note in notes {
+        pattern.assume(note);
+    }
+    let title = ["frame_title", "file_title"]
+        .iter()
+        .find_map(|key| frame.get(key));
+    let title = match title {
+        Some(title) => title.text()?.to_string(),
+        None => document
+            .path()
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+    };
+    Ok(PatternFile { title, pattern })
+}
+
+/// The frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
+fn flat_frame(document: &Document) -> Result<Frame<'_>, FileError> {
+    let key = document.key_frame();
+    if key.is_a("creasePattern") {
+        return Ok(key);
+    }
+    for index in 0..document.frame_count()? {
+        let frame = document.frame(index)?;
+        if frame.is_a("creasePattern") {
+            return Ok(frame);
+        }
+    }
+    Ok(key)
+}
+
+fn goal_angles(
+    document: &Document,
+    flat: &Frame<'_>,
+) -> Result<Option<Vec<Option<f64>>>, FileError> {
+    for index in (0..document.frame_count()?).rev() {
+        let frame = document.frame(index)?;
+        if frame.is_a("foldedForm")
+            && let Some(angles) = angles(&frame, "edges_foldAngle", true)?
+        {
+            return Ok(Some(angles));
+        }
+    }
+    angles(flat, "edges_foldAngle", false)
+}
+
+/// A list of angles or rates in radians, `None` for null; `None` if there is none or, being a goal,
+/// it is zero throughout.
+pub(super) fn angles(
+    frame: &Frame<'_>,
+    key: &str,
+    own: bool,
+) -> Result<Option<Vec<Option<f64>>>, FileError> {
+    let Some(list) = (if own { frame.own(key) } else { frame.get(key) }) else {
+        return Ok(None);
+    };
+    let radians = list.entries()?.map(|entry| {
+        if entry.is_null() {
+            return Ok(None);
+        }
+        Ok(Some(entry.number()?.to_radians()))
+    });
+    let radians: Vec<Option<f64>> = radians.collect::<Result<_, FileError>>()?;
+    let zero = radians
+        .iter()
+        .all(|angle| angle.is_none_or(|a| a.abs() <= 0.0));
+    Ok((!zero).then_some(radians))
+}
+
+fn drawing(
+    document: &Document,
+    frame: &Frame<'_>,
+    goals: Option<Vec<Option<f64>>>,
+    notes: &mut Vec<String>,
+) -> Result<Drawing, FileError> {
+    let points = points(frame)?;
+    let Some((vertices, level)) = flatten(&points) else {
+        let expected = "a flat crease pattern (a folded shape has to be unfolded first)";
+        let found = "vertices that lie in no common plane";
+        return Err(document.expected("vertices_coords".into(), expected, found));
+    };
+    if !level {
+        notes.push(
+            "the sheet does not lie in a plane z = constant: seen from its upper side".into(),
+        );
+    }
+    let faces = faces(frame)?;
+    let edges = edges(document, frame, faces.as_deref(), notes)?;
+    if let Some(goals) = &goals
+        && goals.len() != edges.len()
+    {
+        let expected = format!("{} entries, one for each edge", edges.len());
+        let found = goals.len().to_string();
+        return Err(document.expected("edges_foldAngle".into(), &expected, &found));
+    }
+    let letters = letters(frame, edges.len(), notes)?;
+    let drawn = edges
+        .into_iter()
+        .zip(letters)
+        .enumerate()
+        .map(|(index, (ends, letter))| DrawnEdge {
+            ends,
+            letter,
+            goal: goals.as_ref().and_then(|goals| goals[index]),
+        });
+    Ok(Drawing {
+        vertices,
+        edges: drawn.collect(),
+        faces,
+    })
+}
+
+pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
+    let point = |entry: super::document::Located<'_>| {
+        let mut coordinates = entry.entries()?;
+        let count = coordinates.len();
+        if !(2..=3).contains(&count) {
+            return Err(entry.expected("2 or 3 coordinates"));
+        }
+        let mut next = || coordinates.next().map_or(Ok(0.0), |c| c.number());
+        Ok(Vector3::new(next()?, next()?, next()?))
+    };
+    frame
+        .require("vertices_coords")?
+        .entries()?
+        .map(point)
+        .collect()
+}
+
+fn indices(entry: &super::document::Located<'_>) -> Result<Vec<usize>, FileError> {
+    entry.entries()?.map(|index| index.index()).collect()
+}
+
+fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileError> {
+    let Some(faces) = frame.get("faces_vertices") else {
+        return Ok(None);
+    };
+    let faces: Vec<_> = faces
+        .entries()?
+        .map(|f| indices(&f))
+        .collect::<Result<_, _>>()?;
+    Ok((!faces.is_empty()).then_some(faces))
+}
+
+fn edges(
+    document: &Document,
+    frame: &Frame<'_>,
+    faces: Option<&[Vec<usize>]>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<[usize; 2]>, FileError> {
+    if let Some(edges) = frame.get("edges_vertices") {
+        let ends = |entry: super::document::Located<'_>| {
+            let ends = indices(&entry)?;
+            <[usize; 2]>::try_from(ends).map_err(|_| entry.expected("2 vertices"))
+        };
+        return edges.entries()?.map(ends).collect();
+    }
+    let Some(faces) = faces else {
+        let place = "edges_vertices".into();
+        return Err(document.expected(place, "a list (or faces_vertices)", "nothing"));
+    };
+    notes.push("edges_vertices is missing: edges taken from the faces".into());
+    let mut edges = BTreeMap::new();
+    for face in faces {
+        for (k, &a) in face.iter().enumerate() {
+            let b = face[(k + 1) % face.len()];
+            let next = edges.len();
+            edges.entry([a.min(b), a.max(b)]).or_insert(next);
+        }
+    }
+    let mut edges: Vec<_> = edges.into_iter().collect();
+    edges.sort_by_key(|(_, order)| *order);
+    Ok(edges.into_iter().map(|(ends, _)| ends).collect())
+}
+
+fn letters(
+    frame: &Frame<'_>,
+    edges: usize,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Letter>, FileError> {
+    let Some(list) = frame.get("edges_assignment") else {
+        notes.push("edges_assignment is missing: all inner edges taken as free hinges (U)".into());
+        return Ok(vec![Letter::Unassigned; edges]);
+    };
+    let mut unknown: BTreeMap<String, usize> = BTreeMap::new();
+    let mut letters = Vec::with_capacity(edges);
+    for entry in list.entries_of(edges, "edge")? {
+        let code = entry.text()?;
+        letters.push(Letter::from_code(code).unwrap_or_else(|| {
+            *unknown.entry(code.chars().take(20).collect()).or_default() += 1;
+            Letter::Unassigned
+        }));
+    }
+    for (code, count) in unknown {
+        notes.push(format!(
+            "{count} edges lettered \"{code}\", which FOLD does not know, taken as U"
+        ));
+    }
+    Ok(letters)
+}

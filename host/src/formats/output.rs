@@ -1,0 +1,37 @@
+//! Writing files whole or not at all.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::FileError;
+
+/// Writes `content` to `path`, which never holds a part of it: the file is written beside it under
+/// another name and then renamed.
+///
+/// # Errors
+/// If the system refuses.
+pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let write = || {
+        let mut file = tempfile::Builder::new()
+            .prefix(".foldpath-")
+            .tempfile_in(folder)?;
+        file.write_all(content)?;
+        #[cfg(unix)]
+        {
+            // A temporary file is private to its owner; a result is as public as any other file.
+            use std::os::unix::fs::PermissionsExt;
+            let public = std::fs::Permissions::from_mode(0o644);
+            file.as_file().set_permissions(public)?;
+        }
+        file.persist(path)?;
+        Ok(())
+    };
+    write().map_err(|source| FileError::Io {
+        path: path.to_path_buf(),
+        source,
+    })
+}

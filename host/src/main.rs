@@ -1,0 +1,5 @@
+//! The `foldpath` command.
+
+fn main() -> std::process::ExitCode {
+    foldpath::cli::main()
+}

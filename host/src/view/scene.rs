@@ -1,0 +1,92 @@
+//! The scene of a path.
+
+use super::{Scene, SceneEdge, SceneKnot};
+use crate::check::{measure, positions};
+use crate::folding::SpanningTree;
+use crate::formats::fold::PathFile;
+
+impl Scene {
+    /// What there is to see of a path: its shapes, and what is measured on them now rather than what
+    /// the file claims.
+    #[must_use]
+    pub fn of_path(path: &PathFile) -> Self {
+        let pattern = &path.pattern;
+        let tree = SpanningTree::from_central_face(pattern);
+        let leaders = leaders(path);
+        let measured = measure(path);
+        let worst = |value: fn(&crate::check::Measured) -> f64| {
+            measured.iter().map(value).fold(0.0, f64::max)
+        };
+        let knots = path
+            .knots
+            .iter()
+            .zip(&measured)
+            .map(|(knot, measured)| SceneKnot {
+                time: knot.time,
+                vertices: Some(
+                    positions(pattern, &tree, knot)
+                        .into_iter()
+                        .map(Into::into)
+                        .collect(),
+                ),
+                group_angles: leaders
+                    .iter()
+                    .map(|&(edge, sign)| (knot.fold_angles[edge] * sign).to_degrees())
+                    .collect(),
+                deformation: measured.rigidity.deformation,
+                gap: measured.rigidity.gap,
+                closure: measured.closure,
+            });
+        Self {
+            title: path.title.clone(),
+            vertices: pattern.vertices().iter().map(|&v| v.into()).collect(),
+            faces: pattern
+                .faces()
+                .iter()
+                .map(|f| f.iter().map(|v| v.0).collect())
+                .collect(),
+            triangles: pattern
+                .triangles()
+                .items()
+                .iter()
+                .map(|t| t.map(|v| v.0))
+                .collect(),
+            edges: pattern
+                .edges()
+                .iter()
+                .map(|edge| SceneEdge {
+                    ends: edge.ends.map(|v| v.0),
+                    letter: edge.letter.code().to_string(),
+                })
+                .collect(),
+            knots: knots.collect(),
+            creases: pattern.creases().len(),
+            groups: leaders.len(),
+            max_deformation: worst(|m| m.rigidity.deformation),
+            max_gap: worst(|m| m.rigidity.gap),
+            max_closure: worst(|m| m.closure),
+        }
+    }
+}
+
+/// For each crease group an edge of it and its sign; every crease its own where the file has no
+/// groups.
+fn leaders(path: &PathFile) -> Vec<(usize, f64)> {
+    if path.groups.is_empty() {
+        let creases = path.pattern.creases().iter();
+        return creases.map(|edge| (edge.index(), 1.0)).collect();
+    }
+    let count = path
+        .groups
+        .iter()
+        .flatten()
+        .max()
+        .map_or(0, |last| last + 1);
+    let mut leaders = vec![None; count];
+    for (edge, group) in path.groups.iter().enumerate() {
+        if let Some(group) = *group {
+            leaders[group].get_or_insert((edge, path.signs[edge]));
+        }
+    }
+    leaders.into_iter().flatten().collect()
+}
