@@ -79,6 +79,18 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         diagonal.fold(T::zero(), |max, &entry| max.max(entry))
     }
 
+    fn hold(&mut self, unknown: usize) {
+        let n = self.gradient.len();
+        let column = self.matrix.iter_mut().skip(unknown).step_by(n);
+        column.for_each(|entry| *entry = T::zero());
+        if let Some(row) = self.matrix.get_mut(unknown * n..(unknown + 1) * n) {
+            row.fill(T::zero());
+        }
+        if let Some(slope) = self.gradient.get_mut(unknown) {
+            *slope = T::zero();
+        }
+    }
+
     fn factorise(&mut self, damping: T) -> bool {
         let n = self.gradient.len();
         if n == 0 {

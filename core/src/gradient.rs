@@ -7,7 +7,7 @@
 
 use crate::Scalar;
 use crate::dense::dot;
-use crate::least_squares::{ClosureProblem, Cost, Gradient, Limits, Options, Outcome, Report};
+use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
 
 /// Length of the memory of costs against which a step is judged: 1 would be monotone descent, which
 /// takes away what makes the method fast.
@@ -45,7 +45,9 @@ pub fn solve<T: Scalar>(
     for (index, value) in x.iter_mut().enumerate() {
         *value = limits.clamp(index, *value);
     }
-    let mut cost = problem.linearise(x, &mut Gradient(gradient));
+    let Some(mut cost) = problem.linearise(x, &mut Gradient(gradient)) else {
+        return report;
+    };
     report.evaluations += 1;
     if !cost.is_finite() {
         report.outcome = Outcome::NotFinite;
@@ -53,6 +55,7 @@ pub fn solve<T: Scalar>(
     }
     let mut last_costs = [cost.half_square; MEMORY];
     let mut length = T::one();
+    let mut restarted = false;
     report.outcome = loop {
         report.residual = cost.max;
         if cost.max <= options.tolerance {
@@ -61,49 +64,47 @@ pub fn solve<T: Scalar>(
         if report.iterations == options.max_iterations {
             break Outcome::IterationLimit;
         }
+        report.iterations += 1;
+
         let steepest = gradient.iter().fold(T::zero(), |max, &g| max.max(g.abs()));
         if steepest <= T::zero() {
             break Outcome::Stalled;
         }
         length = length.min(options.max_step / steepest);
+        let (mut decrease, mut moved) = (T::zero(), T::zero());
+        for (index, ((&x, &g), trial)) in x.iter().zip(&*gradient).zip(&mut *trial).enumerate() {
+            *trial = limits.clamp(index, x - g * length);
+            decrease += g * (x - *trial);
+            moved = moved.max((x - *trial).abs());
+        }
+        if moved <= T::EPSILON * T::EPSILON {
+            // The length may have become too short to move at all: once more from the first one.
+            if restarted {
+                break Outcome::Stalled;
+            }
+            restarted = true;
+            length = T::one();
+            continue;
+        }
+        let Some(new_cost) = problem.linearise(trial, &mut Gradient(trial_gradient)) else {
+            break Outcome::Capacity;
+        };
+        report.evaluations += 1;
         let worst = last_costs.iter().fold(T::zero(), |max, &c| max.max(c));
-        let new_cost = loop {
-            report.iterations += 1;
-            let mut decrease = T::zero();
-            let mut moved = T::zero();
-            for (index, ((&x, &g), trial)) in
-                x.iter().zip(&*gradient).zip(trial.iter_mut()).enumerate()
-            {
-                *trial = limits.clamp(index, x - g * length);
-                decrease += g * (x - *trial);
-                moved = moved.max((x - *trial).abs());
-            }
-            if moved <= T::EPSILON * T::EPSILON {
-                break None;
-            }
-            let new_cost = problem.linearise(trial, &mut Gradient(trial_gradient));
-            report.evaluations += 1;
-            let enough = worst - T::lit(ARMIJO) * decrease;
-            if new_cost.is_finite() && new_cost.half_square <= enough {
-                break Some(new_cost);
-            }
-            if report.iterations >= options.max_iterations {
-                break None;
-            }
+        let enough = worst - T::lit(ARMIJO) * decrease;
+        if !(new_cost.is_finite() && new_cost.half_square <= enough) {
             length *= T::HALF;
-        };
-        let Some(new_cost) = new_cost else {
-            break if report.iterations >= options.max_iterations {
-                Outcome::IterationLimit
-            } else {
-                Outcome::Stalled
-            };
-        };
+            continue;
+        }
+        restarted = false;
         length = barzilai_borwein(x, gradient, trial, trial_gradient, options.max_step);
         x.copy_from_slice(trial);
         gradient.copy_from_slice(trial_gradient);
         cost = new_cost;
-        remember(&mut last_costs, cost);
+        last_costs.rotate_left(1);
+        if let Some(last) = last_costs.last_mut() {
+            *last = cost.half_square;
+        }
     };
     report
 }
@@ -129,12 +130,5 @@ fn barzilai_borwein<T: Scalar>(
         (ss / sy).min(longest)
     } else {
         longest
-    }
-}
-
-fn remember<T: Scalar>(last_costs: &mut [T; MEMORY], cost: Cost<T>) {
-    last_costs.rotate_left(1);
-    if let Some(last) = last_costs.last_mut() {
-        *last = cost.half_square;
     }
 }

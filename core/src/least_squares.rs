@@ -50,6 +50,9 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn gradient(&self) -> &[T];
     /// Largest diagonal entry of JᵀJ.
     fn max_diagonal(&self) -> T;
+    /// Takes an unknown out of the step: its row, its column and its entry of the gradient become
+    /// zero, and with any damping its step too.
+    fn hold(&mut self, unknown: usize);
     /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
@@ -87,30 +90,32 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         self.stars.unknowns()
     }
 
-    /// Residual at `x` (radians) without derivatives.
-    pub fn cost(&mut self, x: &[T]) -> Cost<T> {
-        closure::half_angles(x, self.half_angles);
+    /// Residual at `x` (radians) without derivatives; `None` unless `x` has all unknowns.
+    pub fn cost(&mut self, x: &[T]) -> Option<Cost<T>> {
+        self.set_half_angles(x)?;
         let half = &*self.half_angles;
-        self.stars.iter().fold(Cost::none(), |cost, star| {
-            cost.plus(&closure::residual(star, half))
-        })
+        let residuals = self.stars.iter().map(|star| closure::residual(star, half));
+        Some(residuals.fold(Cost::none(), |cost, r| cost.plus(&r)))
     }
 
-    /// Residual at `x` (radians), its rows handed to `rows`.
-    pub fn linearise(&mut self, x: &[T], rows: &mut impl Accumulate<T>) -> Cost<T> {
-        closure::half_angles(x, self.half_angles);
+    /// Residual at `x` (radians), its rows handed to `rows`; `None` unless `x` has all unknowns.
+    pub fn linearise(&mut self, x: &[T], rows: &mut impl Accumulate<T>) -> Option<Cost<T>> {
+        self.set_half_angles(x)?;
         rows.clear();
         let mut cost = Cost::none();
         for (index, star) in self.stars.iter().enumerate() {
-            let Some(columns) = self.columns.get_mut(..star.spokes.len()) else {
-                continue; // `new` made room for the largest star
-            };
-            let residual = closure::residual_and_jacobian(star, self.half_angles, columns);
-            let Some(residual) = residual else { continue };
+            let columns = self.columns.get_mut(..star.spokes.len())?;
+            let residual = closure::residual_and_jacobian(star, self.half_angles, columns)?;
             rows.add(index, star.spokes, columns, &residual);
             cost = cost.plus(&residual);
         }
-        cost
+        Some(cost)
+    }
+
+    fn set_half_angles(&mut self, x: &[T]) -> Option<()> {
+        let complete = x.len() == self.half_angles.len();
+        closure::half_angles(x, self.half_angles);
+        complete.then_some(())
     }
 }
 
@@ -166,16 +171,23 @@ pub enum Limits<'a, T> {
 }
 
 impl<T: Scalar> Limits<'_, T> {
-    /// `value` of unknown number `index`, moved to the nearest value allowed.
+    /// Lower and upper bound of unknown number `index`.
     #[inline]
     #[must_use]
-    pub fn clamp(&self, index: usize, value: T) -> T {
-        let (lower, upper) = match self {
+    pub fn of(&self, index: usize) -> (T, T) {
+        match self {
             Self::HalfTurn => None,
             Self::Each(limits) => limits.get(index).copied(),
         }
-        .unwrap_or((-T::PI, T::PI));
-        // A NaN passes: the solver has to see it.
+        .unwrap_or((-T::PI, T::PI))
+    }
+
+    /// `value` of unknown number `index`, moved to the nearest value allowed. A NaN stays one: the
+    /// solver has to see it.
+    #[inline]
+    #[must_use]
+    pub fn clamp(&self, index: usize, value: T) -> T {
+        let (lower, upper) = self.of(index);
         if value < lower {
             lower
         } else if value > upper {
@@ -183,6 +195,14 @@ impl<T: Scalar> Limits<'_, T> {
         } else {
             value
         }
+    }
+
+    /// Whether descent along -`slope` would push unknown number `index` from `value` past a limit.
+    #[inline]
+    #[must_use]
+    pub fn blocks(&self, index: usize, value: T, slope: T) -> bool {
+        let (lower, upper) = self.of(index);
+        value <= lower && slope > T::zero() || value >= upper && slope < T::zero()
     }
 }
 

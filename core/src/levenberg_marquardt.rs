@@ -8,6 +8,7 @@
 //! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
 
 use crate::Scalar;
+use crate::dense::dot;
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
 
 /// First μ. The damping starts at ½‖r‖², below the curvature of any star that has more than a
@@ -43,7 +44,9 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     for (index, value) in x.iter_mut().enumerate() {
         *value = limits.clamp(index, *value);
     }
-    let mut cost = problem.linearise(x, equations);
+    let Some(mut cost) = problem.linearise(x, equations) else {
+        return report;
+    };
     report.evaluations += 1;
     if !cost.is_finite() {
         report.outcome = Outcome::NotFinite;
@@ -60,6 +63,13 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         }
         report.iterations += 1;
 
+        // A step that counts on an unknown to pass its limit is of no use to the others.
+        for (index, &value) in x.iter().enumerate() {
+            let slope = equations.gradient().get(index).copied();
+            if slope.is_some_and(|slope| limits.blocks(index, value, slope)) {
+                equations.hold(index);
+            }
+        }
         // Below this the factorisation cannot tell the matrix from a singular one.
         let floor = equations.max_diagonal() * T::EPSILON * T::lit(16.0);
         let damping = (mu * cost.half_square).max(floor);
@@ -75,28 +85,25 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
             *step = -slope;
         }
         equations.solve(step);
-        let moved = bounded_step(x, step, trial, limits, options.max_step);
+        let scale = bound(step, options.max_step);
+        let promised = promised(step, equations.gradient(), damping, scale);
+        let mut moved = T::zero();
+        for (index, ((&x, &step), trial)) in x.iter().zip(&*step).zip(&mut *trial).enumerate() {
+            *trial = limits.clamp(index, x + step * scale);
+            moved = moved.max((*trial - x).abs());
+        }
         if moved <= T::EPSILON {
             break Outcome::Stalled;
         }
-        // ½ dᵀ(λd − Jᵀr): what the damped linear model promised for the step taken.
-        let promised = step
-            .iter()
-            .zip(equations.gradient())
-            .fold(T::zero(), |sum, (&d, &g)| sum + d * (damping * d - g))
-            * T::HALF;
-        let new_cost = problem.linearise(trial, equations);
+        let Some(new_cost) = problem.linearise(trial, equations) else {
+            break Outcome::Capacity;
+        };
         report.evaluations += 1;
         let gain = cost.half_square - new_cost.half_square;
         if new_cost.is_finite() && gain > T::zero() {
             x.copy_from_slice(trial);
             cost = new_cost;
-            let ratio = if promised > T::zero() {
-                gain / promised
-            } else {
-                T::HALF
-            };
-            let bend = T::TWO * ratio - T::one();
+            let bend = T::TWO * gain / promised.max(T::EPSILON * gain) - T::one();
             let third = T::one() / (T::TWO + T::one());
             mu = (mu * (T::one() - bend * bend * bend).max(third)).max(T::lit(MIN_MU));
             growth = T::TWO;
@@ -113,28 +120,22 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     report
 }
 
-/// Shortens `step` so that no unknown moves by more than `max_step`, projects on the limits, and
-/// leaves the point in `trial` and the step really taken in `step`. Returns its largest entry.
-fn bounded_step<T: Scalar>(
-    x: &[T],
-    step: &mut [T],
-    trial: &mut [T],
-    limits: Limits<'_, T>,
-    max_step: T,
-) -> T {
+/// The factor by which `step` is shortened so that no unknown moves by more than `max_step`.
+fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
     let largest = step.iter().fold(T::zero(), |max, &d| max.max(d.abs()));
-    let scale = if largest > max_step {
+    if largest > max_step {
         max_step / largest
     } else {
         T::one()
-    };
-    let mut moved = T::zero();
-    for (index, ((&x, step), trial)) in x.iter().zip(step).zip(trial).enumerate() {
-        *trial = limits.clamp(index, x + *step * scale);
-        *step = *trial - x;
-        moved = moved.max(step.abs());
     }
-    moved
+}
+
+/// Decrease of ½‖r‖² that the linear model promises for s·d, d the damped step and s the factor that
+/// shortens it: -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d. What the limits cut off is not
+/// counted: those unknowns are held in the next step.
+fn promised<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
+    let (slope, square) = (dot(gradient, step), dot(step, step));
+    scale * (scale * T::HALF * (slope + damping * square) - slope)
 }
 
 /// Replaces `direction` by its projection on the null space of the Jacobian last accumulated: the

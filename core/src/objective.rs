@@ -22,7 +22,8 @@ pub enum Objective {
 impl Objective {
     /// Value at the configuration `unknowns` (radians), with the Frobenius norm.
     ///
-    /// `scratch` needs one entry for each unknown; returns `None` if it has fewer.
+    /// `scratch` needs one entry for each unknown. Returns `None` if it has fewer, or `unknowns` is not
+    /// as long as the stars ask for.
     pub fn value<T: Scalar>(
         self,
         stars: StarsView<'_, T>,
@@ -30,6 +31,9 @@ impl Objective {
         scratch: &mut [HalfAngle<T>],
     ) -> Option<T> {
         let half = scratch.get_mut(..stars.unknowns())?;
+        if unknowns.len() != half.len() {
+            return None;
+        }
         closure::half_angles(unknowns, half);
         let half = &*half;
         let norms = stars

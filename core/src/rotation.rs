@@ -95,13 +95,22 @@ impl<T: Scalar> core::ops::Mul for Rotation<T> {
     }
 }
 
-/// Cosine and sine of half a fold angle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Cosine and sine of half a fold angle; flat by default.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfAngle<T> {
     /// cos ρ/2.
     pub cos: T,
     /// sin ρ/2.
     pub sin: T,
+}
+
+impl<T: Scalar> Default for HalfAngle<T> {
+    fn default() -> Self {
+        Self {
+            cos: T::one(),
+            sin: T::zero(),
+        }
+    }
 }
 
 impl<T: Scalar> HalfAngle<T> {

@@ -43,14 +43,18 @@ impl<'a, T: Scalar> StarsView<'a, T> {
     /// A view of stars that lie one behind the other in `spokes`; star i ends before spoke
     /// `ends[i]`. `unknowns` is the number of unknowns (group angles) they refer to.
     ///
-    /// Returns `None` if the ends decrease or do not end with the last spoke, or if a group is out
-    /// of range.
+    /// Returns `None` if the ends decrease or do not end with the last spoke, if a group is out of
+    /// range, or if a direction is not of length one.
     #[must_use]
     pub fn new(spokes: &'a [Spoke<T>], ends: &'a [u32], unknowns: usize) -> Option<Self> {
         let sorted = ends.is_sorted();
         let complete = ends.last().map_or(0, |&end| end as usize) == spokes.len();
         let known = spokes.iter().all(|s| s.group.index() < unknowns);
-        (sorted && complete && known).then_some(Self {
+        let unit = spokes.iter().all(|spoke| {
+            let [x, y] = spoke.direction;
+            (x * x + y * y - T::one()).abs() <= T::EPSILON.sqrt()
+        });
+        (sorted && complete && known && unit).then_some(Self {
             spokes,
             ends,
             unknowns,

@@ -71,6 +71,11 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
             angles,
             rates,
         };
+        let values = times.len().checked_mul(groups);
+        if values != Some(angles.len()) || values != Some(rates.len()) {
+            let whole = angles.len().min(rates.len()) / groups.max(1);
+            return Err(TrajectoryError::Width(whole.min(times.len())));
+        }
         for (index, &time) in times.iter().enumerate() {
             let knot = view.knot(index).ok_or(TrajectoryError::Width(index))?;
             let finite = |values: &[T]| values.iter().all(|v| v.is_finite());
@@ -170,8 +175,10 @@ impl<T: Scalar> HermiteBasis<T> {
 }
 
 /// A trajectory that owns its memory: at most `KNOTS` knots with `VALUES` angles in all.
+///
+/// Decoding checks a trajectory as [`TrajectoryView::new`] does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[serde(bound = "", try_from = "Unchecked<T, KNOTS, VALUES>")]
 pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize> {
     groups: u16,
     times: Vec<T, KNOTS>,
@@ -226,5 +233,37 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
             angles: &self.angles,
             rates: &self.rates,
         }
+    }
+}
+
+/// A trajectory as it arrives.
+#[derive(Deserialize)]
+#[serde(bound = "")]
+struct Unchecked<T: Scalar, const KNOTS: usize, const VALUES: usize> {
+    groups: u16,
+    times: Vec<T, KNOTS>,
+    angles: Vec<T, VALUES>,
+    rates: Vec<T, VALUES>,
+}
+
+impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Unchecked<T, KNOTS, VALUES>>
+    for Trajectory<T, KNOTS, VALUES>
+{
+    type Error = TrajectoryError;
+
+    fn try_from(arrived: Unchecked<T, KNOTS, VALUES>) -> Result<Self, TrajectoryError> {
+        let Unchecked {
+            groups,
+            times,
+            angles,
+            rates,
+        } = arrived;
+        TrajectoryView::new(usize::from(groups), &times, &angles, &rates)?;
+        Ok(Self {
+            groups,
+            times,
+            angles,
+            rates,
+        })
     }
 }

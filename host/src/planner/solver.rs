@@ -83,9 +83,9 @@ impl<'a> ClosureSolver<'a> {
         let (Some(mut problem), Some(mut equations)) = (problem, equations) else {
             return false;
         };
-        problem.linearise(x, &mut equations);
         self.work.evaluations += 1;
-        levenberg_marquardt::project_on_motions(&mut equations, direction)
+        problem.linearise(x, &mut equations).is_some()
+            && levenberg_marquardt::project_on_motions(&mut equations, direction)
     }
 }
 

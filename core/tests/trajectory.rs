@@ -1,0 +1,206 @@
+//! Trajectories: what is sampled between knots, what is refused, and the stored form.
+
+mod common;
+
+use common::{cast, rng, uniform};
+use foldpath_core::Scalar;
+use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryError, TrajectoryView};
+
+/// A polynomial of degree 3 and its derivative, at `t`.
+fn cubic([a, b, c, d]: [f64; 4], t: f64) -> (f64, f64) {
+    let value = a + t * (b + t * (c + t * d));
+    (value, b + t * (2.0 * c + t * 3.0 * d))
+}
+
+fn reproduces_cubics<T: Scalar>() {
+    let mut rng = rng(51);
+    for _ in 0..100 {
+        let curves: [[f64; 4]; 2] =
+            core::array::from_fn(|_| core::array::from_fn(|_| uniform(&mut rng, -1.0, 1.0)));
+        let times = [-1.0, -0.25, 0.5, 0.75, 2.0]; // exact in binary
+        let knots = times.map(|t| curves.map(|curve| cubic(curve, t)));
+        let angles: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.0)).collect();
+        let rates: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.1)).collect();
+        let times: [T; 5] = cast(times);
+        let view = TrajectoryView::new(2, &times, &angles, &rates).unwrap();
+        for t in (0..=96).map(|step| -1.0 + f64::from(step) / 32.0) {
+            let mut sampled = [T::zero(); 2];
+            view.sample(T::lit(t), &mut sampled);
+            for (sampled, curve) in sampled.iter().zip(curves) {
+                let error = (sampled.to_f64() - cubic(curve, t).0).abs();
+                // Angles and rates times span are below 15 and 20 in size.
+                assert!(
+                    error <= 4.0 * 20.0 * T::EPSILON.to_f64(),
+                    "{error:e} at {t}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn cubics_are_sampled_exactly() {
+    reproduces_cubics::<f32>();
+    reproduces_cubics::<f64>();
+}
+
+const TIMES: [f64; 2] = [1.0, 2.0];
+const ANGLES: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
+const RATES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+
+#[test]
+fn times_outside_get_the_nearest_knot() {
+    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    for (time, knot) in [
+        (-1e9, 0),
+        (0.999, 0),
+        (1.0, 0),
+        (2.0, 1),
+        (2.001, 1),
+        (1e9, 1),
+    ] {
+        let mut sampled = [0.0; 2];
+        view.sample(time, &mut sampled);
+        let expected = view.knot(knot).unwrap().angles.iter().map(|a| a.to_bits());
+        assert!(
+            sampled.iter().map(|a| a.to_bits()).eq(expected),
+            "at {time}"
+        );
+    }
+    let mut untouched = [7.0];
+    let empty = TrajectoryView::<f64>::new(1, &[], &[], &[]).unwrap();
+    empty.sample(0.0, &mut untouched);
+    assert_eq!(untouched.map(f64::to_bits), [7_f64.to_bits()]);
+}
+
+#[test]
+fn a_view_lists_its_knots() {
+    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    assert_eq!((view.len(), view.groups(), view.is_empty()), (2, 2, false));
+    let second = Knot {
+        time: 2.0,
+        angles: &[0.3, 0.4],
+        rates: &[3.0, 4.0],
+    };
+    assert_eq!(view.knot(1), Some(second));
+    assert_eq!(view.knot(2), None);
+    assert_eq!(view.knot(usize::MAX), None);
+}
+
+#[test]
+fn a_view_refuses_bad_knots() {
+    let error = |times: [f64; 2], angles: &[f64], rates: &[f64]| {
+        TrajectoryView::new(2, &times, angles, rates).unwrap_err()
+    };
+    assert_eq!(
+        error(TIMES, &ANGLES[..3], &RATES),
+        TrajectoryError::Width(1)
+    );
+    assert_eq!(
+        error(TIMES, &ANGLES, &RATES[..1]),
+        TrajectoryError::Width(0)
+    );
+    let surplus = [0.0; 5];
+    assert_eq!(error(TIMES, &surplus, &RATES), TrajectoryError::Width(2));
+    assert_eq!(error(TIMES, &ANGLES, &surplus), TrajectoryError::Width(2));
+    assert_eq!(
+        error([1.0, 1.0], &ANGLES, &RATES),
+        TrajectoryError::Order(1)
+    );
+    assert_eq!(
+        error([1.0, 0.5], &ANGLES, &RATES),
+        TrajectoryError::Order(1)
+    );
+    for bad in [f64::NAN, f64::INFINITY] {
+        let last = [0.0, 0.0, 0.0, bad];
+        assert_eq!(
+            error([1.0, bad], &ANGLES, &RATES),
+            TrajectoryError::NotFinite(1)
+        );
+        assert_eq!(
+            error([bad, 1.0], &ANGLES, &RATES),
+            TrajectoryError::NotFinite(0)
+        );
+        assert_eq!(error(TIMES, &last, &RATES), TrajectoryError::NotFinite(1));
+        assert_eq!(error(TIMES, &ANGLES, &last), TrajectoryError::NotFinite(1));
+    }
+}
+
+fn knot<'a>(time: f64, angles: &'a [f64], rates: &'a [f64]) -> Knot<'a, f64> {
+    Knot {
+        time,
+        angles,
+        rates,
+    }
+}
+
+/// Two knots of two groups, in room for `KNOTS` knots and `VALUES` angles.
+fn two_knots<const KNOTS: usize, const VALUES: usize>() -> Trajectory<f64, KNOTS, VALUES> {
+    let mut trajectory = Trajectory::new(2);
+    for (index, time) in TIMES.into_iter().enumerate() {
+        let range = 2 * index..2 * index + 2;
+        let knot = knot(time, &ANGLES[range.clone()], &RATES[range]);
+        trajectory.push(knot).unwrap();
+    }
+    trajectory
+}
+
+#[test]
+fn pushed_knots_are_in_the_view() {
+    let trajectory = two_knots::<2, 4>();
+    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    assert_eq!(trajectory.view(), view);
+}
+
+#[test]
+fn push_refuses_bad_knots_and_changes_nothing() {
+    use TrajectoryError::{NotFinite, Order, Width};
+    let before = two_knots::<4, 8>();
+    let (nan, two) = (f64::NAN, [0.0; 2]);
+    for (knot, error) in [
+        (knot(3.0, &[0.0], &two), Width(2)),
+        (knot(3.0, &two, &[0.0; 3]), Width(2)),
+        (knot(2.0, &two, &two), Order(2)),
+        (knot(1.0, &two, &two), Order(2)),
+        (knot(nan, &two, &two), NotFinite(2)),
+        (knot(f64::INFINITY, &two, &two), NotFinite(2)),
+        (knot(3.0, &[0.0, nan], &two), NotFinite(2)),
+        (knot(3.0, &two, &[nan, 0.0]), NotFinite(2)),
+    ] {
+        let mut trajectory = before.clone();
+        assert_eq!(trajectory.push(knot), Err(error));
+        assert_eq!(trajectory, before);
+    }
+}
+
+/// Pushes a third knot into storage without room for it.
+fn overfill<const KNOTS: usize, const VALUES: usize>() {
+    let before = two_knots::<KNOTS, VALUES>();
+    let mut trajectory = before.clone();
+    let result = trajectory.push(knot(3.0, &[0.0; 2], &[0.0; 2]));
+    assert_eq!(result, Err(TrajectoryError::Capacity(2)));
+    assert_eq!(trajectory, before);
+}
+
+#[test]
+fn push_refuses_a_knot_without_room_and_changes_nothing() {
+    overfill::<2, 8>();
+    overfill::<3, 4>();
+    overfill::<3, 5>();
+}
+
+#[test]
+fn postcard_brings_back_the_same_trajectory() {
+    let trajectory = two_knots::<4, 8>();
+    let mut buffer = [0; 128];
+    let bytes = postcard::to_slice(&trajectory, &mut buffer).unwrap();
+    let back: Trajectory<f64, 4, 8> = postcard::from_bytes(bytes).unwrap();
+    assert_eq!(back, trajectory);
+    // The last byte is the top of the last rate: an exponent of ones is no number.
+    let mut spoilt = bytes.to_vec();
+    let end = spoilt.len();
+    spoilt[end - 2..].fill(0xff);
+    assert!(postcard::from_bytes::<Trajectory<f64, 4, 8>>(&spoilt).is_err());
+    let too_small = postcard::from_bytes::<Trajectory<f64, 1, 8>>(bytes);
+    assert!(too_small.is_err());
+}

@@ -1,0 +1,77 @@
+//! Whole plans, without reading and writing, and where their time goes.
+//!
+//! `cargo bench -p foldpath --bench plan`. The first table is divan's; the second takes the median of
+//! each stage over 101 plans.
+
+use std::path::Path;
+
+use foldpath::formats::fold::read_pattern;
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
+
+const PATTERNS: [&str; 8] = [
+    "miura-3x3",
+    "miura-5x5",
+    "miura-11x11",
+    "miura-24x24",
+    "waterbomb-4x6",
+    "waterbomb-8x10",
+    "waterbomb-12x22",
+    "yoshimura-12x12",
+];
+
+fn main() {
+    divan::main();
+    if std::env::args().any(|argument| argument == "--bench") {
+        stages();
+    }
+}
+
+fn read(name: &str) -> (CreasePattern, Goal) {
+    let path = format!("{}/../patterns/{name}.fold", env!("CARGO_MANIFEST_DIR"));
+    let pattern = read_pattern(Path::new(&path)).unwrap().pattern;
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    (pattern, goal)
+}
+
+#[divan::bench(args = PATTERNS)]
+fn whole_plan(bencher: divan::Bencher<'_, '_>, name: &str) {
+    let (pattern, goal) = read(name);
+    bencher.bench_local(|| plan(&pattern, &goal, &PlanOptions::default()));
+}
+
+#[divan::bench(args = PATTERNS)]
+fn without_collision(bencher: divan::Bencher<'_, '_>, name: &str) {
+    let (pattern, goal) = read(name);
+    let options = PlanOptions {
+        collision: false,
+        ..PlanOptions::default()
+    };
+    bencher.bench_local(|| plan(&pattern, &goal, &options));
+}
+
+fn stages() {
+    println!("medians of 101 plans, milliseconds");
+    println!("pattern              symmetry    solve     fold  collision    total  knots");
+    for name in PATTERNS {
+        let (pattern, goal) = read(name);
+        let plans: Vec<Plan> = (0..101)
+            .map(|_| plan(&pattern, &goal, &PlanOptions::default()))
+            .collect();
+        assert!(plans.iter().all(|plan| plan.outcome == Outcome::Planned));
+        let median = |stage: fn(&Plan) -> core::time::Duration| {
+            let mut times: Vec<_> = plans.iter().map(stage).collect();
+            times.sort_unstable();
+            times[times.len() / 2].as_secs_f64() * 1e3
+        };
+        println!(
+            "{name:20} {:8.3} {:8.4} {:8.3} {:10.3} {:8.3} {:6}",
+            median(|p| p.times.symmetry),
+            median(|p| p.times.solve),
+            median(|p| p.times.fold),
+            median(|p| p.times.collision),
+            median(|p| p.times.symmetry + p.times.solve + p.times.fold + p.times.collision),
+            plans[0].path.knots.len()
+        );
+    }
+}
