@@ -96,7 +96,9 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         if n == 0 {
             return true;
         }
-        self.factor.copy_from_slice(self.matrix);
+        for (factor, &entry) in self.factor.iter_mut().zip(&*self.matrix) {
+            *factor = entry;
+        }
         for i in 0..n {
             let Some((above, rest)) = self.factor.split_at_mut_checked(i * n) else {
                 return false;

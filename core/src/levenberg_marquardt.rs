@@ -16,6 +16,9 @@ use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Out
 const FIRST_MU: f64 = 1.0;
 /// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
 const MIN_MU: f64 = 1e-6;
+/// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
+/// waterbomb's smallest singular value is a twelfth of the largest.
+const PROJECTIONS: usize = 4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
@@ -141,18 +144,18 @@ fn promised<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
 /// Replaces `direction` by its projection on the null space of the Jacobian last accumulated: the
 /// infinitesimal motion nearest to it.
 ///
-/// λ(JᵀJ + λI)⁻¹d tends to the projection with λ → 0; applied twice it errs by (λ/σ²)², with σ the
-/// smallest singular value that is not zero. Returns `false` if no λ makes the matrix definite.
+/// λ(JᵀJ + λI)⁻¹d tends to the projection with λ → 0; applied k times it leaves (λ/σ²)ᵏ of what is no
+/// motion, with σ the smallest singular value that is not zero. Returns `false` if no λ makes the matrix definite.
 pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     direction: &mut [T],
 ) -> bool {
-    // The square root of the precision balances the error above against rounding, which is ε/λ.
+    // The square root of the precision: rounding, which is ε/λ, stays as small as λ itself.
     let damping = equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt();
     if !equations.factorise(damping) {
         return false;
     }
-    for _ in 0..2 {
+    for _ in 0..PROJECTIONS {
         equations.solve(direction);
         for entry in direction.iter_mut() {
             *entry *= damping;

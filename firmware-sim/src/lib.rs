@@ -1,1 +1,7 @@
-//! x
+//! The controller's program without its board: what runs on the microcontroller, and on the host
+//! when a test compares the two.
+#![no_std]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::indexing_slicing)]
+
+pub mod probe;

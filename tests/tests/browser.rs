@@ -5,13 +5,15 @@
 use core::time::Duration;
 use std::{
     ffi::OsStr,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex},
     thread::sleep,
     time::Instant,
 };
 
-use foldpath::view::{Scene, SceneEdge, SceneKnot, page};
+use foldpath::formats::fold::{PathWriter, PatternFile, read_path, read_pattern};
+use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::view::{Scene, page};
 use headless_chrome::{
     Browser, LaunchOptions, Tab,
     protocol::cdp::{
@@ -22,14 +24,28 @@ use headless_chrome::{
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// The path that the page shows in these tests.
+/// The path that the page shows in these tests: the README's, planned, written and read again.
 fn scene() -> Scene {
-    miura(4, 6, 18)
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../patterns/miura-11x11.fold");
+    let PatternFile { title, pattern } = read_pattern(Path::new(file)).unwrap();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let plan = plan(&pattern, &goal, &PlanOptions::default());
+    let writer = PathWriter {
+        title: &title,
+        pattern: &pattern,
+        vertices: true,
+        seed: 0,
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let written = directory.path().join("path.fold");
+    std::fs::write(&written, writer.text(&plan.path)).unwrap();
+    Scene::of_path(&read_path(&written).unwrap())
 }
 
 #[test]
 fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
-    let view = View::open(&scene(), &[]);
+    let scene = scene();
+    let view = View::open(&scene, &[]);
 
     let states = ["0", "0.5", "1"].map(|fold| {
         view.run(&format!(
@@ -61,10 +77,8 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
 
     view.run("foldpath.setPosition(0)");
     view.tab.press_key("ArrowRight").unwrap();
-    assert_eq!(
-        view.run("readout.innerText.includes('2 of 18')"),
-        json!(true)
-    );
+    let second = format!("readout.innerText.includes('2 of {}')", scene.knots.len());
+    assert_eq!(view.run(&second), json!(true));
 
     view.run("foldpath.setPosition(0.5)");
     let before = (view.run("foldpath.drawn()"), view.canvas());
@@ -259,97 +273,4 @@ fn chromium() -> PathBuf {
         path.display()
     );
     path
-}
-
-/// A Miura sheet of unit edges with sector angles of 60 degrees, folded by its closed form from
-/// flat to a major fold angle of 170 degrees.
-///
-/// With H = sin 60° sin(major/2), S² = 1 - H², V = cos 60° / S and L² = 1 - V², the folded vertex of
-/// row i and column j is (S j + V (i mod 2), L i, H (j mod 2)).
-fn miura(rows: u32, columns: u32, knots: u32) -> Scene {
-    let (sine, cosine) = 60_f64.to_radians().sin_cos();
-    let id = |i, j| i * (columns + 1) + j;
-    let grid = || (0..=rows).flat_map(|i| (0..=columns).map(move |j| (i, j)));
-    let fold = |major: f64| -> Vec<[f64; 3]> {
-        let h = sine * (major / 2.0).sin();
-        let s = (1.0 - h * h).sqrt();
-        let v = cosine / s;
-        let l = (1.0 - v * v).sqrt();
-        grid()
-            .map(|(i, j)| {
-                [
-                    s * f64::from(j) + v * f64::from(i % 2),
-                    l * f64::from(i),
-                    h * f64::from(j % 2),
-                ]
-            })
-            .collect()
-    };
-
-    let edge = |a, b, outer: bool, mountain: bool| SceneEdge {
-        ends: [a, b],
-        letter: if outer {
-            "B"
-        } else if mountain {
-            "M"
-        } else {
-            "V"
-        }
-        .to_owned(),
-    };
-    let mut edges = vec![];
-    for (i, j) in grid() {
-        if j < columns {
-            let outer = i == 0 || i == rows;
-            edges.push(edge(id(i, j), id(i, j + 1), outer, (i + j) % 2 == 0));
-        }
-        if i < rows {
-            let outer = j == 0 || j == columns;
-            edges.push(edge(id(i, j), id(i + 1, j), outer, j % 2 == 1));
-        }
-    }
-    let deformation = |vertices: &[[f64; 3]]| {
-        let error = |edge: &SceneEdge| {
-            let [a, b] = edge.ends.map(|end| vertices[end as usize]);
-            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt() - 1.0
-        };
-        edges.iter().map(|e| error(e).abs()).fold(0.0, f64::max)
-    };
-
-    let knots: Vec<_> = (0..knots)
-        .map(|k| {
-            let time = 6.0 * f64::from(k) / f64::from(knots - 1);
-            let major = (170.0 * time / 6.0).to_radians();
-            let minor = 2.0 * (cosine * (major / 2.0).tan()).atan();
-            let vertices = fold(major);
-            SceneKnot {
-                time,
-                deformation: deformation(&vertices),
-                vertices: Some(vertices),
-                group_angles: vec![major.to_degrees(), minor.to_degrees()],
-                gap: 0.0,
-                closure: 0.0,
-            }
-        })
-        .collect();
-    let faces: Vec<[u32; 4]> = grid()
-        .filter(|&(i, j)| i < rows && j < columns)
-        .map(|(i, j)| [id(i, j), id(i, j + 1), id(i + 1, j + 1), id(i + 1, j)])
-        .collect();
-    Scene {
-        title: format!("Miura-ori {rows} × {columns}"),
-        vertices: fold(0.0).iter().map(|&[x, y, _]| [x, y]).collect(),
-        triangles: faces
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect(),
-        faces: faces.iter().map(|face| face.to_vec()).collect(),
-        creases: edges.iter().filter(|edge| edge.letter != "B").count(),
-        edges,
-        groups: 2,
-        max_deformation: knots.iter().map(|k| k.deformation).fold(0.0, f64::max),
-        max_gap: 0.0,
-        max_closure: 0.0,
-        knots,
-    }
 }

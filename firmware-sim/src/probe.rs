@@ -1,0 +1,240 @@
+//! Runs the real foldpath-core on whatever machine this is compiled for, in `f32`.
+//!
+//! Two folds start flat and are followed step by step, as a planner would, and are then played, as
+//! a controller would. All results are printed bit by bit, so that two machines can be compared.
+
+use core::fmt::Write;
+
+use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
+use foldpath_core::{
+    DenseNormalEquations, GroupId, HalfAngle, Objective, Spoke, StarsView, gradient,
+    levenberg_marquardt,
+};
+use nalgebra::Vector3;
+
+/// Steps of a walk.
+pub const STEPS: u16 = 25;
+/// By how much a step turns the first group, which turns at 1 rad/s: 4 degrees.
+pub const STEP: f32 = core::f32::consts::PI / 45.0;
+
+/// Samples a step.
+const SAMPLES: u16 = 4;
+/// The most groups of a fold here.
+const GROUPS: usize = 4;
+/// The most spokes of a star here.
+const DEGREE: usize = 6;
+/// Knots of a path: the flat state, and one a step.
+const KNOTS: usize = STEPS as usize + 1;
+
+type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
+
+/// Why the probe stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// A fold is ill-formed or larger than the memory for it.
+    Size,
+    /// The solver did not close a configuration.
+    Open,
+    /// The trajectory did not take a knot.
+    Knot,
+    /// The output did not take a line.
+    Output,
+}
+
+/// A fold with one degree of freedom: its stars, and the rates (rad/s) at which it leaves the flat
+/// state, the first of which is 1.
+struct Fold<'a> {
+    name: &'a str,
+    spokes: &'a [Spoke<f32>],
+    ends: &'a [u32],
+    rates: &'a [f32],
+}
+
+const DIAGONAL: f32 = core::f32::consts::FRAC_1_SQRT_2;
+const SIN_60: f32 = 0.866_025_4;
+
+/// Miura's fold with 60 degree sectors. Groups: the zigzag creases, the straight ones.
+const MIURA: Fold<'_> = Fold {
+    name: "miura",
+    spokes: &[
+        Spoke {
+            negative: true,
+            ..spoke(1, [1.0, 0.0])
+        },
+        spoke(0, [0.5, SIN_60]),
+        spoke(1, [-1.0, 0.0]),
+        spoke(0, [0.5, -SIN_60]),
+    ],
+    ends: &[4],
+    rates: &[1.0, 0.5],
+};
+
+/// The waterbomb tessellation: its centres, its corners and the crossings of its long creases.
+/// Groups: m, r, d, b of the closed form m = 2 atan t, r = 2 atan 2t, d = -2 atan √2 t, b = 2r - m.
+const WATERBOMB: Fold<'_> = Fold {
+    name: "waterbomb",
+    spokes: &[
+        spoke(2, [DIAGONAL, DIAGONAL]),
+        spoke(0, [0.0, 1.0]),
+        spoke(2, [-DIAGONAL, DIAGONAL]),
+        spoke(2, [-DIAGONAL, -DIAGONAL]),
+        spoke(0, [0.0, -1.0]),
+        spoke(2, [DIAGONAL, -DIAGONAL]),
+        spoke(1, [1.0, 0.0]),
+        spoke(2, [DIAGONAL, DIAGONAL]),
+        spoke(3, [0.0, 1.0]),
+        spoke(2, [-DIAGONAL, DIAGONAL]),
+        spoke(1, [-1.0, 0.0]),
+        spoke(0, [0.0, -1.0]),
+        spoke(3, [0.0, 1.0]),
+        spoke(3, [0.0, -1.0]),
+    ],
+    ends: &[6, 12, 14],
+    rates: &[1.0, 2.0, -core::f32::consts::SQRT_2, 3.0],
+};
+
+const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
+    Spoke {
+        group: GroupId(group),
+        negative: false,
+        direction,
+    }
+}
+
+/// Follows and plays all folds. A line names the fold and what it tells, and gives each number as
+/// the 8 hexadecimal digits of its bits:
+///
+/// - `gradient` and `solve`: iterations, evaluations, residual, then the angles;
+/// - `knot`: the angles, then the rates;
+/// - `sample`: the two objectives, then the angles.
+///
+/// # Errors
+/// If a configuration does not close, or the output fails.
+pub fn run(out: &mut impl Write) -> Result<(), Failure> {
+    for fold in [MIURA, WATERBOMB] {
+        let stars = StarsView::new(fold.spokes, fold.ends, fold.rates.len());
+        let stars = stars.ok_or(Failure::Size)?;
+        let path = follow(&fold, stars, out)?;
+        play(&fold, stars, path.view(), out)?;
+    }
+    Ok(())
+}
+
+/// Walks from the flat state by predicting with the rates, correcting with a solver, and turning
+/// the rates into the motion that the new configuration allows.
+fn follow(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    out: &mut impl Write,
+) -> Result<Path, Failure> {
+    let n = stars.unknowns();
+    let (mut angles, mut rates, mut other) = ([0.0; GROUPS], [0.0; GROUPS], [0.0; GROUPS]);
+    let angles = angles.get_mut(..n).ok_or(Failure::Size)?;
+    let rates = rates.get_mut(..n).ok_or(Failure::Size)?;
+    let other = other.get_mut(..n).ok_or(Failure::Size)?;
+    copy(fold.rates, rates);
+
+    let mut half_angles = [HalfAngle::default(); GROUPS];
+    let mut columns = [Vector3::default(); DEGREE];
+    let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
+    let mut problem = problem.ok_or(Failure::Size)?;
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(GROUPS)];
+    let equations = DenseNormalEquations::new(n, &mut memory);
+    let mut equations = equations.ok_or(Failure::Size)?;
+    let mut workspace = [0.0; 3 * GROUPS];
+    let (limits, options) = (Limits::HalfTurn, Options::default());
+
+    let mut path = Path::new(u16::try_from(n).map_err(|_| Failure::Size)?);
+    for step in 0..=STEPS {
+        if step > 0 {
+            for (angle, rate) in angles.iter_mut().zip(&*rates) {
+                *angle += rate * STEP;
+            }
+            copy(angles, other);
+            let report = gradient::solve(&mut problem, limits, &options, other, &mut workspace);
+            line(out, fold, "gradient", words(&report).chain(bits(other)))?;
+            let report = levenberg_marquardt::solve(
+                &mut problem,
+                &mut equations,
+                limits,
+                &options,
+                angles,
+                &mut workspace,
+            );
+            line(out, fold, "solve", words(&report).chain(bits(angles)))?;
+            if report.outcome != Outcome::Converged {
+                return Err(Failure::Open);
+            }
+            problem.linearise(angles, &mut equations);
+            if !levenberg_marquardt::project_on_motions(&mut equations, rates) {
+                return Err(Failure::Open);
+            }
+            let first = rates.first().copied().ok_or(Failure::Size)?;
+            for rate in rates.iter_mut() {
+                *rate /= first;
+            }
+        }
+        line(out, fold, "knot", bits(angles).chain(bits(rates)))?;
+        let knot = Knot {
+            time: f32::from(step) * STEP,
+            angles,
+            rates,
+        };
+        path.push(knot).map_err(|_| Failure::Knot)?;
+    }
+    Ok(path)
+}
+
+/// Samples the motion between the knots, and how far it is from closing.
+fn play(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    path: TrajectoryView<'_, f32>,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let mut angles = [0.0; GROUPS];
+    let angles = angles.get_mut(..path.groups()).ok_or(Failure::Size)?;
+    let mut scratch = [HalfAngle::default(); GROUPS];
+    for tick in 0..=STEPS * SAMPLES {
+        path.sample(f32::from(tick) * STEP / f32::from(SAMPLES), angles);
+        let mut value = |objective: Objective| {
+            let value = objective.value(stars, angles, &mut scratch);
+            value.ok_or(Failure::Size)
+        };
+        let values = [value(Objective::Max)?, value(Objective::Sum)?];
+        line(out, fold, "sample", bits(&values).chain(bits(angles)))?;
+    }
+    Ok(())
+}
+
+fn copy(from: &[f32], to: &mut [f32]) {
+    for (from, to) in from.iter().zip(to) {
+        *to = *from;
+    }
+}
+
+fn bits(numbers: &[f32]) -> impl Iterator<Item = u32> {
+    numbers.iter().map(|number| number.to_bits())
+}
+
+fn words(report: &Report<f32>) -> impl Iterator<Item = u32> + use<> {
+    let residual = report.residual.to_bits();
+    [report.iterations, report.evaluations, residual].into_iter()
+}
+
+fn line(
+    out: &mut impl Write,
+    fold: &Fold<'_>,
+    what: &str,
+    words: impl Iterator<Item = u32>,
+) -> Result<(), Failure> {
+    let print = || {
+        write!(out, "{} {what}", fold.name)?;
+        for word in words {
+            write!(out, " {word:08x}")?;
+        }
+        writeln!(out)
+    };
+    print().map_err(|_| Failure::Output)
+}

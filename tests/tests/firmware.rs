@@ -1,0 +1,182 @@
+//! The controller's image: it has neither an allocator nor a panic, and computes on its board, in
+//! an emulator, what the host computes, bit for bit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use foldpath_firmware_sim::probe;
+use object::{Object, ObjectSymbol};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+/// Seconds until the emulator is ended, whatever becomes of this process.
+const TIME_LIMIT: &str = "60";
+
+/// The image as for a real board.
+fn image() -> PathBuf {
+    build("fw", &[])
+}
+
+/// Builds the image with `settings` in the environment, in a target directory of its own because
+/// the outer cargo may hold the lock of its one.
+fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
+    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
+    let target_dir = target_dir.join(directory);
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--locked", "--package", "foldpath-firmware-sim"]);
+    cargo.args(["--profile", "firmware", "--target", TARGET]);
+    cargo.arg("--target-dir").arg(&target_dir);
+    cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
+    cargo.envs(settings.iter().copied());
+    for meant_for_the_host in [
+        "CARGO_BUILD_TARGET",
+        "CARGO_ENCODED_RUSTFLAGS",
+        "RUSTC_WRAPPER",
+        "RUSTFLAGS",
+    ] {
+        cargo.env_remove(meant_for_the_host);
+    }
+    let build = cargo.output().expect("cargo starts");
+    assert!(
+        build.status.success(),
+        "the image does not build; `tests/run` installs what it needs\n{}",
+        String::from_utf8_lossy(&build.stderr)
+    );
+    target_dir
+        .join(TARGET)
+        .join("firmware/foldpath-firmware-sim")
+}
+
+/// What the image prints when the emulator runs it to a successful end.
+fn board_output() -> String {
+    let run = Command::new("timeout")
+        .args(["--foreground", "--kill-after=5", TIME_LIMIT])
+        .args(["qemu-system-arm", "-machine", "mps2-an386"])
+        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image())
+        .stdin(Stdio::null())
+        .output()
+        .expect("timeout, of coreutils, starts");
+    let output = String::from_utf8_lossy(&run.stdout).into_owned();
+    let problem = match run.status.code() {
+        Some(0) => return output,
+        Some(124 | 137) => "the image did not end in time",
+        Some(127) => "qemu-system-arm is missing: `tests/run` installs it",
+        _ => "the image failed",
+    };
+    let errors = String::from_utf8_lossy(&run.stderr);
+    panic!("{problem} ({})\n{output}{errors}", run.status);
+}
+
+fn host_output() -> String {
+    let mut output = String::new();
+    probe::run(&mut output).expect("the probe succeeds on the host");
+    output
+}
+
+/// The numbers after "`fold` `what`" in each such line.
+fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = Vec<f64>> + 'a {
+    let prefix = format!("{fold} {what} ");
+    let lines = output.lines().filter_map(move |l| l.strip_prefix(&prefix));
+    lines.map(|line| {
+        let words = line.split(' ').map(|word| u32::from_str_radix(word, 16));
+        words
+            .map(|bits| f32::from_bits(bits.unwrap()).into())
+            .collect()
+    })
+}
+
+/// Names in the symbol table of `image` that contain one of `parts`.
+fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
+    let elf = object::File::parse(image).unwrap();
+    let names: Vec<_> = elf.symbols().filter_map(|s| s.name().ok()).collect();
+    for present in ["Reset", "foldpath_core", "sincosf"] {
+        let found = names.iter().any(|name| name.contains(present));
+        assert!(found, "no {present}: is this the symbol table?");
+    }
+    let named = |name: &&str| parts.iter().any(|part| name.contains(part));
+    names.into_iter().filter(named).map(String::from).collect()
+}
+
+/// Looks at an unoptimised image: link-time optimisation inlines an allocator until nothing of its
+/// name is left.
+#[test]
+fn nothing_reaches_an_allocator() {
+    let settings = [
+        ("CARGO_PROFILE_FIRMWARE_LTO", "off"),
+        ("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "0"),
+    ];
+    let image = fs::read(build("fw-unoptimised", &settings)).unwrap();
+    let allocators = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc"];
+    assert_eq!(symbols(&image, &allocators), [""; 0]);
+}
+
+/// The linker drops the panic handler, with its message, when nothing reaches it.
+#[test]
+fn nothing_in_the_image_panics() {
+    let image = fs::read(image()).unwrap();
+    let panics = ["panicking", "rust_begin_unwind", "slice_index_fail"];
+    assert_eq!(symbols(&image, &panics), [""; 0]);
+    let message = image.windows(8).any(|bytes| bytes == b"panicked");
+    assert!(!message, "the panic handler is in the image");
+}
+
+#[test]
+fn the_board_computes_the_bits_of_the_host() {
+    let (board, host) = (board_output(), host_output());
+    for (board, host) in board.lines().zip(host.lines()) {
+        assert_eq!(board, host);
+    }
+    assert_eq!(board.lines().count(), host.lines().count());
+}
+
+#[test]
+fn the_probe_follows_the_closed_forms() {
+    let miura = |zigzag: f64| vec![zigzag, 2.0 * (0.5 * (zigzag / 2.0).tan()).atan()];
+    let waterbomb = |m: f64| {
+        let t = (m / 2.0).tan();
+        let r = 2.0 * (2.0 * t).atan();
+        vec![m, r, -2.0 * (2_f64.sqrt() * t).atan(), 2.0 * r - m]
+    };
+    let output = host_output();
+    follows(&output, "miura", miura);
+    follows(&output, "waterbomb", waterbomb);
+}
+
+/// Asserts that the knots of `fold` lie on its closed form, a function of the first angle, up to at
+/// least 99 degrees, and that it stays closed between them.
+fn follows(output: &str, fold: &str, closed_form: impl Fn(f64) -> Vec<f64>) {
+    let knots: Vec<_> = numbers(output, fold, "knot").collect();
+    assert_eq!(knots.len(), usize::from(probe::STEPS) + 1);
+    assert!(knots.last().unwrap()[0] > 99_f64.to_radians());
+    for knot in &knots {
+        let (angles, rates) = knot.split_at(knot.len() / 2);
+        assert!(
+            distance(angles, &closed_form(angles[0])) < 5e-6,
+            "{fold} {angles:?}"
+        );
+        let h = 1e-6;
+        let (before, after) = (closed_form(angles[0] - h), closed_form(angles[0] + h));
+        let slopes = before.iter().zip(&after).map(|(b, a)| (a - b) / (2.0 * h));
+        let slopes: Vec<_> = slopes.collect();
+        assert!(
+            distance(rates, &slopes) < 5e-5,
+            "{fold} {rates:?} {slopes:?}"
+        );
+    }
+    for sample in numbers(output, fold, "sample") {
+        let [max, sum] = [sample[0], sample[1]];
+        assert!(max <= sum && sum < 1e-4, "{fold} {sample:?}");
+    }
+}
+
+/// Largest difference of two entries.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
