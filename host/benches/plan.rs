@@ -1,7 +1,7 @@
 //! Whole plans, without reading and writing, and where their time goes.
 //!
-//! `cargo bench -p foldpath --bench plan`. The first table is divan's; the second takes the median of
-//! each stage over 101 plans.
+//! `cargo bench -p foldpath --bench plan`. The first table is divan's; the second, the README's,
+//! takes the median of each stage over 101 plans.
 
 use std::path::Path;
 
@@ -51,8 +51,11 @@ fn without_collision(bencher: divan::Bencher<'_, '_>, name: &str) {
 }
 
 fn stages() {
-    println!("medians of 101 plans, milliseconds");
-    println!("pattern              symmetry    solve     fold  collision    total  knots");
+    println!("medians of 101 plans, milliseconds\n");
+    println!(
+        "| sheet | hinges | unknowns | symmetry | solve | fold | collision | total | deformation |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
     for name in PATTERNS {
         let (pattern, goal) = read(name);
         let plans: Vec<Plan> = (0..101)
@@ -65,13 +68,15 @@ fn stages() {
             times[times.len() / 2].as_secs_f64() * 1e3
         };
         println!(
-            "{name:20} {:8.3} {:8.4} {:8.3} {:10.3} {:8.3} {:6}",
+            "| {name} | {} | {} | {:.3} ms | {:.3} ms | {:.2} ms | {:.2} ms | {:.2} ms | {:.1e} |",
+            pattern.creases().len(),
+            plans[0].unknowns,
             median(|p| p.times.symmetry),
             median(|p| p.times.solve),
             median(|p| p.times.fold),
             median(|p| p.times.collision),
             median(|p| p.times.symmetry + p.times.solve + p.times.fold + p.times.collision),
-            plans[0].path.knots.len()
+            plans[0].rigidity.deformation,
         );
     }
 }

@@ -14,9 +14,10 @@ use crate::pattern::CreasePattern;
 use crate::symmetry::essential_pattern;
 
 /// The answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Outcome {
     /// The path reaches the goal, within the bound and free of crossings at every knot.
+    #[default]
     Planned,
     /// The path ends between flat and goal.
     Partial,
@@ -59,7 +60,7 @@ pub struct Times {
 }
 
 /// A plan: the answer, the path as far as it got, and what was measured.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The answer.
     pub outcome: Outcome,
@@ -122,26 +123,7 @@ impl<'a> Planning<'a> {
             goal,
             options,
             deadline: options.timeout.map(|timeout| Instant::now() + timeout),
-            plan: Plan {
-                outcome: Outcome::Planned,
-                reason: None,
-                reached: 0.0,
-                path: Path::default(),
-                groups: 0,
-                essential_vertices: 0,
-                unknowns: 0,
-                rigidity: Rigidity::default(),
-                essential_rigidity: Rigidity::default(),
-                essential_faces: 0,
-                max_closure: 0.0,
-                goal_closure: 0.0,
-                goal_error: 0.0,
-                iterations: 0,
-                evaluations: 0,
-                collision: CollisionCounts::default(),
-                times: Times::default(),
-                notes: Vec::new(),
-            },
+            plan: Plan::default(),
         }
     }
 
@@ -296,7 +278,7 @@ impl<'a> Planning<'a> {
             let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
             for knot in &self.plan.path.knots {
                 let whole = reduction.groups.expand(&knot.angles);
-                let angles: Vec<f64> = creases.iter().map(|&crease| whole[crease]).collect();
+                let angles: Vec<f64> = creases.iter().map(|crease| whole[crease.index()]).collect();
                 map.fold(&part, &tree, &angles);
                 let rigidity = map.rigidity(&part);
                 self.plan.essential_rigidity = self.plan.essential_rigidity.worse(rigidity);

@@ -6,7 +6,9 @@ use foldpath_core::{Spoke, StarsView};
 use nalgebra::Vector2;
 
 use super::CreaseGroups;
-use crate::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, PatternError, VertexId};
+use crate::pattern::{
+    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, PatternError, VertexId,
+};
 use crate::ragged::Ragged;
 
 /// Sector angles this close, in radians, are the same.
@@ -143,7 +145,7 @@ fn angle(from: [f64; 2], to: [f64; 2]) -> f64 {
 pub fn essential_pattern(
     pattern: &CreasePattern,
     groups: &CreaseGroups,
-) -> Result<(CreasePattern, Vec<usize>), PatternError> {
+) -> Result<(CreasePattern, Vec<CreaseId>), PatternError> {
     let all = ReducedStars::all(pattern, groups);
     let mut faces = essential_faces(pattern, &all);
     loop {
@@ -205,7 +207,7 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
     faces
 }
 
-type Part = (CreasePattern, Vec<usize>);
+type Part = (CreasePattern, Vec<CreaseId>);
 
 /// The pattern of these faces alone, or why there is none and the vertex of the whole sheet there.
 fn cut_out(
@@ -243,15 +245,11 @@ fn cut_out(
                 letter: if sides == 2 {
                     edge.letter
                 } else {
-                    crate::pattern::Letter::Boundary
+                    Letter::Boundary
                 },
                 goal: edge.goal.filter(|_| sides == 2),
             });
-            creases.extend(
-                edge.crease
-                    .filter(|_| sides == 2)
-                    .map(crate::pattern::CreaseId::index),
-            );
+            creases.extend(edge.crease.filter(|_| sides == 2));
         }
     }
     match CreasePattern::new(drawing) {
