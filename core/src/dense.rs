@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use crate::least_squares::{Accumulate, NormalEquations};
+use crate::least_squares::{Accumulate, Gradient, NormalEquations};
 use crate::{Scalar, Spoke};
 
 /// JᵀJ and Jᵀr as a dense lower triangle, with its Cholesky factor.
@@ -44,17 +44,15 @@ impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
     #[inline]
     fn add(
         &mut self,
-        _star: usize,
+        star: usize,
         spokes: &[Spoke<T>],
         columns: &[Vector3<T>],
         residual: &Vector3<T>,
     ) {
+        Gradient(self.gradient).add(star, spokes, columns, residual);
         let n = self.gradient.len();
         for (spoke, column) in spokes.iter().zip(columns) {
             let row = spoke.group.index();
-            if let Some(entry) = self.gradient.get_mut(row) {
-                *entry += column.dot(residual);
-            }
             for (other, other_column) in spokes.iter().zip(columns) {
                 let place = row * n + other.group.index();
                 if let Some(entry) = self.matrix.get_mut(place) {

@@ -233,22 +233,21 @@ fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
 }
 
 fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
-    let count = path
-        .groups
-        .iter()
-        .flatten()
-        .max()
-        .map_or(0, |last| last + 1);
+    let leaders = path.leaders();
     for (index, knot) in path.knots.iter().enumerate() {
-        let mut first: Vec<Option<(usize, f64)>> = vec![None; count];
-        for (edge, group) in path.groups.iter().enumerate() {
-            let Some(group) = *group else { continue };
-            let angle = knot.fold_angles[edge] * path.signs[edge];
-            let (leader, expected) = *first[group].get_or_insert((edge, angle));
+        for (edge, member) in path.members.iter().enumerate() {
+            let Some(member) = *member else { continue };
+            let Some((leader, part)) = leaders[member.group.index()] else {
+                continue;
+            };
+            // The way from an edge's angle to its group's is that back: a sign.
+            let expected = part.apply(knot.fold_angles[leader.index()]);
+            let angle = member.apply(knot.fold_angles[edge]);
             if (angle - expected).abs() > SAME_ANGLE {
                 failures.push(format!(
-                    "knot {index}: edges {leader} and {edge} are in group {group}, but turn by \
-                     {} and {} degrees, signs applied",
+                    "knot {index}: edges {leader} and {edge} are in group {}, but turn by {} and \
+                     {} degrees, signs applied",
+                    member.group.0,
                     expected.to_degrees(),
                     angle.to_degrees()
                 ));

@@ -1,9 +1,12 @@
 //! The scene of a path.
 
+use foldpath_core::Membership;
+
 use super::{Scene, SceneEdge, SceneKnot};
 use crate::check::{measure, positions};
 use crate::folding::SpanningTree;
 use crate::formats::fold::PathFile;
+use crate::pattern::EdgeId;
 
 impl Scene {
     /// What there is to see of a path: its shapes, and what is measured on them now rather than what
@@ -31,7 +34,10 @@ impl Scene {
                 ),
                 group_angles: leaders
                     .iter()
-                    .map(|&(edge, sign)| (knot.fold_angles[edge] * sign).to_degrees())
+                    .map(|&(edge, member)| {
+                        let angle = knot.fold_angles[edge.index()];
+                        member.map_or(angle, |m| m.apply(angle)).to_degrees()
+                    })
                     .collect(),
                 deformation: measured.rigidity.deformation,
                 gap: measured.rigidity.gap,
@@ -69,24 +75,13 @@ impl Scene {
     }
 }
 
-/// For each crease group an edge of it and its sign; every crease its own where the file has no
-/// groups.
-fn leaders(path: &PathFile) -> Vec<(usize, f64)> {
-    if path.groups.is_empty() {
+/// For each curve an edge and its part in its crease group; every crease on its own where the file
+/// has no groups.
+fn leaders(path: &PathFile) -> Vec<(EdgeId, Option<Membership>)> {
+    if path.members.is_empty() {
         let creases = path.pattern.creases().iter();
-        return creases.map(|edge| (edge.index(), 1.0)).collect();
+        return creases.map(|&edge| (edge, None)).collect();
     }
-    let count = path
-        .groups
-        .iter()
-        .flatten()
-        .max()
-        .map_or(0, |last| last + 1);
-    let mut leaders = vec![None; count];
-    for (edge, group) in path.groups.iter().enumerate() {
-        if let Some(group) = *group {
-            leaders[group].get_or_insert((edge, path.signs[edge]));
-        }
-    }
-    leaders.into_iter().flatten().collect()
+    let leaders = path.leaders().into_iter().flatten();
+    leaders.map(|(edge, member)| (edge, Some(member))).collect()
 }

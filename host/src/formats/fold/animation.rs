@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame};
 use super::pattern::{angles, pattern_of, points};
 use crate::formats::FileError;
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::Interpolation;
 
 /// A path as a file has it.
@@ -19,12 +20,25 @@ pub struct PathFile {
     pub pattern: CreasePattern,
     /// How the motion between knots is made.
     pub interpolation: Interpolation,
-    /// For each edge its crease group, `None` for none; empty if the file does not say.
-    pub groups: Vec<Option<usize>>,
-    /// For each edge its sign in its group; empty if the file does not say.
-    pub signs: Vec<f64>,
+    /// For each edge its part in a crease group, `None` for none; empty if the file does not say.
+    pub members: Vec<Option<Membership>>,
     /// The knots from start to goal.
     pub knots: Vec<PathKnot>,
+}
+
+impl PathFile {
+    /// For each crease group an edge of it with its part in it.
+    #[must_use]
+    pub fn leaders(&self) -> Vec<Option<(EdgeId, Membership)>> {
+        let indices = self.members.iter().flatten().map(|m| m.group.index());
+        let mut leaders = vec![None; indices.max().map_or(0, |last| last + 1)];
+        for (edge, member) in self.members.iter().enumerate() {
+            if let Some(member) = *member {
+                leaders[member.group.index()].get_or_insert((EdgeId::new(edge), member));
+            }
+        }
+        leaders
+    }
 }
 
 /// One stored configuration.
@@ -63,13 +77,12 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
             return Err(document.expected(place, &expected, &pair[1].time.to_string()));
         }
     }
-    let (groups, signs) = memberships(&key, pattern.pattern.edges().len())?;
+    let members = members(&key, pattern.pattern.edges().len())?;
     Ok(PathFile {
         interpolation: interpolation(&key)?,
         title: pattern.title,
         pattern: pattern.pattern,
-        groups,
-        signs,
+        members,
         knots,
     })
 }
@@ -84,31 +97,35 @@ fn interpolation(key: &Frame<'_>) -> Result<Interpolation, FileError> {
     found.ok_or_else(|| name.expected("\"hermite\" or \"linear\""))
 }
 
-type Memberships = (Vec<Option<usize>>, Vec<f64>);
-
-fn memberships(key: &Frame<'_>, edges: usize) -> Result<Memberships, FileError> {
+/// For each edge its crease group and sign; empty if the file does not say.
+fn members(key: &Frame<'_>, edges: usize) -> Result<Vec<Option<Membership>>, FileError> {
     let (Some(groups), Some(signs)) = (
         key.own("foldpath:edges_group"),
         key.own("foldpath:edges_sign"),
     ) else {
-        return Ok((Vec::new(), Vec::new()));
+        return Ok(Vec::new());
     };
-    let group = |entry: super::document::Located<'_>| {
-        if entry.is_null() {
-            return Ok(None);
-        }
-        entry.index().map(Some)
-    };
-    Ok((
-        groups
-            .entries_of(edges, "edge")?
-            .map(group)
-            .collect::<Result<_, _>>()?,
-        signs
-            .entries_of(edges, "edge")?
-            .map(|s| s.number())
-            .collect::<Result<_, _>>()?,
-    ))
+    let groups = groups.entries_of(edges, "edge")?;
+    let members = groups.zip(signs.entries_of(edges, "edge")?);
+    members
+        .map(|(group, sign)| {
+            if group.is_null() {
+                return Ok(None);
+            }
+            // No more groups than edges: what is allocated for them is bounded by the file.
+            let index = group.index()?;
+            let id = u32::try_from(index).ok().filter(|_| index < edges);
+            let id = id.ok_or_else(|| group.expected(&format!("a group below {edges}")))?;
+            let sign_value = sign.number()?;
+            if (sign_value.abs() - 1.0).abs() > 0.0 {
+                return Err(sign.expected("1 or -1"));
+            }
+            Ok(Some(Membership {
+                group: GroupId(id),
+                negative: sign_value < 0.0,
+            }))
+        })
+        .collect()
 }
 
 fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<PathKnot, FileError> {
