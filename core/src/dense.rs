@@ -126,7 +126,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         true
     }
 
-    fn solve(&self, right_side: &mut [T]) {
+    fn solve(&mut self, right_side: &mut [T]) {
         let n = self.gradient.len();
         if n == 0 {
             return;

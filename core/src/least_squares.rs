@@ -56,7 +56,7 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
-    fn solve(&self, right_side: &mut [T]);
+    fn solve(&mut self, right_side: &mut [T]);
 }
 
 /// The closure of stars as a least-squares problem, with the scratch memory that it needs.

@@ -12,6 +12,7 @@ mod options;
 mod plan;
 mod reduction;
 mod solver;
+mod sparse;
 
 pub use goal::{Goal, GoalError};
 pub use knots::{Interpolation, Knot, Path};

@@ -7,6 +7,7 @@ use foldpath_core::{
 use nalgebra::Vector3;
 
 use super::Solver;
+use super::sparse::SparseNormalEquations;
 
 /// Steps that the gradient solver may take: it converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
@@ -24,7 +25,7 @@ pub(super) struct ClosureSolver<'a> {
     kind: Solver,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
-    equations: Vec<f64>,
+    equations: Equations,
     workspace: Vec<f64>,
     pub(super) work: Work,
 }
@@ -37,7 +38,7 @@ impl<'a> ClosureSolver<'a> {
             kind,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); stars.max_degree()],
-            equations: vec![0.0; DenseNormalEquations::<f64>::memory(n)],
+            equations: Equations::new(stars),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
@@ -53,17 +54,21 @@ impl<'a> ClosureSolver<'a> {
         };
         let mut options = Options::default();
         let limits = Limits::HalfTurn;
-        let report = match self.kind {
-            Solver::LevenbergMarquardt => {
-                let Some(mut equations) = DenseNormalEquations::new(n, &mut self.equations) else {
+        let work = &mut self.workspace;
+        let report = match (self.kind, &mut self.equations) {
+            (Solver::Gradient, _) => {
+                options.max_iterations = GRADIENT_ITERATIONS;
+                gradient::solve(&mut problem, limits, &options, x, work)
+            }
+            (Solver::LevenbergMarquardt, Equations::Dense(memory)) => {
+                let Some(mut equations) = DenseNormalEquations::new(n, memory) else {
                     unreachable!("memory for n unknowns")
                 };
-                let work = &mut self.workspace;
                 levenberg_marquardt::solve(&mut problem, &mut equations, limits, &options, x, work)
             }
-            Solver::Gradient => {
-                options.max_iterations = GRADIENT_ITERATIONS;
-                gradient::solve(&mut problem, limits, &options, x, &mut self.workspace)
+            (Solver::LevenbergMarquardt, Equations::Sparse(equations)) => {
+                let equations = equations.as_mut();
+                levenberg_marquardt::solve(&mut problem, equations, limits, &options, x, work)
             }
         };
         self.work.iterations += u64::from(report.iterations);
@@ -78,14 +83,45 @@ impl<'a> ClosureSolver<'a> {
 
     /// Replaces `direction` by the nearest infinitesimal motion at `x`.
     pub(super) fn project_on_motions(&mut self, x: &[f64], direction: &mut [f64]) -> bool {
+        self.work.evaluations += 1;
         let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
-        let equations = DenseNormalEquations::new(x.len(), &mut self.equations);
-        let (Some(mut problem), Some(mut equations)) = (problem, equations) else {
+        let Some(mut problem) = problem else {
             return false;
         };
-        self.work.evaluations += 1;
-        problem.linearise(x, &mut equations).is_some()
-            && levenberg_marquardt::project_on_motions(&mut equations, direction)
+        match &mut self.equations {
+            Equations::Dense(memory) => {
+                DenseNormalEquations::new(x.len(), memory).is_some_and(|mut equations| {
+                    problem.linearise(x, &mut equations).is_some()
+                        && levenberg_marquardt::project_on_motions(&mut equations, direction)
+                })
+            }
+            Equations::Sparse(equations) => {
+                problem.linearise(x, equations.as_mut()).is_some()
+                    && levenberg_marquardt::project_on_motions(equations.as_mut(), direction)
+            }
+        }
+    }
+}
+
+/// Unknowns up to which a dense matrix is the faster one.
+const DENSE: usize = 40;
+
+/// Memory of the normal equations.
+enum Equations {
+    Dense(Vec<f64>),
+    Sparse(Box<SparseNormalEquations>),
+}
+
+impl Equations {
+    fn new(stars: StarsView<'_, f64>) -> Self {
+        let n = stars.unknowns();
+        let sparse = (n > DENSE)
+            .then(|| SparseNormalEquations::new(stars))
+            .flatten();
+        match sparse {
+            Some(sparse) => Self::Sparse(Box::new(sparse)),
+            None => Self::Dense(vec![0.0; DenseNormalEquations::<f64>::memory(n)]),
+        }
     }
 }
 

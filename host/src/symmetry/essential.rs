@@ -1,6 +1,6 @@
 //! Essential vertices: one real vertex for every distinct closure condition.
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 
 use foldpath_core::{Spoke, StarsView};
 use nalgebra::Vector2;
@@ -55,26 +55,37 @@ impl ReducedStars {
     /// takes one to the other, group by group, with all signs kept or all exchanged.
     #[must_use]
     pub fn essential(&self) -> Self {
-        let mut kept: HashMap<Vec<u32>, Vec<usize>> = HashMap::new();
         let mut essential = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
             unknowns: self.unknowns,
         };
-        for (index, star) in self.spokes.iter().enumerate() {
-            let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
-            key.sort_unstable();
-            let alike = kept.entry(key).or_default();
-            if !alike
-                .iter()
-                .any(|&other| same_condition(&self.spokes[other], star))
-            {
-                alike.push(index);
+        for (index, &first) in self.conditions().iter().enumerate() {
+            if first == index {
                 essential.vertices.push(self.vertices[index]);
-                essential.spokes.push(star.iter().copied());
+                essential.spokes.push(self.spokes[index].iter().copied());
             }
         }
         essential
+    }
+
+    /// For each star the first one with the same closure condition.
+    fn conditions(&self) -> Vec<usize> {
+        let mut firsts: HashMap<Vec<u32>, Vec<usize>> = HashMap::new();
+        let stars = self.spokes.iter().enumerate();
+        stars
+            .map(|(index, star)| {
+                let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
+                key.sort_unstable();
+                let alike = firsts.entry(key).or_default();
+                let same = |&&other: &&usize| same_condition(&self.spokes[other], star);
+                let first = alike.iter().find(same).copied().unwrap_or(index);
+                if first == index {
+                    alike.push(index);
+                }
+                first
+            })
+            .collect()
     }
 
     /// The vertices, in the order of the stars.
@@ -163,34 +174,29 @@ pub fn essential_pattern(
 /// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
 /// faces round the vertices between.
 fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<FaceId> {
-    let essential = all.essential();
-    let Some(&start) = essential.vertices.first() else {
+    let conditions = all.conditions();
+    let Some(&start) = all.vertices.first() else {
         return (0..pattern.faces().len().min(1)).map(FaceId::new).collect();
     };
-    let mut missing: Vec<usize> = (0..essential.vertices.len()).collect();
-    let mut star_of = vec![None; pattern.vertices().len()];
-    for (index, vertex) in all.vertices.iter().enumerate() {
-        star_of[vertex.index()] = Some(index);
+    let mut condition_at = vec![None; pattern.vertices().len()];
+    for (vertex, &condition) in all.vertices.iter().zip(&conditions) {
+        condition_at[vertex.index()] = Some(condition);
     }
+    let mut missing: HashSet<usize> = conditions.into_iter().collect();
     let mut faces = BTreeSet::new();
+    let mut taken = vec![false; pattern.vertices().len()];
     let mut before = vec![None; pattern.vertices().len()];
     before[start.index()] = Some(start);
     let mut open = VecDeque::from([start]);
     while let Some(vertex) = open.pop_front() {
-        let star = star_of[vertex.index()];
-        let found = star.and_then(|star| {
-            let same = |&k: &usize| same_condition(&essential.spokes[k], &all.spokes[star]);
-            missing.iter().position(same)
-        });
-        if let Some(found) = found {
-            missing.swap_remove(found);
-            let mut way = vertex;
-            loop {
-                faces.extend(&pattern.corners()[way.index()]);
-                match before[way.index()] {
-                    Some(back) if back != way => way = back,
-                    _ => break,
-                }
+        let condition = condition_at[vertex.index()];
+        if condition.is_some_and(|condition| missing.remove(&condition)) {
+            // The way back to the start, as far as no other took it before.
+            let mut way = Some(vertex).filter(|v| !taken[v.index()]);
+            while let Some(vertex) = way {
+                taken[vertex.index()] = true;
+                faces.extend(&pattern.corners()[vertex.index()]);
+                way = before[vertex.index()].filter(|back: &VertexId| !taken[back.index()]);
             }
             if missing.is_empty() {
                 break;

@@ -1,0 +1,194 @@
+//! Sparse normal equations: faer's Cholesky behind core's trait, for sheets whose every crease is an
+//! unknown.
+//!
+//! JᵀJ couples two unknowns only where a star has both, so that each star has its fixed places in the
+//! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
+
+use faer::Conj;
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{MatMut, Side};
+use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
+use foldpath_core::{Spoke, StarsView};
+use nalgebra::Vector3;
+
+use crate::ragged::{Ragged, group_by_key};
+
+/// Place of an entry above the diagonal, which is not stored.
+const ABOVE: u32 = u32::MAX;
+
+/// JᵀJ as the lower triangle of a sparse matrix by columns, with its Cholesky factor.
+pub(super) struct SparseNormalEquations {
+    column_ends: Vec<u32>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+    gradient: Vec<f64>,
+    /// Place of the diagonal entry of each unknown: the first of its column.
+    diagonal: Vec<u32>,
+    /// The diagonal without damping, while the matrix is being factorised.
+    undamped: Vec<f64>,
+    /// For each star the places of the products of its spokes, row after row.
+    places: Ragged<u32>,
+    /// For each unknown the places of its row and column.
+    touching: Ragged<u32>,
+    symbolic: SymbolicCholesky<u32>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl SparseNormalEquations {
+    /// Finds the places and the elimination order. `None` if memory does not suffice.
+    pub(super) fn new(stars: StarsView<'_, f64>) -> Option<Self> {
+        let n = stars.unknowns();
+        let mut entries: Vec<(u32, u32)> = (0..u32::try_from(n).ok()?).map(|k| (k, k)).collect();
+        for star in stars.iter() {
+            for a in star.spokes {
+                let below = star.spokes.iter().filter(|b| b.group > a.group);
+                entries.extend(below.map(|b| (a.group.0, b.group.0)));
+            }
+        }
+        entries.sort_unstable();
+        entries.dedup();
+        let rows: Vec<u32> = entries.iter().map(|&(_, row)| row).collect();
+        let mut column_ends = vec![0; n + 1];
+        for &(column, _) in &entries {
+            column_ends[column as usize + 1] += 1;
+        }
+        for column in 0..n {
+            column_ends[column + 1] += column_ends[column];
+        }
+        let place = |column: u32, row: u32| {
+            let range =
+                column_ends[column as usize] as usize..column_ends[column as usize + 1] as usize;
+            let offset = rows[range.clone()].binary_search(&row).ok()?;
+            u32::try_from(range.start + offset).ok()
+        };
+        let places = stars.iter().map(|star| {
+            let pairs = star
+                .spokes
+                .iter()
+                .flat_map(|a| star.spokes.iter().map(move |b| (a, b)));
+            let pairs = pairs.map(|(a, b)| place(b.group.0, a.group.0).unwrap_or(ABOVE));
+            pairs.collect::<Vec<_>>()
+        });
+        let places: Ragged<u32> = places.collect();
+        let both = entries.iter().zip(0..).flat_map(|(&(column, row), place)| {
+            let off_diagonal = (row != column).then_some((row as usize, place));
+            core::iter::once((column as usize, place)).chain(off_diagonal)
+        });
+        let touching = group_by_key(n, &both.collect::<Vec<_>>());
+        let diagonal = column_ends[..n].to_vec();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &column_ends, None, &rows);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern,
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .ok()?;
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let scratch = scratch.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        Some(Self {
+            values: vec![0.0; rows.len()],
+            gradient: vec![0.0; n],
+            undamped: vec![0.0; n],
+            factor: vec![0.0; symbolic.len_val()],
+            memory: MemBuffer::try_new(scratch).ok()?,
+            column_ends,
+            rows,
+            diagonal,
+            places,
+            touching,
+            symbolic,
+        })
+    }
+}
+
+impl Accumulate<f64> for SparseNormalEquations {
+    fn clear(&mut self) {
+        self.values.fill(0.0);
+        self.gradient.fill(0.0);
+    }
+
+    fn add(
+        &mut self,
+        star: usize,
+        spokes: &[Spoke<f64>],
+        columns: &[Vector3<f64>],
+        residual: &Vector3<f64>,
+    ) {
+        Gradient(&mut self.gradient).add(star, spokes, columns, residual);
+        let products = columns
+            .iter()
+            .flat_map(|a| columns.iter().map(move |b| a.dot(b)));
+        for (product, &place) in products.zip(&self.places[star]) {
+            if place != ABOVE {
+                self.values[place as usize] += product;
+            }
+        }
+    }
+}
+
+impl NormalEquations<f64> for SparseNormalEquations {
+    fn unknowns(&self) -> usize {
+        self.gradient.len()
+    }
+
+    fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+
+    fn max_diagonal(&self) -> f64 {
+        let diagonal = self
+            .diagonal
+            .iter()
+            .map(|&place| self.values[place as usize]);
+        diagonal.fold(0.0, f64::max)
+    }
+
+    fn hold(&mut self, unknown: usize) {
+        for &place in &self.touching[unknown] {
+            self.values[place as usize] = 0.0;
+        }
+        self.gradient[unknown] = 0.0;
+    }
+
+    fn factorise(&mut self, damping: f64) -> bool {
+        for (&place, entry) in self.diagonal.iter().zip(&mut self.undamped) {
+            *entry = self.values[place as usize];
+            self.values[place as usize] += damping;
+        }
+        let n = self.gradient.len();
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(n, n, &self.column_ends, None, &self.rows);
+        let matrix = SparseColMatRef::new(pattern, &self.values);
+        let factorised = self.symbolic.factorize_numeric_llt(
+            &mut self.factor,
+            matrix,
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        let definite = factorised.is_ok();
+        for (&place, &entry) in self.diagonal.iter().zip(&self.undamped) {
+            self.values[place as usize] = entry;
+        }
+        definite
+    }
+
+    fn solve(&mut self, right_side: &mut [f64]) {
+        let n = self.gradient.len();
+        let factor = LltRef::new(&self.symbolic, &self.factor);
+        let right_side = MatMut::from_column_major_slice_mut(right_side, n, 1);
+        let stack = MemStack::new(&mut self.memory);
+        factor.solve_in_place_with_conj(Conj::No, right_side, Par::Seq, stack);
+    }
+}
