@@ -7,6 +7,7 @@
 
 mod follow;
 mod goal;
+mod judge;
 mod knots;
 mod options;
 mod plan;

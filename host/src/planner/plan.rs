@@ -4,14 +4,14 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::follow::{Followed, Stop, follow_to_flat};
+use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
 use super::reduction::{ClosedGoal, Reduction, reduce};
 use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions};
-use crate::collision::{CollisionCounts, CollisionScene, Crossing};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::collision::{CollisionCounts, Crossing};
+use crate::folding::Rigidity;
 use crate::pattern::CreasePattern;
-use crate::symmetry::essential_pattern;
 
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -201,18 +201,9 @@ impl<'a> Planning<'a> {
         )
     }
 
-    /// Reuses the path on the whole sheet: folds it at every knot, measures, looks for crossings.
+    /// Reuses the path on the whole sheet: judges it at every knot.
     fn judge(mut self, reduction: &Reduction, solver: &mut ClosureSolver<'_>) -> Plan {
-        let start = Instant::now();
-        let tree = SpanningTree::from_central_face(self.pattern);
-        let flat = vec![0.0; self.pattern.creases().len()];
-        let mut map = FoldingMap::new(self.pattern, &tree, &flat);
-        self.plan.times.fold += start.elapsed();
-        let start = Instant::now();
-        let collision = self.options.collision;
-        let mut scene = collision.then(|| CollisionScene::new(self.pattern));
-        self.plan.times.collision += start.elapsed();
-
+        let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
         let mut knots = core::mem::take(&mut self.plan.path.knots);
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
@@ -224,72 +215,84 @@ impl<'a> Planning<'a> {
                 let reason = format!("out of time while judging knot {index}");
                 return self.end(Outcome::Timeout, reason);
             }
-            let start = Instant::now();
-            map.fold(self.pattern, &tree, &reduction.groups.expand(&knot.angles));
-            let rigidity = map.rigidity(self.pattern);
-            knot.closure = reduction.closure(&knot.angles);
-            knot.deformation = rigidity.deformation;
-            knot.gap = rigidity.gap;
-            knot.vertices = map.vertices().to_vec();
-            self.plan.rigidity = self.plan.rigidity.worse(rigidity);
-            self.plan.max_closure = self.plan.max_closure.max(knot.closure);
-            self.plan.times.fold += start.elapsed();
-
-            let start = Instant::now();
-            let crossing = scene
-                .as_mut()
-                .and_then(|scene| scene.deepest_crossing(&map));
-            self.plan.times.collision += start.elapsed();
-            if let Some(crossing) = crossing {
+            if let Some(crossing) = judge.judge(knot) {
                 crossed = Some((index, crossing));
                 break;
             }
         }
         if let Some((index, crossing)) = crossed {
-            let start = Instant::now();
-            let fraction = self.first_crossing(reduction, solver, &knots, index, &mut scene);
-            self.plan.times.collision += start.elapsed();
-            self.note_counts(scene.as_ref());
-            self.plan.reached = fraction;
+            let end = knots.last().map_or(0.0, |knot| knot.time);
+            let refused = knots.split_off(index);
+            let (from, to) = (knots.last(), &refused[0]);
+            let free = from.map(|from| (from.time, judge.last_free(solver, from, to)));
+            let (time, angles) = free.map_or_else(
+                || (0.0, to.angles.clone()),
+                |(time, (s, angles))| (time + s * (to.time - time), angles),
+            );
+            self.plan.reached = if end > 0.0 { time / end } else { 0.0 };
             let [a, b] = crossing.faces;
             let reason = format!(
                 "faces {a} and {b} pass through each other beyond {:.2} % of the path (at knot \
-                 {index}: {:.3} median edges deep)",
-                100.0 * fraction,
+                 {index}: {:.1e} median edges deep)",
+                100.0 * self.plan.reached,
                 crossing.depth / self.pattern.median_edge()
             );
-            knots.truncate(index);
-            self.plan.path.knots = knots;
-            return self.end(Outcome::Crossing(crossing), reason);
-        }
-        self.note_counts(scene.as_ref());
-        self.plan.path.knots = knots;
-        self.judge_rigidity(reduction)
-    }
-
-    fn note_counts(&mut self, scene: Option<&CollisionScene>) {
-        self.plan.collision = scene.map(CollisionScene::counts).unwrap_or_default();
-    }
-
-    fn judge_rigidity(mut self, reduction: &Reduction) -> Plan {
-        let start = Instant::now();
-        if let Ok((part, creases)) = essential_pattern(self.pattern, &reduction.groups) {
-            let tree = SpanningTree::from_central_face(&part);
-            let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
-            for knot in &self.plan.path.knots {
-                let whole = reduction.groups.expand(&knot.angles);
-                let angles: Vec<f64> = creases.iter().map(|crease| whole[crease.index()]).collect();
-                map.fold(&part, &tree, &angles);
-                let rigidity = map.rigidity(&part);
-                self.plan.essential_rigidity = self.plan.essential_rigidity.worse(rigidity);
+            let goal = &refused[refused.len() - 1].angles;
+            let short = goal
+                .iter()
+                .zip(&angles)
+                .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()));
+            if self.plan.goal_closure <= CLOSED || short > RETREAT || knots.is_empty() {
+                self.note(&judge);
+                self.measure(&knots);
+                self.plan.path.knots = knots;
+                return self.end(Outcome::Crossing(crossing), reason);
             }
-            self.plan.essential_faces = part.faces().len();
+            self.plan.notes.push(format!(
+                "the goal itself does not close (residual {:.1e}) and its neighbours cross: the path \
+                 ends {:.3} degrees before, where {reason}",
+                self.plan.goal_closure,
+                short.to_degrees()
+            ));
+            self.plan.reached = 1.0;
+            self.plan.goal_error = reduction.distance(&angles, self.goal);
+            let mut last = Knot {
+                time,
+                angles,
+                ..to.clone()
+            };
+            judge.judge(&mut last);
+            if knots.last().is_some_and(|knot| knot.time < time) {
+                knots.push(last);
+            }
         }
-        self.plan.times.fold += start.elapsed();
+        (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(&knots);
+        self.note(&judge);
+        self.measure(&knots);
+        self.plan.path.knots = knots;
+        self.judge_rigidity()
+    }
+
+    fn note(&mut self, judge: &Judge<'_>) {
+        self.plan.collision = judge.counts();
+        self.plan.times.fold = judge.fold;
+        self.plan.times.collision = judge.collision;
+    }
+
+    fn measure(&mut self, knots: &[Knot]) {
+        for knot in knots {
+            self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
+                deformation: knot.deformation,
+                gap: knot.gap,
+            });
+            self.plan.max_closure = self.plan.max_closure.max(knot.closure);
+        }
+    }
+
+    fn judge_rigidity(self) -> Plan {
         let bound = self.options.bound;
-        let within = |r: Rigidity| r.deformation <= bound && r.gap <= bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
-        if within(whole) {
+        if whole.deformation <= bound && whole.gap <= bound {
             return self.plan;
         }
         let reason = format!(
@@ -299,39 +302,9 @@ impl<'a> Planning<'a> {
         );
         self.end(Outcome::NotRigidlyFoldable, reason)
     }
-
-    /// Fraction of the path at which faces first cross, between the knot before `index` and this.
-    fn first_crossing(
-        &self,
-        reduction: &Reduction,
-        solver: &mut ClosureSolver<'_>,
-        knots: &[Knot],
-        index: usize,
-        scene: &mut Option<CollisionScene>,
-    ) -> f64 {
-        let end = knots.last().map_or(0.0, |knot| knot.time);
-        let (Some(before), Some(scene)) = (index.checked_sub(1), scene) else {
-            return 0.0;
-        };
-        let (from, to) = (&knots[before], &knots[index]);
-        let tree = SpanningTree::from_central_face(self.pattern);
-        let (mut free, mut crossed) = (0.0, 1.0);
-        // Thirty halvings of ten degrees: far below what the crossing tolerance resolves.
-        for _ in 0..30 {
-            let s = (free + crossed) / 2.0;
-            let between = from.angles.iter().zip(&to.angles);
-            let mut angles: Vec<f64> = between.map(|(a, b)| a + s * (b - a)).collect();
-            if !solver.closes(&mut angles) {
-                break;
-            }
-            let whole = reduction.groups.expand(&angles);
-            let map = FoldingMap::new(self.pattern, &tree, &whole);
-            if scene.deepest_crossing(&map).is_some() {
-                crossed = s;
-            } else {
-                free = s;
-            }
-        }
-        (from.time + free * (to.time - from.time)) / end
-    }
 }
+
+/// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
+const CLOSED: f64 = 1e-9;
+/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
+const RETREAT: f64 = 0.02;

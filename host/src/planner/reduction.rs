@@ -53,6 +53,16 @@ impl Reduction {
         max_closure(self.all.view(), angles, &mut half_angles)
     }
 
+    /// Largest difference, over all creases, of a configuration from a goal, radians.
+    pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
+        let creases = self.groups.expand(angles);
+        let errors = creases
+            .iter()
+            .zip(&goal.fold_angles)
+            .map(|(a, b)| (a - b).abs());
+        errors.fold(0.0, f64::max)
+    }
+
     /// The goal, moved to the closed configuration near it. `None` if there is none near, or the
     /// nearest turns a crease against the goal.
     fn close_goal(
@@ -62,26 +72,55 @@ impl Reduction {
         work: &mut Work,
     ) -> Option<ClosedGoal> {
         let asked = self.groups.reduce(&goal.fold_angles);
-        let mut angles = asked.clone();
         let mut solver = ClosureSolver::new(self.stars().view(), options.solver);
-        let closed = solver.closes(&mut angles);
+        let found = nearest_closed(&mut solver, &asked);
         work.iterations += solver.work.iterations;
         work.evaluations += solver.work.evaluations;
-        let same_signs = angles.iter().zip(&asked).all(|(a, b)| a * b >= 0.0);
-        if !(closed && same_signs && self.closure(&angles) <= WHOLE_CLOSURE) {
-            return None;
-        }
-        let creases = self.groups.expand(&angles);
-        let errors = creases
-            .iter()
-            .zip(&goal.fold_angles)
-            .map(|(a, b)| (a - b).abs());
+        let angles = found.filter(|angles| self.closure(angles) <= WHOLE_CLOSURE)?;
         Some(ClosedGoal {
-            error: errors.fold(0.0, f64::max),
+            error: self.distance(&angles, goal),
             asked_closure: self.closure(&asked),
             angles,
         })
     }
+}
+
+/// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
+/// stand at their limits, a goal that closes but for rounding may have no way to the closed one near it.
+const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
+/// Steps towards the goal along the closed configurations. Each squares with the bend of the motion
+/// over the distance, so that few are needed.
+const APPROACHES: usize = 50;
+/// Radians: a goal this near is reached.
+const NEAR: f64 = 1e-12;
+
+/// The closed configuration nearest to `asked` that turns no hinge against it, as far as descent from
+/// there finds it.
+fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[f64]) -> Option<Vec<f64>> {
+    let same_signs = |x: &[f64]| x.iter().zip(asked).all(|(a, b)| a * b >= 0.0);
+    let mut angles = STARTS.into_iter().find_map(|part| {
+        let mut angles: Vec<f64> = asked.iter().map(|a| a * part).collect();
+        (solver.closes(&mut angles) && same_signs(&angles)).then_some(angles)
+    })?;
+    let distance = |x: &[f64]| {
+        x.iter()
+            .zip(asked)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+    };
+    for _ in 0..APPROACHES {
+        let mut way: Vec<f64> = asked.iter().zip(&angles).map(|(a, x)| a - x).collect();
+        if distance(&angles) <= NEAR * NEAR || !solver.project_on_motions(&angles, &mut way) {
+            break;
+        }
+        let mut nearer: Vec<f64> = angles.iter().zip(&way).map(|(x, d)| x + d).collect();
+        let closed = solver.closes(&mut nearer) && same_signs(&nearer);
+        if !closed || distance(&nearer) >= distance(&angles) {
+            break;
+        }
+        angles = nearer;
+    }
+    Some(angles)
 }
 
 /// Closure of the whole sheet below which the groups are believed: far above what rounding leaves on

@@ -1,0 +1,139 @@
+//! Judging configurations on the whole sheet: that is where a path found on few unknowns is reused.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use super::knots::Knot;
+use super::reduction::Reduction;
+use super::solver::ClosureSolver;
+use crate::collision::{CollisionCounts, CollisionScene, Crossing};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::pattern::CreasePattern;
+use crate::symmetry::essential_pattern;
+
+/// Halvings of a step in search of the first crossing in it: thirty of ten degrees are far below what
+/// the crossing tolerance resolves.
+const HALVINGS: usize = 30;
+
+/// A whole sheet that is folded at one configuration after the other.
+pub(super) struct Judge<'a> {
+    pattern: &'a CreasePattern,
+    reduction: &'a Reduction,
+    tree: SpanningTree,
+    map: FoldingMap,
+    scene: Option<CollisionScene>,
+    /// Time spent folding and measuring.
+    pub(super) fold: Duration,
+    /// Time spent looking for crossings.
+    pub(super) collision: Duration,
+}
+
+impl<'a> Judge<'a> {
+    pub(super) fn new(
+        pattern: &'a CreasePattern,
+        reduction: &'a Reduction,
+        collision: bool,
+    ) -> Self {
+        let start = Instant::now();
+        let tree = SpanningTree::from_central_face(pattern);
+        let map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
+        let fold = start.elapsed();
+        let start = Instant::now();
+        let scene = collision.then(|| CollisionScene::new(pattern));
+        Self {
+            pattern,
+            reduction,
+            tree,
+            map,
+            scene,
+            fold,
+            collision: start.elapsed(),
+        }
+    }
+
+    /// Folds the sheet at a knot, notes there what is measured, and returns the deepest crossing.
+    pub(super) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
+        let start = Instant::now();
+        self.place(&knot.angles);
+        let rigidity = self.map.rigidity(self.pattern);
+        knot.closure = self.reduction.closure(&knot.angles);
+        knot.deformation = rigidity.deformation;
+        knot.gap = rigidity.gap;
+        knot.vertices = self.map.vertices().to_vec();
+        self.fold += start.elapsed();
+        self.crossing()
+    }
+
+    fn place(&mut self, angles: &[f64]) {
+        let creases = self.reduction.groups.expand(angles);
+        self.map.fold(self.pattern, &self.tree, &creases);
+    }
+
+    fn crossing(&mut self) -> Option<Crossing> {
+        let start = Instant::now();
+        let crossing = self
+            .scene
+            .as_mut()
+            .and_then(|scene| scene.deepest_crossing(&self.map));
+        self.collision += start.elapsed();
+        crossing
+    }
+
+    /// The last configuration free of crossings between a knot that is and one that is not, and how
+    /// far it is between them, from 0 to 1.
+    pub(super) fn last_free(
+        &mut self,
+        solver: &mut ClosureSolver<'_>,
+        from: &Knot,
+        to: &Knot,
+    ) -> (f64, Vec<f64>) {
+        let (mut free, mut crossed) = ((0.0, from.angles.clone()), 1.0);
+        for _ in 0..HALVINGS {
+            let s = (free.0 + crossed) / 2.0;
+            let between = from.angles.iter().zip(&to.angles);
+            let mut angles: Vec<f64> = between.map(|(a, b)| a + s * (b - a)).collect();
+            if !solver.closes(&mut angles) {
+                break;
+            }
+            self.place(&angles);
+            if self.crossing().is_some() {
+                crossed = s;
+            } else {
+                free = (s, angles);
+            }
+        }
+        free
+    }
+
+    /// What the search for crossings looked at.
+    pub(super) fn counts(&self) -> CollisionCounts {
+        self.scene
+            .as_ref()
+            .map(CollisionScene::counts)
+            .unwrap_or_default()
+    }
+
+    /// Worst deformation and gap of the essential crease pattern over all knots, and its number of
+    /// faces.
+    pub(super) fn essential(&mut self, knots: &[Knot]) -> (Rigidity, usize) {
+        let start = Instant::now();
+        let groups = &self.reduction.groups;
+        let Ok((part, creases)) = essential_pattern(self.pattern, groups) else {
+            return (Rigidity::default(), 0);
+        };
+        let tree = SpanningTree::from_central_face(&part);
+        let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
+        let mut worst = Rigidity::default();
+        for knot in knots {
+            let angle = |crease| {
+                let membership = groups.of(crease);
+                membership.apply(knot.angles[membership.group.index()])
+            };
+            let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
+            map.fold(&part, &tree, &angles);
+            worst = worst.worse(map.rigidity(&part));
+        }
+        self.fold += start.elapsed();
+        (worst, part.faces().len())
+    }
+}
