@@ -300,7 +300,8 @@ fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict
                     .as_ref()
                     .is_none_or(|(most, _)| value > *most || value.is_nan())
             {
-                let vertex = measured.vertex.map_or(String::new(), |vertex| {
+                let open = measured.vertex.filter(|_| measured.closure > SAME_ANGLE);
+                let vertex = open.map_or(String::new(), |vertex| {
                     format!(
                         "; vertex {vertex} fails to close by {:.3e}",
                         measured.closure

@@ -1,1 +1,28 @@
-//! Shared fixtures of the cross-crate tests.
+//! Shared fixtures of the cross-crate tests: an oracle that judges a path file on its own, and the
+//! patterns that are planned.
+//!
+//! The oracle ([`Animation`], [`Sheet`]) calls nothing of foldpath. It reads the file with
+//! serde_json, turns faces by rotation matrices from face 0 outwards, takes closure by products of
+//! the same matrices, and compares all pairs of faces for crossings.
+
+mod animation;
+pub mod closed_form;
+mod crossing;
+mod folding;
+mod planning;
+mod shape;
+mod sheet;
+
+pub use animation::{Animation, Frame};
+pub use folding::Pose;
+pub use planning::{Planned, goal_angles, path_file, pattern_file};
+pub use sheet::Sheet;
+
+/// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.
+#[must_use]
+pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(
+        0.0,
+        |worst, x| if x > worst || x.is_nan() { x } else { worst },
+    )
+}

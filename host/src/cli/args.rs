@@ -100,6 +100,7 @@ pub(super) struct Report {
 }
 
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Plan {
     /// Crease pattern, a FOLD file
     pub(super) pattern: PathBuf,
@@ -208,11 +209,15 @@ pub(super) enum Solver {
 impl Plan {
     /// The planner's options.
     pub(super) fn options(&self) -> Result<planner::PlanOptions, super::CliError> {
-        let timeout = self.timeout.map(core::time::Duration::try_from_secs_f64);
-        let timeout = timeout.transpose().map_err(|_| {
-            let found = self.timeout.unwrap_or_default();
-            super::CliError::Usage(format!("--timeout: expected seconds from 0, found {found}"))
-        })?;
+        let timeout = self.timeout.map(|seconds| {
+            // Longer than a duration can be is no timeout.
+            let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
+            (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
+                let text = format!("--timeout: expected seconds from 0, found {seconds}");
+                super::CliError::Usage(text)
+            })
+        });
+        let timeout = timeout.transpose()?.flatten();
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,
@@ -238,12 +243,15 @@ impl Plan {
             timeout,
             ..planner::PlanOptions::default()
         };
-        options.validate()?;
+        options
+            .validate()
+            .map_err(|option| super::CliError::Options { option })?;
         Ok(options)
     }
 }
 
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Check {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,

@@ -59,7 +59,7 @@ pub(super) fn run(args: &Check) -> Answer {
         min_clearance: None,
     };
     if args.report.json {
-        print_json(&json);
+        print_json(&json)?;
         return Ok(holds);
     }
     print_notes(args.report.quiet, path.pattern.assumptions());
@@ -75,6 +75,6 @@ pub(super) fn run(args: &Check) -> Answer {
         json.max_closure,
         json.crossings.len()
     );
-    print(&text);
+    print(&text)?;
     Ok(holds)
 }

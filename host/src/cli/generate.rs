@@ -42,6 +42,6 @@ pub(super) fn run(args: &Generate) -> Answer {
         drawing.vertices.len(),
         drawing.edges.len(),
         size.output.display()
-    ));
+    ))?;
     Ok(true)
 }

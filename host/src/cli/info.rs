@@ -61,11 +61,11 @@ pub(super) fn run(args: &Info) -> Answer {
         assumptions: pattern.assumptions().to_vec(),
     };
     if args.report.json {
-        print_json(&info);
+        print_json(&info)?;
         return Ok(true);
     }
     print_notes(args.report.quiet, &info.assumptions);
-    print(&summary(&file.title, &info));
+    print(&summary(&file.title, &info))?;
     Ok(true)
 }
 

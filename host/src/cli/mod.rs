@@ -7,6 +7,7 @@ mod info;
 mod plan;
 mod view;
 
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -24,8 +25,10 @@ enum CliError {
     File(#[from] FileError),
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error(transparent)]
-    Options(#[from] OptionsError),
+    #[error("--{}: {}", option.option.replace('_', "-"), option.problem())]
+    Options { option: OptionsError },
+    #[error("stdout: {0}")]
+    Output(std::io::Error),
     #[error("{file}: {source}")]
     Goal { file: String, source: GoalError },
     #[error("{0}")]
@@ -50,25 +53,33 @@ pub fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("foldpath: {error}");
+            say(&format!("foldpath: {error}"));
             ExitCode::from(2)
         }
     }
 }
 
 /// Prints to stdout; a reader that went away is no error.
-fn print(text: &str) {
-    use std::io::Write;
-    let _gone = std::io::stdout().write_all(text.as_bytes());
+fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Output(error)),
+        _ => Ok(()),
+    }
 }
 
-fn print_json(value: &impl Serialize) {
+fn print_json(value: &impl Serialize) -> Result<(), CliError> {
     let text = serde_json::to_string(value).unwrap_or_default();
-    print(&(text + "\n"));
+    print(&(text + "\n"))
+}
+
+/// A line on stderr, if anybody reads it.
+fn say(line: &str) {
+    let _gone = writeln!(std::io::stderr(), "{line}");
 }
 
 fn print_notes(quiet: bool, notes: &[String]) {
     for note in notes.iter().filter(|_| !quiet) {
-        eprintln!("note: {note}");
+        say(&format!("note: {note}"));
     }
 }

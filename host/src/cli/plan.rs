@@ -8,7 +8,7 @@ use super::args::{Frames, Plan};
 use super::{Answer, CliError, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
 use crate::formats::write_whole;
-use crate::planner::{self, Goal, Outcome};
+use crate::planner::{self, Goal, GoalError, Outcome};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -63,7 +63,6 @@ pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
     let file = read_pattern(&args.pattern)?;
-    let goal = goal(args, &file)?;
     let sheets = file.pattern.sheets();
     if sheets > 1 {
         let file = args.pattern.display();
@@ -71,6 +70,7 @@ pub(super) fn run(args: &Plan) -> Answer {
             "{file}: faces_vertices: expected one sheet, found {sheets} that no edge joins"
         )));
     }
+    let goal = goal(args, &file)?;
     let read = start.elapsed();
     let plan = planner::plan(&file.pattern, &goal, &options);
     let write_start = Instant::now();
@@ -125,18 +125,21 @@ pub(super) fn run(args: &Plan) -> Answer {
     print_notes(args.report.quiet, file.pattern.assumptions());
     print_notes(args.report.quiet, &plan.notes);
     if args.report.json {
-        print_json(&json);
+        print_json(&json)?;
     } else {
-        print(&summary(args, &file, &json, &plan));
+        print(&summary(args, &file, &json, &plan))?;
     }
     Ok(plan.outcome == Outcome::Planned)
 }
 
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     let name = |path: &std::path::Path| path.display().to_string();
-    let bad = |source| CliError::Goal {
-        file: name(&args.pattern),
-        source,
+    let bad = |source| match source {
+        GoalError::Fraction(_) => CliError::Usage(source.to_string()),
+        _ => CliError::Goal {
+            file: name(&args.pattern),
+            source,
+        },
     };
     match (&args.goal, args.fold) {
         (Some(path), _) => Ok(Goal {
@@ -155,25 +158,30 @@ fn summary(args: &Plan, file: &PatternFile, json: &PlanJson<'_>, plan: &planner:
     }
     text += &format!(
         "  sheet        {} creases, {} real vertices\n  \
-         solved as    {} unknowns (crease groups), {} essential vertices\n  \
-         path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \
-         rigidity     deformation {:.1e}, gap {:.1e}, closure {:.1e}\n  \
-         essential    {} faces, deformation {:.1e}, gap {:.1e}\n  \
-         crossings    {} pairs of faces, {} tested\n  \
+         solved as    {} unknowns (crease groups), {} essential vertices\n",
+        json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
+    );
+    if json.knots > 0 {
+        text += &format!(
+            "  path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \
+             rigidity     deformation {:.1e}, gap {:.1e}, closure {:.1e}\n",
+            json.knots,
+            100.0 * json.reached,
+            json.goal_error,
+            json.max_deformation,
+            json.max_gap,
+            json.max_closure,
+        );
+    }
+    if plan.essential_faces > 0 {
+        text += &format!(
+            "  essential    {} faces, deformation {:.1e}, gap {:.1e}\n",
+            plan.essential_faces, plan.essential_rigidity.deformation, plan.essential_rigidity.gap,
+        );
+    }
+    text += &format!(
+        "  crossings    {} pairs of faces, {} tested\n  \
          time         {:.2} ms: symmetry {:.2}, solve {:.3}, fold {:.2}, collision {:.2}\n",
-        json.creases,
-        json.real_vertices,
-        json.unknowns,
-        json.essential_vertices,
-        json.knots,
-        100.0 * json.reached,
-        json.goal_error,
-        json.max_deformation,
-        json.max_gap,
-        json.max_closure,
-        plan.essential_faces,
-        plan.essential_rigidity.deformation,
-        plan.essential_rigidity.gap,
         json.collision.pairs,
         json.collision.tested,
         1e3 * json.time.total,

@@ -16,6 +16,6 @@ pub(super) fn run(args: &View) -> Answer {
         scene.faces.len(),
         scene.knots.len(),
         args.output.display()
-    ));
+    ))?;
     Ok(true)
 }

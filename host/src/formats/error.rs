@@ -42,10 +42,12 @@ pub enum FileError {
         found: String,
     },
     /// The drawing in the file is no crease pattern.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {frame}{source}", path.display())]
     Pattern {
         /// The file.
         path: PathBuf,
+        /// The frame that the keys of the source are in, with a full stop; empty for the key frame.
+        frame: String,
         /// What is wrong with it.
         source: PatternError,
     },

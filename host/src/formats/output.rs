@@ -6,12 +6,22 @@ use std::path::Path;
 use super::FileError;
 
 /// Writes `content` to `path`, which never holds a part of it: the file is written beside it under
-/// another name and then renamed.
+/// another name and then renamed. What stands behind a link is replaced, not the link; a pipe or a
+/// device is written to.
 ///
 /// # Errors
 /// If the system refuses.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let folder = match path.parent() {
+    let failed = |error: std::io::Error| FileError::Io {
+        path: path.to_path_buf(),
+        // The kind alone: the error itself names the temporary file.
+        source: error.kind().into(),
+    };
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    if std::fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
+        return std::fs::write(&target, content).map_err(failed);
+    }
+    let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
@@ -27,11 +37,8 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
             let public = std::fs::Permissions::from_mode(0o644);
             file.as_file().set_permissions(public)?;
         }
-        file.persist(path)?;
+        file.persist(&target)?;
         Ok(())
     };
-    write().map_err(|source| FileError::Io {
-        path: path.to_path_buf(),
-        source,
-    })
+    write().map_err(failed)
 }

@@ -1,6 +1,6 @@
 //! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
@@ -72,6 +72,9 @@ impl CreasePattern {
     }
 }
 
+/// Largest coordinate; its inverse is the shortest edge.
+pub(crate) const LARGEST: f64 = 1e50;
+
 fn length(drawing: &Drawing, [a, b]: [usize; 2]) -> f64 {
     (drawing.vertices[b] - drawing.vertices[a]).norm()
 }
@@ -86,7 +89,8 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
             return Err(PatternError::TooFew { key, found, least });
         }
     }
-    let infinite = |p: &Vector2<f64>| p.iter().any(|c| !c.is_finite());
+    // Squares and products of coordinates have to be finite and above zero.
+    let infinite = |p: &Vector2<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
     if let Some(vertex) = drawing.vertices.iter().position(infinite) {
         return Err(PatternError::NotFinite { vertex });
     }
@@ -104,13 +108,13 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
     for (edge, drawn) in drawing.edges.iter().enumerate() {
         known("edges_vertices", edge, &drawn.ends)?;
         let [a, b] = drawn.ends;
-        if length(drawing, drawn.ends) <= 0.0 {
+        if length(drawing, drawn.ends) < 1.0 / LARGEST {
             return Err(PatternError::NoLength { edge });
         }
         if let Some(other) = seen.insert([a.min(b), a.max(b)], edge) {
             return Err(PatternError::Duplicate { edge, other });
         }
-        check_goal(edge, drawn)?;
+        check_goal(edge, drawn.letter, drawn.goal)?;
     }
     for (face, cycle) in drawing.faces.iter().flatten().enumerate() {
         known("faces_vertices", face, cycle)?;
@@ -118,8 +122,16 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
     Ok(())
 }
 
-fn check_goal(edge: usize, drawn: &super::DrawnEdge) -> Result<(), PatternError> {
-    let Some(goal) = drawn.goal else {
+/// Whether a hinge with that letter can turn to that goal angle (radians).
+///
+/// # Errors
+/// If the angle is beyond half a turn or against the letter.
+pub(crate) fn check_goal(
+    edge: usize,
+    letter: Letter,
+    goal: Option<f64>,
+) -> Result<(), PatternError> {
+    let Some(goal) = goal else {
         return Ok(());
     };
     let degrees = goal.to_degrees();
@@ -127,11 +139,11 @@ fn check_goal(edge: usize, drawn: &super::DrawnEdge) -> Result<(), PatternError>
     if degrees.is_nan() || degrees.abs() > 180.0 * (1.0 + 4.0 * f64::EPSILON) {
         return Err(PatternError::GoalRange { edge, degrees });
     }
-    if goal * drawn.letter.sign() < 0.0 {
+    if goal * letter.sign() < 0.0 {
         return Err(PatternError::GoalSign {
             edge,
             degrees,
-            letter: drawn.letter.code(),
+            letter: letter.code(),
         });
     }
     Ok(())
@@ -204,6 +216,7 @@ fn resolve_letters(
 ) -> Result<(Vec<Edge>, Vec<EdgeId>), PatternError> {
     let mut creases = Vec::new();
     let mut edges = Vec::with_capacity(drawing.edges.len());
+    let mut outer: BTreeMap<Letter, (usize, usize)> = BTreeMap::new();
     for (index, (drawn, &faces)) in drawing.edges.iter().zip(edge_faces).enumerate() {
         let mut letter = drawn.letter;
         let mut crease = None;
@@ -221,10 +234,8 @@ fn resolve_letters(
                 creases.push(EdgeId::new(index));
             }
         } else if letter != Letter::Boundary {
-            let code = letter.code();
-            assumptions.push(format!(
-                "edge {index}: lettered {code} with a face on one side at most, taken as boundary"
-            ));
+            let (_, count) = outer.entry(letter).or_insert((index, 0_usize));
+            *count += 1;
             letter = Letter::Boundary;
         }
         edges.push(Edge {
@@ -234,6 +245,13 @@ fn resolve_letters(
             crease,
             goal: drawn.goal.filter(|_| crease.is_some()),
         });
+    }
+    for (letter, (first, count)) in outer {
+        assumptions.push(format!(
+            "edges lettered {} with a face on one side at most, taken as boundary: {count} (first: \
+             edge {first})",
+            letter.code()
+        ));
     }
     Ok((edges, creases))
 }

@@ -40,8 +40,8 @@ pub enum PatternError {
         /// Entries needed.
         least: usize,
     },
-    /// A coordinate is infinite or not a number.
-    #[error("vertices_coords[{vertex}]: expected finite coordinates")]
+    /// A coordinate is not a number, or too large to compute with.
+    #[error("vertices_coords[{vertex}]: expected coordinates from -1e50 to 1e50")]
     NotFinite {
         /// The vertex.
         vertex: usize,

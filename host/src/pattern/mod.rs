@@ -12,6 +12,7 @@ mod planarity;
 mod trace;
 mod triangulate;
 
+pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
 pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;

@@ -77,7 +77,7 @@ impl Default for PlanOptions {
 
 /// An option outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{option}: expected {expected}, found {found}")]
+#[error("{option}: {}", self.problem())]
 pub struct OptionsError {
     /// The option.
     pub option: &'static str,
@@ -86,6 +86,17 @@ pub struct OptionsError {
     /// The value given.
     pub found: f64,
 }
+
+impl OptionsError {
+    /// What is wrong, without the option's name.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        format!("expected {}, found {}", self.expected, self.found)
+    }
+}
+
+/// Radians per second: slower than this, times become too large to tell knots apart.
+const SLOWEST: f64 = 1e-9;
 
 impl PlanOptions {
     /// Checks that each option is in its range.
@@ -103,6 +114,14 @@ impl PlanOptions {
         };
         positive("bound", self.bound)?;
         positive("max_step", self.max_step)?;
-        positive("max_speed", self.max_speed)
+        positive("max_speed", self.max_speed)?;
+        if self.max_speed < SLOWEST {
+            return Err(OptionsError {
+                option: "max_speed",
+                expected: "at least 1e-9 radians per second",
+                found: self.max_speed,
+            });
+        }
+        Ok(())
     }
 }

@@ -122,7 +122,9 @@ impl<'a> Planning<'a> {
             pattern,
             goal,
             options,
-            deadline: options.timeout.map(|timeout| Instant::now() + timeout),
+            deadline: options
+                .timeout
+                .and_then(|timeout| Instant::now().checked_add(timeout)),
             plan: Plan::default(),
         }
     }
@@ -147,6 +149,15 @@ impl<'a> Planning<'a> {
         };
         self.plan.goal_error = closed.error;
         self.plan.goal_closure = closed.asked_closure;
+        if closed.asked_closure > CLOSED {
+            self.plan.notes.push(format!(
+                "{} does not close (residual {:.1e}): moved to the nearest configuration found that \
+                 does, {:.3e} degrees away",
+                self.goal.source,
+                closed.asked_closure,
+                closed.error.to_degrees()
+            ));
+        }
 
         let start = Instant::now();
         let mut solver = ClosureSolver::new(reduction.stars().view(), self.options.solver);

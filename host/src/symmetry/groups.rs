@@ -109,13 +109,17 @@ impl CreaseGroups {
     /// Group angles nearest to given fold angles of the creases: means over each group.
     #[must_use]
     pub fn reduce(&self, creases: &[f64]) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.groups];
+        // Deviations from the first are summed: equal angles keep every bit.
+        let mut sums = vec![(None, 0.0, 0.0); self.groups];
         for (membership, &angle) in self.memberships.iter().zip(creases) {
-            let (sum, count) = &mut sums[membership.group.index()];
-            *sum += membership.apply(angle);
+            let (first, sum, count) = &mut sums[membership.group.index()];
+            let angle = membership.apply(angle);
+            *sum += angle - *first.get_or_insert(angle);
             *count += 1.0;
         }
-        sums.into_iter().map(|(sum, count)| sum / count).collect()
+        let mean =
+            |(first, sum, count): (Option<f64>, f64, f64)| first.unwrap_or(0.0) + sum / count;
+        sums.into_iter().map(mean).collect()
     }
 }
 

@@ -6,7 +6,7 @@ use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame};
-use super::pattern::{angles, pattern_of, points};
+use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::Interpolation;
@@ -61,8 +61,7 @@ pub struct PathKnot {
 pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     let document = Document::read(path)?;
     let key = document.key_frame();
-    let goals = angles(&key, "edges_foldAngle", true)?;
-    let pattern = pattern_of(&document, &key, goals)?;
+    let pattern = pattern_of(&document, &key, goals(&key)?)?;
     let frames = document.frame_count()?;
     if frames == 0 {
         return Err(document.expected("file_frames".into(), "at least one knot", "none"));

@@ -35,7 +35,11 @@ impl Document {
                 path,
                 line: error.line(),
                 column: error.column(),
-                message: error.to_string(),
+                // The parser says the position once more.
+                message: match error.to_string().split_once(" at line ") {
+                    Some((message, _)) => message.into(),
+                    None => error.to_string(),
+                },
             }),
         }
     }
@@ -72,8 +76,10 @@ impl Document {
             }
             let place = format!("file_frames[{}]", number - 1);
             let frames = self.root.get("file_frames").and_then(Value::as_array);
-            let Some(Value::Object(map)) = frames.and_then(|f| f.get(number - 1)) else {
-                return Err(self.expected(place, "a frame", "none"));
+            let frame = frames.and_then(|f| f.get(number - 1));
+            let Some(Value::Object(map)) = frame else {
+                let found = frame.map_or("none".into(), kind);
+                return Err(self.expected(place, "a frame", &found));
             };
             layers.push((map, place.clone() + "."));
             if map.get("frame_inherit") != Some(&Value::Bool(true)) {
@@ -141,10 +147,14 @@ impl<'a> Frame<'a> {
     /// The value of a key that must be there.
     pub(super) fn require(&self, key: &str) -> Result<Located<'a>, FileError> {
         self.get(key).ok_or_else(|| {
-            let prefix = self.layers.first().map_or("", |layer| &layer.1);
-            self.document
-                .expected(format!("{prefix}{key}"), "a list", "nothing")
+            let place = format!("{}{key}", self.prefix());
+            self.document.expected(place, "a list", "nothing")
         })
+    }
+
+    /// What stands before the frame's keys in places.
+    pub(super) fn prefix(&self) -> &str {
+        self.layers.first().map_or("", |layer| &layer.1)
     }
 
     /// Whether the frame is of that class.
@@ -220,7 +230,7 @@ impl<'a> Located<'a> {
         let index = self.value.as_u64().and_then(|i| u32::try_from(i).ok());
         index
             .map(|i| i as usize)
-            .ok_or_else(|| self.expected("a number from 0"))
+            .ok_or_else(|| self.expected("a whole number from 0"))
     }
 
     pub(super) fn text(&self) -> Result<&'a str, FileError> {

@@ -8,7 +8,9 @@ use nalgebra::Vector3;
 use super::document::{Document, Frame};
 use super::plane::flatten;
 use crate::formats::FileError;
-use crate::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use crate::pattern::{
+    CreasePattern, Drawing, DrawnEdge, LARGEST, Letter, PatternError, check_goal,
+};
 
 /// A crease pattern as a file has it.
 #[derive(Clone, Debug)]
@@ -39,31 +41,35 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<f64>, FileError> {
     let document = Document::read(path)?;
     let frame = document.key_frame();
-    let Some(angles) = goal_angles(&document, &frame)? else {
+    let Some(goals) = goal_angles(&document, &frame)? else {
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
-    if angles.len() != pattern.edges().len() {
-        let expected = format!("{} entries, one for each edge", pattern.edges().len());
-        let found = angles.len().to_string();
-        return Err(document.expected("edges_foldAngle".into(), &expected, &found));
+    goals.check_count(&document, pattern.edges().len())?;
+    for (index, (edge, &angle)) in pattern.edges().iter().zip(&goals.angles).enumerate() {
+        check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(&document, error))?;
     }
     let creases = pattern.creases().iter();
-    Ok(creases
-        .map(|edge| angles[edge.index()].unwrap_or(0.0))
-        .collect())
+    let angles = creases.map(|edge| goals.angles[edge.index()].unwrap_or(0.0));
+    Ok(angles.collect())
 }
 
 pub(super) fn pattern_of(
     document: &Document,
     frame: &Frame<'_>,
-    goals: Option<Vec<Option<f64>>>,
+    goals: Option<Goals>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::new();
-    let drawing = drawing(document, frame, goals, &mut notes)?;
-    let mut pattern = CreasePattern::new(drawing).map_err(|source| FileError::Pattern {
-        path: document.path().to_path_buf(),
-        source,
+    let drawing = drawing(document, frame, goals.as_ref(), &mut notes)?;
+    let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, &goals) {
+        (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
+            goals.place_of(document, source)
+        }
+        _ => FileError::Pattern {
+            path: document.path().to_path_buf(),
+            frame: String::new(),
+            source,
+        },
     })?;
     for note in notes {
         pattern.assume(note);
@@ -98,29 +104,52 @@ fn flat_frame(document: &Document) -> Result<Frame<'_>, FileError> {
     Ok(key)
 }
 
-fn goal_angles(
-    document: &Document,
-    flat: &Frame<'_>,
-) -> Result<Option<Vec<Option<f64>>>, FileError> {
+/// Goal angles of all edges.
+pub(super) struct Goals {
+    /// Radians; `None` for null.
+    angles: Vec<Option<f64>>,
+    /// The frame they come from, as a prefix of its keys.
+    frame: String,
+}
+
+impl Goals {
+    fn check_count(&self, document: &Document, edges: usize) -> Result<(), FileError> {
+        if self.angles.len() == edges {
+            return Ok(());
+        }
+        let place = format!("{}edges_foldAngle", self.frame);
+        let expected = format!("{edges} entries, one for each edge");
+        Err(document.expected(place, &expected, &self.angles.len().to_string()))
+    }
+
+    fn place_of(&self, document: &Document, source: PatternError) -> FileError {
+        FileError::Pattern {
+            path: document.path().to_path_buf(),
+            frame: self.frame.clone(),
+            source,
+        }
+    }
+}
+
+fn goal_angles(document: &Document, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     for index in (0..document.frame_count()?).rev() {
         let frame = document.frame(index)?;
         if frame.is_a("foldedForm")
-            && let Some(angles) = angles(&frame, "edges_foldAngle", true)?
+            && let Some(goals) = goals(&frame)?
         {
-            return Ok(Some(angles));
+            return Ok(Some(goals));
         }
     }
-    angles(flat, "edges_foldAngle", false)
+    goals(flat)
 }
 
-/// A list of angles or rates in radians, `None` for null; `None` if there is none or, being a goal,
-/// it is zero throughout.
-pub(super) fn angles(
-    frame: &Frame<'_>,
-    key: &str,
-    own: bool,
-) -> Result<Option<Vec<Option<f64>>>, FileError> {
-    let Some(list) = (if own { frame.own(key) } else { frame.get(key) }) else {
+/// The goal that a frame itself names; `None` if it names none, or zeros alone.
+pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
+    // Before FOLD 1.1 the key had an s.
+    let list = ["edges_foldAngle", "edges_foldAngles"]
+        .into_iter()
+        .find_map(|key| frame.own(key));
+    let Some(list) = list else {
         return Ok(None);
     };
     let radians = list.entries()?.map(|entry| {
@@ -129,17 +158,18 @@ pub(super) fn angles(
         }
         Ok(Some(entry.number()?.to_radians()))
     });
-    let radians: Vec<Option<f64>> = radians.collect::<Result<_, FileError>>()?;
-    let zero = radians
+    let angles: Vec<Option<f64>> = radians.collect::<Result<_, FileError>>()?;
+    let zero = angles
         .iter()
         .all(|angle| angle.is_none_or(|a| a.abs() <= 0.0));
-    Ok((!zero).then_some(radians))
+    let frame = frame.prefix().to_string();
+    Ok((!zero).then_some(Goals { angles, frame }))
 }
 
 fn drawing(
     document: &Document,
     frame: &Frame<'_>,
-    goals: Option<Vec<Option<f64>>>,
+    goals: Option<&Goals>,
     notes: &mut Vec<String>,
 ) -> Result<Drawing, FileError> {
     let points = points(frame)?;
@@ -155,12 +185,8 @@ fn drawing(
     }
     let faces = faces(frame)?;
     let edges = edges(document, frame, faces.as_deref(), notes)?;
-    if let Some(goals) = &goals
-        && goals.len() != edges.len()
-    {
-        let expected = format!("{} entries, one for each edge", edges.len());
-        let found = goals.len().to_string();
-        return Err(document.expected("edges_foldAngle".into(), &expected, &found));
+    if let Some(goals) = goals {
+        goals.check_count(document, edges.len())?;
     }
     let letters = letters(frame, edges.len(), notes)?;
     let drawn = edges
@@ -170,7 +196,7 @@ fn drawing(
         .map(|(index, (ends, letter))| DrawnEdge {
             ends,
             letter,
-            goal: goals.as_ref().and_then(|goals| goals[index]),
+            goal: goals.and_then(|goals| goals.angles[index]),
         });
     Ok(Drawing {
         vertices,
@@ -186,7 +212,7 @@ pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> 
         if !(2..=3).contains(&count) {
             return Err(entry.expected("2 or 3 coordinates"));
         }
-        let mut next = || coordinates.next().map_or(Ok(0.0), |c| c.number());
+        let mut next = || coordinates.next().map_or(Ok(0.0), coordinate);
         Ok(Vector3::new(next()?, next()?, next()?))
     };
     frame
@@ -194,6 +220,15 @@ pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> 
         .entries()?
         .map(point)
         .collect()
+}
+
+/// A coordinate whose square is a number too.
+fn coordinate(entry: super::document::Located<'_>) -> Result<f64, FileError> {
+    let number = entry.number()?;
+    if number.abs() > LARGEST {
+        return Err(entry.expected("a coordinate from -1e50 to 1e50"));
+    }
+    Ok(number)
 }
 
 fn indices(entry: &super::document::Located<'_>) -> Result<Vec<usize>, FileError> {

@@ -127,6 +127,7 @@ impl PathWriter<'_> {
         let mut frame = Object::default();
         frame
             .set("frame_classes", &["foldedForm"])
+            .set("frame_attributes", &["3D"])
             .set("frame_parent", &0)
             .set("frame_inherit", &true)
             .set("foldpath:time", &knot.time);

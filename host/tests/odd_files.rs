@@ -1,0 +1,158 @@
+//! FOLD files that leave things out, or say them another way, and are read all the same.
+
+mod common;
+
+use common::{Folder, edited, numbers, pattern};
+use serde_json::{Value, json};
+
+/// What `foldpath info` says of a document, and its notes apart from that.
+fn info(document: &Value) -> (Value, Value) {
+    let folder = Folder::new();
+    folder.write("odd.fold", &document.to_string());
+    let mut info = folder.done("info odd.fold --json").json();
+    let notes = info["assumptions"].take();
+    (info, notes)
+}
+
+#[test]
+fn what_is_said_in_other_words_is_the_same_pattern() {
+    let (expected, _) = info(&pattern());
+    assert_eq!(expected["faces"], 9);
+    for edits in [
+        "/faces_vertices =",
+        "/faces_vertices = []",
+        "/faces_vertices/0 = [5,1,0,4]",
+        "/edges_assignment/4 = \"m\"",
+        "/edges_foldAngle/0 = null",
+        "/file_spec = 1; /file_creator =",
+        "/unknown = [1,2]; /other:own = {}",
+        "/file_frames = [{\"frame_title\":\"no angles here\"}]",
+    ] {
+        assert_eq!(
+            info(&edited(&pattern(), edits)),
+            (expected.clone(), json!([])),
+            "{edits}"
+        );
+    }
+}
+
+#[test]
+fn what_is_left_out_or_unknown_is_assumed_and_said() {
+    let odd = |edits: &str| info(&edited(&pattern(), edits));
+
+    let (found, notes) = odd("/edges_assignment = ; /edges_foldAngle =");
+    let missing = "edges_assignment is missing: all inner edges taken as free hinges (U)";
+    assert!(
+        notes.as_array().unwrap().contains(&json!(missing)),
+        "{notes}"
+    );
+    assert_eq!(
+        (&found["free_hinges"], &found["letters"]["U"]),
+        (&json!(12), &json!(12))
+    );
+    assert_eq!(found["closure_goal"], Value::Null);
+
+    let (found, notes) = odd("/edges_vertices = ; /edges_assignment = ; /edges_foldAngle =");
+    let missing = "edges_vertices is missing: edges taken from the faces";
+    assert!(
+        notes.as_array().unwrap().contains(&json!(missing)),
+        "{notes}"
+    );
+    assert_eq!(
+        (&found["edges"], &found["creases"]),
+        (&json!(24), &json!(12))
+    );
+
+    let (found, notes) = odd("/edges_assignment/2 = \"Q\"; /edges_assignment/4 = \"Q\"");
+    let unknown = "2 edges lettered \"Q\", which FOLD does not know, taken as U";
+    assert_eq!(notes, json!([unknown]));
+    assert_eq!(found["free_hinges"], 2);
+}
+
+#[test]
+fn flat_edges_are_no_creases() {
+    for letter in ["F", "J"] {
+        let edit = format!("/edges_assignment/10 = \"{letter}\"");
+        let (found, _) = info(&edited(&pattern(), &edit));
+        assert_eq!(
+            (&found["creases"], &found["virtual_edges"]),
+            (&json!(11), &json!(10))
+        );
+    }
+}
+
+#[test]
+fn a_sheet_may_stand_upright() {
+    let mut upright = pattern();
+    for point in upright["vertices_coords"].as_array_mut().unwrap() {
+        *point = json!([point[0], 0, point[1]]);
+    }
+    let (found, notes) = info(&upright);
+    let (expected, _) = info(&pattern());
+    for key in [
+        "faces",
+        "creases",
+        "real_vertices",
+        "groups",
+        "essential_vertices",
+    ] {
+        assert_eq!(found[key], expected[key], "{key}");
+    }
+    assert!(
+        notes[0]
+            .as_str()
+            .unwrap()
+            .contains("seen from its upper side"),
+        "{notes}"
+    );
+}
+
+/// The goal is that of the last folded frame, wherever the crease pattern stands.
+#[test]
+fn pattern_and_goal_may_stand_in_frames() {
+    let folder = Folder::new();
+    folder.write("plain.fold", &pattern().to_string());
+    folder.done("plan plain.fold -o plain.path.fold");
+
+    let mut flat = pattern();
+    let goal = flat["edges_foldAngle"].take();
+    let half: Vec<f64> = numbers(&goal).iter().map(|angle| angle / 2.0).collect();
+    flat.as_object_mut().unwrap().remove("edges_foldAngle");
+    let frame = |angles: Value, parent: u32| {
+        json!({
+            "frame_classes": ["foldedForm"], "frame_parent": parent, "frame_inherit": true,
+            "edges_foldAngle": angles,
+        })
+    };
+    let mut in_key_frame = flat.clone();
+    in_key_frame["file_frames"] = json!([frame(json!(half), 0), frame(goal.clone(), 1)]);
+    let in_frame =
+        json!({"file_title": flat["file_title"].clone(), "file_frames": [flat, frame(goal, 1)]});
+    for document in [in_key_frame, in_frame] {
+        folder.write("framed.fold", &document.to_string());
+        folder.done("plan framed.fold -o framed.path.fold");
+        assert_eq!(
+            folder.read("framed.path.fold"),
+            folder.read("plain.path.fold")
+        );
+    }
+}
+
+/// `edges_foldAngle` was called `edges_foldAngles` before FOLD 1.1.
+#[test]
+fn goal_angles_of_fold_1_0_are_read() {
+    let mut old = pattern();
+    old["file_spec"] = json!(1);
+    old["edges_foldAngles"] = old
+        .as_object_mut()
+        .unwrap()
+        .remove("edges_foldAngle")
+        .unwrap();
+    let (found, _) = info(&old);
+    assert!(
+        found["closure_goal"]
+            .as_f64()
+            .is_some_and(|closure| closure < 1e-12),
+        "{found}"
+    );
+}

@@ -1,0 +1,262 @@
+//! Options of the `foldpath` commands: their defaults, and what each changes.
+
+mod common;
+
+use common::{Folder, numbers};
+use serde_json::{Value, json};
+
+/// Fold angles of all edges at the last knot, degrees.
+fn last_angles(path: &Value) -> Vec<f64> {
+    let frames = path["file_frames"].as_array().unwrap();
+    numbers(&frames[frames.len() - 1]["edges_foldAngle"])
+}
+
+fn furthest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()))
+}
+
+/// That all of `b` are those of `a` times `factor`.
+#[track_caller]
+fn assert_scaled(a: &[f64], b: &[f64], factor: f64) {
+    let scaled: Vec<f64> = a.iter().map(|a| factor * a).collect();
+    let size = b.iter().fold(0.0, |max, b| f64::max(max, b.abs()));
+    assert!(
+        size > 0.0 && furthest(&scaled, b) <= 1e-12 * size,
+        "{a:?} x {factor} is not {b:?}"
+    );
+}
+
+#[test]
+fn defaults_are_those_of_the_contract() {
+    let folder = Folder::with_path();
+    for (family, explicit) in [
+        ("miura --rows 4 --cols 4", "--angle 60 --fold 0.9"),
+        ("waterbomb --rows 4 --cols 4", "--fold 0.5"),
+    ] {
+        folder.done(&format!("generate {family} -o default.fold"));
+        folder.done(&format!("generate {family} {explicit} -o explicit.fold"));
+        assert_eq!(
+            folder.read("default.fold"),
+            folder.read("explicit.fold"),
+            "{family}"
+        );
+    }
+    folder.done(
+        "plan miura.fold -o explicit.fold --bound 0.01 --symmetry auto --vertices essential --reuse \
+         auto --collision on --interpolation auto --frames full --solver lm",
+    );
+    assert_eq!(folder.read("explicit.fold"), folder.read("path.fold"));
+}
+
+#[test]
+fn a_check_allows_a_thousandth_unless_told_otherwise() {
+    let folder = Folder::with_path();
+    let mut path = folder.read_json("path.fold");
+    path.as_object_mut().unwrap().remove("foldpath:edges_group");
+    // One hinge off at one knot, and nothing in the file that says how it should be.
+    let angle = &mut path["file_frames"][3]["edges_foldAngle"][2];
+    *angle = json!(angle.as_f64().unwrap() + 0.15);
+    let frame = path["file_frames"][3].as_object_mut().unwrap();
+    frame.retain(|key, _| ["edges_foldAngle", "foldpath:time"].contains(&key.as_str()));
+    folder.write("off.fold", &path.to_string());
+
+    let check = folder.run("check off.fold --json").with_status(1).json();
+    let gap = check["max_gap"].as_f64().unwrap();
+    assert!(gap > 1e-3 && gap < 1e-2, "{check}");
+    let expected = format!("knot 3: gap {gap:.3e} over the bound 1.000e-3");
+    assert!(
+        check["reason"].as_str().unwrap().starts_with(&expected),
+        "{check}"
+    );
+    folder.done("check off.fold --bound 0.01");
+}
+
+#[test]
+fn quiet_stops_the_notes() {
+    let folder = Folder::with_path();
+    for name in ["miura.fold", "path.fold"] {
+        let text = folder.read(name).replacen("\"B\"", "\"Q\"", 1);
+        folder.write(name, &text);
+    }
+    let note = "note: 1 edges lettered \"Q\", which FOLD does not know, taken as U\n";
+    for arguments in ["info miura.fold", "plan miura.fold", "check path.fold"] {
+        let loud = folder.done(arguments);
+        assert!(loud.stderr.contains(note), "{arguments}: {}", loud.stderr);
+        let quiet = folder.done(&format!("{arguments} --quiet"));
+        assert_eq!(quiet.stderr, "", "{arguments}");
+    }
+    let assumptions = &folder.done("info miura.fold --json").json()["assumptions"];
+    let assumptions = assumptions.as_array().unwrap();
+    assert!(
+        assumptions
+            .iter()
+            .any(|a| note.contains(a.as_str().unwrap())),
+        "{assumptions:?}"
+    );
+}
+
+#[test]
+fn what_is_solved_may_change_and_the_path_stays() {
+    let folder = Folder::new();
+    folder.done("generate waterbomb --rows 4 --cols 6 -o a.fold");
+    let plain = folder.done("plan a.fold -o plain.fold --json").json();
+    assert_eq!(plain["unknowns"], 4);
+    let goal = numbers(&folder.read_json("a.fold")["edges_foldAngle"]);
+    for (options, unknowns) in [
+        ("", 4),
+        ("--symmetry off", 50),
+        ("--vertices all", 4),
+        ("--reuse off", 4),
+        ("--solver gradient", 4),
+        ("--symmetry off --vertices all", 50),
+    ] {
+        let plan = folder
+            .done(&format!("plan a.fold -o path.fold --json {options}"))
+            .json();
+        assert_eq!(plan["outcome"], "planned", "{options}");
+        assert_eq!(plan["unknowns"], unknowns, "{options}");
+        assert_eq!(plan["groups"], unknowns, "{options}");
+        assert!(plan["goal_error"].as_f64().unwrap() < 1e-9, "{options}");
+        folder.done("check path.fold");
+        assert!(
+            furthest(&last_angles(&folder.read_json("path.fold")), &goal) < 1e-9,
+            "{options}"
+        );
+    }
+    let gradient = folder.done("plan a.fold --solver gradient --json").json();
+    let iterations = |plan: &Value| plan["solver"]["iterations"].as_u64().unwrap();
+    assert!(
+        iterations(&gradient) > 2 * iterations(&plain),
+        "linear convergence takes longer"
+    );
+}
+
+#[test]
+fn frames_of_angles_alone_are_folded_again_where_they_are_read() {
+    let folder = Folder::with_path();
+    folder.done("plan miura.fold --frames angles -o angles.fold");
+    let mut full = folder.read_json("path.fold");
+    for frame in full["file_frames"].as_array_mut().unwrap() {
+        assert!(
+            frame
+                .as_object_mut()
+                .unwrap()
+                .remove("vertices_coords")
+                .is_some()
+        );
+    }
+    assert_eq!(folder.read_json("angles.fold"), full);
+    folder.done("check angles.fold");
+    folder.done("view angles.fold -o angles.html");
+}
+
+#[test]
+fn the_interpolation_asked_for_is_written() {
+    let folder = Folder::with_path();
+    for (option, written) in [
+        ("auto", "hermite"),
+        ("hermite", "hermite"),
+        ("linear", "linear"),
+    ] {
+        folder.done(&format!(
+            "plan miura.fold --interpolation {option} -o a.fold"
+        ));
+        assert_eq!(
+            folder.read_json("a.fold")["foldpath:interpolation"],
+            written
+        );
+        folder.done("check a.fold");
+    }
+}
+
+#[test]
+fn speed_scales_times_and_rates() {
+    let folder = Folder::with_path();
+    folder.done("plan miura.fold --max-speed 90 -o fast.fold");
+    let [slow, fast] = ["path.fold", "fast.fold"].map(|name| {
+        let path = folder.read_json(name);
+        let frames = path["file_frames"].as_array().unwrap().iter();
+        let times = frames
+            .clone()
+            .map(|frame| frame["foldpath:time"].as_f64().unwrap());
+        let rates = frames.flat_map(|frame| numbers(&frame["foldpath:edges_foldAngleRate"]));
+        (times.collect::<Vec<_>>(), rates.collect::<Vec<_>>())
+    });
+    assert_scaled(&slow.0, &fast.0, 0.5);
+    assert_scaled(&slow.1, &fast.1, 2.0);
+    for (speed, (_, rates)) in [(45.0, slow), (90.0, fast)] {
+        let fastest = rates
+            .iter()
+            .fold(0.0, |max, rate| f64::max(max, rate.abs()));
+        assert!((fastest - speed).abs() < 1e-9, "{fastest} for {speed}");
+    }
+}
+
+#[test]
+fn the_goal_is_that_of_the_option() {
+    let folder = Folder::with_path();
+    folder.done("generate miura --rows 3 --cols 3 --fold 0.4 -o goal.fold");
+    let plan = folder
+        .done("plan miura.fold --goal goal.fold -o a.fold --json")
+        .json();
+    assert!(plan["goal_error"].as_f64().unwrap() < 1e-9);
+    let goal = numbers(&folder.read_json("goal.fold")["edges_foldAngle"]);
+    assert!(furthest(&last_angles(&folder.read_json("a.fold")), &goal) < 1e-9);
+
+    // Letters alone ask for equal angles, which do not close: the nearest that do are taken.
+    let plan = folder
+        .done("plan miura.fold --fold 0.5 -o a.fold --json")
+        .json();
+    let asked: Vec<f64> = goal
+        .iter()
+        .map(|angle| {
+            if *angle == 0.0 {
+                0.0
+            } else {
+                90.0 * angle.signum()
+            }
+        })
+        .collect();
+    let error = furthest(&last_angles(&folder.read_json("a.fold")), &asked);
+    assert!(
+        (plan["goal_error"].as_f64().unwrap() - error).abs() < 1e-9,
+        "{error} {plan}"
+    );
+    assert!(error > 1.0 && error < 90.0, "{error}");
+
+    folder
+        .run("plan miura.fold --fold 0.5 --goal goal.fold")
+        .with_status(2);
+}
+
+#[test]
+fn the_seed_is_echoed_and_written() {
+    let folder = Folder::with_path();
+    for seed in [0, 7, u64::MAX] {
+        let plan = folder
+            .done(&format!("plan miura.fold --seed {seed} -o a.fold --json"))
+            .json();
+        assert_eq!(plan["seed"], seed);
+        assert_eq!(folder.read_json("a.fold")["foldpath:seed"], seed);
+    }
+}
+
+#[test]
+fn a_timeout_longer_than_any_plan_is_none() {
+    let folder = Folder::with_path();
+    for seconds in ["1e9", "1e19", "1e300"] {
+        folder.done(&format!("plan miura.fold --timeout {seconds}"));
+    }
+}
+
+/// No path is written whose times are too large for a number.
+#[test]
+fn a_speed_close_to_nothing_is_refused() {
+    let folder = Folder::with_path();
+    folder
+        .run("plan miura.fold --max-speed 1e-308 -o slow.fold")
+        .with_status(2);
+}

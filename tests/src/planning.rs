@@ -1,0 +1,84 @@
+//! The patterns of `patterns/`, and paths that are planned for them.
+
+use std::path::{Path, PathBuf};
+
+use foldpath::formats::FileError;
+use foldpath::formats::fold::{PathFile, PathWriter, PatternFile, read_path, read_pattern};
+use foldpath::planner::{Goal, Plan, PlanOptions, plan};
+use serde_json::Value;
+
+/// A pattern file and its plan.
+pub struct Planned {
+    /// The file.
+    pub file: PatternFile,
+    /// The plan to its own goal.
+    pub plan: Plan,
+}
+
+impl Planned {
+    /// Plans the pattern of that name to its own goal.
+    ///
+    /// # Panics
+    /// If the file cannot be read or has no goal.
+    #[must_use]
+    pub fn new(name: &str, options: &PlanOptions) -> Self {
+        Self::of(
+            read_pattern(&pattern_file(name)).expect("a pattern"),
+            options,
+        )
+    }
+
+    /// Plans a pattern to its own goal.
+    ///
+    /// # Panics
+    /// If it has no goal.
+    #[must_use]
+    pub fn of(file: PatternFile, options: &PlanOptions) -> Self {
+        let goal = Goal::of_pattern(&file.pattern).expect("a goal");
+        let plan = plan(&file.pattern, &goal, options);
+        Self { file, plan }
+    }
+
+    /// The path as a FOLD file.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let writer = PathWriter {
+            title: &self.file.title,
+            pattern: &self.file.pattern,
+            vertices: true,
+            seed: 0,
+        };
+        writer.text(&self.plan.path)
+    }
+}
+
+/// Where the pattern of that name is.
+#[must_use]
+pub fn pattern_file(name: &str) -> PathBuf {
+    let patterns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patterns");
+    patterns.join(name).with_extension("fold")
+}
+
+/// The path file with that text, written and read again.
+///
+/// # Errors
+/// If it is no path.
+///
+/// # Panics
+/// If the system has no room for a temporary file.
+pub fn path_file(text: &str) -> Result<PathFile, FileError> {
+    let file = tempfile::NamedTempFile::new().expect("a temporary file");
+    std::fs::write(file.path(), text).expect("room for a path");
+    read_path(file.path())
+}
+
+/// Goal fold angles of the pattern of that name, degrees, straight from its file.
+///
+/// # Panics
+/// If the file cannot be read or names none.
+#[must_use]
+pub fn goal_angles(name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(pattern_file(name)).expect("a pattern");
+    let mut file: Value = serde_json::from_str(&text).expect("JSON");
+    serde_json::from_value(file["edges_foldAngle"].take()).expect("goal angles")
+}

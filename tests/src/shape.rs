@@ -1,0 +1,63 @@
+//! What can be measured on a folded shape alone: lengths, flatness of faces, fold angles.
+
+use core::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+use crate::sheet::sides;
+use crate::{Sheet, worst};
+
+impl Sheet {
+    /// Largest relative change of length of an edge or of a diagonal of a face, all of them.
+    #[must_use]
+    pub fn deformation(&self, positions: &[Vector3<f64>]) -> f64 {
+        let strain = |a: usize, b: usize| {
+            let length = |at: &[Vector3<f64>]| (at[b] - at[a]).norm();
+            (length(positions) / length(&self.flat) - 1.0).abs()
+        };
+        let of_face = |face: &Vec<usize>| {
+            let pairs = (0..face.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+            worst(pairs.map(|(j, k)| strain(face[j], face[k])))
+        };
+        worst(self.faces.iter().map(of_face))
+    }
+
+    /// Largest distance of a vertex from the plane of a face that it belongs to, over the median
+    /// edge.
+    #[must_use]
+    pub fn unflatness(&self, positions: &[Vector3<f64>]) -> f64 {
+        let height = |face: &Vec<usize>| {
+            let normal = normal(face, positions);
+            let heights = face
+                .iter()
+                .map(|&v| normal.dot(&(positions[v] - positions[face[0]])));
+            worst(heights.map(f64::abs))
+        };
+        worst(self.faces.iter().map(height)) / self.median_edge()
+    }
+
+    /// Largest difference between the fold angle of a crease in this shape and that in `angles`,
+    /// radians. A half turn is the same either way.
+    #[must_use]
+    pub fn angle_error(&self, positions: &[Vector3<f64>], angles: &[f64]) -> f64 {
+        let normals: Vec<_> = self.faces.iter().map(|f| normal(f, positions)).collect();
+        let error = |edge: usize| {
+            let [Some(left), Some(right)] = self.sides[edge] else {
+                return angles[edge].abs();
+            };
+            let ([a, b], [left, right]) = (self.edges[edge], [left, right].map(|f| normals[f]));
+            let along = (positions[b] - positions[a]).normalize();
+            // Valley positive: the right face's normal leans over to the left.
+            let measured = right.cross(&left).dot(&along).atan2(left.dot(&right));
+            ((measured - angles[edge] + PI).rem_euclid(TAU) - PI).abs()
+        };
+        worst((0..self.edges.len()).map(error))
+    }
+}
+
+/// Unit normal of a face by its vector area (M. Newell).
+pub(crate) fn normal(face: &[usize], positions: &[Vector3<f64>]) -> Vector3<f64> {
+    let origin = positions[face[0]];
+    let areas = sides(face).map(|[a, b]| (positions[a] - origin).cross(&(positions[b] - origin)));
+    areas.sum::<Vector3<f64>>().normalize()
+}

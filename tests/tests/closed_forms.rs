@@ -1,0 +1,259 @@
+//! Planned motions against the closed forms of their families: at every knot, along the rates, and
+//! between the knots.
+
+use foldpath::generate::{Miura, Waterbomb, Yoshimura};
+use foldpath::pattern::{CreasePattern, Drawing, VertexId};
+use foldpath::planner::{Goal, Outcome, Path, PlanOptions, plan};
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_tests::closed_form::{self, miura_straight, yoshimura_diagonal};
+use foldpath_tests::worst;
+
+const TEN_DEGREES: f64 = 10.0 * core::f64::consts::PI / 180.0;
+
+/// A motion of which all is known.
+struct Motion {
+    name: String,
+    drawing: Drawing,
+    /// Size of the fold angle of the crease between two points where the leading creases have the
+    /// given one, radians.
+    closed: Box<dyn Fn([[f64; 2]; 2], f64) -> f64>,
+    /// Whether the crease between two points leads.
+    leads: fn([[f64; 2]; 2]) -> bool,
+}
+
+fn level([[_, y], [_, other_y]]: [[f64; 2]; 2]) -> bool {
+    (other_y - y).abs() < 1e-9
+}
+
+fn upright([[x, _], [other_x, _]]: [[f64; 2]; 2]) -> bool {
+    (other_x - x).abs() < 1e-9
+}
+
+/// The zigzag creases lead to `goal`; angles in degrees.
+fn miura(sector_angle: f64, goal: f64) -> Motion {
+    let miura = Miura {
+        rows: 3,
+        columns: 4,
+        sector_angle: sector_angle.to_radians(),
+        fold: goal / 180.0,
+    };
+    let straight = move |zigzag| miura_straight(sector_angle.to_radians(), zigzag);
+    Motion {
+        name: format!("Miura, sectors of {sector_angle}, to {goal} degrees"),
+        drawing: miura.drawing().unwrap(),
+        closed: Box::new(move |ends, lead| if level(ends) { straight(lead) } else { lead }),
+        leads: |ends| !level(ends),
+    }
+}
+
+/// The middle lines lead; the boundary lines' goal in degrees.
+fn waterbomb(goal: f64) -> Motion {
+    let waterbomb = Waterbomb {
+        rows: 4,
+        columns: 6,
+        fold: goal / 180.0,
+    };
+    Motion {
+        name: format!("waterbomb to {goal} degrees"),
+        drawing: waterbomb.drawing().unwrap(),
+        closed: Box::new(|ends, lead| {
+            closed_form::Waterbomb::at((lead / 2.0).tan())
+                .of_crease(ends)
+                .abs()
+        }),
+        leads: |ends| {
+            let at_one = closed_form::Waterbomb::at(1.0);
+            (at_one.of_crease(ends) - at_one.middle).abs() < 1e-9
+        },
+    }
+}
+
+/// The straight creases lead to `goal`; angles in degrees.
+fn yoshimura(gamma: f64, goal: f64) -> Motion {
+    let yoshimura = Yoshimura {
+        rows: 4,
+        columns: 5,
+        angle: gamma.to_radians(),
+        fold: goal / 180.0,
+    };
+    let diagonal = move |straight| yoshimura_diagonal(gamma.to_radians(), straight).abs();
+    Motion {
+        name: format!("Yoshimura, diagonals at {gamma}, to {goal} degrees"),
+        drawing: yoshimura.drawing().unwrap(),
+        closed: Box::new(move |ends, lead| if upright(ends) { lead } else { diagonal(lead) }),
+        leads: upright,
+    }
+}
+
+/// A motion and its plan.
+struct Planned {
+    path: Path,
+    leader: usize,
+    ends: Vec<[[f64; 2]; 2]>,
+    /// By the letters: valley 1, mountain -1.
+    signs: Vec<f64>,
+    motion: Motion,
+}
+
+impl Planned {
+    fn new(motion: Motion, max_step: f64) -> Self {
+        let pattern = CreasePattern::new(motion.drawing.clone()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let options = PlanOptions {
+            max_step,
+            ..PlanOptions::default()
+        };
+        let plan = plan(&pattern, &goal, &options);
+        assert_eq!(
+            plan.outcome,
+            Outcome::Planned,
+            "{}: {:?}",
+            motion.name,
+            plan.reason
+        );
+        let edges = || pattern.creases().iter().map(|&edge| pattern.edge(edge));
+        let place = |vertex: VertexId| pattern.vertices()[vertex.index()].into();
+        let ends: Vec<_> = edges().map(|edge| edge.ends.map(place)).collect();
+        Self {
+            path: plan.path,
+            leader: ends.iter().position(|&ends| (motion.leads)(ends)).unwrap(),
+            signs: edges().map(|edge| edge.letter.sign()).collect(),
+            ends,
+            motion,
+        }
+    }
+
+    /// Angles of all creases for those of the groups, or rates for rates.
+    fn creases(&self, groups: &[f64]) -> Vec<f64> {
+        let memberships = self.path.memberships.iter();
+        memberships
+            .map(|m| m.apply(groups[m.group.index()]))
+            .collect()
+    }
+
+    /// Angles of all creases where the leaders have turned by `lead`.
+    fn closed(&self, lead: f64) -> Vec<f64> {
+        let creases = self.ends.iter().zip(&self.signs);
+        creases
+            .map(|(&ends, sign)| sign * (self.motion.closed)(ends, lead))
+            .collect()
+    }
+
+    /// Largest difference from the closed form.
+    fn error(&self, groups: &[f64]) -> f64 {
+        let creases = self.creases(groups);
+        let closed = self.closed(creases[self.leader].abs());
+        worst(
+            creases
+                .iter()
+                .zip(closed)
+                .map(|(angle, closed)| (angle - closed).abs()),
+        )
+    }
+
+    /// Largest difference of the rates from the tangent of the closed form, both scaled to the
+    /// leaders' rate.
+    fn rate_error(&self, groups: &[f64], rates: &[f64]) -> f64 {
+        const H: f64 = 1e-6;
+        let lead = self.creases(groups)[self.leader].abs();
+        let [before, after] = [(lead - H).max(0.0), lead + H].map(|lead| (lead, self.closed(lead)));
+        let rates = self.creases(rates);
+        let errors = rates
+            .iter()
+            .zip(before.1.iter().zip(&after.1))
+            .map(|(rate, (from, to))| {
+                let slope = (to - from) / (after.0 - before.0);
+                (rate / rates[self.leader].abs() - slope).abs()
+            });
+        worst(errors)
+    }
+
+    /// Largest difference from the closed form at a hundred points of each segment.
+    fn error_between_knots(&self) -> f64 {
+        let knots = &self.path.knots;
+        let times: Vec<f64> = knots.iter().map(|knot| knot.time).collect();
+        let angles: Vec<f64> = knots.iter().flat_map(|knot| knot.angles.clone()).collect();
+        let rates: Vec<f64> = knots.iter().flat_map(|knot| knot.rates.clone()).collect();
+        let groups = knots[0].angles.len();
+        let trajectory = TrajectoryView::new(groups, &times, &angles, &rates).unwrap();
+        let mut sample = vec![0.0; groups];
+        let points = times.windows(2).flat_map(|pair| {
+            let [from, to] = [pair[0], pair[1]];
+            (1..100).map(move |k| from + f64::from(k) / 100.0 * (to - from))
+        });
+        worst(points.map(|time| {
+            trajectory.sample(time, &mut sample);
+            self.error(&sample)
+        }))
+    }
+}
+
+/// Sector angles and goals of the zigzag creases, degrees.
+fn miuras() -> impl Iterator<Item = Motion> {
+    let goals = [90.0, 150.0, 170.0, 179.9];
+    let sectors = [30.0, 45.0, 60.0, 75.0, 85.0];
+    sectors
+        .into_iter()
+        .flat_map(move |sector| goals.map(|goal| miura(sector, goal)))
+}
+
+/// The others; Yoshimura sheets of steeper diagonals or farther goals meet themselves.
+fn others() -> impl Iterator<Item = Motion> {
+    let waterbombs = [30.0, 90.0, 120.0, 170.0].map(waterbomb);
+    let yoshimuras = [
+        (20.0, 80.0),
+        (30.0, 10.0),
+        (30.0, 80.0),
+        (45.0, 80.0),
+        (60.0, 45.0),
+    ];
+    let yoshimuras = yoshimuras.map(|(gamma, goal)| yoshimura(gamma, goal));
+    waterbombs.into_iter().chain(yoshimuras)
+}
+
+#[test]
+fn knots_lie_on_the_closed_form() {
+    let motions = miuras()
+        .map(|motion| (motion, 1e-12))
+        .chain(others().map(|motion| (motion, 1e-11)));
+    for (motion, limit) in motions {
+        let planned = Planned::new(motion, TEN_DEGREES);
+        for (index, knot) in planned.path.knots.iter().enumerate() {
+            let error = planned.error(&knot.angles);
+            assert!(
+                error <= limit,
+                "{}, knot {index}: {error:e}",
+                planned.motion.name
+            );
+        }
+    }
+}
+
+/// To the error of finite differences; at flat, where the closure conditions name no motion, to that
+/// of a secant.
+#[test]
+fn rates_lie_along_the_closed_form() {
+    for motion in miuras().chain(others()) {
+        let planned = Planned::new(motion, TEN_DEGREES);
+        for (index, knot) in planned.path.knots.iter().enumerate() {
+            let error = planned.rate_error(&knot.angles, &knot.rates);
+            let limit = if index == 0 { 1e-6 } else { 1e-8 };
+            assert!(
+                error <= limit,
+                "{}, knot {index}: {error:e}",
+                planned.motion.name
+            );
+        }
+    }
+}
+
+/// Half the step leaves a sixteenth of the error.
+#[test]
+fn interpolation_between_knots_is_of_fourth_order() {
+    for (coarse, fine) in miuras().chain(others()).zip(miuras().chain(others())) {
+        let coarse = Planned::new(coarse, TEN_DEGREES / 2.0).error_between_knots();
+        let fine = Planned::new(fine, TEN_DEGREES / 4.0);
+        let (name, fine) = (&fine.motion.name, fine.error_between_knots());
+        assert!(fine <= coarse / 10.0, "{name}: {coarse:e} to {fine:e}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Path reuse is real: the motion of a sheet is planned in a few groups at a few vertices whatever
+//! its size, and is the motion that planning every crease finds.
+
+use foldpath::planner::{Outcome, PlanOptions, Symmetry};
+use foldpath_tests::closed_form::miura_straight;
+use foldpath_tests::{Planned, goal_angles, worst};
+
+#[test]
+fn planning_a_miura_is_the_same_work_for_any_size() {
+    let plan = |name: &str| Planned::new(name, &PlanOptions::default()).plan;
+    let small = plan("miura-3x3");
+    for name in ["miura-5x5", "miura-11x11", "miura-24x24"] {
+        let large = plan(name);
+        // The mean of many equal goal angles may be off in its last digits: one more step closes it.
+        let more = large.iterations.abs_diff(small.iterations);
+        assert!(more <= 1, "{name}: {} iterations", large.iterations);
+        let more = large.evaluations.abs_diff(small.evaluations);
+        assert!(more <= 2, "{name}: {} evaluations", large.evaluations);
+        assert_eq!(large.path.knots.len(), small.path.knots.len(), "{name}");
+        let knots = large.path.knots.iter().zip(&small.path.knots);
+        let angles = knots.flat_map(|(large, small)| large.angles.iter().zip(&small.angles));
+        let error = worst(angles.map(|(large, small)| (large - small).abs()));
+        // Rounding may move a knot along the motion, never a step's worth.
+        assert!(error <= 1e-6, "{name}: {error:e}");
+    }
+}
+
+/// Every crease an unknown of its own: a Miura fold has one motion, so both plans find it.
+#[test]
+fn planning_every_crease_finds_the_motion_of_the_groups() {
+    let every_crease = PlanOptions {
+        symmetry: Symmetry::Off,
+        ..PlanOptions::default()
+    };
+    for (name, creases) in [("miura-3x3", 12), ("miura-5x5", 40)] {
+        let grouped = Planned::new(name, &PlanOptions::default()).plan;
+        let free = Planned::new(name, &every_crease);
+        let (pattern, free) = (&free.file.pattern, &free.plan);
+        assert_eq!(free.outcome, Outcome::Planned, "{name}: {:?}", free.reason);
+        assert_eq!((grouped.unknowns, free.unknowns), (2, creases));
+
+        let goals = goal_angles(name);
+        let goals = pattern
+            .creases()
+            .iter()
+            .map(|edge| goals[edge.index()].to_radians());
+        let goals: Vec<f64> = goals.collect();
+        let zigzag = worst(goals.iter().map(|a| a.abs()));
+        for (index, knot) in free.path.knots.iter().enumerate() {
+            let memberships = free.path.memberships.iter();
+            let angles: Vec<f64> = memberships
+                .map(|m| m.apply(knot.angles[m.group.index()]))
+                .collect();
+            let turned = worst(angles.iter().map(|a| a.abs()));
+            let straight = miura_straight(60_f64.to_radians(), turned);
+            let expected = |goal: f64| {
+                let is_zigzag = (goal.abs() - zigzag).abs() < 1e-9;
+                goal.signum() * if is_zigzag { turned } else { straight }
+            };
+            let errors = angles
+                .iter()
+                .zip(&goals)
+                .map(|(angle, &goal)| (angle - expected(goal)).abs());
+            let error = worst(errors);
+            assert!(error <= 1e-9, "{name}, knot {index}: {error:e}");
+        }
+        let flat = free.path.knots[0].angles.iter().map(|a| a.abs());
+        assert!(worst(flat) <= 1e-9);
+        assert!(worst([free.goal_error, grouped.goal_error]) <= 1e-9);
+    }
+}

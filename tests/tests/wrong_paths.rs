@@ -1,0 +1,473 @@
+//! Good paths spoilt in every way that comes to mind: `check` has to say what is wrong. And paths
+//! that only look odd, which hold.
+
+use core::f64::consts::PI;
+
+use foldpath::check::{CheckOptions, check};
+use foldpath::formats::fold::PatternFile;
+use foldpath::generate::Miura;
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{Outcome, PlanOptions};
+use foldpath_tests::{Planned, path_file};
+use nalgebra::{Rotation3, Vector3};
+use serde_json::{Value, json};
+
+const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
+
+/// The planned path of a pattern.
+fn good(name: &str) -> Value {
+    let planned = Planned::new(name, &PlanOptions::default());
+    serde_json::from_str(&planned.text()).unwrap()
+}
+
+/// What is wrong with a path; nothing if it holds.
+fn failures(path: &Value) -> Vec<String> {
+    match path_file(&path.to_string()) {
+        Ok(path) => check(&path, &CheckOptions::default()).failures,
+        Err(error) => vec![error.to_string()],
+    }
+}
+
+/// A knot on the way, neither flat nor the goal.
+fn frame(path: &mut Value) -> &mut Value {
+    let knots = path["file_frames"].as_array().unwrap().len();
+    &mut path["file_frames"][knots / 2]
+}
+
+fn number(value: &mut Value, change: impl Fn(f64) -> f64) {
+    *value = json!(change(value.as_f64().unwrap()));
+}
+
+fn each_number(list: &mut Value, change: impl Fn(f64) -> f64) {
+    for value in list.as_array_mut().unwrap() {
+        number(value, &change);
+    }
+}
+
+/// The first edge of that letter.
+fn edge(path: &Value, letter: &str) -> usize {
+    let letters = path["edges_assignment"].as_array().unwrap();
+    letters.iter().position(|l| l == letter).unwrap()
+}
+
+/// Moves the vertices of a frame.
+fn place(frame: &mut Value, to: impl Fn(Vector3<f64>) -> Vector3<f64>) {
+    for vertex in frame["vertices_coords"].as_array_mut().unwrap() {
+        let from: [f64; 3] = serde_json::from_value(vertex.clone()).unwrap();
+        *vertex = json!(<[f64; 3]>::from(to(from.into())));
+    }
+}
+
+/// The unit normal of face 0 in a frame, and its first corner.
+fn corner_and_normal(path: &Value, frame: &Value) -> (usize, Vector3<f64>) {
+    let corner = |k: usize| path["faces_vertices"][0][k].as_u64().unwrap();
+    let corner = |k| usize::try_from(corner(k)).unwrap();
+    let at = |k| -> Vector3<f64> {
+        let place = frame["vertices_coords"][corner(k)].clone();
+        serde_json::from_value::<[f64; 3]>(place).unwrap().into()
+    };
+    (
+        corner(0),
+        (at(1) - at(0)).cross(&(at(2) - at(0))).normalize(),
+    )
+}
+
+type Spoil = fn(&mut Value);
+
+/// Ways to spoil a path, each with words that say so.
+const SPOILT: &[(&str, Spoil, &str)] = &[
+    (
+        "one angle off by a degree",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| a + 1.0);
+        },
+        "are in group",
+    ),
+    (
+        "one angle off by a degree, groups left out",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| a + 1.0);
+            path.as_object_mut().unwrap().remove("foldpath:edges_group");
+        },
+        "fails to close",
+    ),
+    (
+        "one angle off by a degree, groups and positions left out",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| a + 1.0);
+            path.as_object_mut().unwrap().remove("foldpath:edges_group");
+            frame(path)
+                .as_object_mut()
+                .unwrap()
+                .remove("vertices_coords");
+        },
+        "fails to close",
+    ),
+    (
+        "one vertex moved",
+        |path| number(&mut frame(path)["vertices_coords"][3][0], |x| x + 0.01),
+        "over the bound",
+    ),
+    (
+        "one vertex moved out of the plane of its face",
+        |path| {
+            let whole = path.clone();
+            let frame = frame(path);
+            let (corner, normal) = corner_and_normal(&whole, frame);
+            for (k, along) in normal.iter().enumerate() {
+                number(&mut frame["vertices_coords"][corner][k], |x| {
+                    x + 0.01 * along
+                });
+            }
+        },
+        "over the bound",
+    ),
+    (
+        "positions mirrored",
+        |path| place(frame(path), |p| Vector3::new(p.x, p.y, -p.z)),
+        "gap",
+    ),
+    (
+        "positions of another knot",
+        |path| {
+            let next = path["file_frames"][1]["vertices_coords"].clone();
+            frame(path)["vertices_coords"] = next;
+        },
+        "gap",
+    ),
+    (
+        "positions twice as large",
+        |path| place(frame(path), |p| 2.0 * p),
+        "deformation",
+    ),
+    (
+        "one sign flipped",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| -a);
+        },
+        "wrong sign",
+    ),
+    (
+        "all signs flipped at one knot",
+        |path| each_number(&mut frame(path)["edges_foldAngle"], |a| -a),
+        "wrong sign",
+    ),
+    (
+        "all signs flipped throughout",
+        |path| {
+            for frame in path["file_frames"].as_array_mut().unwrap() {
+                each_number(&mut frame["edges_foldAngle"], |a| -a);
+                place(frame, |p| Vector3::new(p.x, p.y, -p.z));
+            }
+        },
+        "wrong sign",
+    ),
+    (
+        "a sign in its group flipped",
+        |path| {
+            let mountain = edge(path, "M");
+            number(&mut path["foldpath:edges_sign"][mountain], |s| -s);
+        },
+        "are in group",
+    ),
+    (
+        "a group mistaken",
+        |path| {
+            let groups = path["foldpath:edges_group"].as_array_mut().unwrap();
+            let first = groups.iter().position(|group| group == 0).unwrap();
+            groups[first] = json!(1);
+        },
+        "are in group",
+    ),
+    (
+        "a boundary edge folded",
+        |path| {
+            let boundary = edge(path, "B");
+            frame(path)["edges_foldAngle"][boundary] = json!(1.0);
+        },
+        "must stay flat",
+    ),
+    (
+        "beyond half a turn",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| a + 360.0);
+        },
+        "beyond half a turn",
+    ),
+    (
+        "a knot left out",
+        |path| {
+            path["file_frames"].as_array_mut().unwrap().remove(3);
+        },
+        "over 10 degrees",
+    ),
+    (
+        "less deformation claimed",
+        |path| number(&mut frame(path)["vertices_coords"][3][0], |x| x + 1e-5),
+        "claims a deformation",
+    ),
+    (
+        "a smaller gap claimed",
+        |path| number(&mut frame(path)["vertices_coords"][3][0], |x| x + 1e-5),
+        "claims a gap",
+    ),
+    (
+        "less closure claimed",
+        |path| {
+            let valley = edge(path, "V");
+            number(&mut frame(path)["edges_foldAngle"][valley], |a| a + 1e-4);
+        },
+        "claims a closure",
+    ),
+    (
+        "a coordinate beyond reason",
+        |path| frame(path)["vertices_coords"][3][0] = json!(1e300),
+        "vertices_coords[3][0]",
+    ),
+    (
+        "all coordinates beyond reason",
+        |path| place(frame(path), |p| p * 1e49),
+        "over the bound",
+    ),
+    (
+        "a flat coordinate beyond reason",
+        |path| path["vertices_coords"][3][0] = json!(1e300),
+        "vertices_coords[3][0]",
+    ),
+    (
+        "an angle beyond reason",
+        |path| {
+            let valley = edge(path, "V");
+            frame(path)["edges_foldAngle"][valley] = json!(1e300);
+        },
+        "beyond half a turn",
+    ),
+    (
+        "no angle",
+        |path| {
+            let valley = edge(path, "V");
+            frame(path)["edges_foldAngle"][valley] = Value::Null;
+        },
+        "expected a number",
+    ),
+    (
+        "an angle too few",
+        |path| {
+            frame(path)["edges_foldAngle"].as_array_mut().unwrap().pop();
+        },
+        "one for each edge",
+    ),
+    (
+        "a vertex too few",
+        |path| {
+            frame(path)["vertices_coords"].as_array_mut().unwrap().pop();
+        },
+        "one for each vertex",
+    ),
+    (
+        "time runs backwards",
+        |path| frame(path)["foldpath:time"] = json!(0.0),
+        "foldpath:time",
+    ),
+    (
+        "no knots",
+        |path| path["file_frames"] = json!([]),
+        "at least one knot",
+    ),
+];
+
+#[test]
+fn spoilt_paths_are_rejected() {
+    for name in SHEETS {
+        for (what, spoil, words) in SPOILT {
+            let mut path = good(name);
+            spoil(&mut path);
+            let failures = failures(&path);
+            let said = failures.iter().any(|failure| failure.contains(words));
+            assert!(said, "{name}, {what}: {failures:#?}");
+        }
+    }
+}
+
+#[test]
+fn good_paths_hold() {
+    for name in SHEETS {
+        assert_eq!(failures(&good(name)), [""; 0], "{name}");
+    }
+}
+
+/// Where the sheet lies in space is not the path's concern.
+#[test]
+fn paths_moved_in_space_hold() {
+    let turn = Rotation3::new(Vector3::new(1.0, -2.0, 0.5));
+    for name in SHEETS {
+        let mut path = good(name);
+        place(frame(&mut path), |p| {
+            turn * p + Vector3::new(10.0, -3.0, 7.0)
+        });
+        assert_eq!(failures(&path), [""; 0], "{name}");
+    }
+}
+
+#[test]
+fn crossing_faces_are_rejected() {
+    let blind = PlanOptions {
+        collision: false,
+        ..PlanOptions::default()
+    };
+    let text = Planned::new("waterbomb-12x22-crossing", &blind).text();
+    let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
+    assert!(
+        verdict.failures[0].contains("pass through each other"),
+        "{:?}",
+        verdict.failures
+    );
+}
+
+/// A path of hand-made faces in which the creases marked turn to `goal` degrees together.
+fn hand_made(vertices: Value, edges: Value, faces: Value, turn: &[f64], goal: f64) -> Value {
+    let steps = (1..20)
+        .find(|&n| goal / f64::from(n) < 10.0)
+        .expect("half a turn at most");
+    let frame = |step: i32| {
+        let angle = goal * f64::from(step) / f64::from(steps);
+        json!({
+            "frame_classes": ["foldedForm"],
+            "frame_parent": 0,
+            "frame_inherit": true,
+            "foldpath:time": step,
+            "edges_foldAngle": turn.iter().map(|part| part * angle).collect::<Vec<_>>(),
+        })
+    };
+    let letter = |part: &f64| if part.abs() > 0.0 { "U" } else { "B" };
+    json!({
+        "file_spec": 1.2,
+        "frame_classes": ["creasePattern"],
+        "vertices_coords": vertices,
+        "edges_vertices": edges,
+        "edges_assignment": turn.iter().map(letter).collect::<Vec<_>>(),
+        "faces_vertices": faces,
+        "file_frames": (0..=steps).map(frame).collect::<Vec<_>>(),
+    })
+}
+
+/// A strip of three panels: with flaps twice as long as the panel between is wide they meet where
+/// cos(180 - rho) = 1/4.
+fn strip(left: f64, right: f64, goal: f64) -> Value {
+    hand_made(
+        json!([
+            [-2, 0],
+            [0, 0],
+            [1, 0],
+            [3, 0],
+            [-2, 1],
+            [0, 1],
+            [1, 1],
+            [3, 1]
+        ]),
+        json!([
+            [0, 1],
+            [1, 2],
+            [2, 3],
+            [4, 5],
+            [5, 6],
+            [6, 7],
+            [0, 4],
+            [1, 5],
+            [2, 6],
+            [3, 7]
+        ]),
+        json!([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]]),
+        &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, left, right, 0.0],
+        goal,
+    )
+}
+
+/// Three panels round one vertex, of 70, 40 and 70 degrees: the outer two meet where
+/// cos(180 - rho) = tan 20 / tan 70.
+fn fan(goal: f64) -> Value {
+    let tip = |degrees: f64| json!([degrees.to_radians().cos(), degrees.to_radians().sin()]);
+    hand_made(
+        json!([[0, 0], tip(0.0), tip(70.0), tip(110.0), tip(180.0)]),
+        json!([[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4]]),
+        json!([[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
+        &[0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        goal,
+    )
+}
+
+#[test]
+fn flaps_cross_just_beyond_where_they_meet() {
+    let strip_meets = 180.0 - 0.25_f64.acos().to_degrees();
+    let tangent = |degrees: f64| degrees.to_radians().tan();
+    let fan_meets = 180.0 - (tangent(20.0) / tangent(70.0)).acos().to_degrees();
+    for (what, path, crosses) in [
+        (
+            "flaps before they meet",
+            strip(1.0, 1.0, strip_meets - 0.1),
+            false,
+        ),
+        (
+            "flaps through each other",
+            strip(1.0, 1.0, strip_meets + 0.1),
+            true,
+        ),
+        ("flaps on both sides", strip(1.0, -1.0, 170.0), false),
+        (
+            "a vertex shared, before they meet",
+            fan(fan_meets - 0.1),
+            false,
+        ),
+        (
+            "a vertex shared, through each other",
+            fan(fan_meets + 0.1),
+            true,
+        ),
+    ] {
+        let failures = failures(&path);
+        let said = failures
+            .iter()
+            .any(|failure| failure.contains("pass through each other"));
+        assert_eq!(said, crosses, "{what}: {failures:?}");
+        assert_eq!(failures.is_empty(), !crosses, "{what}: {failures:?}");
+    }
+}
+
+/// Flat-folded, all layers lie in one plane: contact, no crossing.
+#[test]
+fn layers_in_contact_hold() {
+    for sector_angle in [45.0_f64, 60.0, 80.0] {
+        let miura = Miura {
+            rows: 4,
+            columns: 5,
+            sector_angle: sector_angle.to_radians(),
+            fold: 1.0,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let title = format!("Miura of {sector_angle} degrees");
+        let planned = Planned::of(PatternFile { title, pattern }, &PlanOptions::default());
+        assert_eq!(
+            planned.plan.outcome,
+            Outcome::Planned,
+            "{:?}",
+            planned.plan.reason
+        );
+        let last = planned.plan.path.knots.last().unwrap();
+        assert!(
+            last.angles
+                .iter()
+                .all(|angle| (angle.abs() - PI).abs() <= 1e-9)
+        );
+        let path: Value = serde_json::from_str(&planned.text()).unwrap();
+        assert_eq!(
+            failures(&path),
+            [""; 0],
+            "sectors of {sector_angle} degrees"
+        );
+    }
+}
