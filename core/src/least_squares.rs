@@ -211,6 +211,10 @@ impl<T: Scalar> Limits<'_, T> {
 pub struct Options<T> {
     /// Largest closure residual ‖r(v)‖ that counts as closed.
     pub tolerance: T,
+    /// Residual from which on a step is not worth taking that does not promise to halve ½‖r‖². Stars
+    /// with rounded directions close nowhere: the least that is left then pulls the configuration far
+    /// along the motion, at last to flat. Not above the tolerance: never.
+    pub acceptable: T,
     /// Steps tried before giving up.
     pub max_iterations: u32,
     /// No unknown moves by more than this in one step, radians.
@@ -221,6 +225,7 @@ impl<T: Scalar> Default for Options<T> {
     fn default() -> Self {
         Self {
             tolerance: T::CLOSURE_TOLERANCE,
+            acceptable: T::CLOSURE_TOLERANCE,
             max_iterations: 100,
             // A sixth of a turn: less than any fold angle's way to its mirror image far from flat.
             max_step: T::PI / (T::TWO + T::one()),

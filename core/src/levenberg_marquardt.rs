@@ -90,6 +90,9 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         equations.solve(step);
         let scale = bound(step, options.max_step);
         let promised = promised(step, equations.gradient(), damping, scale);
+        if cost.max <= options.acceptable && promised < T::HALF * cost.half_square {
+            break Outcome::Stalled;
+        }
         let mut moved = T::zero();
         for (index, ((&x, &step), trial)) in x.iter().zip(&*step).zip(&mut *trial).enumerate() {
             *trial = limits.clamp(index, x + step * scale);

@@ -323,7 +323,7 @@ fn check_crossings(path: &PathFile, verdict: &mut Verdict) {
     let mut scene = CollisionScene::new(pattern);
     for (index, knot) in path.knots.iter().enumerate() {
         let map = FoldingMap::new(pattern, &tree, &crease_angles(pattern, knot));
-        if let Some(crossing) = scene.deepest_crossing(&map) {
+        if let Some(crossing) = scene.deepest_crossing(&map, map.rigidity(pattern).gap) {
             verdict.crossings.push(PathCrossing {
                 crossing,
                 between_knots: [index.saturating_sub(1), index],

@@ -8,7 +8,7 @@ use super::args::{Frames, Plan};
 use super::{Answer, CliError, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
 use crate::formats::write_whole;
-use crate::planner::{self, Goal, GoalError, Outcome};
+use crate::planner::{self, CHOSEN_REACH, Goal, GoalError, Outcome};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -144,6 +144,7 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     match (&args.goal, args.fold) {
         (Some(path), _) => Ok(Goal {
             fold_angles: read_goal(path, &file.pattern)?,
+            reach: CHOSEN_REACH,
             source: format!("the goal angles of {}", name(path)),
         }),
         (None, Some(fraction)) => Goal::of_letters(&file.pattern, fraction).map_err(bad),

@@ -54,7 +54,7 @@ pub struct CollisionScene {
     joined_pairs: u64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
-    tolerance: f64,
+    median_edge: f64,
     counts: CollisionCounts,
 }
 
@@ -94,7 +94,7 @@ impl CollisionScene {
             normals: vec![Vector3::z(); pieces.len()],
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
-            tolerance: CROSSING * pattern.median_edge(),
+            median_edge: pattern.median_edge(),
             counts: CollisionCounts::default(),
             pieces,
             flat,
@@ -103,10 +103,12 @@ impl CollisionScene {
         }
     }
 
-    /// The deepest crossing under a folding map, if any. Cost: about O(faces log faces) while
-    /// few bounding boxes meet.
-    pub fn deepest_crossing(&mut self, map: &FoldingMap) -> Option<Crossing> {
+    /// The deepest crossing under a folding map, if any. Where the map tears the sheet by a `gap`
+    /// (over the median edge), faces that meet in a vertex may lie across each other by as much: only
+    /// what is deeper counts. Cost: about O(faces log faces) while few bounding boxes meet.
+    pub fn deepest_crossing(&mut self, map: &FoldingMap, gap: f64) -> Option<Crossing> {
         self.place(map);
+        let tolerance = (CROSSING + gap) * self.median_edge;
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
         let Self {
@@ -114,7 +116,6 @@ impl CollisionScene {
             folded,
             normals,
             joined,
-            tolerance,
             hierarchy,
             workspace,
             ..
@@ -132,7 +133,7 @@ impl CollisionScene {
                 return;
             }
             tested += 1;
-            let depth = crossing_depth(&piece(a), &piece(b), *tolerance);
+            let depth = crossing_depth(&piece(a), &piece(b), tolerance);
             let faces = [faces[0].min(faces[1]), faces[0].max(faces[1])];
             let crossing = Crossing { faces, depth };
             // Equal depths, as symmetry makes them, are told apart by number, so that the answer

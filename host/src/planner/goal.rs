@@ -9,9 +9,15 @@ use crate::pattern::CreasePattern;
 pub struct Goal {
     /// One for each crease.
     pub fold_angles: Vec<f64>,
+    /// How far a crease may be from its goal angle, radians, where that does not close. What is nearest
+    /// beyond that is another goal.
+    pub reach: f64,
     /// Where they come from, in words.
     pub source: String,
 }
+
+/// [`reach`](Goal::reach) of angles that somebody chose: eleven degrees cover measured goals.
+pub const CHOSEN_REACH: f64 = 0.2;
 
 /// Why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -47,6 +53,7 @@ impl Goal {
         }
         Ok(Self {
             fold_angles,
+            reach: CHOSEN_REACH,
             source: "the pattern's goal angles".into(),
         })
     }
@@ -70,6 +77,8 @@ impl Goal {
         }
         Ok(Self {
             fold_angles,
+            // Letters say which way, not how far.
+            reach: core::f64::consts::PI,
             source: format!("the letters at {:.4} of a half turn", fraction),
         })
     }

@@ -61,7 +61,7 @@ impl<'a> Judge<'a> {
         knot.gap = rigidity.gap;
         knot.vertices = self.map.vertices().to_vec();
         self.fold += start.elapsed();
-        self.crossing()
+        self.crossing(rigidity.gap)
     }
 
     fn place(&mut self, angles: &[f64]) {
@@ -69,12 +69,12 @@ impl<'a> Judge<'a> {
         self.map.fold(self.pattern, &self.tree, &creases);
     }
 
-    fn crossing(&mut self) -> Option<Crossing> {
+    fn crossing(&mut self, gap: f64) -> Option<Crossing> {
         let start = Instant::now();
         let crossing = self
             .scene
             .as_mut()
-            .and_then(|scene| scene.deepest_crossing(&self.map));
+            .and_then(|scene| scene.deepest_crossing(&self.map, gap));
         self.collision += start.elapsed();
         crossing
     }
@@ -96,7 +96,8 @@ impl<'a> Judge<'a> {
                 break;
             }
             self.place(&angles);
-            if self.crossing().is_some() {
+            let gap = self.map.rigidity(self.pattern).gap;
+            if self.crossing(gap).is_some() {
                 crossed = s;
             } else {
                 free = (s, angles);

@@ -15,7 +15,7 @@ mod reduction;
 mod solver;
 mod sparse;
 
-pub use goal::{Goal, GoalError};
+pub use goal::{CHOSEN_REACH, Goal, GoalError};
 pub use knots::{Interpolation, Knot, Path};
 pub use options::{OptionsError, PlanOptions, Solver, Symmetry, Vertices};
 pub use plan::{Outcome, Plan, Times, plan};

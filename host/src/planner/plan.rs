@@ -139,12 +139,17 @@ impl<'a> Planning<'a> {
         self.plan.unknowns = reduction.groups.len();
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
         self.plan.times.symmetry = start.elapsed();
-        let Some(closed) = closed else {
+        let far = closed
+            .as_ref()
+            .filter(|closed| closed.error > self.goal.reach);
+        let (Some(closed), None) = (&closed, far) else {
             self.count(work);
-            let reason = format!(
-                "no closed configuration was found near {}",
-                self.goal.source
-            );
+            let nearest = far.map_or(String::new(), |far| {
+                let degrees = far.error.to_degrees();
+                format!(": the nearest found turns a crease {degrees:.1} degrees from its goal")
+            });
+            let goal = &self.goal.source;
+            let reason = format!("no closed configuration was found near {goal}{nearest}");
             return self.end(Outcome::GoalNotClosed, reason);
         };
         self.plan.goal_error = closed.error;
@@ -160,20 +165,47 @@ impl<'a> Planning<'a> {
         }
 
         let start = Instant::now();
-        let mut solver = ClosureSolver::new(reduction.stars().view(), self.options.solver);
-        let max_step = self.options.max_step;
-        let followed = follow_to_flat(&mut solver, &closed.angles, max_step, self.deadline);
-        work.iterations += solver.work.iterations;
-        work.evaluations += solver.work.evaluations;
+        let mut rough = None;
+        let (mut solver, mut followed) = self.follow(&reduction, closed, &mut work);
+        if closed.accepted <= 0.0 && matches!(followed.stop, Some(Stop::Closure | Stop::Singular)) {
+            // The goal closes exactly, by luck or by rounding; the way there may not.
+            let accepted = reduction.accepted(self.options);
+            rough = reduction.close_goal_to(accepted, self.goal, self.options, &mut work);
+        }
+        let mut closed = closed;
+        if let Some(rough) = rough
+            .as_ref()
+            .filter(|rough| rough.error <= self.goal.reach)
+        {
+            let (rough_solver, rough_followed) = self.follow(&reduction, rough, &mut work);
+            if rough_followed.stop.is_none() {
+                (closed, solver, followed) = (rough, rough_solver, rough_followed);
+                self.plan.goal_error = rough.error;
+            }
+        }
         self.plan.times.solve = start.elapsed();
         self.count(work);
         if let Some(stop) = followed.stop {
-            return self.stopped(stop, &followed, &closed);
+            return self.stopped(stop, &followed, closed);
         }
         self.plan.path.interpolation = self.options.interpolation;
         self.plan.path.knots = timed(&followed.waypoints, self.options.max_speed);
         self.plan.reached = 1.0;
         self.judge(&reduction, &mut solver)
+    }
+
+    fn follow<'r>(
+        &self,
+        reduction: &'r Reduction,
+        closed: &ClosedGoal,
+        work: &mut Work,
+    ) -> (ClosureSolver<'r>, Followed) {
+        let mut solver = reduction.solver(self.options, closed);
+        let max_step = self.options.max_step;
+        let followed = follow_to_flat(&mut solver, &closed.angles, max_step, self.deadline);
+        work.iterations += solver.work.iterations;
+        work.evaluations += solver.work.evaluations;
+        (solver, followed)
     }
 
     fn count(&mut self, work: Work) {

@@ -26,6 +26,8 @@ pub(super) struct ClosedGoal {
     pub(super) error: f64,
     /// Largest closure residual of the goal asked for, over the whole sheet.
     pub(super) asked_closure: f64,
+    /// Closure residual that counts as closed although it can be made no smaller; 0 for none.
+    pub(super) accepted: f64,
 }
 
 impl Reduction {
@@ -39,8 +41,21 @@ impl Reduction {
         }
     }
 
+    /// A solver of the stars to solve, as exact as the closed goal is.
+    pub(super) fn solver(&self, options: &PlanOptions, closed: &ClosedGoal) -> ClosureSolver<'_> {
+        ClosureSolver::new(self.stars().view(), options.solver, closed.accepted)
+    }
+
+    /// Closure residual that no vertex may exceed: if all did reach it, each adding to the next all
+    /// along the sheet, deformation would come near the bound.
+    pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
+        #[allow(clippy::cast_precision_loss, reason = "a scale")]
+        let vertices = self.all.vertices().len().max(1) as f64;
+        (options.bound / vertices).max(ROUNDING)
+    }
+
     /// The stars to solve.
-    pub(super) fn stars(&self) -> &ReducedStars {
+    fn stars(&self) -> &ReducedStars {
         match self.vertices {
             Vertices::Essential => &self.essential,
             Vertices::All => &self.all,
@@ -64,27 +79,52 @@ impl Reduction {
     }
 
     /// The goal, moved to the closed configuration near it. `None` if there is none near, or the
-    /// nearest turns a crease against the goal.
+    /// nearest turns a crease against the goal. Where none closes exactly, as coordinates are rounded,
+    /// one that closes as well as can be.
     fn close_goal(
         &self,
         goal: &Goal,
         options: &PlanOptions,
         work: &mut Work,
     ) -> Option<ClosedGoal> {
+        let exact = self.close_goal_to(0.0, goal, options, work);
+        if exact.as_ref().is_some_and(|closed| closed.error <= NEARBY) {
+            return exact;
+        }
+        let rough = self.close_goal_to(self.accepted(options), goal, options, work);
+        match (exact, rough) {
+            (Some(exact), Some(rough)) if exact.error <= rough.error => Some(exact),
+            (exact, rough) => rough.or(exact),
+        }
+    }
+
+    /// The same where a local minimum of the residual counts as closed if it is `accepted`.
+    pub(super) fn close_goal_to(
+        &self,
+        accepted: f64,
+        goal: &Goal,
+        options: &PlanOptions,
+        work: &mut Work,
+    ) -> Option<ClosedGoal> {
         let asked = self.groups.reduce(&goal.fold_angles);
-        let mut solver = ClosureSolver::new(self.stars().view(), options.solver);
+        let mut solver = ClosureSolver::new(self.stars().view(), options.solver, accepted);
         let found = nearest_closed(&mut solver, &asked);
         work.iterations += solver.work.iterations;
         work.evaluations += solver.work.evaluations;
-        let angles = found.filter(|angles| self.closure(angles) <= WHOLE_CLOSURE)?;
+        let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
         Some(ClosedGoal {
             error: self.distance(&angles, goal),
             asked_closure: self.closure(&asked),
             angles,
+            accepted,
         })
     }
 }
 
+/// Radians: an exactly closed configuration this near is the goal that was meant.
+const NEARBY: f64 = 0.02;
+/// Closure residual that rounding may leave at a vertex of many creases.
+const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
 /// stand at their limits, a goal that closes but for rounding may have no way to the closed one near it.
 const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
@@ -123,10 +163,6 @@ fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[f64]) -> Option<Vec<f
     Some(angles)
 }
 
-/// Closure of the whole sheet below which the groups are believed: far above what rounding leaves on
-/// a vertex, far below what a wrong group does.
-const WHOLE_CLOSURE: f64 = 1e-10;
-
 /// The reduction by crease groups if the whole sheet closes under it at the goal, else that without
 /// symmetry, with a note why.
 pub(super) fn reduce(
@@ -141,8 +177,8 @@ pub(super) fn reduce(
         let symmetric = groups.len() < pattern.creases().len();
         let reduction = Reduction::new(pattern, groups, options.vertices);
         let closed = reduction.close_goal(goal, options, work);
-        // Where the goal itself is not symmetric, its symmetric neighbour is not what was asked for.
-        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= SYMMETRIC_GOAL) {
+        // A goal far away is not what was asked for: with every crease free, one may be nearer.
+        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= goal.reach) {
             return (reduction, closed);
         }
         notes.push(format!(
@@ -155,10 +191,6 @@ pub(super) fn reduce(
     let closed = reduction.close_goal(goal, options, work);
     (reduction, closed)
 }
-
-/// Distance, in radians, that the goal may be moved to close under the crease groups before every
-/// crease is freed instead: far enough for letters as a goal, whose angles all start equal.
-const SYMMETRIC_GOAL: f64 = core::f64::consts::FRAC_PI_2;
 
 /// Largest closure residual of the goal angles that the pattern itself names, if it names any.
 #[must_use]

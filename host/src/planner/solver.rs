@@ -23,6 +23,8 @@ pub(super) struct Work {
 pub(super) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
     kind: Solver,
+    /// Closure residual of a local minimum that still counts as closed.
+    accepted: f64,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations,
@@ -31,11 +33,12 @@ pub(super) struct ClosureSolver<'a> {
 }
 
 impl<'a> ClosureSolver<'a> {
-    pub(super) fn new(stars: StarsView<'a, f64>, kind: Solver) -> Self {
+    pub(super) fn new(stars: StarsView<'a, f64>, kind: Solver, accepted: f64) -> Self {
         let n = stars.unknowns();
         Self {
             stars,
             kind,
+            accepted,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); stars.max_degree()],
             equations: Equations::new(stars),
@@ -52,7 +55,10 @@ impl<'a> ClosureSolver<'a> {
         else {
             unreachable!("memory for all unknowns and the largest star")
         };
-        let mut options = Options::default();
+        let mut options = Options {
+            acceptable: self.accepted,
+            ..Options::default()
+        };
         let limits = Limits::HalfTurn;
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
@@ -76,9 +82,15 @@ impl<'a> ClosureSolver<'a> {
         report
     }
 
-    /// Whether `x`, moved to the closed configuration near it, closes.
+    /// Whether `x`, moved to the closed configuration near it, closes: to rounding, or, where rounded
+    /// coordinates leave no configuration that does, as well as can be and within what is accepted.
     pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
-        self.close(x).outcome == Outcome::Converged
+        let report = self.close(x);
+        match report.outcome {
+            Outcome::Converged => true,
+            Outcome::Stalled => report.residual <= self.accepted,
+            _ => false,
+        }
     }
 
     /// Replaces `direction` by the nearest infinitesimal motion at `x`.

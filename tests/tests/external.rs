@@ -1,0 +1,47 @@
+//! Real patterns that nobody here wrote, where they are at hand: in the folder that the environment
+//! variable FOLDPATH_EXTERNAL_PATTERNS names.
+
+use std::path::PathBuf;
+
+use foldpath::formats::fold::read_pattern;
+use foldpath::planner::{Outcome, PlanOptions};
+use foldpath_tests::Planned;
+
+/// The folder, or `None` with a word that the test skips.
+fn folder() -> Option<PathBuf> {
+    let folder = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS").map(PathBuf::from);
+    if folder.is_none() {
+        println!("skipped: FOLDPATH_EXTERNAL_PATTERNS is not set");
+    }
+    folder
+}
+
+/// The report authors' own patterns reach their goals, or for the tube and the Yoshimura, whose goals
+/// close only to 1e-3 and 1e-5, the nearest that closes; in no more knots than their own paths have.
+#[test]
+fn the_report_authors_patterns_are_planned() {
+    let Some(folder) = folder() else { return };
+    for (name, knots, degrees) in [
+        ("miura_8_8", 74, 1e-3),
+        ("wb_12_6", 63, 0.1),
+        ("yoshimura_12_12", 162, 1.0),
+    ] {
+        let file = folder
+            .join("report-authors")
+            .join(name)
+            .with_extension("fold");
+        let plan = Planned::of(read_pattern(&file).unwrap(), &PlanOptions::default()).plan;
+        let what = format!("{name}: {:?} {:?}", plan.reason, plan.rigidity);
+        assert_eq!(plan.outcome, Outcome::Planned, "{what}");
+        assert!(
+            plan.rigidity.deformation <= 1e-6 && plan.rigidity.gap <= 1e-6,
+            "{what}"
+        );
+        assert!(plan.path.knots.len() <= knots, "{what}");
+        assert!(
+            plan.goal_error.to_degrees() <= degrees,
+            "{what}: {}",
+            plan.goal_error
+        );
+    }
+}

@@ -1,0 +1,75 @@
+//! Patterns as other programs write them: turned, and with coordinates rounded to some digits. No
+//! configuration of such a sheet closes exactly.
+
+use foldpath::formats::fold::{PatternFile, read_pattern};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
+use foldpath::planner::{CHOSEN_REACH, Outcome, PlanOptions};
+use foldpath_tests::{Planned, pattern_file};
+use nalgebra::Rotation2;
+
+/// The pattern turned by 0.3 rad, its coordinates rounded to multiples of `unit`.
+fn rounded(name: &str, unit: f64) -> Option<PatternFile> {
+    let PatternFile { title, pattern } = read_pattern(&pattern_file(name)).unwrap();
+    let turn = Rotation2::new(0.3);
+    let round = |p: &nalgebra::Vector2<f64>| (turn * p).map(|c| (c / unit).round() * unit);
+    let edges = pattern.edges().iter().map(|edge| DrawnEdge {
+        ends: edge.ends.map(|end| end.index()),
+        letter: edge.letter,
+        goal: edge.goal,
+    });
+    let drawing = Drawing {
+        vertices: pattern.vertices().iter().map(round).collect(),
+        edges: edges.collect(),
+        faces: None,
+    };
+    let pattern = CreasePattern::new(drawing).ok()?;
+    Some(PatternFile { title, pattern })
+}
+
+#[test]
+fn rounding_keeps_the_groups_and_costs_its_own_size() {
+    for (name, groups) in [
+        ("miura-3x3", 2),
+        ("miura-11x11", 2),
+        ("miura-24x24", 2),
+        ("waterbomb-12x22", 4),
+        ("yoshimura-12x12", 2),
+    ] {
+        for unit in [1e-14, 1e-12, 1e-10, 1e-8] {
+            let file = rounded(name, unit).unwrap();
+            let plan = Planned::of(file, &PlanOptions::default()).plan;
+            let what = format!("{name} {unit:e}: {:?} {:?}", plan.reason, plan.rigidity);
+            assert_eq!(plan.outcome, Outcome::Planned, "{what}");
+            assert_eq!(plan.groups, groups, "{what}");
+            // A direction is off by the unit, and 24 cells in a row add up.
+            let allowed = 1e3 * unit + 1e-12;
+            assert!(plan.rigidity.deformation <= allowed, "{what}");
+            assert!(plan.rigidity.gap <= allowed, "{what}");
+            assert!(plan.goal_error <= allowed, "{what}: {}", plan.goal_error);
+        }
+    }
+}
+
+/// Coarser, the sheet may be rigid. What must not happen is a plan to somewhere else.
+#[test]
+fn coarse_rounding_never_passes_for_another_goal() {
+    for name in [
+        "miura-3x3",
+        "miura-11x11",
+        "waterbomb-8x10",
+        "yoshimura-12x12",
+    ] {
+        for unit in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.03] {
+            let Some(file) = rounded(name, unit) else {
+                continue;
+            };
+            let plan = Planned::of(file, &PlanOptions::default()).plan;
+            if plan.outcome == Outcome::Planned {
+                assert!(plan.goal_error <= CHOSEN_REACH, "{name} {unit:e}");
+                assert!(plan.rigidity.deformation <= PlanOptions::default().bound);
+            } else {
+                assert!(plan.reason.is_some(), "{name} {unit:e}");
+            }
+        }
+    }
+}
