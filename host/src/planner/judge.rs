@@ -3,6 +3,7 @@
 use core::time::Duration;
 use std::time::Instant;
 
+use super::Goal;
 use super::knots::Knot;
 use super::reduction::Reduction;
 use super::solver::ClosureSolver;
@@ -104,6 +105,11 @@ impl<'a> Judge<'a> {
             }
         }
         free
+    }
+
+    /// Largest difference, over all creases, of a configuration from a goal, radians.
+    pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
+        self.reduction.distance(angles, goal)
     }
 
     /// What the search for crossings looked at.

@@ -139,19 +139,16 @@ impl<'a> Planning<'a> {
         self.plan.unknowns = reduction.groups.len();
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
         self.plan.times.symmetry = start.elapsed();
-        let far = closed
-            .as_ref()
-            .filter(|closed| closed.error > self.goal.reach);
-        let (Some(closed), None) = (&closed, far) else {
+        let nearest = closed.as_ref().map(|closed| closed.error);
+        let Some(closed) = closed.filter(|closed| closed.error <= self.goal.reach) else {
             self.count(work);
-            let nearest = far.map_or(String::new(), |far| {
-                let degrees = far.error.to_degrees();
-                format!(": the nearest found turns a crease {degrees:.1} degrees from its goal")
-            });
-            let goal = &self.goal.source;
-            let reason = format!("no closed configuration was found near {goal}{nearest}");
-            return self.end(Outcome::GoalNotClosed, reason);
+            return self.not_closed(nearest);
         };
+
+        let start = Instant::now();
+        let (closed, mut solver, followed) = self.follow_best(&reduction, closed, &mut work);
+        self.plan.times.solve = start.elapsed();
+        self.count(work);
         self.plan.goal_error = closed.error;
         self.plan.goal_closure = closed.asked_closure;
         if closed.asked_closure > CLOSED {
@@ -163,35 +160,47 @@ impl<'a> Planning<'a> {
                 closed.error.to_degrees()
             ));
         }
-
-        let start = Instant::now();
-        let mut rough = None;
-        let (mut solver, mut followed) = self.follow(&reduction, closed, &mut work);
-        if closed.accepted <= 0.0 && matches!(followed.stop, Some(Stop::Closure | Stop::Singular)) {
-            // The goal closes exactly, by luck or by rounding; the way there may not.
-            let accepted = reduction.accepted(self.options);
-            rough = reduction.close_goal_to(accepted, self.goal, self.options, &mut work);
-        }
-        let mut closed = closed;
-        if let Some(rough) = rough
-            .as_ref()
-            .filter(|rough| rough.error <= self.goal.reach)
-        {
-            let (rough_solver, rough_followed) = self.follow(&reduction, rough, &mut work);
-            if rough_followed.stop.is_none() {
-                (closed, solver, followed) = (rough, rough_solver, rough_followed);
-                self.plan.goal_error = rough.error;
-            }
-        }
-        self.plan.times.solve = start.elapsed();
-        self.count(work);
         if let Some(stop) = followed.stop {
-            return self.stopped(stop, &followed, closed);
+            return self.stopped(stop, &followed, &closed);
         }
         self.plan.path.interpolation = self.options.interpolation;
         self.plan.path.knots = timed(&followed.waypoints, self.options.max_speed);
         self.plan.reached = 1.0;
         self.judge(&reduction, &mut solver)
+    }
+
+    fn not_closed(self, nearest: Option<f64>) -> Plan {
+        let goal = &self.goal.source;
+        let mut reason = format!("no closed configuration was found near {goal}");
+        if let Some(error) = nearest {
+            let degrees = error.to_degrees();
+            reason +=
+                &format!(": the nearest found turns a crease {degrees:.1} degrees from its goal");
+        }
+        self.end(Outcome::GoalNotClosed, reason)
+    }
+
+    /// Follows the path from the goal. Where that closes exactly but the way from it does not, as
+    /// happens with rounded coordinates, the way from one that closes as well as can be is tried.
+    fn follow_best<'r>(
+        &self,
+        reduction: &'r Reduction,
+        closed: ClosedGoal,
+        work: &mut Work,
+    ) -> (ClosedGoal, ClosureSolver<'r>, Followed) {
+        let (solver, followed) = self.follow(reduction, &closed, work);
+        let exact = closed.accepted <= 0.0;
+        if exact && matches!(followed.stop, Some(Stop::Closure | Stop::Singular)) {
+            let accepted = reduction.accepted(self.options);
+            let rough = reduction.close_goal_to(accepted, self.goal, self.options, work);
+            if let Some(rough) = rough.filter(|rough| rough.error <= self.goal.reach) {
+                let (rough_solver, rough_followed) = self.follow(reduction, &rough, work);
+                if rough_followed.stop.is_none() {
+                    return (rough, rough_solver, rough_followed);
+                }
+            }
+        }
+        (closed, solver, followed)
     }
 
     fn follow<'r>(
@@ -233,15 +242,11 @@ impl<'a> Planning<'a> {
             "followed from the goal towards the flat sheet, {why} at {:.1} % of the goal's angles",
             100.0 * left
         );
-        let timeout = stop == Stop::Timeout;
-        self.end(
-            if timeout {
-                Outcome::Timeout
-            } else {
-                Outcome::Partial
-            },
-            reason,
-        )
+        let outcome = match stop {
+            Stop::Timeout => Outcome::Timeout,
+            _ => Outcome::Partial,
+        };
+        self.end(outcome, reason)
     }
 
     /// Reuses the path on the whole sheet: judges it at every knot.
@@ -264,72 +269,91 @@ impl<'a> Planning<'a> {
             }
         }
         if let Some((index, crossing)) = crossed {
-            let end = knots.last().map_or(0.0, |knot| knot.time);
             let refused = knots.split_off(index);
-            let (from, to) = (knots.last(), &refused[0]);
-            let free = from.map(|from| (from.time, judge.last_free(solver, from, to)));
-            let (time, angles) = free.map_or_else(
-                || (0.0, to.angles.clone()),
-                |(time, (s, angles))| (time + s * (to.time - time), angles),
-            );
-            self.plan.reached = if end > 0.0 { time / end } else { 0.0 };
-            let [a, b] = crossing.faces;
-            let reason = format!(
-                "faces {a} and {b} pass through each other beyond {:.2} % of the path (at knot \
-                 {index}: {:.1e} median edges deep)",
-                100.0 * self.plan.reached,
-                crossing.depth / self.pattern.median_edge()
-            );
-            let goal = &refused[refused.len() - 1].angles;
-            let short = goal
-                .iter()
-                .zip(&angles)
-                .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()));
-            if self.plan.goal_closure <= CLOSED || short > RETREAT || knots.is_empty() {
-                self.note(&judge);
-                self.measure(&knots);
-                self.plan.path.knots = knots;
+            if let Some(reason) =
+                self.stop_before(&mut judge, solver, &mut knots, &refused, crossing)
+            {
+                self.note(&judge, knots);
                 return self.end(Outcome::Crossing(crossing), reason);
             }
-            self.plan.notes.push(format!(
-                "the goal itself does not close (residual {:.1e}) and its neighbours cross: the path \
-                 ends {:.3} degrees before, where {reason}",
-                self.plan.goal_closure,
-                short.to_degrees()
-            ));
-            self.plan.reached = 1.0;
-            self.plan.goal_error = reduction.distance(&angles, self.goal);
+        }
+        (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(&knots);
+        self.note(&judge, knots);
+        self.judge_rigidity()
+    }
+
+    /// Ends the path before the first crossing, which is between the last of `knots` and the first
+    /// of those `refused`. An inexact goal near that is reached all the same; otherwise says why it
+    /// is not.
+    fn stop_before(
+        &mut self,
+        judge: &mut Judge<'_>,
+        solver: &mut ClosureSolver<'_>,
+        knots: &mut Vec<Knot>,
+        refused: &[Knot],
+        crossing: Crossing,
+    ) -> Option<String> {
+        let (Some(to), Some(goal)) = (refused.first(), refused.last()) else {
+            return None;
+        };
+        let (time, angles) = knots.last().map_or_else(
+            || (0.0, to.angles.clone()),
+            |from| {
+                let (s, angles) = judge.last_free(solver, from, to);
+                (from.time + s * (to.time - from.time), angles)
+            },
+        );
+        self.plan.reached = if goal.time > 0.0 {
+            time / goal.time
+        } else {
+            0.0
+        };
+        let [a, b] = crossing.faces;
+        let reason = format!(
+            "faces {a} and {b} pass through each other beyond {:.2} % of the path (at knot {}: {:.1e} \
+             median edges deep)",
+            100.0 * self.plan.reached,
+            knots.len(),
+            crossing.depth / self.pattern.median_edge()
+        );
+        let differences = goal.angles.iter().zip(&angles).map(|(a, b)| (a - b).abs());
+        let short = differences.fold(0.0, f64::max);
+        if self.plan.goal_closure <= CLOSED || short > RETREAT || knots.is_empty() {
+            return Some(reason);
+        }
+        self.plan.notes.push(format!(
+            "the goal itself does not close (residual {:.1e}) and its neighbours cross: the path ends \
+             {:.3} degrees before, where {reason}",
+            self.plan.goal_closure,
+            short.to_degrees()
+        ));
+        self.plan.reached = 1.0;
+        self.plan.goal_error = judge.distance(&angles, self.goal);
+        if knots.last().is_some_and(|knot| knot.time < time) {
             let mut last = Knot {
                 time,
                 angles,
                 ..to.clone()
             };
             judge.judge(&mut last);
-            if knots.last().is_some_and(|knot| knot.time < time) {
-                knots.push(last);
-            }
+            knots.push(last);
         }
-        (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(&knots);
-        self.note(&judge);
-        self.measure(&knots);
-        self.plan.path.knots = knots;
-        self.judge_rigidity()
+        None
     }
 
-    fn note(&mut self, judge: &Judge<'_>) {
+    /// Notes what was measured at the knots, and keeps them.
+    fn note(&mut self, judge: &Judge<'_>, knots: Vec<Knot>) {
         self.plan.collision = judge.counts();
         self.plan.times.fold = judge.fold;
         self.plan.times.collision = judge.collision;
-    }
-
-    fn measure(&mut self, knots: &[Knot]) {
-        for knot in knots {
+        for knot in &knots {
             self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
                 deformation: knot.deformation,
                 gap: knot.gap,
             });
             self.plan.max_closure = self.plan.max_closure.max(knot.closure);
         }
+        self.plan.path.knots = knots;
     }
 
     fn judge_rigidity(self) -> Plan {

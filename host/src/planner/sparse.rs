@@ -192,3 +192,70 @@ impl NormalEquations<f64> for SparseNormalEquations {
         factor.solve_in_place_with_conj(Conj::No, right_side, Par::Seq, stack);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::least_squares::ClosureProblem;
+    use foldpath_core::{DenseNormalEquations, HalfAngle};
+
+    use super::*;
+    use crate::generate::Waterbomb;
+    use crate::pattern::CreasePattern;
+    use crate::symmetry::{CreaseGroups, ReducedStars};
+
+    /// Gradient, and solution after one unknown is held, of both kinds of equations.
+    fn results(equations: &mut impl NormalEquations<f64>, stars: StarsView<'_, f64>) -> Vec<f64> {
+        let n = stars.unknowns();
+        let mut half_angles = vec![HalfAngle::default(); n];
+        let mut columns = vec![Vector3::zeros(); stars.max_degree()];
+        let mut problem = ClosureProblem::new(stars, &mut half_angles, &mut columns).unwrap();
+        let angles: Vec<f64> = (0..n)
+            .map(|k| f64::from(u8::try_from(k % 7).unwrap()) * 0.3)
+            .collect();
+        problem.linearise(&angles, equations).unwrap();
+        let mut results = equations.gradient().to_vec();
+        results.push(equations.max_diagonal());
+        equations.hold(n / 2);
+        let mut solution = vec![1.0; n];
+        assert!(equations.factorise(0.1));
+        equations.solve(&mut solution);
+        results.extend(solution);
+        // Damping is not left behind in the matrix.
+        assert!(equations.factorise(0.2) && equations.factorise(0.1));
+        let mut again = vec![1.0; n];
+        equations.solve(&mut again);
+        results.extend(again);
+        results
+    }
+
+    #[test]
+    fn sparse_equations_are_the_dense_ones() {
+        let waterbomb = Waterbomb {
+            rows: 4,
+            columns: 6,
+            fold: 0.5,
+        };
+        let pattern = CreasePattern::new(waterbomb.drawing().unwrap()).unwrap();
+        // With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
+        for groups in [
+            CreaseGroups::find(&pattern),
+            CreaseGroups::trivial(&pattern),
+        ] {
+            let stars = ReducedStars::all(&pattern, &groups);
+            let n = groups.len();
+            let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(n)];
+            let mut dense = DenseNormalEquations::new(n, &mut memory).unwrap();
+            let mut sparse = SparseNormalEquations::new(stars.view()).unwrap();
+            let [dense, sparse] = [
+                results(&mut dense, stars.view()),
+                results(&mut sparse, stars.view()),
+            ];
+            for (k, (dense, sparse)) in dense.iter().zip(&sparse).enumerate() {
+                assert!(
+                    (dense - sparse).abs() <= 1e-12,
+                    "{n} unknowns, {k}: {dense} {sparse}"
+                );
+            }
+        }
+    }
+}
