@@ -1,0 +1,76 @@
+//! Planning with every crease an unknown of its own, collision off, for the same motion: Miura sheets
+//! from flat to 150 degrees, and the 12x22 waterbomb.
+//!
+//! `cargo bench -p foldpath --bench full_dof`; `-- large` adds the 200x200 sheet of 79,600 hinges.
+
+use core::time::Duration;
+
+use foldpath::generate::{Miura, Waterbomb};
+use foldpath::pattern::{CreasePattern, Drawing};
+use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
+
+fn main() {
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let large = std::env::args().any(|argument| argument == "large");
+    println!("medians of whole plans without reading and writing, one core\n");
+    println!("| sheet | unknowns | knots | plan | per knot | of it solve | closure | runs |");
+    println!("|---|---|---|---|---|---|---|---|");
+    run("waterbomb 12x22", 15, waterbomb());
+    for (size, runs) in [(11, 51), (24, 31), (48, 11), (96, 5)] {
+        run(&format!("miura {size}x{size}"), runs, miura(size));
+    }
+    if large {
+        run("miura 200x200", 1, miura(200));
+    }
+}
+
+fn miura(size: usize) -> Drawing {
+    let miura = Miura {
+        rows: size,
+        columns: size,
+        sector_angle: 60_f64.to_radians(),
+        fold: 150.0 / 180.0,
+    };
+    miura.drawing().unwrap()
+}
+
+fn waterbomb() -> Drawing {
+    let waterbomb = Waterbomb {
+        rows: 12,
+        columns: 22,
+        fold: 0.522_504_840_831_969,
+    };
+    waterbomb.drawing().unwrap()
+}
+
+fn run(name: &str, runs: usize, drawing: Drawing) {
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let options = PlanOptions {
+        symmetry: Symmetry::Off,
+        collision: false,
+        // Thirty configurations of the Miura sheets: at most 6.3 degrees between two.
+        max_step: 6.3_f64.to_radians(),
+        ..PlanOptions::default()
+    };
+    let plans: Vec<_> = (0..runs).map(|_| plan(&pattern, &goal, &options)).collect();
+    assert!(plans.iter().all(|plan| plan.outcome == Outcome::Planned));
+    let median = |time: fn(&foldpath::planner::Plan) -> Duration| {
+        let mut times: Vec<_> = plans.iter().map(time).collect();
+        times.sort_unstable();
+        times[runs / 2].as_secs_f64()
+    };
+    let total = median(|p| p.times.symmetry + p.times.solve + p.times.fold);
+    let knots = plans[0].path.knots.len();
+    #[allow(clippy::cast_precision_loss, reason = "a small count")]
+    let per_knot = total / knots as f64;
+    println!(
+        "| {name} | {} | {knots} | {total:.4} s | {:.3} ms | {:.4} s | {:.1e} | {runs} |",
+        plans[0].unknowns,
+        1e3 * per_knot,
+        median(|p| p.times.solve),
+        plans[0].max_closure,
+    );
+}
