@@ -54,9 +54,9 @@ pub struct Measured {
     /// Deformation, and gap. Where the file has positions they count as one more opinion on where
     /// each vertex is.
     pub rigidity: Rigidity,
-    /// Largest closure residual of a real vertex.
+    /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
     pub closure: f64,
-    /// Where that is.
+    /// The vertex that closes worst.
     pub vertex: Option<VertexId>,
 }
 
@@ -112,18 +112,20 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
     let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
     let knots = path.knots.iter().map(|knot| {
-        map.fold(pattern, &tree, &crease_angles(pattern, knot));
-        let mut rigidity = map.rigidity(pattern);
+        let angles = crease_angles(pattern, knot);
+        map.fold(pattern, &tree, &angles);
+        let mut rigidity = map.rigidity(pattern, &tree, &angles);
         if let Some(written) = &knot.vertices {
             rigidity = rigidity.worse(Rigidity {
                 deformation: deformation(pattern, written),
                 gap: mismatch(pattern, map.vertices(), written) / pattern.median_edge(),
+                twist: 0.0,
             });
         }
         let (closure, vertex) = closure(pattern, knot);
         Measured {
             rigidity,
-            closure,
+            closure: closure.max(rigidity.twist),
             vertex,
         }
     });
@@ -281,7 +283,9 @@ fn check_steps(path: &PathFile, options: &CheckOptions, failures: &mut Vec<Strin
 fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
     let mut worst: Option<(f64, String)> = None;
     for (index, (measured, knot)) in verdict.knots.iter().zip(&path.knots).enumerate() {
-        let Rigidity { deformation, gap } = measured.rigidity;
+        let Rigidity {
+            deformation, gap, ..
+        } = measured.rigidity;
         let values = [deformation, gap, measured.closure];
         for ((name, value), claim) in ["deformation", "gap", "closure"]
             .into_iter()
@@ -294,7 +298,7 @@ fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict
                     "knot {index}: the file claims a {name} of {claim:.3e}, but it is {value:.3e}"
                 ));
             }
-            let over = name != "closure" && (value > options.bound || value.is_nan());
+            let over = value > options.bound || value.is_nan();
             if over
                 && worst
                     .as_ref()
@@ -323,7 +327,8 @@ fn check_crossings(path: &PathFile, verdict: &mut Verdict) {
     let mut scene = CollisionScene::new(pattern);
     for (index, knot) in path.knots.iter().enumerate() {
         let map = FoldingMap::new(pattern, &tree, &crease_angles(pattern, knot));
-        if let Some(crossing) = scene.deepest_crossing(&map, map.rigidity(pattern).gap) {
+        let gap = verdict.knots[index].rigidity.gap;
+        if let Some(crossing) = scene.deepest_crossing(&map, gap) {
             verdict.crossings.push(PathCrossing {
                 crossing,
                 between_knots: [index.saturating_sub(1), index],

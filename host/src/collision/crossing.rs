@@ -27,6 +27,12 @@ impl ConvexPiece<'_> {
         reach
     }
 
+    /// Whether this piece lies on one side of the plane of `other` and touches it.
+    pub(super) fn stands_on(&self, other: &Self, tolerance: f64) -> bool {
+        let [low, high] = self.reach(other);
+        high - low > tolerance && low.abs().min(high.abs()) <= tolerance
+    }
+
     /// The part of the line along `direction` in which this piece meets the plane of `other`.
     fn section(&self, other: &Self, direction: &Vector3<f64>) -> [f64; 2] {
         let offset = other.normal.dot(&other.corners[0]);
@@ -70,6 +76,50 @@ pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) 
     let direction = direction / norm;
     let ([a_from, a_to], [b_from, b_to]) = (a.section(b, &direction), b.section(a, &direction));
     let depth = depth.min(a_to.min(b_to) - a_from.max(b_from));
+    if depth > tolerance { depth } else { 0.0 }
+}
+
+/// How deep two pieces joined along a `side` pass through `other` exactly there: neither crosses it,
+/// but the side lies in it and they lie on its two sides. 0 if they do not, or not deeper than
+/// `tolerance`.
+#[must_use]
+pub fn side_crossing_depth(
+    pieces: [&ConvexPiece<'_>; 2],
+    side: [Vector3<f64>; 2],
+    other: &ConvexPiece<'_>,
+    tolerance: f64,
+) -> f64 {
+    let offset = other.normal.dot(&other.corners[0]);
+    let off = |point: &Vector3<f64>| (other.normal.dot(point) - offset).abs();
+    if side.iter().any(|end| off(end) > tolerance) {
+        return 0.0;
+    }
+    let [[a_low, a_high], [b_low, b_high]] = pieces.map(|piece| piece.reach(other));
+    let depth = a_high.min(-b_low).max(b_high.min(-a_low));
+    if depth <= tolerance {
+        return 0.0;
+    }
+    // In the plane of the other piece: it reaches to both sides of the line, and along it.
+    let along = (side[1] - side[0]).normalize();
+    let across = other.normal.cross(&along);
+    let mut reach = [0.0_f64; 2];
+    let mut section = [f64::INFINITY, f64::NEG_INFINITY];
+    let last = other.corners.len() - 1;
+    let mut from = other.corners[last] - side[0];
+    for corner in other.corners {
+        let to = corner - side[0];
+        let (from_off, to_off) = (across.dot(&from), across.dot(&to));
+        reach = [reach[0].max(-to_off), reach[1].max(to_off)];
+        if (from_off < 0.0) != (to_off < 0.0) {
+            let s = from_off / (from_off - to_off);
+            let place = along.dot(&from) * (1.0 - s) + along.dot(&to) * s;
+            section = [section[0].min(place), section[1].max(place)];
+        }
+        from = to;
+    }
+    let length = along.dot(&(side[1] - side[0]));
+    let shared = section[1].min(length) - section[0].max(0.0);
+    let depth = depth.min(reach[0]).min(reach[1]).min(shared);
     if depth > tolerance { depth } else { 0.0 }
 }
 
@@ -139,12 +189,39 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_that_goes_through_is_found_and_one_that_folds_back_is_not() {
+        let corners = |p: [[f64; 3]; 4]| p.map(Vector3::from);
+        let square = corners(SQUARE);
+        let up = corners([[0.5, -1., 0.], [0.5, 2., 0.], [0.5, 2., 1.], [0.5, -1., 1.]]);
+        let down = corners([
+            [0.5, -1., 0.],
+            [0.5, 2., 0.],
+            [0.5, 2., -1.],
+            [0.5, -1., -1.],
+        ]);
+        let piece = |corners| ConvexPiece {
+            corners,
+            normal: Vector3::x(),
+        };
+        let square = ConvexPiece {
+            corners: &square,
+            normal: Vector3::z(),
+        };
+        let side = [up[0], up[1]];
+        let beside = [[0.5, 1., 0.], [0.5, 2., 0.]].map(Vector3::from);
+        let (up, down) = (piece(&up), piece(&down));
+        let depth = |pieces, side| side_crossing_depth(pieces, side, &square, 1e-6);
+        assert!((depth([&up, &down], side) - 0.5).abs() < 1e-12);
+        assert!(depth([&up, &up], side) <= 0.0);
+        assert!(depth([&up, &down], beside) <= 0.0);
+    }
+
+    #[test]
     fn depth_is_measured() {
         let pierced = |z: f64| [[0.4, 0.4, z], [0.4, 0.4, z + 1.], [0.6, 0.6, z + 1.]];
-        assert!(
-            (depth(&SQUARE, &pierced(-0.01)) - 0.01).abs() < 1e-12
-                || depth(&SQUARE, &pierced(-0.01)) > 0.0
-        );
+        // The tip is 0.01 below; the line that both share is shorter, and that counts.
+        let found = depth(&SQUARE, &pierced(-0.01));
+        assert!(found > 1e-3 && found <= 0.01, "{found}");
         assert!(depth(&SQUARE, &pierced(-1e-7)) <= 0.0);
     }
 }

@@ -7,5 +7,5 @@
 mod crossing;
 mod scene;
 
-pub use crossing::{ConvexPiece, crossing_depth};
+pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use scene::{CollisionCounts, CollisionScene, Crossing};

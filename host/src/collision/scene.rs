@@ -5,7 +5,7 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-use super::crossing::{ConvexPiece, crossing_depth};
+use super::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::ragged::Ragged;
@@ -42,6 +42,14 @@ struct Piece {
     end: u32,
 }
 
+/// A side that a piece shares with another.
+#[derive(Clone, Copy, Debug, Default)]
+struct Joint {
+    piece: u32,
+    /// Positions in the list of corners.
+    ends: [u32; 2],
+}
+
 /// The faces of one sheet.
 #[derive(Clone)]
 pub struct CollisionScene {
@@ -49,8 +57,8 @@ pub struct CollisionScene {
     flat: Vec<Vector2<f64>>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
-    /// For each piece, those joined to it by an edge.
-    joined: Ragged<u32>,
+    corners: Vec<VertexId>,
+    joints: Ragged<Joint>,
     joined_pairs: u64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
@@ -83,8 +91,19 @@ impl CollisionScene {
                 }
             }
         }
-        let joined = joined(&pieces, &corners);
-        let joined_pairs = joined.items().len() as u64 / 2;
+        let joints = joints(&pieces, &corners);
+        // Two faces may share several sides in a line.
+        let mut pairs: Vec<_> = (0..)
+            .zip(joints.iter())
+            .flat_map(|(a, list)| {
+                list.iter()
+                    .map(move |joint| (a, joint.piece))
+                    .filter(|(a, b)| a < b)
+            })
+            .collect::<Vec<(u32, u32)>>();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let joined_pairs = pairs.len() as u64;
         let flat: Vec<_> = corners
             .iter()
             .map(|v| pattern.vertices()[v.index()])
@@ -98,51 +117,79 @@ impl CollisionScene {
             counts: CollisionCounts::default(),
             pieces,
             flat,
-            joined,
+            corners,
+            joints,
             joined_pairs,
         }
     }
 
     /// The deepest crossing under a folding map, if any. Where the map tears the sheet by a `gap`
-    /// (over the median edge), faces that meet in a vertex may lie across each other by as much: only
-    /// what is deeper counts. Cost: about O(faces log faces) while few bounding boxes meet.
+    /// (over the median edge), faces that meet in a vertex may lie across each other by as much: of
+    /// those only what is deeper counts. Cost: about O(faces log faces) while few bounding boxes meet.
     pub fn deepest_crossing(&mut self, map: &FoldingMap, gap: f64) -> Option<Crossing> {
         self.place(map);
-        let tolerance = (CROSSING + gap) * self.median_edge;
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
         let Self {
             pieces,
             folded,
             normals,
-            joined,
+            joints,
+            corners,
+            median_edge,
             hierarchy,
             workspace,
             ..
         } = self;
-        let piece = |index: u32| {
+        let tolerance = CROSSING * *median_edge;
+        let torn = tolerance + gap * *median_edge;
+        let ids = |index: u32| {
             let piece = pieces[index as usize];
-            ConvexPiece {
-                corners: &folded[piece.start as usize..piece.end as usize],
-                normal: normals[index as usize],
+            piece.start as usize..piece.end as usize
+        };
+        let piece = |index: u32| ConvexPiece {
+            corners: &folded[ids(index)],
+            normal: normals[index as usize],
+        };
+        // A piece that only touches another may go on beyond it across one of its sides.
+        let beyond = |a: u32, b: u32| {
+            if !piece(a).stands_on(&piece(b), tolerance) {
+                return 0.0;
             }
+            let sides = joints[a as usize].iter().filter(|joint| joint.piece != b);
+            let depths = sides.map(|joint| {
+                let side = joint.ends.map(|end| folded[end as usize]);
+                side_crossing_depth([&piece(a), &piece(joint.piece)], side, &piece(b), tolerance)
+            });
+            depths.fold(0.0, f64::max)
         };
         hierarchy.traverse_bvtt_single_tree::<false>(workspace, &mut |a, b| {
             let faces = [a, b].map(|index| pieces[index as usize].face);
-            if joined[a as usize].contains(&b) || faces[0] == faces[1] {
+            let joined = joints[a as usize].iter().any(|joint| joint.piece == b);
+            if joined || faces[0] == faces[1] {
                 return;
             }
             tested += 1;
-            let depth = crossing_depth(&piece(a), &piece(b), tolerance);
-            let faces = [faces[0].min(faces[1]), faces[0].max(faces[1])];
-            let crossing = Crossing { faces, depth };
+            let mut depth = crossing_depth(&piece(a), &piece(b), tolerance);
+            if depth <= 0.0 {
+                depth = beyond(a, b).max(beyond(b, a));
+            }
+            // Where the sheet is torn, faces that meet in a vertex may overlap by as much.
+            let meet = || corners[ids(a)].iter().any(|v| corners[ids(b)].contains(v));
+            if depth <= 0.0 || depth <= torn && meet() {
+                return;
+            }
+            let crossing = Crossing {
+                faces: [faces[0].min(faces[1]), faces[0].max(faces[1])],
+                depth,
+            };
             // Equal depths, as symmetry makes them, are told apart by number, so that the answer
             // does not hang on the order of the search.
             let better = deepest.is_none_or(|d| {
                 let order = depth.total_cmp(&d.depth);
                 order.then(d.faces.cmp(&crossing.faces)).is_gt()
             });
-            if depth > 0.0 && better {
+            if better {
                 deepest = Some(crossing);
             }
         });
@@ -204,25 +251,34 @@ fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
     })
 }
 
-/// For each piece, those that share two corners with it.
-fn joined(pieces: &[Piece], corners: &[VertexId]) -> Ragged<u32> {
-    let mut sides: Vec<([VertexId; 2], u32)> = Vec::with_capacity(corners.len());
+/// For each piece, the sides that it shares with others: the other piece, and which of its own corners
+/// are the ends of the side.
+fn joints(pieces: &[Piece], corners: &[VertexId]) -> Ragged<Joint> {
+    let mut sides: Vec<([VertexId; 2], u32, [u32; 2])> = Vec::with_capacity(corners.len());
     for (index, piece) in (0..).zip(pieces) {
-        let cycle = &corners[piece.start as usize..piece.end as usize];
-        for (k, &a) in cycle.iter().enumerate() {
-            let b = cycle[(k + 1) % cycle.len()];
-            sides.push(([a.min(b), a.max(b)], index));
+        for from in piece.start..piece.end {
+            let to = if from + 1 == piece.end {
+                piece.start
+            } else {
+                from + 1
+            };
+            let [a, b] = [from, to].map(|corner| corners[corner as usize]);
+            sides.push(([a.min(b), a.max(b)], index, [from, to]));
         }
     }
     sides.sort_unstable();
     let twins = sides.windows(2).filter(|w| w[0].0 == w[1].0);
-    let mut pairs: Vec<_> = twins.map(|w| (w[0].1, w[1].1)).collect();
-    // Two faces may share several sides in a line.
-    pairs.sort_unstable();
-    pairs.dedup();
-    let both: Vec<_> = pairs
-        .iter()
-        .flat_map(|&(a, b)| [(a as usize, b), (b as usize, a)])
+    let both: Vec<_> = twins
+        .flat_map(|w| {
+            let joint = |other: usize, own: usize| Joint {
+                piece: w[other].1,
+                ends: w[own].2,
+            };
+            [
+                (w[0].1 as usize, joint(1, 0)),
+                (w[1].1 as usize, joint(0, 1)),
+            ]
+        })
         .collect();
     crate::ragged::group_by_key(pieces.len(), &both)
 }

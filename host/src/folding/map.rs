@@ -3,7 +3,7 @@
 use foldpath_core::{HalfAngle, Rotation};
 use nalgebra::{Vector2, Vector3};
 
-use super::SpanningTree;
+use super::tree::{SpanningTree, Step};
 use crate::pattern::{CreasePattern, VertexId};
 
 /// Rigid motion of a face from the flat sheet (frame f) to space (frame w): x_w = r_wf x_f + p_w.
@@ -39,8 +39,11 @@ pub struct Rigidity {
     /// Largest relative change of length of an edge or a virtual edge.
     pub deformation: f64,
     /// Largest distance between two positions that faces give the same vertex, over the median
-    /// edge. Zero exactly when the sheet is not torn.
+    /// edge.
     pub gap: f64,
+    /// Largest turn, in radians, by which two faces at an edge are off its fold angle. Round a vertex
+    /// this is its misclosure; positions alone do not see it where both ends of the edge coincide.
+    pub twist: f64,
 }
 
 impl Rigidity {
@@ -50,6 +53,7 @@ impl Rigidity {
         Self {
             deformation: larger(self.deformation, other.deformation),
             gap: larger(self.gap, other.gap),
+            twist: larger(self.twist, other.twist),
         }
     }
 }
@@ -86,13 +90,11 @@ impl FoldingMap {
         }
         for step in tree.steps() {
             let parent = self.poses[step.parent.index()];
-            let Some(crease) = step.crease else {
+            if step.crease.is_none() {
                 self.poses[step.face.index()] = parent;
                 continue;
-            };
-            let half = HalfAngle::of(fold_angles[crease.index()]);
-            let turn = Rotation::about_crease(half, [step.axis.x, step.axis.y]);
-            let r_wf = (parent.r_wf * turn).renormalised();
+            }
+            let r_wf = (parent.r_wf * turn(step, fold_angles)).renormalised();
             let pivot = step.pivot.push(0.0);
             // The pivot stays where the parent takes it.
             let p_w = parent.p_w + parent.r_wf.rotate(&pivot) - r_wf.rotate(&pivot);
@@ -130,12 +132,25 @@ impl FoldingMap {
         self.vertices[vertex.index()]
     }
 
-    /// Deformation and gap of the sheet under this map. Cost: O(edges + corners).
+    /// How rigid the sheet is under this map, made with the same tree and fold angles. Cost:
+    /// O(edges + corners).
     #[must_use]
-    pub fn rigidity(&self, pattern: &CreasePattern) -> Rigidity {
+    pub fn rigidity(
+        &self,
+        pattern: &CreasePattern,
+        tree: &SpanningTree,
+        fold_angles: &[f64],
+    ) -> Rigidity {
+        let twists = tree.loops().iter().map(|step| {
+            let r_wa = self.poses[step.parent.index()].r_wf;
+            let r_wb = self.poses[step.face.index()].r_wf;
+            let r_ab = turn(step, fold_angles);
+            2.0 * ((r_wa * r_ab).inverse() * r_wb).v.norm()
+        });
         Rigidity {
             deformation: deformation(pattern, &self.vertices),
             gap: self.gap(pattern),
+            twist: twists.fold(0.0, larger),
         }
     }
 
@@ -159,6 +174,15 @@ impl FoldingMap {
         }
         widest / pattern.median_edge()
     }
+}
+
+/// Rotation of a step: that of the face it reaches as seen from its parent.
+fn turn(step: &Step, fold_angles: &[f64]) -> Rotation<f64> {
+    let Some(crease) = step.crease else {
+        return Rotation::identity();
+    };
+    let half = HalfAngle::of(fold_angles[crease.index()]);
+    Rotation::about_crease(half, [step.axis.x, step.axis.y])
 }
 
 /// Largest relative change of length of an edge or virtual edge, for given folded positions.

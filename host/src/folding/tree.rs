@@ -27,6 +27,7 @@ pub struct Step {
 pub struct SpanningTree {
     roots: Vec<FaceId>,
     steps: Vec<Step>,
+    loops: Vec<Step>,
     faces: usize,
 }
 
@@ -39,22 +40,15 @@ impl SpanningTree {
         let mut tree = Self {
             roots: Vec::new(),
             steps: Vec::with_capacity(pattern.faces().len()),
+            loops: Vec::new(),
             faces: pattern.faces().len(),
         };
-        let mut parent = vec![None; tree.faces];
         let mut done = vec![false; tree.faces];
         for start in 0..tree.faces {
-            if done[start] {
-                continue;
+            if !done[start] {
+                let root = central(&neighbours, FaceId::new(start));
+                tree.grow(pattern, &neighbours, root, &mut done);
             }
-            // The middle of a longest shortest way, found by two searches, is central.
-            let end = last_reached(&neighbours, FaceId::new(start), &mut parent);
-            let other_end = last_reached(&neighbours, end, &mut parent);
-            let mut way = vec![other_end];
-            while let Some(before) = parent[way[way.len() - 1].index()] {
-                way.push(before);
-            }
-            tree.grow(pattern, &neighbours, way[way.len() / 2], &mut done);
         }
         tree
     }
@@ -68,24 +62,32 @@ impl SpanningTree {
     ) {
         self.roots.push(root);
         done[root.index()] = true;
+        // The edge by which a face was reached.
+        let mut by = vec![None; self.faces];
         let mut open = VecDeque::from([root]);
         while let Some(parent) = open.pop_front() {
             for &(face, edge_id) in &neighbours[parent.index()] {
-                if done[face.index()] {
-                    continue;
-                }
-                done[face.index()] = true;
-                open.push_back(face);
                 let edge = pattern.edge(edge_id);
                 // A positive turn about the edge's direction lifts its left side.
                 let start = usize::from(edge.faces[0] != Some(face));
-                self.steps.push(Step {
+                let step = Step {
                     face,
                     parent,
                     crease: edge.crease,
                     pivot: pattern.vertices()[edge.ends[start].index()],
                     axis: pattern.direction(edge_id, edge.ends[start]),
-                });
+                };
+                if !done[face.index()] {
+                    done[face.index()] = true;
+                    open.push_back(face);
+                    self.steps.push(step);
+                    by[face.index()] = Some(edge_id);
+                } else if by[parent.index()] != Some(edge_id) && by[face.index()] != Some(edge_id) {
+                    // Every other edge is met from both sides; once is enough.
+                    if parent < face {
+                        self.loops.push(step);
+                    }
+                }
             }
         }
     }
@@ -102,6 +104,13 @@ impl SpanningTree {
         &self.steps
     }
 
+    /// The edges between two faces that no step crosses, each as the step that it would be: there the
+    /// sheet either closes or is torn.
+    #[must_use]
+    pub fn loops(&self) -> &[Step] {
+        &self.loops
+    }
+
     /// Number of faces.
     #[must_use]
     pub fn faces(&self) -> usize {
@@ -109,27 +118,61 @@ impl SpanningTree {
     }
 }
 
-/// A face farthest from `start`, with `parent` holding the way back.
-fn last_reached(
+/// Corners of the sheet to which the way from the centre is to be short.
+const CORNERS: usize = 4;
+
+/// A face from which the farthest others are near: of all, the one whose greatest distance from some
+/// far corners of the sheet, each chosen as far from those before as can be, is least.
+fn central(neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>, start: FaceId) -> FaceId {
+    let (sheet, from_start) = distances(neighbours, start);
+    let farthest = |distance: &[u32]| {
+        let far = sheet
+            .iter()
+            .copied()
+            .max_by_key(|face| distance[face.index()]);
+        far.unwrap_or(start)
+    };
+    let mut nearest_corner = from_start;
+    let mut farthest_corner = vec![0; nearest_corner.len()];
+    for corner in 0..CORNERS {
+        let (_, distance) = distances(neighbours, farthest(&nearest_corner));
+        for face in &sheet {
+            let (face, distance) = (face.index(), distance[face.index()]);
+            farthest_corner[face] = distance.max(farthest_corner[face]);
+            // The face that the search began with is no corner.
+            let nearest = nearest_corner[face];
+            nearest_corner[face] = if corner == 0 {
+                distance
+            } else {
+                distance.min(nearest)
+            };
+        }
+    }
+    let least = sheet
+        .iter()
+        .copied()
+        .min_by_key(|face| farthest_corner[face.index()]);
+    least.unwrap_or(start)
+}
+
+/// The faces of the sheet of `start`, and for all faces the number of steps from there.
+fn distances(
     neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>,
     start: FaceId,
-    parent: &mut [Option<FaceId>],
-) -> FaceId {
+) -> (Vec<FaceId>, Vec<u32>) {
     let mut order = vec![start];
-    let mut seen = vec![false; parent.len()];
-    seen[start.index()] = true;
-    parent[start.index()] = None;
+    let mut distance = vec![u32::MAX; neighbours.len()];
+    distance[start.index()] = 0;
     let mut next = 0;
     while next < order.len() {
         let from = order[next];
         next += 1;
         for &(face, _) in &neighbours[from.index()] {
-            if !seen[face.index()] {
-                seen[face.index()] = true;
-                parent[face.index()] = Some(from);
+            if distance[face.index()] == u32::MAX {
+                distance[face.index()] = distance[from.index()] + 1;
                 order.push(face);
             }
         }
     }
-    order[order.len() - 1]
+    (order, distance)
 }

@@ -55,9 +55,8 @@ impl<'a> Judge<'a> {
     /// Folds the sheet at a knot, notes there what is measured, and returns the deepest crossing.
     pub(super) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
         let start = Instant::now();
-        self.place(&knot.angles);
-        let rigidity = self.map.rigidity(self.pattern);
-        knot.closure = self.reduction.closure(&knot.angles);
+        let rigidity = self.place(&knot.angles);
+        knot.closure = self.reduction.closure(&knot.angles).max(rigidity.twist);
         knot.deformation = rigidity.deformation;
         knot.gap = rigidity.gap;
         knot.vertices = self.map.vertices().to_vec();
@@ -65,9 +64,11 @@ impl<'a> Judge<'a> {
         self.crossing(rigidity.gap)
     }
 
-    fn place(&mut self, angles: &[f64]) {
+    /// Folds the sheet and measures it.
+    fn place(&mut self, angles: &[f64]) -> Rigidity {
         let creases = self.reduction.groups.expand(angles);
         self.map.fold(self.pattern, &self.tree, &creases);
+        self.map.rigidity(self.pattern, &self.tree, &creases)
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
@@ -96,8 +97,7 @@ impl<'a> Judge<'a> {
             if !solver.closes(&mut angles) {
                 break;
             }
-            self.place(&angles);
-            let gap = self.map.rigidity(self.pattern).gap;
+            let gap = self.place(&angles).gap;
             if self.crossing(gap).is_some() {
                 crossed = s;
             } else {
@@ -138,7 +138,7 @@ impl<'a> Judge<'a> {
             };
             let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
             map.fold(&part, &tree, &angles);
-            worst = worst.worse(map.rigidity(&part));
+            worst = worst.worse(map.rigidity(&part, &tree, &angles));
         }
         self.fold += start.elapsed();
         (worst, part.faces().len())

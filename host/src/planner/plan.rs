@@ -153,8 +153,8 @@ impl<'a> Planning<'a> {
         self.plan.goal_closure = closed.asked_closure;
         if closed.asked_closure > CLOSED {
             self.plan.notes.push(format!(
-                "{} does not close (residual {:.1e}): moved to the nearest configuration found that \
-                 does, {:.3e} degrees away",
+                "not closed: {} (residual {:.1e}); moved to the nearest configuration found that is, \
+                 {:.2e} degrees away",
                 self.goal.source,
                 closed.asked_closure,
                 closed.error.to_degrees()
@@ -261,6 +261,8 @@ impl<'a> Planning<'a> {
             {
                 self.plan.reached = 0.0;
                 let reason = format!("out of time while judging knot {index}");
+                knots.truncate(index);
+                self.note(&judge, knots);
                 return self.end(Outcome::Timeout, reason);
             }
             if let Some(crossing) = judge.judge(knot) {
@@ -296,13 +298,16 @@ impl<'a> Planning<'a> {
         let (Some(to), Some(goal)) = (refused.first(), refused.last()) else {
             return None;
         };
-        let (time, angles) = knots.last().map_or_else(
-            || (0.0, to.angles.clone()),
+        let (time, angles, rates) = knots.last().map_or_else(
+            || (0.0, to.angles.clone(), to.rates.clone()),
             |from| {
                 let (s, angles) = judge.last_free(solver, from, to);
-                (from.time + s * (to.time - from.time), angles)
+                let rates = from.rates.iter().zip(&to.rates);
+                let rates = rates.map(|(a, b)| a + s * (b - a)).collect();
+                (from.time + s * (to.time - from.time), angles, rates)
             },
         );
+        self.plan.goal_error = judge.distance(&angles, self.goal);
         self.plan.reached = if goal.time > 0.0 {
             time / goal.time
         } else {
@@ -322,21 +327,22 @@ impl<'a> Planning<'a> {
             return Some(reason);
         }
         self.plan.notes.push(format!(
-            "the goal itself does not close (residual {:.1e}) and its neighbours cross: the path ends \
-             {:.3} degrees before, where {reason}",
+            "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} \
+             degrees before",
             self.plan.goal_closure,
-            short.to_degrees()
+            short.to_degrees(),
         ));
         self.plan.reached = 1.0;
-        self.plan.goal_error = judge.distance(&angles, self.goal);
         if knots.last().is_some_and(|knot| knot.time < time) {
             let mut last = Knot {
                 time,
                 angles,
-                ..to.clone()
+                rates,
+                ..Knot::default()
             };
-            judge.judge(&mut last);
-            knots.push(last);
+            if judge.judge(&mut last).is_none() {
+                knots.push(last);
+            }
         }
         None
     }
@@ -350,6 +356,7 @@ impl<'a> Planning<'a> {
             self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
                 deformation: knot.deformation,
                 gap: knot.gap,
+                twist: knot.closure,
             });
             self.plan.max_closure = self.plan.max_closure.max(knot.closure);
         }
@@ -359,13 +366,18 @@ impl<'a> Planning<'a> {
     fn judge_rigidity(self) -> Plan {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
-        if whole.deformation <= bound && whole.gap <= bound {
+        let within = [whole.deformation, whole.gap, self.plan.max_closure];
+        if within.iter().all(|value| *value <= bound) {
             return self.plan;
         }
         let reason = format!(
-            "the whole sheet deforms by {:.3e} with gaps of {:.3e}, over the bound {bound:.3e}; its \
-             essential crease pattern by {:.3e} with gaps of {:.3e}",
-            whole.deformation, whole.gap, essential.deformation, essential.gap
+            "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {:.3e}, over the bound \
+             {bound:.3e}; its essential crease pattern by {:.3e} with gaps of {:.3e}",
+            whole.deformation,
+            whole.gap,
+            self.plan.max_closure,
+            essential.deformation,
+            essential.gap
         );
         self.end(Outcome::NotRigidlyFoldable, reason)
     }
