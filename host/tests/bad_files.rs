@@ -76,15 +76,30 @@ fn text_that_is_no_fold_object() {
     let folder = Folder::new();
     let deep = "[".repeat(5000);
     for (text, message) in [
-        ("", ":1:0: expected JSON: EOF while parsing a value"),
+        (
+            "",
+            ":1:0: expected a FOLD file, which is JSON: EOF while parsing a value",
+        ),
         (
             "{\n\"a\":[1,",
-            ":2:7: expected JSON: EOF while parsing a value",
+            ":2:7: expected a FOLD file, which is JSON: EOF while parsing a value",
         ),
-        ("{\"a\":NaN}", ":1:6: expected JSON: expected value"),
-        ("{\"a\":1e400}", ":1:10: expected JSON: number out of range"),
-        ("{} {}", ":1:4: expected JSON: trailing characters"),
-        (&deep, ":1:128: expected JSON: recursion limit exceeded"),
+        (
+            "{\"a\":NaN}",
+            ":1:6: expected a FOLD file, which is JSON: expected value",
+        ),
+        (
+            "{\"a\":1e400}",
+            ":1:10: expected a FOLD file, which is JSON: number out of range",
+        ),
+        (
+            "{} {}",
+            ":1:4: expected a FOLD file, which is JSON: trailing characters",
+        ),
+        (
+            &deep,
+            ":1:128: expected a FOLD file, which is JSON: recursion limit exceeded",
+        ),
         ("null", ": the file: expected a FOLD object, found null"),
         (
             "[1,2]",
@@ -286,8 +301,8 @@ fn frames_that_are_no_knots() {
         &path(),
         &PATH,
         r#"
-        /file_frames = => file_frames: expected at least one knot, found none
-        /file_frames = [] => file_frames: expected at least one knot, found none
+        /file_frames = => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
+        /file_frames = [] => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
         /file_frames/3/edges_foldAngle = => file_frames[3].edges_foldAngle: expected a list, found nothing
         /file_frames/3/edges_foldAngle = [0] => file_frames[3].edges_foldAngle: expected 24 entries, one for each edge, found 1
         /file_frames/3/edges_foldAngle/2 = null => file_frames[3].edges_foldAngle[2]: expected a number, found null
@@ -335,7 +350,7 @@ fn parameters_out_of_range() {
         generate miura --rows 99999999999999 --cols 3 -o a => --rows: expected 1 to 3000, found 99999999999999
         generate miura --rows 3 --cols 3 --angle 90 -o a => --angle: expected 1 to 89 degrees, found 90
         generate miura --rows 3 --cols 3 --angle NaN -o a => --angle: expected 1 to 89 degrees, found NaN
-        generate miura --rows 3 --cols 3 --fold 2 -o a => --fold: expected a fraction from 0 to 1, found 2
+        generate miura --rows 3 --cols 3 --fold 2 -o a => --fold: expected a fraction above 0 and at most 1, found 2
         generate waterbomb --rows 1 --cols 4 -o a => --rows: expected 2 to 3000, found 1
         generate yoshimura --rows 2 --cols 4 --angle 0 -o a => --angle: expected 1 to 89 degrees, found 0
         plan miura.fold -o a --fold 0 => --fold: expected a fraction above 0 and at most 1, found 0
@@ -356,8 +371,8 @@ fn plan_options_out_of_range() {
         "
         plan miura.fold -o a --bound 0 => --bound: expected a number above 0, found 0
         plan miura.fold -o a --bound inf => --bound: expected a number above 0, found inf
-        plan miura.fold -o a --max-speed 0 => --max-speed: expected a number above 0, found 0
-        plan miura.fold -o a --max-speed NaN => --max-speed: expected a number above 0, found NaN
+        plan miura.fold -o a --max-speed 0 => --max-speed: expected at least 1e-6 degrees per second, found 0
+        plan miura.fold -o a --max-speed NaN => --max-speed: expected at least 1e-6 degrees per second, found NaN
         ",
     );
 }

@@ -55,7 +55,9 @@ fn defaults_are_those_of_the_contract() {
 fn a_check_allows_a_thousandth_unless_told_otherwise() {
     let folder = Folder::with_path();
     let mut path = folder.read_json("path.fold");
-    path.as_object_mut().unwrap().remove("foldpath:edges_group");
+    let file = path.as_object_mut().unwrap();
+    file.remove("foldpath:edges_group");
+    file.insert("foldpath:interpolation".into(), json!("linear"));
     // One hinge off at one knot, and nothing in the file that says how it should be.
     let angle = &mut path["file_frames"][3]["edges_foldAngle"][2];
     *angle = json!(angle.as_f64().unwrap() + 0.15);
@@ -64,9 +66,9 @@ fn a_check_allows_a_thousandth_unless_told_otherwise() {
     folder.write("off.fold", &path.to_string());
 
     let check = folder.run("check off.fold --json").with_status(1).json();
-    let gap = check["max_gap"].as_f64().unwrap();
-    assert!(gap > 1e-3 && gap < 1e-2, "{check}");
-    let expected = format!("knot 3: gap {gap:.3e} over the bound 1.000e-3");
+    let closure = check["max_closure"].as_f64().unwrap();
+    assert!(closure > 1e-3 && closure < 1e-2, "{check}");
+    let expected = format!("knot 3: closure {closure:.3e} over the bound 1.000e-3");
     assert!(
         check["reason"].as_str().unwrap().starts_with(&expected),
         "{check}"

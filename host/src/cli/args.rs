@@ -6,7 +6,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::planner;
 
-/// Plans how a flat sheet with many hinges folds into a goal shape, and proves it.
+/// Plans how a flat sheet with many hinges folds into a goal shape.
+///
+/// Exit status: 0 done; 1 ran well, but the answer is no; 2 bad input or usage.
 #[derive(Debug, Parser)]
 #[command(name = "foldpath", version, about)]
 pub(super) struct Cli {
@@ -20,9 +22,10 @@ pub(super) enum Command {
     Generate(Generate),
     /// Say what a crease pattern is: vertices, creases, groups, closure at its goal
     Info(Info),
-    /// Find a path from flat to the goal
+    /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
+    /// way
     Plan(Plan),
-    /// Judge a path afresh
+    /// Judge a path afresh: rigidity, closure, signs, steps and crossings at every knot
     Check(Check),
     /// Write one self-contained page that shows a path
     View(View),
@@ -113,13 +116,13 @@ pub(super) struct Plan {
     /// Fold each crease by this fraction of a half turn, the way its letter says
     #[arg(long)]
     pub(super) fold: Option<f64>,
-    /// Bound on deformation and gap, a fraction
+    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
     #[arg(long, default_value_t = 0.01)]
     pub(super) bound: f64,
-    /// Use crease groups found from the pattern
+    /// Find creases that turn alike and give them one unknown; off gives every crease its own
     #[arg(long, value_enum, default_value_t)]
     pub(super) symmetry: Symmetry,
-    /// Vertices whose closure is solved
+    /// Vertices whose closure is solved: one for each distinct condition, or all
     #[arg(long, value_enum, default_value_t)]
     pub(super) vertices: Vertices,
     /// Plan on the essential crease pattern and reuse its path on the whole sheet; off plans on the
@@ -218,6 +221,12 @@ impl Plan {
             })
         });
         let timeout = timeout.transpose()?.flatten();
+        if !(self.max_speed >= 1e-6 && self.max_speed.is_finite()) {
+            let found = self.max_speed;
+            return Err(super::CliError::Usage(format!(
+                "--max-speed: expected at least 1e-6 degrees per second, found {found}"
+            )));
+        }
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,
@@ -255,7 +264,7 @@ impl Plan {
 pub(super) struct Check {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,
-    /// Bound on deformation and gap, a fraction
+    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
     #[arg(long, default_value_t = 1e-3)]
     pub(super) bound: f64,
     #[command(flatten)]

@@ -29,6 +29,10 @@ struct CrossingJson {
 
 pub(super) fn run(args: &Check) -> Answer {
     let bound = args.bound;
+    if bound > 1.0 && bound.is_finite() {
+        let text = format!("--bound: expected a fraction of at most 1, found {bound}");
+        return Err(CliError::Usage(text));
+    }
     if !(bound > 0.0 && bound.is_finite()) {
         return Err(CliError::Usage(format!(
             "--bound: expected a number above 0, found {bound}"

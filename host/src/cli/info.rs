@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::args::Info;
 use super::{Answer, print, print_json, print_notes};
 use crate::formats::fold::read_pattern;
-use crate::planner::goal_closure;
+use crate::planner::closure_of;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 #[derive(Serialize)]
@@ -42,6 +42,8 @@ pub(super) fn run(args: &Info) -> Answer {
     let real_vertices = pattern.real_vertices().count();
     let letter = |id: &crate::pattern::EdgeId| pattern.edge(*id).letter;
     let free = |id: &&crate::pattern::EdgeId| letter(id) == crate::pattern::Letter::Unassigned;
+    let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
+    let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
     let info = InfoJson {
         vertices: pattern.vertices().len(),
         edges: pattern.edges().len(),
@@ -55,7 +57,7 @@ pub(super) fn run(args: &Info) -> Answer {
         letters,
         groups: groups.len(),
         essential_vertices: stars.vertices().len(),
-        closure_goal: goal_closure(pattern),
+        closure_goal,
         amplification: None,
         repairs: Vec::new(),
         assumptions: pattern.assumptions().to_vec(),
@@ -76,7 +78,11 @@ fn summary(title: &str, info: &InfoJson) -> String {
         .map(|(code, count)| format!("{count} {code}"));
     let letters = letters.collect::<Vec<_>>().join(", ");
     let goal = match info.closure_goal {
-        None => "none: plan folds along the letters".to_string(),
+        None if info.letters.keys().any(|code| "MV".contains(*code)) => {
+            "not for every crease: plan folds to what is named, or else along the letters"
+                .to_string()
+        }
+        None => "none, and no letters that say a way".to_string(),
         Some(closure) if closure <= 1e-9 => format!("closes (residual {closure:.1e})"),
         Some(closure) => format!("does not close (residual {closure:.1e})"),
     };

@@ -8,6 +8,7 @@ mod plan;
 mod view;
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -57,6 +58,21 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Refuses to write a result over the file that it is made of.
+fn check_output(input: &Path, output: &Path) -> Result<(), CliError> {
+    let same = match (input.canonicalize(), output.canonicalize()) {
+        (Ok(input), Ok(output)) => input == output,
+        _ => false,
+    };
+    if same {
+        let output = output.display();
+        return Err(CliError::Usage(format!(
+            "-o: {output} is the input file, expected another"
+        )));
+    }
+    Ok(())
 }
 
 /// Prints to stdout; a reader that went away is no error.

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::args::{Frames, Plan};
-use super::{Answer, CliError, print, print_json, print_notes};
+use super::args::{Frames, Plan, Switch};
+use super::{Answer, CliError, check_output, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
 use crate::formats::write_whole;
 use crate::planner::{self, CHOSEN_REACH, Goal, GoalError, Outcome};
@@ -62,6 +62,9 @@ struct CollisionJson {
 pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
+    if let Some(output) = &args.output {
+        check_output(&args.pattern, output)?;
+    }
     let file = read_pattern(&args.pattern)?;
     let sheets = file.pattern.sheets();
     if sheets > 1 {
@@ -127,7 +130,7 @@ pub(super) fn run(args: &Plan) -> Answer {
     if args.report.json {
         print_json(&json)?;
     } else {
-        print(&summary(args, &file, &json, &plan))?;
+        print(&summary(args, &file, &goal, &json, &plan))?;
     }
     Ok(plan.outcome == Outcome::Planned)
 }
@@ -152,15 +155,22 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     }
 }
 
-fn summary(args: &Plan, file: &PatternFile, json: &PlanJson<'_>, plan: &planner::Plan) -> String {
+fn summary(
+    args: &Plan,
+    file: &PatternFile,
+    goal: &Goal,
+    json: &PlanJson<'_>,
+    plan: &planner::Plan,
+) -> String {
     let mut text = format!("{}: {}\n", file.title, json.outcome);
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }
     text += &format!(
-        "  sheet        {} creases, {} real vertices\n  \
+        "  goal         {}\n  \
+         sheet        {} creases, {} real vertices\n  \
          solved as    {} unknowns (crease groups), {} essential vertices\n",
-        json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
+        goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
     );
     if json.knots > 0 {
         text += &format!(
@@ -180,22 +190,30 @@ fn summary(args: &Plan, file: &PatternFile, json: &PlanJson<'_>, plan: &planner:
             plan.essential_faces, plan.essential_rigidity.deformation, plan.essential_rigidity.gap,
         );
     }
+    text += &match args.collision {
+        Switch::Off => "  crossings    not looked for\n".to_string(),
+        Switch::On => format!(
+            "  crossings    {} pairs of faces over all knots, {} tested\n",
+            json.collision.pairs, json.collision.tested
+        ),
+    };
     text += &format!(
-        "  crossings    {} pairs of faces, {} tested\n  \
-         time         {:.2} ms: symmetry {:.2}, solve {:.3}, fold {:.2}, collision {:.2}\n",
-        json.collision.pairs,
-        json.collision.tested,
+        "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \
+         {:.2}, write {:.2}\n",
         1e3 * json.time.total,
+        1e3 * json.time.read,
         1e3 * json.time.symmetry,
         1e3 * json.time.solve,
         1e3 * json.time.fold,
         1e3 * json.time.collision,
+        1e3 * json.time.write,
     );
     match (&args.output, plan.outcome) {
         (Some(output), Outcome::Planned) => {
             text += &format!("  written to   {}\n", output.display())
         }
         (Some(_), _) => text += "  nothing written\n",
+        (None, Outcome::Planned) => text += "  not written; -o FILE writes it\n",
         _ => {}
     }
     text

@@ -1,12 +1,13 @@
 //! `foldpath view`.
 
 use super::args::View;
-use super::{Answer, print};
+use super::{Answer, check_output, print};
 use crate::formats::fold::read_path;
 use crate::formats::write_whole;
 use crate::view::{Scene, page};
 
 pub(super) fn run(args: &View) -> Answer {
+    check_output(&args.path, &args.output)?;
     let path = read_path(&args.path)?;
     let scene = Scene::of_path(&path);
     write_whole(&args.output, page(&scene).as_bytes())?;

@@ -18,7 +18,7 @@ pub enum FileError {
         source: std::io::Error,
     },
     /// The text is not JSON.
-    #[error("{}:{line}:{column}: expected JSON: {message}", path.display())]
+    #[error("{}:{line}:{column}: expected a FOLD file, which is JSON: {message}", path.display())]
     Syntax {
         /// The file.
         path: PathBuf,

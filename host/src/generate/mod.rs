@@ -62,5 +62,10 @@ fn check_between(
 }
 
 fn check_fold(fold: f64) -> Result<(), ParameterError> {
-    check_between("fold", fold, [0.0, 1.0], "a fraction from 0 to 1")
+    check_between(
+        "fold",
+        fold,
+        [f64::MIN_POSITIVE, 1.0],
+        "a fraction above 0 and at most 1",
+    )
 }

@@ -4,11 +4,11 @@ use thiserror::Error;
 
 use crate::pattern::CreasePattern;
 
-/// Goal fold angles of all creases, radians.
+/// Goal fold angles of the creases, radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
-    /// One for each crease.
-    pub fold_angles: Vec<f64>,
+    /// One for each crease; `None` for a free hinge, which goes where the others take it.
+    pub fold_angles: Vec<Option<f64>>,
     /// How far a crease may be from its goal angle, radians, where that does not close. What is nearest
     /// beyond that is another goal.
     pub reach: f64,
@@ -18,6 +18,9 @@ pub struct Goal {
 
 /// [`reach`](Goal::reach) of angles that somebody chose: eleven degrees cover measured goals.
 pub const CHOSEN_REACH: f64 = 0.2;
+
+/// Radians: a goal whose angles are all below this is flat.
+const FLAT: f64 = 1e-9;
 
 /// Why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -46,9 +49,12 @@ impl Goal {
         if goals.clone().all(|goal| goal.is_none()) {
             return Self::of_letters(pattern, 1.0);
         }
-        // A crease without an angle beside others with one is a free hinge: its start is flat.
-        let fold_angles: Vec<f64> = goals.map(|goal| goal.unwrap_or(0.0)).collect();
-        if fold_angles.iter().all(|angle| angle.abs() <= 0.0) {
+        let fold_angles: Vec<Option<f64>> = goals.collect();
+        if fold_angles
+            .iter()
+            .flatten()
+            .all(|angle| angle.abs() <= FLAT)
+        {
             return Err(GoalError::Flat);
         }
         Ok(Self {
@@ -58,7 +64,7 @@ impl Goal {
         })
     }
 
-    /// Each crease turned by `fraction` of a half turn, the way its letter says.
+    /// Each crease turned by `fraction` of a half turn, the way its letter says; unassigned ones free.
     ///
     /// # Errors
     /// If no letter says a way, or the fraction is not in 0..1.
@@ -71,8 +77,11 @@ impl Goal {
             .iter()
             .map(|&id| pattern.edge(id).letter.sign());
         let angle = fraction * core::f64::consts::PI;
-        let fold_angles: Vec<f64> = signs.map(|sign| sign * angle).collect();
-        if fold_angles.iter().all(|angle| angle.abs() <= 0.0) {
+        // A hinge whose letter says no way is free.
+        let fold_angles: Vec<Option<f64>> = signs
+            .map(|sign| (sign.abs() > 0.0).then_some(sign * angle))
+            .collect();
+        if fold_angles.iter().all(Option::is_none) {
             return Err(GoalError::NoDirection);
         }
         Ok(Self {

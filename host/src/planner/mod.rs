@@ -19,4 +19,4 @@ pub use goal::{CHOSEN_REACH, Goal, GoalError};
 pub use knots::{Interpolation, Knot, Path};
 pub use options::{OptionsError, PlanOptions, Solver, Symmetry, Vertices};
 pub use plan::{Outcome, Plan, Times, plan};
-pub use reduction::goal_closure;
+pub use reduction::closure_of;

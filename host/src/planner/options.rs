@@ -113,6 +113,13 @@ impl PlanOptions {
             })
         };
         positive("bound", self.bound)?;
+        if self.bound > 1.0 {
+            return Err(OptionsError {
+                option: "bound",
+                expected: "a fraction of at most 1",
+                found: self.bound,
+            });
+        }
         positive("max_step", self.max_step)?;
         positive("max_speed", self.max_speed)?;
         if self.max_speed < SLOWEST {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::follow::{Followed, Stop, follow_to_flat};
 use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
-use super::reduction::{ClosedGoal, Reduction, reduce};
+use super::reduction::{CLOSED, ClosedGoal, Reduction, closure_of, reduce};
 use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions};
 use crate::collision::{CollisionCounts, Crossing};
@@ -150,13 +150,13 @@ impl<'a> Planning<'a> {
         self.plan.times.solve = start.elapsed();
         self.count(work);
         self.plan.goal_error = closed.error;
-        self.plan.goal_closure = closed.asked_closure;
-        if closed.asked_closure > CLOSED {
+        self.plan.goal_closure = self.goal_closure(&reduction, &closed);
+        if self.plan.goal_closure > CLOSED {
             self.plan.notes.push(format!(
                 "not closed: {} (residual {:.1e}); moved to the nearest configuration found that is, \
                  {:.2e} degrees away",
                 self.goal.source,
-                closed.asked_closure,
+                self.plan.goal_closure,
                 closed.error.to_degrees()
             ));
         }
@@ -167,6 +167,14 @@ impl<'a> Planning<'a> {
         self.plan.path.knots = timed(&followed.waypoints, self.options.max_speed);
         self.plan.reached = 1.0;
         self.judge(&reduction, &mut solver)
+    }
+
+    /// Closure residual of the goal asked for, free hinges as they close.
+    fn goal_closure(&self, reduction: &Reduction, closed: &ClosedGoal) -> f64 {
+        let angles = reduction.groups.expand(&closed.angles);
+        let asked = self.goal.fold_angles.iter().zip(angles);
+        let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
+        closure_of(self.pattern, &angles).unwrap_or(0.0)
     }
 
     fn not_closed(self, nearest: Option<f64>) -> Plan {
@@ -383,7 +391,5 @@ impl<'a> Planning<'a> {
     }
 }
 
-/// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
-const CLOSED: f64 = 1e-9;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;

@@ -24,8 +24,6 @@ pub(super) struct ClosedGoal {
     pub(super) angles: Vec<f64>,
     /// Largest difference from the goal asked for over all creases, radians.
     pub(super) error: f64,
-    /// Largest closure residual of the goal asked for, over the whole sheet.
-    pub(super) asked_closure: f64,
     /// Closure residual that counts as closed although it can be made no smaller; 0 for none.
     pub(super) accepted: f64,
 }
@@ -71,10 +69,8 @@ impl Reduction {
     /// Largest difference, over all creases, of a configuration from a goal, radians.
     pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
         let creases = self.groups.expand(angles);
-        let errors = creases
-            .iter()
-            .zip(&goal.fold_angles)
-            .map(|(a, b)| (a - b).abs());
+        let asked = creases.iter().zip(&goal.fold_angles);
+        let errors = asked.filter_map(|(a, b)| Some((a - (*b)?).abs()));
         errors.fold(0.0, f64::max)
     }
 
@@ -114,7 +110,6 @@ impl Reduction {
         let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
         Some(ClosedGoal {
             error: self.distance(&angles, goal),
-            asked_closure: self.closure(&asked),
             angles,
             accepted,
         })
@@ -135,21 +130,26 @@ const APPROACHES: usize = 50;
 const NEAR: f64 = 1e-12;
 
 /// The closed configuration nearest to `asked` that turns no hinge against it, as far as descent from
-/// there finds it.
-fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[f64]) -> Option<Vec<f64>> {
-    let same_signs = |x: &[f64]| x.iter().zip(asked).all(|(a, b)| a * b >= 0.0);
-    let mut angles = STARTS.into_iter().find_map(|part| {
-        let mut angles: Vec<f64> = asked.iter().map(|a| a * part).collect();
-        (solver.closes(&mut angles) && same_signs(&angles)).then_some(angles)
-    })?;
-    let distance = |x: &[f64]| {
+/// there finds it. Free hinges (`None`) start flat and follow.
+fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[Option<f64>]) -> Option<Vec<f64>> {
+    let same_signs = |x: &[f64]| {
         x.iter()
             .zip(asked)
-            .map(|(a, b)| (a - b).powi(2))
-            .sum::<f64>()
+            .all(|(a, b)| a * b.unwrap_or(0.0) >= 0.0)
     };
+    let mut angles = STARTS.into_iter().find_map(|part| {
+        let mut angles: Vec<f64> = asked.iter().map(|a| a.unwrap_or(0.0) * part).collect();
+        (solver.closes(&mut angles) && same_signs(&angles)).then_some(angles)
+    })?;
+    let way_from = |x: &[f64]| -> Vec<f64> {
+        x.iter()
+            .zip(asked)
+            .map(|(x, a)| a.map_or(0.0, |a| a - x))
+            .collect()
+    };
+    let distance = |x: &[f64]| way_from(x).iter().map(|d| d * d).sum::<f64>();
     for _ in 0..APPROACHES {
-        let mut way: Vec<f64> = asked.iter().zip(&angles).map(|(a, x)| a - x).collect();
+        let mut way = way_from(&angles);
         if distance(&angles) <= NEAR * NEAR || !solver.project_on_motions(&angles, &mut way) {
             break;
         }
@@ -177,8 +177,11 @@ pub(super) fn reduce(
         let symmetric = groups.len() < pattern.creases().len();
         let reduction = Reduction::new(pattern, groups, options.vertices);
         let closed = reduction.close_goal(goal, options, work);
-        // A goal far away is not what was asked for: with every crease free, one may be nearer.
-        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= goal.reach) {
+        // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
+        // one beside a goal that closes as it stands, all creases on their own.
+        let exact = closure_of(pattern, &goal.fold_angles).is_some_and(|c| c <= CLOSED);
+        let reach = if exact { SAME } else { goal.reach };
+        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= reach) {
             return (reduction, closed);
         }
         notes.push(format!(
@@ -192,20 +195,21 @@ pub(super) fn reduce(
     (reduction, closed)
 }
 
-/// Largest closure residual of the goal angles that the pattern itself names, if it names any.
+/// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
+pub(super) const CLOSED: f64 = 1e-9;
+/// Radians: angles this near are the same, but for rounding.
+const SAME: f64 = 1e-7;
+
+/// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a
+/// crease has none.
 #[must_use]
-pub fn goal_closure(pattern: &CreasePattern) -> Option<f64> {
-    let goals: Vec<Option<f64>> = pattern
-        .creases()
-        .iter()
-        .map(|&id| pattern.edge(id).goal)
-        .collect();
-    goals.iter().flatten().next()?;
+pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
     let groups = CreaseGroups::trivial(pattern);
-    let angles = goals
-        .iter()
-        .map(|goal| goal.unwrap_or(0.0))
-        .collect::<Vec<_>>();
-    let reduction = Reduction::new(pattern, groups, Vertices::All);
-    Some(reduction.closure(&reduction.groups.reduce(&angles)))
+    let angles = groups
+        .reduce(fold_angles)
+        .into_iter()
+        .collect::<Option<Vec<f64>>>()?;
+    let mut half_angles = vec![HalfAngle::default(); angles.len()];
+    let stars = ReducedStars::all(pattern, &groups);
+    Some(max_closure(stars.view(), &angles, &mut half_angles))
 }

@@ -25,6 +25,12 @@ const SAME_PLACE: f64 = 1e-6;
 /// measured or rounded.
 const SAME_GOAL: f64 = 1e-2;
 
+/// Vertices compared at most: this many, and this many times all of them. A tessellation needs a handful
+/// of passes; one with a defect could ask for as many as it has vertices, and does with the groups found
+/// until then.
+const BUDGET: usize = 1_000_000;
+const PASSES: usize = 64;
+
 /// Which creases turn alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CreaseGroups {
@@ -35,7 +41,7 @@ pub struct CreaseGroups {
 impl CreaseGroups {
     /// The groups that the partial symmetries of the pattern give.
     ///
-    /// Cost: O(vertices) for each symmetry tried; a tessellation needs a handful.
+    /// Cost: O(vertices) for each symmetry tried, of which a tessellation needs a handful; bounded.
     #[must_use]
     pub fn find(pattern: &CreasePattern) -> Self {
         Search::new(pattern).run()
@@ -106,19 +112,21 @@ impl CreaseGroups {
         creases
     }
 
-    /// Group angles nearest to given fold angles of the creases: means over each group.
+    /// Group angles nearest to given fold angles of the creases: means over those of each group that
+    /// have one, `None` where none has.
     #[must_use]
-    pub fn reduce(&self, creases: &[f64]) -> Vec<f64> {
+    pub fn reduce(&self, creases: &[Option<f64>]) -> Vec<Option<f64>> {
         // Deviations from the first are summed: equal angles keep every bit.
         let mut sums = vec![(None, 0.0, 0.0); self.groups];
         for (membership, &angle) in self.memberships.iter().zip(creases) {
             let (first, sum, count) = &mut sums[membership.group.index()];
-            let angle = membership.apply(angle);
+            let Some(angle) = angle.map(|angle| membership.apply(angle)) else {
+                continue;
+            };
             *sum += angle - *first.get_or_insert(angle);
             *count += 1.0;
         }
-        let mean =
-            |(first, sum, count): (Option<f64>, f64, f64)| first.unwrap_or(0.0) + sum / count;
+        let mean = |(first, sum, count): (Option<f64>, f64, f64)| Some(first? + sum / count);
         sums.into_iter().map(mean).collect()
     }
 }
@@ -157,6 +165,8 @@ struct Search<'a> {
     sets: ParitySets,
     /// Relations that the isometry at hand implies.
     found: Vec<(CreaseId, CreaseId)>,
+    /// Vertices that may still be compared.
+    budget: usize,
 }
 
 impl<'a> Search<'a> {
@@ -183,6 +193,7 @@ impl<'a> Search<'a> {
             real,
             sets: ParitySets::new(pattern.creases().len()),
             found: Vec::new(),
+            budget: BUDGET + PASSES * pattern.vertices().len(),
         }
     }
 
@@ -238,7 +249,7 @@ impl<'a> Search<'a> {
                 let mut news =
                     pairs.any(|(a, b)| !sets.related(a.index(), b.index(), isometry.flips));
                 if news {
-                    news = self.is_symmetry(&isometry);
+                    news = self.budget > 0 && self.is_symmetry(&isometry);
                 }
                 if news {
                     self.join(isometry.flips);
@@ -281,6 +292,7 @@ impl<'a> Search<'a> {
         self.found.clear();
         let inverse = isometry.inverse();
         for index in 0..self.real.len() {
+            self.budget = self.budget.saturating_sub(1);
             let vertex = self.real[index];
             let flat = self.pattern.vertices()[vertex.index()];
             let image = isometry.apply(flat);

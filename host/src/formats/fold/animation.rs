@@ -48,6 +48,8 @@ pub struct PathKnot {
     pub time: f64,
     /// Fold angle of every edge, radians.
     pub fold_angles: Vec<f64>,
+    /// Rate of every edge, radians per second, if the file has them.
+    pub rates: Option<Vec<f64>>,
     /// Positions of the vertices, if the file has them.
     pub vertices: Option<Vec<Vector3<f64>>>,
     /// Deformation, gap and closure that the file claims.
@@ -64,7 +66,11 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     let pattern = pattern_of(&document, &key, goals(&key)?)?;
     let frames = document.frame_count()?;
     if frames == 0 {
-        return Err(document.expected("file_frames".into(), "at least one knot", "none"));
+        return Err(document.expected(
+            "file_frames".into(),
+            "at least one knot (of a path; `foldpath plan` makes one of a crease pattern)",
+            "none",
+        ));
     }
     let knots: Vec<PathKnot> = (0..frames)
         .map(|index| knot(&document.frame(index)?, index, &pattern.pattern))
@@ -76,9 +82,15 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
             return Err(document.expected(place, &expected, &pair[1].time.to_string()));
         }
     }
+    let interpolation = interpolation(&key)?;
+    let missing = knots.iter().position(|knot| knot.rates.is_none());
+    if let (Interpolation::Hermite, Some(index)) = (interpolation, missing) {
+        let place = format!("file_frames[{index}].foldpath:edges_foldAngleRate");
+        return Err(document.expected(place, "the rates that \"hermite\" needs", "nothing"));
+    }
     let members = members(&key, pattern.pattern.edges().len())?;
     Ok(PathFile {
-        interpolation: interpolation(&key)?,
+        interpolation,
         title: pattern.title,
         pattern: pattern.pattern,
         members,
@@ -152,7 +164,16 @@ fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<Path
     };
     #[allow(clippy::cast_precision_loss, reason = "paths have few knots")]
     let default_time = index as f64;
+    let rates = match own("foldpath:edges_foldAngleRate") {
+        Some(list) => Some(
+            list.entries_of(edges, "edge")?
+                .map(radians)
+                .collect::<Result<_, _>>()?,
+        ),
+        None => None,
+    };
     Ok(PathKnot {
+        rates,
         time: number("foldpath:time")?.unwrap_or(default_time),
         fold_angles,
         vertices,

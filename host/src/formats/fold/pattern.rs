@@ -34,11 +34,11 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 }
 
 /// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
-/// `pattern`, 0 where the file names none.
+/// `pattern`, `None` where the file names none.
 ///
 /// # Errors
 /// If the file cannot be read, has no angles, or not one for each edge of the pattern.
-pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<f64>, FileError> {
+pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
     let document = Document::read(path)?;
     let frame = document.key_frame();
     let Some(goals) = goal_angles(&document, &frame)? else {
@@ -50,8 +50,7 @@ pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<f64>, FileE
         check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(&document, error))?;
     }
     let creases = pattern.creases().iter();
-    let angles = creases.map(|edge| goals.angles[edge.index()].unwrap_or(0.0));
-    Ok(angles.collect())
+    Ok(creases.map(|edge| goals.angles[edge.index()]).collect())
 }
 
 pub(super) fn pattern_of(
@@ -131,9 +130,13 @@ impl Goals {
     }
 }
 
+/// The goal of the last folded frame that names one, or else that of the flat frame.
 fn goal_angles(document: &Document, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
-    for index in (0..document.frame_count()?).rev() {
-        let frame = document.frame(index)?;
+    let frames = (0..document.frame_count()?)
+        .rev()
+        .map(|index| document.frame(index));
+    for frame in frames.chain([Ok(document.key_frame())]) {
+        let frame = frame?;
         if frame.is_a("foldedForm")
             && let Some(goals) = goals(&frame)?
         {
@@ -173,17 +176,26 @@ fn drawing(
     notes: &mut Vec<String>,
 ) -> Result<Drawing, FileError> {
     let points = points(frame)?;
-    let Some((vertices, level)) = flatten(&points) else {
+    let Some((mut vertices, level)) = flatten(&points) else {
         let expected = "a flat crease pattern (a folded shape has to be unfolded first)";
         let found = "vertices that lie in no common plane";
         return Err(document.expected("vertices_coords".into(), expected, found));
     };
     if !level {
         notes.push(
-            "the sheet does not lie in a plane z = constant: seen from its upper side".into(),
+            "the sheet stands in space: seen from its upper side, or where faces are given from where they run counter-clockwise".into(),
         );
     }
     let faces = faces(frame)?;
+    let clockwise = faces
+        .as_deref()
+        .is_some_and(|faces| winds_clockwise(&vertices, faces));
+    if clockwise && level {
+        notes
+            .push("faces_vertices run clockwise: the sheet is seen from above all the same".into());
+    } else if clockwise {
+        vertices.iter_mut().for_each(|v| v.x = -v.x);
+    }
     let edges = edges(document, frame, faces.as_deref(), notes)?;
     if let Some(goals) = goals {
         goals.check_count(document, edges.len())?;
@@ -203,6 +215,20 @@ fn drawing(
         edges: drawn.collect(),
         faces,
     })
+}
+
+/// Whether the faces, as far as their vertices exist, enclose a negative area.
+fn winds_clockwise(vertices: &[nalgebra::Vector2<f64>], faces: &[Vec<usize>]) -> bool {
+    let doubled = faces.iter().flat_map(|face| {
+        let shifted = face.iter().cycle().skip(1);
+        face.iter()
+            .zip(shifted)
+            .map(|(&a, &b)| match (vertices.get(a), vertices.get(b)) {
+                (Some(a), Some(b)) => a.perp(b),
+                _ => 0.0,
+            })
+    });
+    doubled.sum::<f64>() < 0.0
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
