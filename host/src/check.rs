@@ -7,7 +7,7 @@ use foldpath_core::{GroupId, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::collision::{CollisionScene, Crossing};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, laid_on};
 use crate::formats::fold::{PathFile, PathKnot};
 use crate::pattern::{CreasePattern, VertexId};
 
@@ -178,31 +178,17 @@ fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) 
 }
 
 /// Largest distance of a vertex between two shapes laid on each other as well as possible.
-///
-/// Implements W. Kabsch, "A solution for the best rotation to relate two sets of vectors", 1976.
 fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    let used: Vec<usize> = (0..a.len())
-        .filter(|&v| !pattern.corners()[v].is_empty())
-        .collect();
-    #[allow(clippy::cast_precision_loss, reason = "a mean")]
-    let count = used.len() as f64;
-    let center = |p: &[Vector3<f64>]| used.iter().map(|&v| p[v]).sum::<Vector3<f64>>() / count;
-    let (a_center, b_center) = (center(a), center(b));
-    let covariance: Matrix3<f64> = used
-        .iter()
-        .map(|&v| (a[v] - a_center) * (b[v] - b_center).transpose())
-        .sum();
-    let svd = covariance.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return f64::NAN;
+    let used = |shape: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+        let vertices = shape.iter().zip(pattern.corners().iter());
+        let used = vertices.filter(|(_, faces)| !faces.is_empty());
+        used.map(|(point, _)| *point).collect()
     };
-    let mut keep_hand = Matrix3::identity();
-    // Singular values come in descending order: the weakest direction is turned.
-    keep_hand[(2, 2)] = (u * v_t).determinant().signum();
-    let r_ba = v_t.transpose() * keep_hand * u.transpose();
-    let distances = used
-        .iter()
-        .map(|&v| (r_ba * (a[v] - a_center) + b_center - b[v]).norm());
+    let (a, b) = (used(a), used(b));
+    let distances = laid_on(&a, &b)
+        .into_iter()
+        .zip(&b)
+        .map(|(a, b)| (a - b).norm());
     distances.fold(
         0.0,
         |worst, d| if d > worst || d.is_nan() { d } else { worst },

@@ -4,7 +4,7 @@ use foldpath_core::Membership;
 
 use super::{Scene, SceneEdge, SceneKnot};
 use crate::check::{measure, positions};
-use crate::folding::SpanningTree;
+use crate::folding::{SpanningTree, laid_on};
 use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
 
@@ -20,29 +20,25 @@ impl Scene {
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };
-        let knots = path
-            .knots
-            .iter()
-            .zip(&measured)
-            .map(|(knot, measured)| SceneKnot {
+        // Each shape is laid on the one before, from the flat sheet on, so that the sheet as a whole
+        // stays where it is while it folds.
+        let mut before: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
+        let mut knots = Vec::with_capacity(path.knots.len());
+        for (knot, measured) in path.knots.iter().zip(&measured) {
+            before = laid_on(&positions(pattern, &tree, knot), &before);
+            let group_angle = |&(edge, member): &(EdgeId, Option<Membership>)| {
+                let angle = knot.fold_angles[edge.index()];
+                member.map_or(angle, |m| m.apply(angle)).to_degrees()
+            };
+            knots.push(SceneKnot {
                 time: knot.time,
-                vertices: Some(
-                    positions(pattern, &tree, knot)
-                        .into_iter()
-                        .map(Into::into)
-                        .collect(),
-                ),
-                group_angles: leaders
-                    .iter()
-                    .map(|&(edge, member)| {
-                        let angle = knot.fold_angles[edge.index()];
-                        member.map_or(angle, |m| m.apply(angle)).to_degrees()
-                    })
-                    .collect(),
+                vertices: Some(before.iter().map(|&p| p.into()).collect()),
+                group_angles: leaders.iter().map(group_angle).collect(),
                 deformation: measured.rigidity.deformation,
                 gap: measured.rigidity.gap,
                 closure: measured.closure,
             });
+        }
         Self {
             title: path.title.clone(),
             vertices: pattern.vertices().iter().map(|&v| v.into()).collect(),
@@ -65,7 +61,7 @@ impl Scene {
                     letter: edge.letter.code().to_string(),
                 })
                 .collect(),
-            knots: knots.collect(),
+            knots,
             creases: pattern.creases().len(),
             groups: leaders.len(),
             max_deformation: worst(|m| m.rigidity.deformation),

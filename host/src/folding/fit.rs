@@ -1,0 +1,51 @@
+//! Laying one shape on another.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// The points of `a` moved rigidly so that they lie on those of `b` as well as possible.
+///
+/// Implements W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst.
+/// A32, 1976. Points without a partner count for nothing.
+#[must_use]
+pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    #[allow(clippy::cast_precision_loss, reason = "a mean")]
+    let count = a.len().min(b.len()).max(1) as f64;
+    let center =
+        |p: &[Vector3<f64>]| p.iter().take(a.len().min(b.len())).sum::<Vector3<f64>>() / count;
+    let (a_center, b_center) = (center(a), center(b));
+    let pairs = a.iter().zip(b);
+    let covariance: Matrix3<f64> = pairs
+        .map(|(a, b)| (a - a_center) * (b - b_center).transpose())
+        .sum();
+    let svd = covariance.svd(true, true);
+    let r_ba = match (svd.u, svd.v_t) {
+        (Some(u), Some(v_t)) => {
+            let mut keep_hand = Matrix3::identity();
+            // Singular values come in descending order: the weakest direction is turned.
+            keep_hand[(2, 2)] = (u * v_t).determinant().signum();
+            v_t.transpose() * keep_hand * u.transpose()
+        }
+        _ => Matrix3::identity(),
+    };
+    a.iter().map(|a| r_ba * (a - a_center) + b_center).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Rotation3;
+
+    #[test]
+    fn a_moved_shape_is_laid_back_and_a_mirrored_one_is_not() {
+        let shape = [[0., 0., 0.], [2., 0., 0.], [0., 1., 0.], [0., 0., 3.]].map(Vector3::from);
+        let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.0);
+        let moved = shape.map(|p| turn * p + Vector3::new(5.0, -1.0, 0.5));
+        let worst = |laid: Vec<Vector3<f64>>| {
+            let distances = laid.iter().zip(&shape).map(|(a, b)| (a - b).norm());
+            distances.fold(0.0, f64::max)
+        };
+        assert!(worst(laid_on(&moved, &shape)) < 1e-14);
+        let mirrored = moved.map(|p| Vector3::new(-p.x, p.y, p.z));
+        assert!(worst(laid_on(&mirrored, &shape)) > 0.1);
+    }
+}
