@@ -93,14 +93,14 @@ impl CollisionScene {
         }
         let joints = joints(&pieces, &corners);
         // Two faces may share several sides in a line.
-        let mut pairs: Vec<_> = (0..)
+        let mut pairs: Vec<(u32, u32)> = (0..)
             .zip(joints.iter())
             .flat_map(|(a, list)| {
                 list.iter()
                     .map(move |joint| (a, joint.piece))
                     .filter(|(a, b)| a < b)
             })
-            .collect::<Vec<(u32, u32)>>();
+            .collect();
         pairs.sort_unstable();
         pairs.dedup();
         let joined_pairs = pairs.len() as u64;

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::follow::{Followed, Stop, follow_to_flat};
+use super::follow::{Followed, Stop, follow_to_flat, norm};
 use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
 use super::reduction::{CLOSED, ClosedGoal, Reduction, closure_of, reduce};
@@ -49,7 +49,7 @@ impl Outcome {
 /// Time spent in each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Finding crease groups and essential vertices, and closing the goal under them.
+    /// Finding crease groups and essential vertices, closing the goal under them, and its own closure.
     pub symmetry: Duration,
     /// Following the path in group angles.
     pub solve: Duration,
@@ -82,7 +82,7 @@ pub struct Plan {
     pub essential_rigidity: Rigidity,
     /// Faces of the essential crease pattern.
     pub essential_faces: usize,
-    /// Largest closure residual of a real vertex over all knots.
+    /// Largest closure residual of a real vertex, or twist of a hinge, over all knots.
     pub max_closure: f64,
     /// Largest closure residual of the goal asked for.
     pub goal_closure: f64,
@@ -150,7 +150,9 @@ impl<'a> Planning<'a> {
         self.plan.times.solve = start.elapsed();
         self.count(work);
         self.plan.goal_error = closed.error;
+        let start = Instant::now();
         self.plan.goal_closure = self.goal_closure(&reduction, &closed);
+        self.plan.times.symmetry += start.elapsed();
         if self.plan.goal_closure > CLOSED {
             self.plan.notes.push(format!(
                 "not closed: {} (residual {:.1e}); moved to the nearest configuration found that is, \
@@ -237,7 +239,6 @@ impl<'a> Planning<'a> {
     }
 
     fn stopped(self, stop: Stop, followed: &Followed, closed: &ClosedGoal) -> Plan {
-        let norm = |x: &[f64]| x.iter().map(|a| a * a).sum::<f64>().sqrt();
         let last = followed.waypoints.last();
         let left = last.map_or(1.0, |last| norm(&last.angles) / norm(&closed.angles));
         let why = match stop {

@@ -1,8 +1,6 @@
 //! The problem that is solved: crease groups as unknowns, some stars as conditions, and the goal in
 //! these terms.
 
-use foldpath_core::HalfAngle;
-
 use super::solver::{ClosureSolver, Work, max_closure};
 use super::{Goal, PlanOptions, Symmetry, Vertices};
 use crate::pattern::CreasePattern;
@@ -62,8 +60,7 @@ impl Reduction {
 
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
-        let mut half_angles = vec![HalfAngle::default(); angles.len()];
-        max_closure(self.all.view(), angles, &mut half_angles)
+        max_closure(self.all.view(), angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.
@@ -179,7 +176,8 @@ pub(super) fn reduce(
         let closed = reduction.close_goal(goal, options, work);
         // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
         // one beside a goal that closes as it stands, all creases on their own.
-        let exact = closure_of(pattern, &goal.fold_angles).is_some_and(|c| c <= CLOSED);
+        let exact =
+            symmetric && closure_of(pattern, &goal.fold_angles).is_some_and(|c| c <= CLOSED);
         let reach = if exact { SAME } else { goal.reach };
         if !symmetric || closed.as_ref().is_some_and(|c| c.error <= reach) {
             return (reduction, closed);
@@ -209,7 +207,6 @@ pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Optio
         .reduce(fold_angles)
         .into_iter()
         .collect::<Option<Vec<f64>>>()?;
-    let mut half_angles = vec![HalfAngle::default(); angles.len()];
     let stars = ReducedStars::all(pattern, &groups);
-    Some(max_closure(stars.view(), &angles, &mut half_angles))
+    Some(max_closure(stars.view(), &angles))
 }

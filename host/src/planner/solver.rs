@@ -138,14 +138,11 @@ impl Equations {
 }
 
 /// Largest closure residual of the stars at the group angles `x`.
-pub(super) fn max_closure(
-    stars: StarsView<'_, f64>,
-    x: &[f64],
-    half_angles: &mut [HalfAngle<f64>],
-) -> f64 {
-    closure::half_angles(x, half_angles);
+pub(super) fn max_closure(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
+    let mut half_angles = vec![HalfAngle::default(); x.len()];
+    closure::half_angles(x, &mut half_angles);
     let residuals = stars
         .iter()
-        .map(|star| norm(&closure::residual(star, half_angles)));
+        .map(|star| norm(&closure::residual(star, &half_angles)));
     residuals.fold(0.0, |max, r| if r > max || r.is_nan() { r } else { max })
 }
