@@ -1,5 +1,6 @@
 //! Arguments of the commands.
 
+use core::str::FromStr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -111,11 +112,21 @@ pub(super) struct Plan {
     #[arg(short, long)]
     pub(super) output: Option<PathBuf>,
     /// FOLD file of the same sheet whose angles are the goal
-    #[arg(long, conflicts_with = "fold")]
+    #[arg(long, conflicts_with_all = ["fold", "crease"])]
     pub(super) goal: Option<PathBuf>,
     /// Fold each crease by this fraction of a half turn, the way its letter says
-    #[arg(long)]
+    #[arg(long, conflicts_with = "crease")]
     pub(super) fold: Option<f64>,
+    /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow
+    #[arg(long, value_name = "I=DEG")]
+    pub(super) crease: Option<DrivenEdge>,
+    /// FOLD file of the same sheet whose angles the path passes through before the goal, at rest; several
+    /// in the order given
+    #[arg(long, value_name = "FILE")]
+    pub(super) via: Vec<PathBuf>,
+    /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
+    #[arg(long, value_name = "I=MIN..MAX")]
+    pub(super) limit: Vec<LimitedEdge>,
     /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
     #[arg(long, default_value_t = 0.01)]
     pub(super) bound: f64,
@@ -144,6 +155,12 @@ pub(super) struct Plan {
     /// Solver
     #[arg(long, value_enum, default_value_t)]
     pub(super) solver: Solver,
+    /// How to look for the path: along the motion, or by the report's adaptive randomised search
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) search: Search,
+    /// Objective of the randomised search: the worst vertex, or the sum over all
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) objective: Objective,
     /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     pub(super) seed: u64,
@@ -209,6 +226,72 @@ pub(super) enum Solver {
     Gradient,
 }
 
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Search {
+    #[default]
+    Path,
+    Random,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Objective {
+    #[default]
+    Max,
+    Sum,
+}
+
+/// `I=DEG`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DrivenEdge {
+    pub(super) edge: usize,
+    pub(super) degrees: f64,
+}
+
+impl FromStr for DrivenEdge {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = || {
+            let (edge, degrees) = text.split_once('=')?;
+            Some(Self {
+                edge: edge.trim().parse().ok()?,
+                degrees: degrees_of(degrees)?,
+            })
+        };
+        parse().ok_or("expected I=DEG, the number of an edge and an angle in degrees")
+    }
+}
+
+/// `I=MIN..MAX`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LimitedEdge {
+    pub(super) edge: usize,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+}
+
+impl FromStr for LimitedEdge {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = || {
+            let (edge, range) = text.split_once('=')?;
+            let (lower, upper) = range.split_once("..")?;
+            Some(Self {
+                edge: edge.trim().parse().ok()?,
+                lower: degrees_of(lower)?,
+                upper: degrees_of(upper)?,
+            })
+        };
+        parse().ok_or("expected I=MIN..MAX, the number of an edge and two angles in degrees")
+    }
+}
+
+fn degrees_of(text: &str) -> Option<f64> {
+    let degrees: f64 = text.trim().parse().ok()?;
+    degrees.is_finite().then_some(degrees)
+}
+
 impl Plan {
     /// The planner's options.
     pub(super) fn options(&self) -> Result<planner::PlanOptions, super::CliError> {
@@ -248,6 +331,15 @@ impl Plan {
                 Solver::Lm => planner::Solver::LevenbergMarquardt,
                 Solver::Gradient => planner::Solver::Gradient,
             },
+            search: match self.search {
+                Search::Path => planner::Search::Path,
+                Search::Random => planner::Search::Random,
+            },
+            objective: match self.objective {
+                Objective::Max => planner::Objective::Max,
+                Objective::Sum => planner::Objective::Sum,
+            },
+            seed: self.seed,
             max_speed: self.max_speed.to_radians(),
             timeout,
             ..planner::PlanOptions::default()

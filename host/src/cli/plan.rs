@@ -8,7 +8,8 @@ use super::args::{Frames, Plan, Switch};
 use super::{Answer, CliError, check_output, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
 use crate::formats::write_whole;
-use crate::planner::{self, CHOSEN_REACH, Goal, GoalError, Outcome};
+use crate::pattern::{CreaseId, CreasePattern};
+use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -61,7 +62,7 @@ struct CollisionJson {
 
 pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
-    let options = args.options()?;
+    let mut options = args.options()?;
     if let Some(output) = &args.output {
         check_output(&args.pattern, output)?;
     }
@@ -74,6 +75,10 @@ pub(super) fn run(args: &Plan) -> Answer {
         )));
     }
     let goal = goal(args, &file)?;
+    options.limits = limits(args, &file.pattern)?;
+    options
+        .validate()
+        .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
     let plan = planner::plan(&file.pattern, &goal, &options);
     let write_start = Instant::now();
@@ -138,21 +143,58 @@ pub(super) fn run(args: &Plan) -> Answer {
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     let name = |path: &std::path::Path| path.display().to_string();
     let bad = |source| match source {
-        GoalError::Fraction(_) => CliError::Usage(source.to_string()),
+        GoalError::Fraction(_) | GoalError::Crease { .. } => CliError::Usage(source.to_string()),
         _ => CliError::Goal {
             file: name(&args.pattern),
             source,
         },
     };
-    match (&args.goal, args.fold) {
-        (Some(path), _) => Ok(Goal {
-            fold_angles: read_goal(path, &file.pattern)?,
-            reach: CHOSEN_REACH,
-            source: format!("the goal angles of {}", name(path)),
-        }),
-        (None, Some(fraction)) => Goal::of_letters(&file.pattern, fraction).map_err(bad),
-        (None, None) => Goal::of_pattern(&file.pattern).map_err(bad),
-    }
+    let chosen = |path: &std::path::Path| -> Result<Goal, CliError> {
+        let source = format!("the goal angles of {}", name(path));
+        let angles = read_goal(path, &file.pattern)?;
+        Ok(Goal::chosen(&file.pattern, angles, source))
+    };
+    let mut goal = match (&args.goal, args.fold, &args.crease) {
+        (Some(path), ..) => chosen(path)?,
+        (None, Some(fraction), _) => Goal::of_letters(&file.pattern, fraction).map_err(bad)?,
+        (None, None, Some(driven)) => {
+            let crease = crease(&file.pattern, "--crease", driven.edge)?;
+            Goal::of_crease(&file.pattern, crease, driven.degrees.to_radians()).map_err(bad)?
+        }
+        (None, None, None) => Goal::of_pattern(&file.pattern).map_err(bad)?,
+    };
+    goal.via = args
+        .via
+        .iter()
+        .map(|path| chosen(path))
+        .collect::<Result<_, _>>()?;
+    Ok(goal)
+}
+
+/// The limits of the hinges.
+fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliError> {
+    let limit = |limit: &super::args::LimitedEdge| {
+        Ok(HingeLimit {
+            crease: crease(pattern, "--limit", limit.edge)?,
+            lower: limit.lower.to_radians(),
+            upper: limit.upper.to_radians(),
+        })
+    };
+    args.limit.iter().map(limit).collect()
+}
+
+/// The crease of an edge that an option names.
+fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId, CliError> {
+    let found = pattern.edges().get(edge);
+    found.and_then(|edge| edge.crease).ok_or_else(|| {
+        let found = match found {
+            Some(edge) => format!("it is lettered {}", edge.letter.code()),
+            None => format!("edges go from 0 to {}", pattern.edges().len() - 1),
+        };
+        CliError::Usage(format!(
+            "{option}: edge {edge}: expected a hinge between two faces, but {found}"
+        ))
+    })
 }
 
 fn summary(

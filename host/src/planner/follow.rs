@@ -1,10 +1,9 @@
-//! Path following: from a closed configuration back to the flat sheet.
+//! Path following along the closed configurations: a predictor along the motion nearest to the way
+//! ahead, bent like the step before, and a corrector that closes the sheet.
 //!
-//! The flat sheet is singular: more motions leave it than a sheet can go on with. So the path is
-//! followed from the goal, where the motion is known, towards flat: a predictor along the motion
-//! nearest to the way home, bent like the step before, and a corrector that closes the sheet.
-
-use std::time::Instant;
+//! The flat sheet is singular: more motions leave it than a sheet can go on with. So a path is
+//! followed from the goal, where the motion is known, towards flat. Only where that fails is flat left
+//! along the signs of the goal, see [`depart`](super::depart).
 
 use super::solver::ClosureSolver;
 
@@ -13,27 +12,79 @@ use super::solver::ClosureSolver;
 pub(super) struct Waypoint {
     /// Group angles, radians.
     pub(super) angles: Vec<f64>,
-    /// Derivative of the angles along the path from flat to goal, of Euclidean length 1.
+    /// Derivative of the angles along the path, of Euclidean length 1; zero where the path turns a
+    /// corner and has to rest.
     pub(super) tangent: Vec<f64>,
 }
 
-/// Why following stopped short of the flat sheet.
+/// Where to go.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Target<'a> {
+    /// The flat sheet. No hinge passes through flat on the way.
+    Flat,
+    /// A closed configuration.
+    Closed(&'a [f64]),
+    /// As near as the motion goes to what is asked for, which need not close; `None` is free. No hinge
+    /// passes through flat on the way.
+    Nearest(&'a [Option<f64>]),
+}
+
+impl Target<'_> {
+    /// What is missing from `angles` to the target.
+    fn way(&self, angles: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Flat => angles.iter().map(|a| -a).collect(),
+            Self::Closed(target) => target.iter().zip(angles).map(|(t, a)| t - a).collect(),
+            Self::Nearest(asked) => way_to(asked, angles),
+        }
+    }
+
+    fn keeps_signs(&self) -> bool {
+        !matches!(self, Self::Closed(_))
+    }
+}
+
+/// What is missing from `angles` to what is asked for; nothing for free ones.
+pub(super) fn way_to(asked: &[Option<f64>], angles: &[f64]) -> Vec<f64> {
+    let pairs = asked.iter().zip(angles);
+    pairs.map(|(t, a)| t.map_or(0.0, |t| t - a)).collect()
+}
+
+/// Why following stopped short of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// No motion leads on towards flat.
+    /// No motion leads on.
     Singular,
     /// The corrector finds no closed configuration within the smallest step.
     Closure,
+    /// The motion leads no nearer to the target, but it is not there.
+    Nearest,
+    /// This unknown is at its limit.
+    Limit(usize),
     /// Out of time.
     Timeout,
-    /// More knots than any sane path has.
+    /// The motion goes on without coming nearer to the target.
     TooLong,
 }
 
-/// What was followed: waypoints from the goal towards flat, and why they end early if they do.
+/// What was followed: waypoints in the order travelled, and why they end early if they do.
+#[derive(Clone, Debug)]
 pub(super) struct Followed {
     pub(super) waypoints: Vec<Waypoint>,
     pub(super) stop: Option<Stop>,
+}
+
+impl Followed {
+    /// The same travelled the other way.
+    pub(super) fn reversed(mut self) -> Self {
+        self.waypoints.reverse();
+        for waypoint in &mut self.waypoints {
+            for entry in &mut waypoint.tangent {
+                *entry = -*entry;
+            }
+        }
+        self
+    }
 }
 
 /// Part of the largest step allowed that the predictor aims for: the corrector adds to the step.
@@ -42,126 +93,373 @@ const AIM: f64 = 0.95;
 const SMALLEST: f64 = 1e-4;
 /// Part of a step that the corrector may move: more means that the path bends faster than the step.
 const CORRECTION: f64 = 0.3;
-/// Cosine between the way home and the motion nearest to it below which home is out of sight and
-/// the motion goes on as it came.
+/// Cosine between the way to the target and the motion nearest to it below which the target is out of
+/// sight and the motion goes on as it came.
 const IN_SIGHT: f64 = 0.05;
-/// Paths longer than this are going round in circles.
-const MOST_WAYPOINTS: usize = 100_000;
+/// Cosine between two directions in a row below which the path turns a corner: one motion ends and
+/// another begins.
+const CORNER: f64 = 0.5;
+/// Steps over a bifurcation, as parts of the largest, tried the way the path came.
+const LEAPS: [f64; 3] = [1.0, 0.5, 0.25];
+/// Steps without coming nearer to the target after which the motion leads elsewhere: ten turns of a hinge
+/// at the largest step.
+const LOST: usize = 360;
+/// Radians: what is asked for is reached this near.
+pub(super) const NEAR: f64 = 1e-12;
+/// Radians: a hinge that turned by no more is flat.
+const FLAT: f64 = 1e-9;
+/// Radians: a hinge this near its limit is at it.
+const AT_LIMIT: f64 = 1e-3;
 
-/// Follows the motion from the closed configuration `goal` to flat, no angle changing by more than
-/// `max_step` from one waypoint to the next.
-pub(super) fn follow_to_flat(
+/// Follows the motion from the closed configuration `start` to the target, no angle changing by more
+/// than `max_step` from one waypoint to the next. `came` is the direction in which the path arrived at
+/// the start, if it did.
+pub(super) fn follow(
     solver: &mut ClosureSolver<'_>,
-    goal: &[f64],
+    start: &[f64],
+    came: Option<&[f64]>,
+    target: Target<'_>,
     max_step: f64,
-    deadline: Option<Instant>,
 ) -> Followed {
     let mut waypoints: Vec<Waypoint> = Vec::new();
-    let mut angles = goal.to_vec();
+    let mut angles = start.to_vec();
+    let mut came = came.map(<[f64]>::to_vec);
     let mut last_step: Option<f64> = None;
+    let (mut nearest, mut nearest_at) = (f64::INFINITY, 0);
     let stop = loop {
-        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if solver.is_late() {
             break Some(Stop::Timeout);
         }
-        if waypoints.len() >= MOST_WAYPOINTS {
-            break Some(Stop::TooLong);
-        }
-        let Some(tangent) = direction(solver, &angles, waypoints.last()) else {
-            break Some(Stop::Singular);
+        let way = target.way(&angles);
+        let there = norm(&way) <= NEAR;
+        let heading = if there {
+            Err(None)
+        } else {
+            heading(solver, &angles, &way, came.as_deref(), target).map_err(Some)
         };
+        let heading = match heading {
+            Ok(heading) => heading,
+            Err(stop) => {
+                let tangent = came.unwrap_or_else(|| vec![0.0; angles.len()]);
+                waypoints.push(Waypoint { angles, tangent });
+                break stop;
+            }
+        };
+        let tangent = heading.direction;
+        let corner = came
+            .as_ref()
+            .is_some_and(|came| cosine(came, &tangent) < CORNER);
         waypoints.push(Waypoint {
             angles: angles.clone(),
-            tangent: tangent.iter().map(|t| -t).collect(),
+            tangent: if corner {
+                vec![0.0; angles.len()]
+            } else {
+                tangent.clone()
+            },
         });
-        if max_norm(&angles) <= max_step {
-            waypoints.push(Waypoint {
-                angles: vec![0.0; angles.len()],
-                tangent: tangent_at_flat(solver, &angles),
-            });
+        if max_norm(&way) <= max_step
+            && let Some(last) = arrive(solver, &angles, &tangent, target, max_step)
+        {
+            waypoints.push(last);
             break None;
         }
-        let bend = bend(&waypoints, last_step);
-        match step(solver, &angles, &tangent, &bend, max_step) {
+        let bend = match (&came, last_step) {
+            (Some(came), Some(length)) if !corner => bend(came, &tangent, length),
+            _ => vec![0.0; angles.len()],
+        };
+        let signs = target.keeps_signs();
+        let room = solver.room(&angles, &tangent);
+        let at_limit = (room.0 * max_norm(&tangent) <= AT_LIMIT).then_some(Stop::Limit(room.1));
+        let most = room.0.min(heading.length);
+        let most = if signs {
+            most.min(until_flat(&angles, &tangent))
+        } else {
+            most
+        };
+        let next = step(solver, &angles, &tangent, &bend, signs, most, max_step).or_else(|| {
+            let came = came.as_deref()?;
+            let flat = vec![0.0; came.len()];
+            LEAPS.iter().find_map(|leap| {
+                step_at(
+                    solver,
+                    &angles,
+                    came,
+                    &flat,
+                    signs,
+                    leap * max_step,
+                    max_step,
+                )
+            })
+        });
+        match next {
             Some((next, length)) => {
+                let left = norm(&target.way(&next));
+                if let Target::Nearest(asked) = target
+                    && left >= norm(&way)
+                {
+                    let last = approach(solver, angles.clone(), asked);
+                    if max_difference(&last, &angles) <= max_step {
+                        waypoints.push(Waypoint {
+                            angles: last,
+                            tangent,
+                        });
+                    }
+                    break Some(at_limit.unwrap_or(Stop::Nearest));
+                }
+                if left < nearest {
+                    (nearest, nearest_at) = (left, waypoints.len());
+                } else if waypoints.len() > nearest_at + LOST {
+                    break Some(Stop::TooLong);
+                }
                 angles = next;
                 last_step = Some(length);
+                came = Some(tangent);
             }
-            None => break Some(Stop::Closure),
+            None => break Some(at_limit.unwrap_or(Stop::Closure)),
         }
     };
     Followed { waypoints, stop }
 }
 
-/// Unit direction of the motion at `angles` towards flat.
-fn direction(
-    solver: &mut ClosureSolver<'_>,
-    angles: &[f64],
-    last: Option<&Waypoint>,
-) -> Option<Vec<f64>> {
-    let mut home: Vec<f64> = angles.iter().map(|a| -a).collect();
-    let far = norm(&home);
-    if !solver.project_on_motions(angles, &mut home) {
-        return None;
-    }
-    let mut length = norm(&home);
-    if length < IN_SIGHT * far {
-        home = last?.tangent.iter().map(|t| -t).collect();
-        if !solver.project_on_motions(angles, &mut home) {
-            return None;
-        }
-        length = norm(&home);
-        if length < IN_SIGHT {
-            return None;
-        }
-    }
-    for entry in &mut home {
-        *entry /= length;
-    }
-    Some(home)
+/// Where a motion leads.
+struct Heading {
+    /// Of unit length.
+    direction: Vec<f64>,
+    /// How far along it the target is nearest; infinite where that does not matter.
+    length: f64,
 }
 
-/// Half the change of the direction towards flat for a unit of path length, as the last step had it.
-fn bend(waypoints: &[Waypoint], last_step: Option<f64>) -> Vec<f64> {
-    let [.., before, here] = waypoints else {
-        return vec![0.0; waypoints[0].angles.len()];
-    };
-    let length = last_step.unwrap_or(f64::INFINITY);
-    let change = before.tangent.iter().zip(&here.tangent);
+/// The motion at `angles` nearest to the way to the target.
+fn heading(
+    solver: &mut ClosureSolver<'_>,
+    angles: &[f64],
+    way: &[f64],
+    came: Option<&[f64]>,
+    target: Target<'_>,
+) -> Result<Heading, Stop> {
+    if let Target::Nearest(asked) = target {
+        return towards(solver, angles, asked);
+    }
+    let mut direction = way.to_vec();
+    let held = solver.project_on_motions(angles, &mut direction);
+    let mut held = held.ok_or(Stop::Singular)?;
+    if norm(&direction) < IN_SIGHT * norm(way) {
+        direction = match came {
+            Some(came) => {
+                let mut on = came.to_vec();
+                held = solver
+                    .project_on_motions(angles, &mut on)
+                    .ok_or(Stop::Singular)?;
+                on
+            }
+            None => vec![0.0; way.len()],
+        };
+        if norm(&direction) < IN_SIGHT {
+            return Err(held
+                .first()
+                .map_or(Stop::Singular, |&unknown| Stop::Limit(unknown)));
+        }
+    }
+    let length = norm(&direction);
+    Ok(Heading {
+        direction: direction.iter().map(|d| d / length).collect(),
+        length: f64::INFINITY,
+    })
+}
+
+/// The motion at `angles` nearest to the way to what is asked for, and how far along it that is nearest.
+fn towards(
+    solver: &mut ClosureSolver<'_>,
+    angles: &[f64],
+    asked: &[Option<f64>],
+) -> Result<Heading, Stop> {
+    let way = way_to(asked, angles);
+    let mut direction = way.clone();
+    let held = solver.project_on_motions(angles, &mut direction);
+    let held = held.ok_or(Stop::Singular)?;
+    let length = norm(&direction);
+    let pairs = direction.iter().zip(asked);
+    // The part of the motion that is asked for: of one hinge among thousands, little.
+    let asked_for = pairs.filter_map(|(d, asked)| asked.map(|_| (d / length).powi(2)));
+    let square = asked_for.sum::<f64>();
+    // The projection p of the way w has w·p = p·p.
+    if length <= f64::EPSILON || length < IN_SIGHT * norm(&way) * square.sqrt() {
+        return Err(held
+            .first()
+            .map_or(Stop::Nearest, |&unknown| Stop::Limit(unknown)));
+    }
+    Ok(Heading {
+        direction: direction.iter().map(|d| d / length).collect(),
+        length: length / square,
+    })
+}
+
+/// The waypoint at the target, if it is one step from `angles` in that direction.
+fn arrive(
+    solver: &mut ClosureSolver<'_>,
+    angles: &[f64],
+    direction: &[f64],
+    target: Target<'_>,
+    max_step: f64,
+) -> Option<Waypoint> {
+    match target {
+        Target::Flat => Some(Waypoint {
+            angles: vec![0.0; angles.len()],
+            tangent: tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
+        }),
+        Target::Closed(target) => {
+            let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
+            if cosine(&way, direction) < AHEAD {
+                return None;
+            }
+            let mut tangent = way;
+            solver.project_on_motions(target, &mut tangent)?;
+            let length = norm(&tangent);
+            (length > 0.0).then(|| Waypoint {
+                angles: target.to_vec(),
+                tangent: tangent.iter().map(|t| t / length).collect(),
+            })
+        }
+        Target::Nearest(asked) => {
+            let last = approach(solver, angles.to_vec(), asked);
+            let reached = norm(&way_to(asked, &last)) <= NEAR;
+            if !reached || max_difference(&last, angles) > max_step {
+                return None;
+            }
+            let mut tangent = direction.to_vec();
+            solver.project_on_motions(&last, &mut tangent)?;
+            let length = norm(&tangent);
+            (length > IN_SIGHT).then(|| Waypoint {
+                angles: last,
+                tangent: tangent.iter().map(|t| t / length).collect(),
+            })
+        }
+    }
+}
+
+/// Cosine between the straight way to a configuration near by and the motion above which it lies on
+/// that motion.
+const AHEAD: f64 = 0.8;
+
+/// Steps towards what is asked for along the closed configurations. Each squares with the bend of the
+/// motion over the distance, so that few are needed.
+const APPROACHES: usize = 50;
+
+/// The closed configuration nearest to what is asked for, as far as descent along the closed ones from
+/// `angles` finds it; no hinge turns against what is asked of it.
+pub(super) fn approach(
+    solver: &mut ClosureSolver<'_>,
+    mut angles: Vec<f64>,
+    asked: &[Option<f64>],
+) -> Vec<f64> {
+    for _ in 0..APPROACHES {
+        let far = norm(&way_to(asked, &angles));
+        if far <= NEAR {
+            break;
+        }
+        let Ok(heading) = towards(solver, &angles, asked) else {
+            break;
+        };
+        let way = heading.direction.iter().map(|d| d * heading.length);
+        let mut nearer: Vec<f64> = angles.iter().zip(way).map(|(x, d)| x + d).collect();
+        let closed = solver.closes(&mut nearer) && same_signs(&nearer, asked);
+        if !closed || norm(&way_to(asked, &nearer)) >= far {
+            break;
+        }
+        angles = nearer;
+    }
+    angles
+}
+
+/// Whether no hinge turns against what is asked of it.
+pub(super) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
+    let mut pairs = angles.iter().zip(asked);
+    pairs.all(|(angle, asked)| angle * asked.unwrap_or(0.0) >= 0.0)
+}
+
+/// Half the change of the direction for a unit of path length, as the last step of that length had it.
+fn bend(before: &[f64], here: &[f64], length: f64) -> Vec<f64> {
+    let change = before.iter().zip(here);
     change
-        .map(|(before, here)| (before - here) / (2.0 * length))
+        .map(|(before, here)| (here - before) / (2.0 * length))
         .collect()
 }
 
-/// One step of at most `max_step`, and its length along the path.
+/// One step of at most `max_step` and about as long as `most`, and its length along the path.
 fn step(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
     direction: &[f64],
     bend: &[f64],
+    keeps_signs: bool,
+    most: f64,
     max_step: f64,
 ) -> Option<(Vec<f64>, f64)> {
-    let longest = AIM * max_step / max_norm(direction);
-    let mut length = longest;
-    while length >= SMALLEST * longest {
-        let move_by = |k: usize| length * (direction[k] + length * bend[k]);
-        let predicted: Vec<f64> = (0..angles.len()).map(|k| angles[k] + move_by(k)).collect();
-        let mut next = predicted.clone();
-        let near = solver.closes(&mut next)
-            && max_difference(&next, angles) <= max_step
-            && max_difference(&next, &predicted) <= CORRECTION * length
-            // No hinge passes through flat on its way to flat.
-            && next.iter().zip(angles).all(|(n, a)| n * a >= 0.0);
-        if near {
-            return Some((next, length));
+    let mut part = (most * max_norm(direction) / (AIM * max_step)).clamp(SMALLEST, 1.0);
+    while part >= SMALLEST {
+        let taken = step_at(
+            solver,
+            angles,
+            direction,
+            bend,
+            keeps_signs,
+            part * max_step,
+            max_step,
+        );
+        if taken.is_some() || solver.is_late() {
+            return taken;
         }
-        length /= 2.0;
+        part /= 2.0;
     }
     None
 }
 
+/// One step whose largest entry is about `size`, if it is a good one.
+fn step_at(
+    solver: &mut ClosureSolver<'_>,
+    angles: &[f64],
+    direction: &[f64],
+    bend: &[f64],
+    keeps_signs: bool,
+    size: f64,
+    max_step: f64,
+) -> Option<(Vec<f64>, f64)> {
+    let length = AIM * size / max_norm(direction);
+    let move_by = |k: usize| length * (direction[k] + length * bend[k]);
+    // A hinge that would pass through flat stops there: often that sets others free.
+    let stays = |from: f64, to: f64| {
+        if keeps_signs && from * to < 0.0 {
+            0.0
+        } else {
+            to
+        }
+    };
+    let predicted = (0..angles.len()).map(|k| stays(angles[k], angles[k] + move_by(k)));
+    let predicted: Vec<f64> = predicted.collect();
+    let mut next = predicted.clone();
+    let near = solver.closes(&mut next)
+        && max_difference(&next, angles) <= max_step
+        && max_difference(&next, &predicted) <= CORRECTION * length
+        && (!keeps_signs
+            || next
+                .iter()
+                .zip(angles)
+                .all(|(n, a)| n * a >= 0.0 || n.abs() <= FLAT));
+    near.then_some((next, length))
+}
+
+/// How far `angles` can go along `direction` until a hinge that is not flat becomes so.
+fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
+    let turned = angles
+        .iter()
+        .zip(direction)
+        .filter(|(a, d)| a.abs() > FLAT && *a * *d < 0.0);
+    turned.fold(f64::INFINITY, |least, (a, d)| least.min(-a / d))
+}
+
 /// Direction in which the motion leaves the flat sheet, given a configuration near flat on it: the
 /// limit of secants, as no derivative tells one motion from the others there.
-fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
+pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
     // Quartered five times: 10 degrees become 2e-4 rad, where secant and tangent differ by 1e-7.
     let mut secant = near.to_vec();
     for _ in 0..5 {
@@ -179,15 +477,15 @@ pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|a| a * a).sum::<f64>().sqrt()
 }
 
-fn cosine(x: &[f64], y: &[f64]) -> f64 {
+pub(super) fn cosine(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>() / (norm(x) * norm(y))
 }
 
-fn max_norm(x: &[f64]) -> f64 {
+pub(super) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max, a| f64::max(max, a.abs()))
 }
 
-fn max_difference(x: &[f64], y: &[f64]) -> f64 {
+pub(super) fn max_difference(x: &[f64], y: &[f64]) -> f64 {
     x.iter()
         .zip(y)
         .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()))

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreaseId, CreasePattern};
 
 /// Goal fold angles of the creases, radians.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +12,25 @@ pub struct Goal {
     /// How far a crease may be from its goal angle, radians, where that does not close. What is nearest
     /// beyond that is another goal.
     pub reach: f64,
+    /// For each crease the way it turns (-1, 0 if that is not known, 1): of its letter.
+    pub signs: Vec<f64>,
+    /// Configurations to pass through before, in this order, each as a goal of its own.
+    pub via: Vec<Goal>,
+    /// What the angles mean.
+    pub kind: GoalKind,
     /// Where they come from, in words.
     pub source: String,
+}
+
+/// What the angles of a [`Goal`] mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GoalKind {
+    /// A configuration of the sheet.
+    Configuration,
+    /// As far that way as the sheet goes.
+    Letters,
+    /// One crease is driven, and the others follow from flat.
+    Driven,
 }
 
 /// [`reach`](Goal::reach) of angles that somebody chose: eleven degrees cover measured goals.
@@ -34,12 +51,67 @@ pub enum GoalError {
     /// The goal is the flat sheet itself.
     #[error("edges_foldAngle: the goal is the flat sheet; expected an angle other than 0")]
     Flat,
+    /// A driven crease cannot go there.
+    #[error(
+        "--crease: edge {edge} is lettered {letter}, expected an angle its way, not 0 and at most 180 \
+         degrees, found {degrees:.6}"
+    )]
+    Crease {
+        /// The edge.
+        edge: usize,
+        /// Its letter.
+        letter: char,
+        /// The angle asked for.
+        degrees: f64,
+    },
     /// The fraction is not one.
     #[error("--fold: expected a fraction above 0 and at most 1, found {0}")]
     Fraction(f64),
 }
 
 impl Goal {
+    /// Goal angles that somebody chose.
+    #[must_use]
+    pub fn chosen(pattern: &CreasePattern, fold_angles: Vec<Option<f64>>, source: String) -> Self {
+        Self {
+            fold_angles,
+            reach: CHOSEN_REACH,
+            signs: letter_signs(pattern),
+            via: Vec::new(),
+            kind: GoalKind::Configuration,
+            source,
+        }
+    }
+
+    /// One crease turned to `angle` (radians) from flat, the others following the way their letters
+    /// say.
+    ///
+    /// # Errors
+    /// If the angle is 0, beyond half a turn or against the crease's letter.
+    pub fn of_crease(
+        pattern: &CreasePattern,
+        crease: CreaseId,
+        angle: f64,
+    ) -> Result<Self, GoalError> {
+        let edge = pattern.creases()[crease.index()].index();
+        let letter = pattern.edge(pattern.creases()[crease.index()]).letter;
+        let degrees = angle.to_degrees();
+        let against = angle * letter.sign() < 0.0;
+        if !(angle.abs() > FLAT && angle.abs() <= core::f64::consts::PI) || against {
+            return Err(GoalError::Crease {
+                edge,
+                letter: letter.code(),
+                degrees,
+            });
+        }
+        let mut fold_angles = vec![None; pattern.creases().len()];
+        fold_angles[crease.index()] = Some(angle);
+        let source = format!("edge {edge} at {degrees:.6} degrees");
+        let mut goal = Self::chosen(pattern, fold_angles, source);
+        goal.kind = GoalKind::Driven;
+        Ok(goal)
+    }
+
     /// The pattern's own goal angles, or else its letters folded all the way.
     ///
     /// # Errors
@@ -57,11 +129,8 @@ impl Goal {
         {
             return Err(GoalError::Flat);
         }
-        Ok(Self {
-            fold_angles,
-            reach: CHOSEN_REACH,
-            source: "the pattern's goal angles".into(),
-        })
+        let source = "the pattern's goal angles".into();
+        Ok(Self::chosen(pattern, fold_angles, source))
     }
 
     /// Each crease turned by `fraction` of a half turn, the way its letter says; unassigned ones free.
@@ -72,23 +141,29 @@ impl Goal {
         if !(fraction > 0.0 && fraction <= 1.0) {
             return Err(GoalError::Fraction(fraction));
         }
-        let signs = pattern
-            .creases()
-            .iter()
-            .map(|&id| pattern.edge(id).letter.sign());
+        let signs = letter_signs(pattern);
         let angle = fraction * core::f64::consts::PI;
         // A hinge whose letter says no way is free.
         let fold_angles: Vec<Option<f64>> = signs
+            .iter()
             .map(|sign| (sign.abs() > 0.0).then_some(sign * angle))
             .collect();
         if fold_angles.iter().all(Option::is_none) {
             return Err(GoalError::NoDirection);
         }
-        Ok(Self {
-            fold_angles,
-            // Letters say which way, not how far.
-            reach: core::f64::consts::PI,
-            source: format!("the letters at {:.4} of a half turn", fraction),
-        })
+        let source = format!("the letters at {fraction:.4} of a half turn");
+        let mut goal = Self::chosen(pattern, fold_angles, source);
+        goal.kind = GoalKind::Letters;
+        if fraction < 1.0 {
+            // Letters say which way, not how far. All the way, though, is one configuration.
+            goal.reach = core::f64::consts::PI;
+        }
+        Ok(goal)
     }
+}
+
+/// For each crease the sign of its letter.
+fn letter_signs(pattern: &CreasePattern) -> Vec<f64> {
+    let creases = pattern.creases().iter();
+    creases.map(|&id| pattern.edge(id).letter.sign()).collect()
 }

@@ -5,6 +5,8 @@
 //! it is not, and then reused on the whole sheet: every knot is expanded to all creases and judged
 //! there.
 
+mod attempt;
+mod depart;
 mod follow;
 mod goal;
 mod judge;
@@ -12,11 +14,14 @@ mod knots;
 mod options;
 mod plan;
 mod reduction;
+mod search;
 mod solver;
 mod sparse;
 
-pub use goal::{CHOSEN_REACH, Goal, GoalError};
+pub use depart::{Departure, leave_flat};
+pub use foldpath_core::Objective;
+pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Interpolation, Knot, Path};
-pub use options::{OptionsError, PlanOptions, Solver, Symmetry, Vertices};
+pub use options::{HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Vertices};
 pub use plan::{Outcome, Plan, Times, plan};
 pub use reduction::closure_of;

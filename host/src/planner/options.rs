@@ -1,10 +1,13 @@
 //! What the user may set.
 
+use core::f64::consts::PI;
 use core::time::Duration;
 
+use foldpath_core::Objective;
 use thiserror::Error;
 
 use super::Interpolation;
+use crate::pattern::CreaseId;
 
 /// Whether to look for crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,8 +39,29 @@ pub enum Solver {
     Gradient,
 }
 
-/// Options of [`plan`](super::plan).
+/// How the path is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Search {
+    /// Along the motion, from the goal or from flat.
+    #[default]
+    Path,
+    /// The adaptive randomised search of [XiLien2015](foldpath_core#references), section 4.
+    Random,
+}
+
+/// Fold angles that a hinge may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingeLimit {
+    /// The hinge.
+    pub crease: CreaseId,
+    /// Smallest fold angle, radians; at most 0, as the path begins flat.
+    pub lower: f64,
+    /// Largest fold angle, radians; at least 0.
+    pub upper: f64,
+}
+
+/// Options of [`plan`](super::plan).
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
     /// Bound on deformation and gap of the whole sheet, a fraction.
     pub bound: f64,
@@ -51,6 +75,14 @@ pub struct PlanOptions {
     pub interpolation: Interpolation,
     /// Which solver to use.
     pub solver: Solver,
+    /// How to look for the path.
+    pub search: Search,
+    /// How the randomised search measures closure.
+    pub objective: Objective,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Hinges that may not turn as far as touching themselves.
+    pub limits: Vec<HingeLimit>,
     /// No hinge turns by more than this from one knot to the next, radians.
     pub max_step: f64,
     /// Speed of the fastest hinge, radians per second.
@@ -68,6 +100,10 @@ impl Default for PlanOptions {
             collision: true,
             interpolation: Interpolation::default(),
             solver: Solver::default(),
+            search: Search::default(),
+            objective: Objective::default(),
+            seed: 0,
+            limits: Vec::new(),
             max_step: 10_f64.to_radians(),
             max_speed: 45_f64.to_radians(),
             timeout: None,
@@ -119,6 +155,21 @@ impl PlanOptions {
                 expected: "a fraction of at most 1",
                 found: self.bound,
             });
+        }
+        for limit in &self.limits {
+            let flat = limit.lower <= 0.0 && limit.upper >= 0.0;
+            if !flat || limit.lower < -PI || limit.upper > PI {
+                return Err(OptionsError {
+                    option: "limit",
+                    expected: "MIN..MAX within -180..180 degrees and round 0, where the path begins",
+                    found: if limit.lower > 0.0 || limit.lower < -PI {
+                        limit.lower
+                    } else {
+                        limit.upper
+                    }
+                    .to_degrees(),
+                });
+            }
         }
         positive("max_step", self.max_step)?;
         positive("max_speed", self.max_speed)?;

@@ -3,15 +3,17 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::follow::{Followed, Stop, follow_to_flat, norm};
+use super::attempt::{Attempt, End, straight};
+use super::follow::{Stop, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
-use super::reduction::{CLOSED, ClosedGoal, Reduction, closure_of, reduce};
+use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
 use super::solver::{ClosureSolver, Work};
-use super::{Goal, PlanOptions};
+use super::{Goal, PlanOptions, Symmetry};
 use crate::collision::{CollisionCounts, Crossing};
 use crate::folding::Rigidity;
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, EdgeId};
+use crate::symmetry::CreaseGroups;
 
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -130,28 +132,140 @@ impl<'a> Planning<'a> {
     }
 
     fn run(mut self) -> Plan {
-        let start = Instant::now();
         let mut work = Work::default();
-        let notes = &mut self.plan.notes;
-        let (reduction, closed) = reduce(self.pattern, self.goal, self.options, &mut work, notes);
+        let mut best: Option<Attempt> = None;
+        let mut symmetric: Option<Reduction> = None;
+        // Symmetry is a shortcut: what it does not find is looked for without.
+        let choices: &[bool] = match self.options.symmetry {
+            Symmetry::Auto => &[true, false],
+            Symmetry::Off => &[false],
+        };
+        for &by_symmetry in choices {
+            let start = Instant::now();
+            let groups = if by_symmetry {
+                CreaseGroups::find(self.pattern)
+            } else {
+                CreaseGroups::trivial(self.pattern)
+            };
+            self.plan.times.symmetry += start.elapsed();
+            let shrinks = groups.len() < self.pattern.creases().len();
+            if by_symmetry && !shrinks {
+                continue;
+            }
+            let reach = self.reach(shrinks);
+            let start = Instant::now();
+            let (options, deadline) = (self.options, self.deadline);
+            let reduction = Reduction::new(self.pattern, groups, options, deadline);
+            self.plan.times.symmetry += start.elapsed();
+            let attempt = Attempt::new(
+                self.pattern,
+                reduction,
+                self.goal,
+                reach,
+                options,
+                &mut work,
+            );
+            self.plan.times.symmetry += attempt.times[0];
+            self.plan.times.solve += attempt.times[1];
+            let dropped = match best.take() {
+                Some(before) if before.rank() + FARTHER >= attempt.rank() => {
+                    best = Some(before);
+                    None
+                }
+                before => {
+                    best = Some(attempt);
+                    before
+                }
+            };
+            if let Some(dropped) = dropped {
+                let why = match dropped.end {
+                    End::NotClosed(_) => "the goal does not close under them",
+                    _ => "the sheet folds farther without them",
+                };
+                let groups = dropped.reduction.groups.len();
+                let note = format!("{groups} crease groups dropped: {why}");
+                self.plan.notes.push(note);
+                symmetric = Some(dropped.reduction);
+            }
+            if best.as_ref().is_some_and(Attempt::is_complete) {
+                break;
+            }
+        }
+        self.plan.iterations = work.iterations;
+        self.plan.evaluations = work.evaluations;
+        match best {
+            Some(best) => self.conclude(best, symmetric),
+            None => self.plan,
+        }
+    }
+
+    /// How far a crease may be from its goal angle, radians. A goal far away is not what was asked for:
+    /// with every crease free, one may be nearer. Nor is one beside a goal that closes as it stands, all
+    /// creases on their own.
+    fn reach(&self, symmetric: bool) -> f64 {
+        let closure = || closure_of(self.pattern, &self.goal.fold_angles);
+        if symmetric && closure().is_some_and(|closure| closure <= CLOSED) {
+            SAME
+        } else {
+            self.goal.reach
+        }
+    }
+
+    /// Notes what the path is made of.
+    fn describe(&mut self, reduction: &Reduction) {
         self.plan.groups = reduction.groups.len();
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
-        self.plan.times.symmetry = start.elapsed();
-        let nearest = closed.as_ref().map(|closed| closed.error);
-        let Some(closed) = closed.filter(|closed| closed.error <= self.goal.reach) else {
-            self.count(work);
-            return self.not_closed(nearest);
-        };
+        self.plan.path.interpolation = self.options.interpolation;
+    }
 
+    fn conclude(mut self, mut attempt: Attempt, symmetric: Option<Reduction>) -> Plan {
+        self.plan.notes.append(&mut attempt.notes);
+        self.describe(&attempt.reduction);
+        let Some(last) = attempt.waypoints.last() else {
+            return self.not_closed(attempt, symmetric);
+        };
+        self.plan.goal_error = attempt.reduction.distance(&last.angles, self.goal);
+        let (reason, outcome) = match attempt.end {
+            End::Reached => {
+                self.moved_goal(&attempt);
+                (None, Outcome::Planned)
+            }
+            End::Stopped(Stop::Timeout) => (
+                Some(self.stopped(&attempt, Stop::Timeout)),
+                Outcome::Timeout,
+            ),
+            End::Stopped(stop) => {
+                if let Some(reduction) = symmetric.as_ref().or(Some(&attempt.reduction))
+                    && let Some(plan) = self.deforming(reduction)
+                {
+                    return plan;
+                }
+                (Some(self.stopped(&attempt, stop)), Outcome::Partial)
+            }
+            End::NotClosed(_) => return self.not_closed(attempt, symmetric),
+        };
+        let knots = timed(&attempt.waypoints, self.options.max_speed);
+        let mut plan = self.judge(&attempt.reduction, attempt.accepted, knots, attempt.reached);
+        if plan.outcome == Outcome::Planned {
+            (plan.outcome, plan.reason) = (outcome, reason);
+        }
+        plan
+    }
+
+    /// Says how far the goal was moved, if it was.
+    fn moved_goal(&mut self, attempt: &Attempt) {
         let start = Instant::now();
-        let (closed, mut solver, followed) = self.follow_best(&reduction, closed, &mut work);
-        self.plan.times.solve = start.elapsed();
-        self.count(work);
-        self.plan.goal_error = closed.error;
-        let start = Instant::now();
-        self.plan.goal_closure = self.goal_closure(&reduction, &closed);
+        let last = attempt
+            .waypoints
+            .last()
+            .map_or(&[][..], |last| &last.angles);
+        let angles = attempt.reduction.groups.expand(last);
+        let asked = self.goal.fold_angles.iter().zip(angles);
+        // Free hinges as they close.
+        let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
+        self.plan.goal_closure = closure_of(self.pattern, &angles).unwrap_or(0.0);
         self.plan.times.symmetry += start.elapsed();
         if self.plan.goal_closure > CLOSED {
             self.plan.notes.push(format!(
@@ -159,77 +273,47 @@ impl<'a> Planning<'a> {
                  {:.2e} degrees away",
                 self.goal.source,
                 self.plan.goal_closure,
-                closed.error.to_degrees()
+                self.plan.goal_error.to_degrees()
             ));
         }
-        if let Some(stop) = followed.stop {
-            return self.stopped(stop, &followed, &closed);
+    }
+
+    fn not_closed(mut self, attempt: Attempt, symmetric: Option<Reduction>) -> Plan {
+        let reduction = symmetric.as_ref().unwrap_or(&attempt.reduction);
+        if let Some(plan) = self.deforming(reduction) {
+            return plan;
         }
-        self.plan.path.interpolation = self.options.interpolation;
-        self.plan.path.knots = timed(&followed.waypoints, self.options.max_speed);
-        self.plan.reached = 1.0;
-        self.judge(&reduction, &mut solver)
-    }
-
-    /// Closure residual of the goal asked for, free hinges as they close.
-    fn goal_closure(&self, reduction: &Reduction, closed: &ClosedGoal) -> f64 {
-        let angles = reduction.groups.expand(&closed.angles);
-        let asked = self.goal.fold_angles.iter().zip(angles);
-        let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
-        closure_of(self.pattern, &angles).unwrap_or(0.0)
-    }
-
-    fn not_closed(self, nearest: Option<f64>) -> Plan {
+        let late = self
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline);
+        if late {
+            let reason = "out of time while closing the goal".into();
+            return self.end(Outcome::Timeout, reason);
+        }
         let goal = &self.goal.source;
         let mut reason = format!("no closed configuration was found near {goal}");
-        if let Some(error) = nearest {
+        if let End::NotClosed(Some(error)) = attempt.end {
             let degrees = error.to_degrees();
             reason +=
                 &format!(": the nearest found turns a crease {degrees:.1} degrees from its goal");
         }
-        self.end(Outcome::GoalNotClosed, reason)
-    }
-
-    /// Follows the path from the goal. Where that closes exactly but the way from it does not, as
-    /// happens with rounded coordinates, the way from one that closes as well as can be is tried.
-    fn follow_best<'r>(
-        &self,
-        reduction: &'r Reduction,
-        closed: ClosedGoal,
-        work: &mut Work,
-    ) -> (ClosedGoal, ClosureSolver<'r>, Followed) {
-        let (solver, followed) = self.follow(reduction, &closed, work);
-        let exact = closed.accepted <= 0.0;
-        if exact && matches!(followed.stop, Some(Stop::Closure | Stop::Singular)) {
-            let accepted = reduction.accepted(self.options);
-            let rough = reduction.close_goal_to(accepted, self.goal, self.options, work);
-            if let Some(rough) = rough.filter(|rough| rough.error <= self.goal.reach) {
-                let (rough_solver, rough_followed) = self.follow(reduction, &rough, work);
-                if rough_followed.stop.is_none() {
-                    return (rough, rough_solver, rough_followed);
-                }
-            }
+        let asked = self
+            .goal
+            .fold_angles
+            .iter()
+            .map(|angle| angle.unwrap_or(0.0));
+        let asked: Vec<Option<f64>> = asked.map(Some).collect();
+        let asked: Vec<f64> = attempt
+            .reduction
+            .groups
+            .reduce(&asked)
+            .into_iter()
+            .flatten()
+            .collect();
+        if let Some(blame) = attempt.reduction.worst_vertex(self.pattern, &asked) {
+            reason += &format!("; there {blame}");
         }
-        (closed, solver, followed)
-    }
-
-    fn follow<'r>(
-        &self,
-        reduction: &'r Reduction,
-        closed: &ClosedGoal,
-        work: &mut Work,
-    ) -> (ClosureSolver<'r>, Followed) {
-        let mut solver = reduction.solver(self.options, closed);
-        let max_step = self.options.max_step;
-        let followed = follow_to_flat(&mut solver, &closed.angles, max_step, self.deadline);
-        work.iterations += solver.work.iterations;
-        work.evaluations += solver.work.evaluations;
-        (solver, followed)
-    }
-
-    fn count(&mut self, work: Work) {
-        self.plan.iterations = work.iterations;
-        self.plan.evaluations = work.evaluations;
+        self.end(Outcome::GoalNotClosed, reason)
     }
 
     fn end(mut self, outcome: Outcome, reason: String) -> Plan {
@@ -238,30 +322,103 @@ impl<'a> Planning<'a> {
         self.plan
     }
 
-    fn stopped(self, stop: Stop, followed: &Followed, closed: &ClosedGoal) -> Plan {
-        let last = followed.waypoints.last();
-        let left = last.map_or(1.0, |last| norm(&last.angles) / norm(&closed.angles));
+    /// Why the path ends where it does, in words.
+    fn stopped(&self, attempt: &Attempt, stop: Stop) -> String {
+        let reduction = &attempt.reduction;
+        let last = attempt
+            .waypoints
+            .last()
+            .map_or(&[][..], |last| &last.angles);
         let why = match stop {
-            Stop::Singular => "no motion leads on towards the flat sheet",
-            Stop::Closure => "no closed configuration follows within the smallest step",
-            Stop::TooLong => "the motion goes on without coming nearer to the flat sheet",
+            Stop::Singular if attempt.waypoints.len() < 2 => {
+                "no motion leaves the flat sheet with these signs"
+            }
+            Stop::Singular => "no motion leads on (singular)",
+            Stop::Closure => "no closed configuration follows (closure)",
+            Stop::Nearest => "the motion leads no nearer to the goal (closure)",
+            Stop::Limit(_) => "a hinge is at its limit",
+            Stop::TooLong => "the motion goes on without coming nearer to the goal (closure)",
             Stop::Timeout => "out of time",
         };
-        let reason = format!(
-            "followed from the goal towards the flat sheet, {why} at {:.1} % of the goal's angles",
-            100.0 * left
+        let mut reason = format!(
+            "as far as {:.1} % of the goal's angles: {why}",
+            100.0 * attempt.reached
         );
-        let outcome = match stop {
-            Stop::Timeout => Outcome::Timeout,
-            _ => Outcome::Partial,
-        };
-        self.end(outcome, reason)
+        if let Stop::Limit(unknown) = stop {
+            let edges = self.members(reduction, unknown);
+            return reason + ": " + &edge_list(&edges);
+        }
+        // What a small step straight to the goal would tear.
+        let asked = reduction.groups.reduce(&self.goal.fold_angles);
+        let mut ahead = way_to(&asked, last);
+        let far = max_norm(&ahead);
+        for (step, at) in ahead.iter_mut().zip(last) {
+            *step = at + *step * (PROBE / far.max(PROBE));
+        }
+        if stop != Stop::Timeout
+            && let Some(blame) = reduction.worst_vertex(self.pattern, &ahead)
+        {
+            reason += &format!("; going on straight, {blame}");
+        }
+        reason
     }
 
-    /// Reuses the path on the whole sheet: judges it at every knot.
-    fn judge(mut self, reduction: &Reduction, solver: &mut ClosureSolver<'_>) -> Plan {
+    /// Edges of the creases of a group.
+    fn members(&self, reduction: &Reduction, group: usize) -> Vec<EdgeId> {
+        let memberships = reduction.groups.memberships().iter();
+        let pairs = memberships.zip(self.pattern.creases());
+        let members = pairs.filter(|(membership, _)| membership.group.index() == group);
+        members.map(|(_, &edge)| edge).collect()
+    }
+
+    /// Whether the sheet folds within the bound although not rigidly: the essential crease pattern is
+    /// taken straight to the goal, and if that keeps the bound, the path is reused on the whole sheet.
+    /// Holding there too, it is a plan; else the sheet is not rigidly foldable this way
+    /// (Prop. 5.1 of the report). `None` if already the essential pattern breaks the bound, or the goal
+    /// is not one of its crease groups.
+    fn deforming(&mut self, reduction: &Reduction) -> Option<Plan> {
+        let asked = reduction.groups.reduce(&self.goal.fold_angles);
+        let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
+        let shrinks = reduction.groups.len() < self.pattern.creases().len();
+        let error = reduction.distance(&goal, self.goal);
+        if !shrinks
+            || error > SAME_GOAL
+            || !self.goal.via.is_empty()
+            || !reduction.allows(self.goal)
+        {
+            return None;
+        }
+        let knots = timed(
+            &straight(reduction, &goal, self.options),
+            self.options.max_speed,
+        );
+        let mut judge = Judge::new(self.pattern, reduction, false);
+        let (essential, _) = judge.essential(&knots);
+        if !(essential.deformation <= self.options.bound && essential.gap <= self.options.bound) {
+            return None;
+        }
+        let mut planning = Planning::new(self.pattern, self.goal, self.options);
+        planning.deadline = self.deadline;
+        planning.plan = self.plan.clone();
+        planning.describe(reduction);
+        planning.plan.goal_error = error;
+        planning.plan.notes.push(
+            "no exact motion leads to the goal; the sheet is taken there straight, deforming"
+                .into(),
+        );
+        Some(planning.judge(reduction, self.options.bound, knots, 1.0))
+    }
+
+    /// Reuses the path, which reaches that part of the goal, on the whole sheet: judges it at every knot.
+    fn judge(
+        mut self,
+        reduction: &Reduction,
+        accepted: f64,
+        mut knots: Vec<Knot>,
+        reached: f64,
+    ) -> Plan {
+        self.plan.reached = reached;
         let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
-        let mut knots = core::mem::take(&mut self.plan.path.knots);
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
             if self
@@ -281,8 +438,9 @@ impl<'a> Planning<'a> {
         }
         if let Some((index, crossing)) = crossed {
             let refused = knots.split_off(index);
+            let mut solver = reduction.solver(self.options, accepted);
             if let Some(reason) =
-                self.stop_before(&mut judge, solver, &mut knots, &refused, crossing)
+                self.stop_before(&mut judge, &mut solver, &mut knots, &refused, crossing)
             {
                 self.note(&judge, knots);
                 return self.end(Outcome::Crossing(crossing), reason);
@@ -317,7 +475,8 @@ impl<'a> Planning<'a> {
             },
         );
         self.plan.goal_error = judge.distance(&angles, self.goal);
-        self.plan.reached = if goal.time > 0.0 {
+        let whole = self.plan.reached;
+        self.plan.reached *= if goal.time > 0.0 {
             time / goal.time
         } else {
             0.0
@@ -341,7 +500,7 @@ impl<'a> Planning<'a> {
             self.plan.goal_closure,
             short.to_degrees(),
         ));
-        self.plan.reached = 1.0;
+        self.plan.reached = whole;
         if knots.last().is_some_and(|knot| knot.time < time) {
             let mut last = Knot {
                 time,
@@ -394,3 +553,38 @@ impl<'a> Planning<'a> {
 
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
+/// Radians: a step that shows which vertex stands in the way.
+const PROBE: f64 = 0.1;
+/// Radians: goal angles of one crease group are the same.
+const SAME_GOAL: f64 = 1e-2;
+/// Part of the goal that a path without symmetry has to come nearer to be preferred.
+const FARTHER: f64 = 0.01;
+/// Edges named at most.
+const NAMED: usize = 12;
+
+impl core::fmt::Display for Blame {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let edges = edge_list(&self.edges);
+        let vertex = self.vertex.index();
+        write!(
+            f,
+            "vertex {vertex} (creases: {edges}) does not close: residual {:.1e}",
+            self.residual
+        )
+    }
+}
+
+fn edge_list(edges: &[EdgeId]) -> String {
+    let names = edges
+        .iter()
+        .take(NAMED)
+        .map(|edge| edge.index().to_string());
+    let names = names.collect::<Vec<_>>().join(", ");
+    let more = edges.len().saturating_sub(NAMED);
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    format!("edges {names}{more}")
+}

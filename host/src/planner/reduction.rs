@@ -1,9 +1,13 @@
 //! The problem that is solved: crease groups as unknowns, some stars as conditions, and the goal in
 //! these terms.
 
+use core::f64::consts::PI;
+use std::time::Instant;
+
+use super::follow::{approach, same_signs};
 use super::solver::{ClosureSolver, Work, max_closure};
-use super::{Goal, PlanOptions, Symmetry, Vertices};
-use crate::pattern::CreasePattern;
+use super::{Goal, PlanOptions, Vertices};
+use crate::pattern::{CreasePattern, EdgeId, VertexId};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// The unknowns and conditions of a plan.
@@ -14,6 +18,16 @@ pub(super) struct Reduction {
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
     vertices: Vertices,
+    /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
+    limits: Vec<(f64, f64)>,
+    deadline: Option<Instant>,
+}
+
+/// What stands in the way.
+pub(super) struct Blame {
+    pub(super) vertex: VertexId,
+    pub(super) edges: Vec<EdgeId>,
+    pub(super) residual: f64,
 }
 
 /// A closed configuration near the goal.
@@ -27,19 +41,84 @@ pub(super) struct ClosedGoal {
 }
 
 impl Reduction {
-    pub(super) fn new(pattern: &CreasePattern, groups: CreaseGroups, vertices: Vertices) -> Self {
+    pub(super) fn new(
+        pattern: &CreasePattern,
+        groups: CreaseGroups,
+        options: &PlanOptions,
+        deadline: Option<Instant>,
+    ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
         Self {
             essential: all.essential(),
             all,
+            vertices: options.vertices,
+            limits: group_limits(&groups, options),
             groups,
-            vertices,
+            deadline,
         }
     }
 
-    /// A solver of the stars to solve, as exact as the closed goal is.
-    pub(super) fn solver(&self, options: &PlanOptions, closed: &ClosedGoal) -> ClosureSolver<'_> {
-        ClosureSolver::new(self.stars().view(), options.solver, closed.accepted)
+    /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is
+    /// `accepted`.
+    pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
+        ClosureSolver::new(self.stars().view(), options.solver, accepted)
+            .within(self.limits.clone())
+            .until(self.deadline)
+    }
+
+    /// The same for configurations that turn each group the way of `signs` or leave it flat.
+    pub(super) fn signed_solver(
+        &self,
+        options: &PlanOptions,
+        accepted: f64,
+        signs: &[f64],
+    ) -> ClosureSolver<'_> {
+        let limits = signs.iter().enumerate().map(|(group, &sign)| {
+            let (lower, upper) = self.limits.get(group).copied().unwrap_or((-PI, PI));
+            match sign {
+                s if s > 0.0 => (0.0, upper),
+                s if s < 0.0 => (lower, 0.0),
+                _ => (lower, upper),
+            }
+        });
+        self.solver(options, accepted).within(limits.collect())
+    }
+
+    /// Whether the limits allow a goal.
+    pub(super) fn allows(&self, goal: &Goal) -> bool {
+        let asked = self.groups.reduce(&goal.fold_angles);
+        let mut pairs = asked.iter().zip(&self.limits);
+        pairs.all(|(asked, (lower, upper))| {
+            asked.is_none_or(|asked| asked >= lower - SAME && asked <= upper + SAME)
+        })
+    }
+
+    /// The goal in group angles, and for each group the way it turns: of its goal angle, or else of its
+    /// letters.
+    pub(super) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
+        let asked = self.groups.reduce(&goal.fold_angles);
+        let letters: Vec<_> = goal.signs.iter().map(|&sign| Some(sign)).collect();
+        let letters = self.groups.reduce(&letters);
+        let signs = asked.iter().zip(letters).map(|(asked, letter)| {
+            let way = asked.filter(|asked| asked.abs() > 0.0).or(letter);
+            way.filter(|way| way.abs() > 0.0).map_or(0.0, f64::signum)
+        });
+        let signs = signs.collect();
+        (asked, signs)
+    }
+
+    /// The vertex that closes worst at the group angles `x`, its hinges and its residual.
+    pub(super) fn worst_vertex(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
+        let worst = self.all.worst(x)?;
+        let vertex = self.all.vertices()[worst.0];
+        let star = pattern.stars()[vertex.index()].iter().copied();
+        Some(Blame {
+            vertex,
+            edges: star
+                .filter(|&edge| pattern.edge(edge).crease.is_some())
+                .collect(),
+            residual: worst.1,
+        })
     }
 
     /// Closure residual that no vertex may exceed: if all did reach it, each adding to the next all
@@ -74,7 +153,7 @@ impl Reduction {
     /// The goal, moved to the closed configuration near it. `None` if there is none near, or the
     /// nearest turns a crease against the goal. Where none closes exactly, as coordinates are rounded,
     /// one that closes as well as can be.
-    fn close_goal(
+    pub(super) fn close_goal(
         &self,
         goal: &Goal,
         options: &PlanOptions,
@@ -100,7 +179,7 @@ impl Reduction {
         work: &mut Work,
     ) -> Option<ClosedGoal> {
         let asked = self.groups.reduce(&goal.fold_angles);
-        let mut solver = ClosureSolver::new(self.stars().view(), options.solver, accepted);
+        let mut solver = self.solver(options, accepted);
         let found = nearest_closed(&mut solver, &asked);
         work.iterations += solver.work.iterations;
         work.evaluations += solver.work.evaluations;
@@ -113,6 +192,25 @@ impl Reduction {
     }
 }
 
+/// Limits of the groups: what all hinges of each may do.
+fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)> {
+    if options.limits.is_empty() {
+        return Vec::new();
+    }
+    let mut limits = vec![(-PI, PI); groups.len()];
+    for limit in &options.limits {
+        let membership = groups.of(limit.crease);
+        let (lower, upper) = if membership.negative {
+            (-limit.upper, -limit.lower)
+        } else {
+            (limit.lower, limit.upper)
+        };
+        let group = &mut limits[membership.group.index()];
+        *group = (group.0.max(lower), group.1.min(upper));
+    }
+    limits
+}
+
 /// Radians: an exactly closed configuration this near is the goal that was meant.
 const NEARBY: f64 = 0.02;
 /// Closure residual that rounding may leave at a vertex of many creases.
@@ -120,83 +218,20 @@ const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
 /// stand at their limits, a goal that closes but for rounding may have no way to the closed one near it.
 const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
-/// Steps towards the goal along the closed configurations. Each squares with the bend of the motion
-/// over the distance, so that few are needed.
-const APPROACHES: usize = 50;
-/// Radians: a goal this near is reached.
-const NEAR: f64 = 1e-12;
-
 /// The closed configuration nearest to `asked` that turns no hinge against it, as far as descent from
 /// there finds it. Free hinges (`None`) start flat and follow.
 fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[Option<f64>]) -> Option<Vec<f64>> {
-    let same_signs = |x: &[f64]| {
-        x.iter()
-            .zip(asked)
-            .all(|(a, b)| a * b.unwrap_or(0.0) >= 0.0)
-    };
-    let mut angles = STARTS.into_iter().find_map(|part| {
+    let start = STARTS.into_iter().find_map(|part| {
         let mut angles: Vec<f64> = asked.iter().map(|a| a.unwrap_or(0.0) * part).collect();
-        (solver.closes(&mut angles) && same_signs(&angles)).then_some(angles)
+        (solver.closes(&mut angles) && same_signs(&angles, asked)).then_some(angles)
     })?;
-    let way_from = |x: &[f64]| -> Vec<f64> {
-        x.iter()
-            .zip(asked)
-            .map(|(x, a)| a.map_or(0.0, |a| a - x))
-            .collect()
-    };
-    let distance = |x: &[f64]| way_from(x).iter().map(|d| d * d).sum::<f64>();
-    for _ in 0..APPROACHES {
-        let mut way = way_from(&angles);
-        if distance(&angles) <= NEAR * NEAR || !solver.project_on_motions(&angles, &mut way) {
-            break;
-        }
-        let mut nearer: Vec<f64> = angles.iter().zip(&way).map(|(x, d)| x + d).collect();
-        let closed = solver.closes(&mut nearer) && same_signs(&nearer);
-        if !closed || distance(&nearer) >= distance(&angles) {
-            break;
-        }
-        angles = nearer;
-    }
-    Some(angles)
-}
-
-/// The reduction by crease groups if the whole sheet closes under it at the goal, else that without
-/// symmetry, with a note why.
-pub(super) fn reduce(
-    pattern: &CreasePattern,
-    goal: &Goal,
-    options: &PlanOptions,
-    work: &mut Work,
-    notes: &mut Vec<String>,
-) -> (Reduction, Option<ClosedGoal>) {
-    if options.symmetry == Symmetry::Auto {
-        let groups = CreaseGroups::find(pattern);
-        let symmetric = groups.len() < pattern.creases().len();
-        let reduction = Reduction::new(pattern, groups, options.vertices);
-        let closed = reduction.close_goal(goal, options, work);
-        // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
-        // one beside a goal that closes as it stands, all creases on their own.
-        let exact =
-            symmetric && closure_of(pattern, &goal.fold_angles).is_some_and(|c| c <= CLOSED);
-        let reach = if exact { SAME } else { goal.reach };
-        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= reach) {
-            return (reduction, closed);
-        }
-        notes.push(format!(
-            "{} crease groups dropped: the goal does not close under them",
-            reduction.groups.len()
-        ));
-    }
-    let groups = CreaseGroups::trivial(pattern);
-    let reduction = Reduction::new(pattern, groups, options.vertices);
-    let closed = reduction.close_goal(goal, options, work);
-    (reduction, closed)
+    Some(approach(solver, start, asked))
 }
 
 /// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
 pub(super) const CLOSED: f64 = 1e-9;
 /// Radians: angles this near are the same, but for rounding.
-const SAME: f64 = 1e-7;
+pub(super) const SAME: f64 = 1e-7;
 
 /// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a
 /// crease has none.

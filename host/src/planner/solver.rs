@@ -1,8 +1,13 @@
 //! Core's solvers with memory from the heap.
 
-use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use std::time::Instant;
+
+use foldpath_core::least_squares::{
+    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
+};
 use foldpath_core::{
-    DenseNormalEquations, HalfAngle, StarsView, closure, gradient, levenberg_marquardt, norm,
+    DenseNormalEquations, HalfAngle, Objective, StarsView, closure, gradient, levenberg_marquardt,
+    norm,
 };
 use nalgebra::Vector3;
 
@@ -25,6 +30,11 @@ pub(super) struct ClosureSolver<'a> {
     kind: Solver,
     /// Closure residual of a local minimum that still counts as closed.
     accepted: f64,
+    /// Closure residual that counts as closed.
+    tolerance: f64,
+    /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
+    limits: Vec<(f64, f64)>,
+    deadline: Option<Instant>,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations,
@@ -39,12 +49,60 @@ impl<'a> ClosureSolver<'a> {
             stars,
             kind,
             accepted,
+            tolerance: Options::<f64>::default().tolerance,
+            limits: Vec::new(),
+            deadline: None,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); stars.max_degree()],
             equations: Equations::new(stars),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
+    }
+
+    /// The same with lower and upper bounds (radians) of the unknowns.
+    pub(super) fn within(mut self, limits: Vec<(f64, f64)>) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    /// The same that is content with this closure residual.
+    pub(super) fn content_with(mut self, tolerance: f64) -> Self {
+        self.tolerance = self.tolerance.max(tolerance);
+        self
+    }
+
+    /// The same that finds nothing closed any more once the deadline has passed.
+    pub(super) fn until(mut self, deadline: Option<Instant>) -> Self {
+        self.deadline = deadline;
+        self
+    }
+
+    /// Whether the deadline has passed.
+    pub(super) fn is_late(&self) -> bool {
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// How far `x` can go along `direction`, as a factor of it, until an unknown is at its limit, and
+    /// which.
+    pub(super) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
+        let limits = Limits::Each(&self.limits);
+        let rooms = x.iter().zip(direction).enumerate().map(|(k, (&x, &d))| {
+            let (lower, upper) = limits.of(k);
+            let room = if d > 0.0 { upper - x } else { lower - x };
+            (
+                if d.abs() > 0.0 {
+                    room / d
+                } else {
+                    f64::INFINITY
+                },
+                k,
+            )
+        });
+        rooms.fold((f64::INFINITY, 0), |least, room| {
+            if room.0 < least.0 { room } else { least }
+        })
     }
 
     /// Moves `x` to the closed configuration near it.
@@ -57,9 +115,10 @@ impl<'a> ClosureSolver<'a> {
         };
         let mut options = Options {
             acceptable: self.accepted,
+            tolerance: self.tolerance,
             ..Options::default()
         };
-        let limits = Limits::HalfTurn;
+        let limits = Limits::Each(&self.limits);
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
             (Solver::Gradient, _) => {
@@ -85,6 +144,9 @@ impl<'a> ClosureSolver<'a> {
     /// Whether `x`, moved to the closed configuration near it, closes: to rounding, or, where rounded
     /// coordinates leave no configuration that does, as well as can be and within what is accepted.
     pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
+        if self.is_late() {
+            return false;
+        }
         let report = self.close(x);
         match report.outcome {
             Outcome::Converged => true,
@@ -93,8 +155,46 @@ impl<'a> ClosureSolver<'a> {
         }
     }
 
-    /// Replaces `direction` by the nearest infinitesimal motion at `x`.
-    pub(super) fn project_on_motions(&mut self, x: &[f64], direction: &mut [f64]) -> bool {
+    /// Largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
+    pub(super) fn objective_tolerance(&self) -> f64 {
+        self.tolerance.max(self.accepted) * core::f64::consts::SQRT_2
+    }
+
+    /// The report's objective at `x`.
+    pub(super) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
+        let value = objective.value(self.stars, x, &mut self.half_angles);
+        value.unwrap_or(f64::NAN)
+    }
+
+    /// Replaces `direction` by the nearest infinitesimal motion at `x` that pushes no unknown past its
+    /// limit. Returns the unknowns held for that, or nothing if there is no projection.
+    pub(super) fn project_on_motions(
+        &mut self,
+        x: &[f64],
+        direction: &mut [f64],
+    ) -> Option<Vec<usize>> {
+        let mut held: Vec<usize> = Vec::new();
+        let wanted = direction.to_vec();
+        loop {
+            direction.copy_from_slice(&wanted);
+            if !self.project_holding(x, direction, &held) {
+                return None;
+            }
+            let limits = Limits::Each(&self.limits);
+            let tiny = SIDEWAYS * direction.iter().fold(0.0, |max, d| f64::max(max, d.abs()));
+            let blocked = direction.iter().zip(x).enumerate();
+            let blocked = blocked.filter(|&(k, (&d, &x))| {
+                d.abs() > tiny && limits.blocks(k, x, -d) && !held.contains(&k)
+            });
+            let blocked: Vec<usize> = blocked.map(|(k, _)| k).collect();
+            if blocked.is_empty() {
+                return Some(held);
+            }
+            held.extend(blocked);
+        }
+    }
+
+    fn project_holding(&mut self, x: &[f64], direction: &mut [f64], held: &[usize]) -> bool {
         self.work.evaluations += 1;
         let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
         let Some(mut problem) = problem else {
@@ -103,17 +203,35 @@ impl<'a> ClosureSolver<'a> {
         match &mut self.equations {
             Equations::Dense(memory) => {
                 DenseNormalEquations::new(x.len(), memory).is_some_and(|mut equations| {
-                    problem.linearise(x, &mut equations).is_some()
-                        && levenberg_marquardt::project_on_motions(&mut equations, direction)
+                    project(&mut problem, &mut equations, x, direction, held)
                 })
             }
             Equations::Sparse(equations) => {
-                problem.linearise(x, equations.as_mut()).is_some()
-                    && levenberg_marquardt::project_on_motions(equations.as_mut(), direction)
+                project(&mut problem, equations.as_mut(), x, direction, held)
             }
         }
     }
 }
+
+fn project(
+    problem: &mut ClosureProblem<'_, f64>,
+    equations: &mut impl NormalEquations<f64>,
+    x: &[f64],
+    direction: &mut [f64],
+    held: &[usize],
+) -> bool {
+    if problem.linearise(x, equations).is_none() {
+        return false;
+    }
+    for &unknown in held {
+        equations.hold(unknown);
+        direction[unknown] = 0.0;
+    }
+    levenberg_marquardt::project_on_motions(equations, direction)
+}
+
+/// Part of a direction's largest entry below which an entry is rounding, and pushes nothing.
+const SIDEWAYS: f64 = 1e-6;
 
 /// Unknowns up to which a dense matrix is the faster one.
 const DENSE: usize = 40;

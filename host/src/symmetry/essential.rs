@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 
-use foldpath_core::{Spoke, StarsView};
+use foldpath_core::{HalfAngle, Spoke, StarsView, closure, norm};
 use nalgebra::Vector2;
 
 use super::CreaseGroups;
@@ -86,6 +86,19 @@ impl ReducedStars {
                 first
             })
             .collect()
+    }
+
+    /// The star that closes worst at the group angles `x` (radians), and its residual; `None` without
+    /// stars.
+    #[must_use]
+    pub fn worst(&self, x: &[f64]) -> Option<(usize, f64)> {
+        let mut half_angles = vec![HalfAngle::default(); x.len()];
+        closure::half_angles(x, &mut half_angles);
+        let stars = self.view();
+        let residuals = stars
+            .iter()
+            .map(|star| norm(&closure::residual(star, &half_angles)));
+        residuals.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The vertices, in the order of the stars.

@@ -1,0 +1,470 @@
+//! One attempt at a path: on given crease groups, from flat to the goal or as near as the motion leads.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use super::depart::departures;
+use super::follow::{
+    Followed, Stop, Target, Waypoint, follow, max_difference, max_norm, tangent_at_flat,
+};
+use super::goal::GoalKind;
+use super::judge::Judge;
+use super::knots::Knot;
+use super::reduction::{ClosedGoal, Reduction};
+use super::search::{polyline, search};
+use super::solver::{ClosureSolver, Work};
+use super::{Goal, PlanOptions, Search};
+use crate::pattern::CreasePattern;
+
+/// How an attempt ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum End {
+    /// At the goal, or the nearest closed configuration to it.
+    Reached,
+    /// Short of it.
+    Stopped(Stop),
+    /// Without a goal: the nearest closed configuration found, if any, is this far (radians).
+    NotClosed(Option<f64>),
+}
+
+/// A path in group angles, and how it ended.
+pub(super) struct Attempt {
+    pub(super) reduction: Reduction,
+    /// From flat.
+    pub(super) waypoints: Vec<Waypoint>,
+    /// Closure residual that counts as closed although it can be made no smaller.
+    pub(super) accepted: f64,
+    pub(super) end: End,
+    /// How much of the goal's angles the last waypoint has, 0 to 1.
+    pub(super) reached: f64,
+    /// Time for closing the goal, and for the rest.
+    pub(super) times: [Duration; 2],
+    pub(super) notes: Vec<String>,
+}
+
+/// Part of the goal's angles that is worth deforming for, within the bound.
+const MUCH: f64 = 0.1;
+/// Branches that are followed from flat.
+const BRANCHES: usize = 4;
+/// Starts again of the randomised search as a last resort, and where it is asked for.
+const LAST_RESORT: usize = 3;
+const RESTARTS: usize = 20;
+
+/// What all steps of an attempt share.
+struct Route<'a> {
+    pattern: &'a CreasePattern,
+    goal: &'a Goal,
+    options: &'a PlanOptions,
+    reduction: &'a Reduction,
+    asked: Vec<Option<f64>>,
+    signs: Vec<f64>,
+    notes: Vec<String>,
+    accepted: f64,
+    /// Motions found that leave the flat sheet.
+    branches: usize,
+}
+
+impl Attempt {
+    /// Tries to find a path; `reach` is how far (radians) a crease may be from its goal angle.
+    pub(super) fn new(
+        pattern: &CreasePattern,
+        reduction: Reduction,
+        goal: &Goal,
+        reach: f64,
+        options: &PlanOptions,
+        work: &mut Work,
+    ) -> Self {
+        let (asked, signs) = reduction.asked(goal);
+        let mut route = Route {
+            pattern,
+            goal,
+            options,
+            reduction: &reduction,
+            asked,
+            signs,
+            notes: Vec::new(),
+            accepted: 0.0,
+            branches: 0,
+        };
+        let start = Instant::now();
+        let targets = route.targets(reach, work);
+        let closing = start.elapsed();
+        let start = Instant::now();
+        let (waypoints, end) = match targets {
+            Ok(targets) if options.search == Search::Random => {
+                route.random(&targets, RESTARTS, work)
+            }
+            Ok(targets) => route.best(&targets, work),
+            Err(nearest) => (Vec::new(), End::NotClosed(nearest)),
+        };
+        let reached = match (end, waypoints.last()) {
+            (End::Reached, _) => 1.0,
+            (_, Some(last)) => route.part(&last.angles),
+            (_, None) => 0.0,
+        };
+        if route.branches > 1 {
+            route.notes.push(format!(
+                "{} motions found that leave the flat sheet with these signs; the path takes that which \
+                 leads farthest",
+                route.branches
+            ));
+        }
+        let (notes, accepted) = (route.notes, route.accepted);
+        Self {
+            waypoints,
+            accepted,
+            end,
+            reached,
+            times: [closing, start.elapsed()],
+            notes,
+            reduction,
+        }
+    }
+
+    /// Whether nothing better can be had.
+    pub(super) fn is_complete(&self) -> bool {
+        matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
+    }
+
+    /// Larger is better.
+    pub(super) fn rank(&self) -> f64 {
+        match self.end {
+            End::Reached => 2.0,
+            End::Stopped(_) => self.reached,
+            End::NotClosed(_) => -1.0,
+        }
+    }
+}
+
+impl Route<'_> {
+    /// The closed configurations to pass through, the goal last; none for a goal that is not a
+    /// configuration. `Err` if one does not close: how far the nearest closed one is.
+    fn targets(&mut self, reach: f64, work: &mut Work) -> Result<Vec<ClosedGoal>, Option<f64>> {
+        let mut targets = Vec::new();
+        let goals = self.goal.via.iter().chain([self.goal]);
+        for goal in goals {
+            if goal.kind == GoalKind::Driven || !self.reduction.allows(goal) {
+                continue;
+            }
+            let closed = self.reduction.close_goal(goal, self.options, work);
+            let near = closed
+                .as_ref()
+                .is_some_and(|closed| closed.error <= reach.min(goal.reach));
+            match closed {
+                Some(closed) if near => targets.push(closed),
+                _ if goal.kind == GoalKind::Letters => {}
+                closed => return Err(closed.map(|closed| closed.error)),
+            }
+        }
+        Ok(targets)
+    }
+
+    /// The path through all targets, or as far as it goes.
+    fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
+        let whole = targets.len() == self.goal.via.len() + 1;
+        let mut waypoints: Vec<Waypoint> = Vec::new();
+        for (index, target) in targets.iter().enumerate() {
+            let followed = match waypoints.last() {
+                None => self.reach_first(target, work),
+                Some(_) => self.between(&targets[index - 1], target, work),
+            };
+            append(&mut waypoints, followed.waypoints);
+            if let Some(stop) = followed.stop {
+                return (waypoints, End::Stopped(stop));
+            }
+        }
+        if whole {
+            return (waypoints, End::Reached);
+        }
+        // The last goal is not a configuration: as near as the motion goes.
+        let followed = match waypoints.last().cloned() {
+            None => self.forwards(None, work),
+            Some(last) => {
+                let mut solver = self.reduction.solver(self.options, self.accepted);
+                let target = Target::Nearest(&self.asked);
+                let max_step = self.options.max_step;
+                let followed = follow(&mut solver, &last.angles, None, target, max_step);
+                count(work, &solver);
+                followed
+            }
+        };
+        append(&mut waypoints, followed.waypoints);
+        let end = followed.stop.map_or(End::Reached, End::Stopped);
+        (waypoints, end)
+    }
+
+    /// From flat to the first target: followed from there, or else from flat, or else searched.
+    fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+        let backwards = self.backwards(target, work);
+        if matches!(backwards.stop, None | Some(Stop::Timeout)) {
+            return backwards;
+        }
+        // Where the goal closes exactly but the way from it does not, as happens with rounded
+        // coordinates, the way from one that closes as well as can be.
+        if target.accepted <= 0.0 && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
+        {
+            let accepted = self.reduction.accepted(self.options);
+            let rough = self
+                .reduction
+                .close_goal_to(accepted, self.goal, self.options, work);
+            let near = |rough: &ClosedGoal| {
+                max_difference(&rough.angles, &target.angles) <= self.options.max_step
+            };
+            if let Some(rough) = rough.filter(near) {
+                let followed = self.backwards(&rough, work);
+                if followed.stop.is_none() {
+                    return followed;
+                }
+            }
+        }
+        let forwards = self.forwards(Some(target), work);
+        if matches!(forwards.stop, None | Some(Stop::Timeout)) {
+            return forwards;
+        }
+        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT, work);
+        match end {
+            End::Reached => {
+                self.notes
+                    .push("the path was found by the randomised search".into());
+                Followed {
+                    waypoints,
+                    stop: None,
+                }
+            }
+            _ => forwards,
+        }
+    }
+
+    /// From the target to flat, turned round.
+    fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+        let mut solver = self.reduction.solver(self.options, target.accepted);
+        self.accepted = target.accepted;
+        let max_step = self.options.max_step;
+        let followed = follow(&mut solver, &target.angles, None, Target::Flat, max_step);
+        count(work, &solver);
+        followed.reversed()
+    }
+
+    /// Between two targets.
+    fn between(&mut self, from: &ClosedGoal, to: &ClosedGoal, work: &mut Work) -> Followed {
+        let max_step = self.options.max_step;
+        let accepted = from.accepted.max(to.accepted);
+        let mut solver = self.reduction.solver(self.options, accepted);
+        let mut followed = follow(
+            &mut solver,
+            &from.angles,
+            None,
+            Target::Closed(&to.angles),
+            max_step,
+        );
+        if followed.stop.is_some() {
+            let target = Target::Closed(&from.angles);
+            let back = follow(&mut solver, &to.angles, None, target, max_step);
+            if back.stop.is_none() {
+                followed = back.reversed();
+            }
+        }
+        count(work, &solver);
+        followed
+    }
+
+    /// From flat along the signs of the goal: exactly, or else, where that ends much sooner because
+    /// coordinates are rounded, as closed as can be.
+    fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
+        let (exact, part) = self.forwards_to(target, 0.0, work);
+        self.accepted = 0.0;
+        if matches!(exact.stop, None | Some(Stop::Timeout)) {
+            return exact;
+        }
+        let accepted = self.reduction.accepted(self.options);
+        let (rough, rough_part) = self.forwards_to(target, accepted, work);
+        if rough.stop.is_none() || rough_part > part + MUCH {
+            self.accepted = accepted;
+            return rough;
+        }
+        exact
+    }
+
+    /// From flat on the branch that leads farthest, and how much of the goal's angles that is.
+    fn forwards_to(
+        &mut self,
+        target: Option<&ClosedGoal>,
+        accepted: f64,
+        work: &mut Work,
+    ) -> (Followed, f64) {
+        let towards: Vec<f64> = match target {
+            Some(closed) => closed.angles.clone(),
+            None => self.guess(),
+        };
+        let flat = vec![0.0; towards.len()];
+        let mut solver = self.reduction.solver(self.options, accepted);
+        let at_flat = |tangent: Vec<f64>| Waypoint {
+            angles: flat.clone(),
+            tangent,
+        };
+        let mut best = Followed {
+            waypoints: vec![at_flat(flat.clone())],
+            stop: Some(Stop::Singular),
+        };
+        let mut best_part = 0.0;
+        let branches = departures(
+            self.reduction,
+            &towards,
+            &self.signs,
+            accepted,
+            self.options,
+            work,
+        );
+        for near in branches.iter().take(BRANCHES) {
+            let tangent = tangent_at_flat(&mut solver, near);
+            let target = match target {
+                Some(closed) => Target::Closed(&closed.angles),
+                None => Target::Nearest(&self.asked),
+            };
+            let max_step = self.options.max_step;
+            let mut followed = follow(&mut solver, near, Some(&tangent), target, max_step);
+            followed.waypoints.insert(0, at_flat(tangent));
+            if followed.stop.is_some() {
+                // What leads on without coming nearer to the goal is not part of the way there.
+                let parts = followed.waypoints.iter().map(|w| self.part(&w.angles));
+                let far =
+                    parts.enumerate().fold(
+                        (0, 0.0),
+                        |best, (k, part)| {
+                            if part > best.1 { (k, part) } else { best }
+                        },
+                    );
+                followed.waypoints.truncate(far.0 + 1);
+            }
+            let last = followed.waypoints.last();
+            let part = last.map_or(0.0, |last| self.part(&last.angles));
+            let done = followed.stop.is_none();
+            if done || part > best_part {
+                (best, best_part) = (followed, part);
+            }
+            if done {
+                break;
+            }
+        }
+        if solver.is_late() && best.stop.is_some() {
+            best.stop = Some(Stop::Timeout);
+        }
+        count(work, &solver);
+        if branches.len() > 1 {
+            self.branches = branches.len();
+        }
+        (best, best_part)
+    }
+
+    /// A direction from flat: what is asked for, and what is not as large, the way of its letter.
+    fn guess(&self) -> Vec<f64> {
+        let largest = self
+            .asked
+            .iter()
+            .flatten()
+            .fold(0.0, |max, a| f64::max(max, a.abs()));
+        let pairs = self.asked.iter().zip(&self.signs);
+        pairs
+            .map(|(asked, sign)| asked.unwrap_or(sign * largest))
+            .collect()
+    }
+
+    /// The randomised search for the last of the targets.
+    fn random(
+        &mut self,
+        targets: &[ClosedGoal],
+        restarts: usize,
+        work: &mut Work,
+    ) -> (Vec<Waypoint>, End) {
+        let options = self.options;
+        let exact = options.search != Search::Random;
+        // As the report does, content with what the deformation bound allows.
+        let tolerance = if exact {
+            0.0
+        } else {
+            self.reduction.accepted(options)
+        };
+        let mut solver = self
+            .reduction
+            .solver(options, tolerance)
+            .content_with(tolerance);
+        let mut judge = Judge::new(self.pattern, self.reduction, options.collision && !exact);
+        let closed = targets.last().map(|closed| closed.angles.as_slice());
+        let asked: Vec<Option<f64>> = match closed {
+            Some(closed) => closed.iter().map(|&angle| Some(angle)).collect(),
+            None => self.asked.clone(),
+        };
+        let feasible = &mut |angles: &[f64]| {
+            let mut knot = Knot {
+                angles: angles.to_vec(),
+                ..Knot::default()
+            };
+            let crossing = judge.judge(&mut knot);
+            crossing.is_none() && knot.deformation <= options.bound && knot.gap <= options.bound
+        };
+        let followed = search(&mut solver, &asked, closed, restarts, options, feasible);
+        count(work, &solver);
+        self.accepted = tolerance;
+        let end = followed.stop.map_or(End::Reached, End::Stopped);
+        (followed.waypoints, end)
+    }
+
+    /// How much of the goal's angles a configuration has, 0 to 1.
+    fn part(&self, angles: &[f64]) -> f64 {
+        let pairs = self.asked.iter().zip(angles);
+        let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
+            let asked = asked.unwrap_or(0.0);
+            (dot + asked * angle, square + asked * asked)
+        });
+        if square > 0.0 {
+            (dot / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Straight from flat to the group angles `goal`, each configuration moved to where the residual is least
+/// near by: what a sheet could do that may deform.
+pub(super) fn straight(
+    reduction: &Reduction,
+    goal: &[f64],
+    options: &PlanOptions,
+) -> Vec<Waypoint> {
+    let mut solver = reduction.solver(options, options.bound);
+    let steps = (max_norm(goal) / options.max_step).ceil().max(1.0);
+    let mut knots = vec![vec![0.0; goal.len()]];
+    let mut step = 1.0;
+    while step <= steps {
+        let exact: Vec<f64> = goal.iter().map(|angle| angle * step / steps).collect();
+        let mut near = exact.clone();
+        solver.closes(&mut near);
+        let same = max_difference(&near, &exact) <= NEARBY * options.max_step;
+        knots.push(if same { near } else { exact });
+        step += 1.0;
+    }
+    polyline(&knots)
+}
+
+/// Part of a step that a configuration of the straight path may be moved.
+const NEARBY: f64 = 0.25;
+
+/// Appends what follows a corner, where the path rests.
+fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
+    if let (Some(corner), Some(first)) = (waypoints.last_mut(), next.first()) {
+        if max_difference(&corner.tangent, &first.tangent) > SMOOTH {
+            corner.tangent.fill(0.0);
+        }
+        waypoints.extend(next.into_iter().skip(1));
+    } else {
+        *waypoints = next;
+    }
+}
+
+/// Largest change of a unit tangent that is no corner.
+const SMOOTH: f64 = 1e-6;
+
+fn count(work: &mut Work, solver: &ClosureSolver<'_>) {
+    work.iterations += solver.work.iterations;
+    work.evaluations += solver.work.evaluations;
+}

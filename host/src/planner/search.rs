@@ -1,0 +1,107 @@
+//! The adaptive randomised search of [XiLien2015](foldpath_core#references), section 4.
+//!
+//! A random configuration round the current one, biased to the goal, is pushed to a closed one. If that
+//! is nearer to the goal, feasible and within the objective's tolerance, it is the next. Differs from
+//! the source in that the push is Levenberg-Marquardt, and in how the reach of the samples adapts.
+
+use foldpath_core::least_squares::Limits;
+use foldpath_core::sampling::random_near;
+use rand_pcg::Pcg64;
+
+use super::PlanOptions;
+use super::follow::{Followed, NEAR, Stop, Waypoint, max_difference, norm, way_to};
+use super::solver::ClosureSolver;
+
+/// Part of a step that is random.
+const SPREAD: f64 = 0.5;
+/// Failures in a row after which samples are taken nearer by.
+const PATIENCE: usize = 5;
+const NARROWER: f64 = 0.6;
+const WIDER: f64 = 1.3;
+/// Radius, as a part of the largest step, below which the search starts again with the largest.
+const NARROWEST: f64 = 1e-3;
+
+/// Searches from flat to `asked`, or as near as it comes; `closed` is the closed configuration there, if
+/// one is known, and `feasible` judges the configurations that would be knots. Gives up after
+/// `most_restarts` without success.
+pub(super) fn search(
+    solver: &mut ClosureSolver<'_>,
+    asked: &[Option<f64>],
+    closed: Option<&[f64]>,
+    most_restarts: usize,
+    options: &PlanOptions,
+    feasible: &mut dyn FnMut(&[f64]) -> bool,
+) -> Followed {
+    let mut rng = Pcg64::new(u128::from(options.seed), 0);
+    let mut knots = vec![vec![0.0; asked.len()]];
+    let max_step = options.max_step;
+    let (mut radius, mut failures, mut restarts) = (max_step, 0, 0);
+    let stop = loop {
+        let here = &knots[knots.len() - 1];
+        let way = way_to(asked, here);
+        let far = norm(&way);
+        if far <= NEAR {
+            break None;
+        }
+        if let Some(closed) = closed.filter(|closed| max_difference(closed, here) <= max_step) {
+            knots.push(closed.to_vec());
+            break None;
+        }
+        if solver.is_late() {
+            break Some(Stop::Timeout);
+        }
+        if restarts == most_restarts {
+            break Some(Stop::Nearest);
+        }
+        let longest = way.iter().fold(0.0, |max, w| f64::max(max, w.abs()));
+        let part = (radius / longest).min(1.0);
+        let ahead: Vec<f64> = here.iter().zip(&way).map(|(x, w)| x + part * w).collect();
+        let mut next = ahead.clone();
+        random_near(
+            &mut rng,
+            &ahead,
+            SPREAD * radius,
+            Limits::HalfTurn,
+            &mut next,
+        );
+        let good = solver.closes(&mut next)
+            && max_difference(&next, here) <= max_step
+            && norm(&way_to(asked, &next)) < far
+            && solver.objective(options.objective, &next) <= solver.objective_tolerance()
+            && feasible(&next);
+        if good {
+            knots.push(next);
+            radius = (radius * WIDER).min(max_step);
+            (failures, restarts) = (0, 0);
+            continue;
+        }
+        failures += 1;
+        if failures == PATIENCE {
+            (radius, failures) = (radius * NARROWER, 0);
+            if radius < NARROWEST * max_step {
+                radius = max_step;
+                restarts += 1;
+            }
+        }
+    };
+    Followed {
+        waypoints: polyline(&knots),
+        stop,
+    }
+}
+
+/// Waypoints of configurations that no motion joins: the tangent at each is that of the chord between
+/// its neighbours.
+pub(super) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
+    let last = knots.len() - 1;
+    let waypoint = |k: usize| {
+        let (from, to) = (&knots[k.saturating_sub(1)], &knots[(k + 1).min(last)]);
+        let chord: Vec<f64> = to.iter().zip(from).map(|(a, b)| a - b).collect();
+        let length = norm(&chord).max(f64::MIN_POSITIVE);
+        Waypoint {
+            angles: knots[k].clone(),
+            tangent: chord.iter().map(|c| c / length).collect(),
+        }
+    };
+    (0..knots.len()).map(waypoint).collect()
+}

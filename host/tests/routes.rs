@@ -1,0 +1,255 @@
+//! The ways to a goal: driven creases, phases, limits, bifurcations, the randomised search, and what is said
+//! where none leads there. Planned paths are judged by `check`, which shares no state with the planner.
+
+mod common;
+
+use common::{Folder, numbers};
+use serde_json::{Value, json};
+
+/// The plan's JSON object, whatever its answer.
+fn plan(folder: &Folder, arguments: &str) -> Value {
+    folder
+        .run(&format!("plan {arguments} --json --quiet"))
+        .json()
+}
+
+/// Fold angles of an edge at all knots of the path, degrees.
+fn angles_of(folder: &Folder, path: &str, edge: usize) -> Vec<f64> {
+    let path = folder.read_json(path);
+    let frames = path["file_frames"].as_array().unwrap();
+    let angle = |frame: &Value| numbers(&frame["edges_foldAngle"])[edge];
+    frames.iter().map(angle).collect()
+}
+
+fn miura(folder: &Folder, size: usize, fold: f64, name: &str) {
+    folder.done(&format!(
+        "generate miura --rows {size} --cols {size} --fold {fold} -o {name}"
+    ));
+}
+
+/// The zigzag crease of the generated sheets that the tests drive, a mountain: edge 4 is the first.
+const ZIGZAG: usize = 4;
+
+#[test]
+fn a_driven_crease_takes_the_others_along_with_and_without_symmetry() {
+    let folder = Folder::new();
+    miura(&folder, 5, 0.9, "m.fold");
+    for options in ["", "--symmetry off"] {
+        let answer = plan(
+            &folder,
+            &format!("m.fold --crease {ZIGZAG}=-100 -o p.fold {options}"),
+        );
+        assert_eq!(answer["outcome"], "planned", "{answer}");
+        folder.done("check p.fold --bound 1e-9");
+        let driven = *angles_of(&folder, "p.fold", ZIGZAG).last().unwrap();
+        assert!((driven + 100.0).abs() < 1e-9, "{driven}");
+        // The closed form: tan(straight/2) = cos 60 tan(zigzag/2), on the branch of the letters.
+        let file = folder.read_json("m.fold");
+        let straight = 2.0 * (0.5 * 50_f64.to_radians().tan()).atan().to_degrees();
+        for (edge, goal) in numbers(&file["edges_foldAngle"]).into_iter().enumerate() {
+            let size = match goal.abs() {
+                g if g < 1e-9 => 0.0,
+                g if (g - 162.0).abs() < 1e-6 => 100.0,
+                _ => straight,
+            };
+            let last = *angles_of(&folder, "p.fold", edge).last().unwrap();
+            assert!(
+                (last - size * goal.signum()).abs() < 1e-6,
+                "edge {edge}: {last}"
+            );
+        }
+    }
+}
+
+#[test]
+fn phases_are_passed_in_order_and_at_rest() {
+    let folder = Folder::new();
+    for (fold, name) in [(0.9, "m.fold"), (0.6, "far.fold"), (0.3, "near.fold")] {
+        miura(&folder, 3, fold, name);
+    }
+    let answer = plan(&folder, "m.fold --via far.fold --via near.fold -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    folder.done("check p.fold --bound 1e-9");
+    let angles = angles_of(&folder, "p.fold", ZIGZAG);
+    let at = |angle: f64| {
+        angles
+            .iter()
+            .position(|a| (a + angle).abs() < 1e-6)
+            .unwrap()
+    };
+    assert!(at(108.0) > 0 && angles[at(108.0)..].iter().any(|a| (a + 54.0).abs() < 1e-6));
+    assert!((angles.last().unwrap() + 162.0).abs() < 1e-6);
+    let path = folder.read_json("p.fold");
+    let rates = &path["file_frames"][at(108.0)]["foldpath:edges_foldAngleRate"];
+    assert!(
+        numbers(rates).iter().all(|rate| rate.abs() < 1e-12),
+        "turns back at speed"
+    );
+}
+
+#[test]
+fn limits_hold_at_every_knot_and_a_goal_beyond_them_is_approached() {
+    let folder = Folder::new();
+    miura(&folder, 5, 0.9, "m.fold");
+    for options in ["", "--symmetry off"] {
+        let answer = plan(
+            &folder,
+            &format!("m.fold --limit {ZIGZAG}=-90..10 {options}"),
+        );
+        assert_eq!(answer["outcome"], "partial", "{answer}");
+        let reason = answer["reason"].as_str().unwrap();
+        assert!(
+            reason.contains("limit") && reason.contains(&format!(" {ZIGZAG}")),
+            "{reason}"
+        );
+        let reached = answer["reached"].as_f64().unwrap();
+        assert!(reached > 0.3 && reached < 0.6, "{reached}");
+    }
+    // A limit that the goal keeps changes nothing.
+    folder.done("plan m.fold -o free.fold");
+    folder.done(&format!(
+        "plan m.fold --limit {ZIGZAG}=-170..0 -o limited.fold"
+    ));
+    assert_eq!(folder.read("free.fold"), folder.read("limited.fold"));
+}
+
+#[test]
+fn bad_options_are_refused_with_what_was_expected() {
+    let folder = Folder::new();
+    miura(&folder, 3, 0.9, "m.fold");
+    for (options, expected) in [
+        (
+            "--crease 0=-90",
+            "edge 0: expected a hinge between two faces, but it is lettered B",
+        ),
+        ("--crease 99=-90", "edges go from 0 to 23"),
+        ("--crease 4=90", "edge 4 is lettered M"),
+        ("--crease 4=-190", "at most 180 degrees"),
+        ("--crease 4", "expected I=DEG"),
+        ("--limit 4=10..20", "found 10"),
+        ("--limit 4=-200..20", "found -200"),
+        ("--limit 4=-20", "expected I=MIN..MAX"),
+        ("--crease 4=-90 --fold 0.5", "cannot be used with"),
+        ("--via nothing.fold", "nothing.fold"),
+    ] {
+        let output = folder.run(&format!("plan m.fold {options}"));
+        assert_eq!(output.status, Some(2), "{options}");
+        assert!(
+            output.stderr.contains(expected),
+            "{options}: {}",
+            output.stderr
+        );
+    }
+}
+
+/// One vertex between four squares, like a map: each of its two lines can fold only while the other is
+/// flat, or folded flat.
+fn map() -> Value {
+    json!({
+        "vertices_coords": [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [0, 2], [1, 2], [2, 2]],
+        "edges_vertices": [
+            [0, 1], [1, 2], [3, 4], [4, 5], [6, 7], [7, 8], [0, 3], [3, 6], [1, 4], [4, 7], [2, 5], [5, 8]
+        ],
+        "edges_assignment": ["B", "B", "V", "V", "B", "B", "B", "B", "V", "M", "B", "B"],
+        "edges_foldAngle": [0, 0, 180, 180, 0, 0, 0, 0, 90, -90, 0, 0],
+    })
+}
+
+#[test]
+fn a_bifurcation_is_crossed() {
+    let folder = Folder::new();
+    folder.write("map.fold", &map().to_string());
+    let answer = plan(&folder, "map.fold -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    folder.done("check p.fold --bound 1e-9");
+    let (first, second) = (
+        angles_of(&folder, "p.fold", 2),
+        angles_of(&folder, "p.fold", 8),
+    );
+    for (first, second) in first.iter().zip(&second) {
+        assert!(
+            second.abs() < 1e-6 || (first - 180.0).abs() < 1e-6,
+            "{first} {second}"
+        );
+    }
+}
+
+#[test]
+fn the_randomised_search_keeps_the_bound_and_its_seed() {
+    let folder = Folder::new();
+    miura(&folder, 3, 0.9, "m.fold");
+    for objective in ["max", "sum"] {
+        for symmetry in ["auto", "off"] {
+            let options = format!("--search random --objective {objective} --symmetry {symmetry}");
+            let answer = plan(&folder, &format!("m.fold {options} --seed 7 -o p.fold"));
+            assert_eq!(answer["outcome"], "planned", "{options}: {answer}");
+            folder.done("check p.fold --bound 0.01");
+            folder.done(&format!("plan m.fold {options} --seed 7 -o again.fold"));
+            folder.done(&format!("plan m.fold {options} --seed 8 -o other.fold"));
+            assert_eq!(
+                folder.read("p.fold"),
+                folder.read("again.fold"),
+                "{options}"
+            );
+            assert_ne!(
+                folder.read("p.fold"),
+                folder.read("other.fold"),
+                "{options}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_randomised_search_ends_with_its_time() {
+    let folder = Folder::new();
+    miura(&folder, 24, 0.9, "m.fold");
+    let answer = plan(
+        &folder,
+        "m.fold --search random --symmetry off --timeout 0.05",
+    );
+    assert_eq!(answer["outcome"], "timeout", "{answer}");
+    assert!(answer["reason"].is_string());
+}
+
+/// A square twist whose four pleats all turn the same way round: locally flat-foldable, locked.
+fn locked_twist() -> Value {
+    let (mut vertices, mut edges) = (Vec::new(), Vec::new());
+    let mut letters = Vec::new();
+    // The square at 20 degrees; from each corner two pleat creases go to the border, along the axes.
+    let (sin, cos) = 20_f64.to_radians().sin_cos();
+    for corner in 0..4 {
+        let turn = |x: f64, y: f64| match corner {
+            0 => [x, y],
+            1 => [-y, x],
+            2 => [-x, -y],
+            _ => [y, -x],
+        };
+        let [x, y] = [0.5 * (cos - sin), 0.5 * (cos + sin)];
+        vertices.push(turn(x, y));
+        vertices.push(turn(2.0, y));
+        vertices.push(turn(x, 2.0));
+    }
+    for corner in 0..4 {
+        let (this, next) = (3 * corner, 3 * ((corner + 1) % 4));
+        edges.extend([[this, next], [this, this + 1], [this, this + 2]]);
+        letters.extend(["M", "V", "M"]);
+        edges.extend([[this + 1, this + 2], [this + 2, next + 1]]);
+        letters.extend(["B", "B"]);
+    }
+    json!({"vertices_coords": vertices, "edges_vertices": edges, "edges_assignment": letters})
+}
+
+#[test]
+fn a_locked_sheet_is_answered_with_vertex_and_creases() {
+    let folder = Folder::new();
+    folder.write("twist.fold", &locked_twist().to_string());
+    let answer = plan(&folder, "twist.fold");
+    assert_eq!(answer["outcome"], "partial", "{answer}");
+    let reason = answer["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("vertex") && reason.contains("creases: edges"),
+        "{reason}"
+    );
+    assert!(answer["reached"].as_f64().unwrap() < 0.05, "{answer}");
+}
