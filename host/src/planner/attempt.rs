@@ -48,6 +48,8 @@ const MUCH: f64 = 0.1;
 const BRANCHES: usize = 4;
 /// Starts again of the randomised search as a last resort, and where it is asked for.
 const LAST_RESORT: usize = 3;
+/// Unknowns beyond which samples are too costly and too rarely good for a last resort.
+const LAST_RESORT_UNKNOWNS: usize = 200;
 const RESTARTS: usize = 20;
 
 /// What all steps of an attempt share.
@@ -219,6 +221,9 @@ impl Route<'_> {
         }
         let forwards = self.forwards(Some(target), work);
         if matches!(forwards.stop, None | Some(Stop::Timeout)) {
+            return forwards;
+        }
+        if self.asked.len() > LAST_RESORT_UNKNOWNS {
             return forwards;
         }
         let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT, work);

@@ -1,8 +1,9 @@
 //! Leaving the flat sheet.
 //!
 //! Flat is singular: the closed configurations near it form a cone with several branches, and
-//! derivatives do not tell them apart. A small finite step along the signs wanted, closed within the
-//! orthant of these signs, lands on a branch that has them, if there is one.
+//! derivatives do not tell them apart. A small finite step, closed, lands on one of them. If it is not one
+//! with the signs wanted, one hinge is held at its angle, so that the sheet cannot fall back to flat, and
+//! the others are closed within the orthant of these signs.
 
 use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
@@ -22,6 +23,9 @@ const FIRST_STEP: f64 = 0.1;
 const RANDOM_STEPS: usize = 8;
 /// Part of the largest angle below which a hinge has not turned.
 const UNTURNED: f64 = 1e-3;
+/// Parts of the largest angle that every hinge has to turn at least, tried one after the other: without,
+/// the sheet lands on motions that turn only some of its hinges.
+const LEAST: [f64; 3] = [0.1, 0.01, 0.0];
 /// Branches whose directions have a larger cosine are one.
 const SAME_BRANCH: f64 = 0.999;
 /// A branch leads to flat if its configuration at a quarter of the size has the same direction, as far as
@@ -40,7 +44,7 @@ pub(super) fn departures(
     options: &PlanOptions,
     work: &mut Work,
 ) -> Vec<Vec<f64>> {
-    let mut solver = reduction.signed_solver(options, accepted, signs);
+    let mut leaving = Leaving::new(reduction, options, accepted, signs);
     let scale = FIRST_STEP / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
@@ -66,8 +70,7 @@ pub(super) fn departures(
     let mut found: Vec<Vec<f64>> = Vec::new();
     for start in starts {
         let mut x = start;
-        let new = leaves_flat(&mut solver, &mut x)
-            && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
+        let new = leaving.land(&mut x) && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
         if new {
             found.push(x);
         }
@@ -78,24 +81,78 @@ pub(super) fn departures(
             .cmp(&unturned(b))
             .then(far(a).total_cmp(&far(b)))
     });
-    work.iterations += solver.work.iterations;
-    work.evaluations += solver.work.evaluations;
+    for solver in [&leaving.free, &leaving.held] {
+        work.iterations += solver.work.iterations;
+        work.evaluations += solver.work.evaluations;
+    }
     found
 }
 
-/// Moves `x`, a small step from flat, to a closed configuration of the same size on a branch that leads to
-/// flat.
-fn leaves_flat(solver: &mut ClosureSolver<'_>, x: &mut [f64]) -> bool {
-    let size = max_norm(x);
-    if !solver.closes(x) || max_norm(x) < SHRUNK * size {
-        return false;
+/// Lands small steps from flat.
+struct Leaving<'a> {
+    free: ClosureSolver<'a>,
+    held: ClosureSolver<'a>,
+    /// Limits of the unknowns that turn the way of their signs.
+    orthant: Vec<(f64, f64)>,
+    signs: &'a [f64],
+}
+
+impl<'a> Leaving<'a> {
+    fn new(
+        reduction: &'a Reduction,
+        options: &PlanOptions,
+        accepted: f64,
+        signs: &'a [f64],
+    ) -> Self {
+        Self {
+            free: reduction.solver(options, accepted),
+            held: reduction.solver(options, accepted),
+            orthant: reduction.orthant(signs),
+            signs,
+        }
     }
-    let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
-    solver.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT
+
+    /// Moves `x`, a small step from flat, to a closed configuration of about its size that turns no
+    /// hinge against its sign, on a branch that leads to flat.
+    fn land(&mut self, x: &mut [f64]) -> bool {
+        let start = x.to_vec();
+        if self.free.closes(x) && self.is_good(x, &start) {
+            return true;
+        }
+        let sizes = start.iter().map(|angle| angle.abs());
+        let Some((largest, size)) = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return false;
+        };
+        LEAST.iter().any(|least| {
+            let mut limits = self.orthant.clone();
+            for ((lower, upper), sign) in limits.iter_mut().zip(self.signs) {
+                if *sign > 0.0 {
+                    *lower = upper.min(least * size);
+                } else if *sign < 0.0 {
+                    *upper = lower.max(-least * size);
+                }
+            }
+            for ((x, start), &(lower, upper)) in x.iter_mut().zip(&start).zip(&limits) {
+                *x = start.clamp(lower, upper);
+            }
+            limits[largest] = (x[largest], x[largest]);
+            self.held.set_limits(limits);
+            self.held.closes(x) && self.is_good(x, &start)
+        })
+    }
+
+    fn is_good(&mut self, x: &[f64], start: &[f64]) -> bool {
+        let mut signs = x.iter().zip(self.signs);
+        if max_norm(x) < SHRUNK * max_norm(start) || !signs.all(|(x, sign)| x * sign >= 0.0) {
+            return false;
+        }
+        let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
+        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT
+    }
 }
 
 /// Where a small step from flat leads.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Departure {
     /// A configuration near the start, radians.
     pub fold_angles: Vec<f64>,
@@ -118,41 +175,44 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
         ..PlanOptions::default()
     };
     let reduction = Reduction::new(pattern, CreaseGroups::trivial(pattern), &options, None);
-    let edges = pattern.creases().iter();
-    let signs: Vec<f64> = edges.map(|&id| pattern.edge(id).letter.sign()).collect();
-    let mut solver = reduction.signed_solver(&options, 0.0, &signs);
+    let groups = &reduction.groups;
+    let in_groups = |creases: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        let creases: Vec<_> = creases.map(Some).collect();
+        groups.reduce(&creases).into_iter().flatten().collect()
+    };
+    let letters = |&id| pattern.edge(id).letter.sign();
+    let signs = in_groups(&mut pattern.creases().iter().map(letters));
+    let start = in_groups(&mut start.iter().copied());
+    let mut leaving = Leaving::new(&reduction, &options, 0.0, &signs);
     let signed = |size: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let pairs = start.iter().zip(&signs);
-        pairs
-            .map(|(x, sign)| {
-                if sign.abs() > 0.0 {
-                    sign * size(*x)
-                } else {
-                    *x
-                }
-            })
-            .collect()
+        let turned = |(x, sign): (&f64, &f64)| {
+            if sign.abs() > 0.0 {
+                sign * size(*x)
+            } else {
+                *x
+            }
+        };
+        pairs.map(turned).collect()
     };
-    let starts = [
-        start.to_vec(),
-        signed(&f64::abs),
-        signed(&|_| max_norm(start)),
-    ];
-    let landed = starts.map(|mut x| {
-        let leaves = leaves_flat(&mut solver, &mut x);
+    let largest = max_norm(&start);
+    let starts = [start.clone(), signed(&f64::abs), signed(&|_| largest)];
+    let mut first = None;
+    for mut x in starts {
+        let leaves = leaving.land(&mut x);
         let least = UNTURNED * max_norm(&x);
         let pairs = x.iter().zip(&signs).zip(pattern.creases());
-        let against = pairs.filter(|((x, sign), _)| {
-            !leaves && sign.abs() > 0.0 || *x * *sign < least * sign.abs()
-        });
-        let against = against.map(|(_, &edge)| edge).collect();
-        Departure {
+        let against =
+            pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));
+        let departure = Departure {
+            against: against.map(|(_, &edge)| edge).collect(),
             closure: max_closure(reduction.all.view(), &x),
-            fold_angles: x,
-            against,
+            fold_angles: groups.expand(&x),
+        };
+        if departure.against.is_empty() {
+            return departure;
         }
-    });
-    let [first, ..] = &landed;
-    let good = landed.iter().find(|departure| departure.against.is_empty());
-    good.unwrap_or(first).clone()
+        first.get_or_insert(departure);
+    }
+    first.unwrap_or_default()
 }

@@ -101,6 +101,9 @@ const IN_SIGHT: f64 = 0.05;
 const CORNER: f64 = 0.5;
 /// Steps over a bifurcation, as parts of the largest, tried the way the path came.
 const LEAPS: [f64; 3] = [1.0, 0.5, 0.25];
+/// Part of the largest step that is no progress, and how many such steps in a row are too many.
+const CREEP: f64 = 0.01;
+const PATIENCE: usize = 50;
 /// Steps without coming nearer to the target after which the motion leads elsewhere: ten turns of a hinge
 /// at the largest step.
 const LOST: usize = 360;
@@ -126,6 +129,7 @@ pub(super) fn follow(
     let mut came = came.map(<[f64]>::to_vec);
     let mut last_step: Option<f64> = None;
     let (mut nearest, mut nearest_at) = (f64::INFINITY, 0);
+    let mut creeping = 0;
     let stop = loop {
         if solver.is_late() {
             break Some(Stop::Timeout);
@@ -210,6 +214,14 @@ pub(super) fn follow(
                     (nearest, nearest_at) = (left, waypoints.len());
                 } else if waypoints.len() > nearest_at + LOST {
                     break Some(Stop::TooLong);
+                }
+                creeping = if max_difference(&next, &angles) < CREEP * max_step {
+                    creeping + 1
+                } else {
+                    0
+                };
+                if creeping > PATIENCE {
+                    break Some(Stop::Closure);
                 }
                 angles = next;
                 last_step = Some(length);

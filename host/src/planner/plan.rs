@@ -232,10 +232,10 @@ impl<'a> Planning<'a> {
                 self.moved_goal(&attempt);
                 (None, Outcome::Planned)
             }
-            End::Stopped(Stop::Timeout) => (
-                Some(self.stopped(&attempt, Stop::Timeout)),
-                Outcome::Timeout,
-            ),
+            End::Stopped(Stop::Timeout) => {
+                let reason = self.stopped(&attempt, Stop::Timeout);
+                return self.end(Outcome::Timeout, reason);
+            }
             End::Stopped(stop) => {
                 if let Some(reduction) = symmetric.as_ref().or(Some(&attempt.reduction))
                     && let Some(plan) = self.deforming(reduction)

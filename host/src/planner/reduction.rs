@@ -61,18 +61,13 @@ impl Reduction {
     /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is
     /// `accepted`.
     pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
-        ClosureSolver::new(self.stars().view(), options.solver, accepted)
-            .within(self.limits.clone())
-            .until(self.deadline)
+        let mut solver = ClosureSolver::new(self.stars().view(), options.solver, accepted);
+        solver.set_limits(self.limits.clone());
+        solver.until(self.deadline)
     }
 
-    /// The same for configurations that turn each group the way of `signs` or leave it flat.
-    pub(super) fn signed_solver(
-        &self,
-        options: &PlanOptions,
-        accepted: f64,
-        signs: &[f64],
-    ) -> ClosureSolver<'_> {
+    /// Limits for configurations that turn each group the way of `signs` or leave it flat.
+    pub(super) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
         let limits = signs.iter().enumerate().map(|(group, &sign)| {
             let (lower, upper) = self.limits.get(group).copied().unwrap_or((-PI, PI));
             match sign {
@@ -81,7 +76,7 @@ impl Reduction {
                 _ => (lower, upper),
             }
         });
-        self.solver(options, accepted).within(limits.collect())
+        limits.collect()
     }
 
     /// Whether the limits allow a goal.

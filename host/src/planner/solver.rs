@@ -60,10 +60,9 @@ impl<'a> ClosureSolver<'a> {
         }
     }
 
-    /// The same with lower and upper bounds (radians) of the unknowns.
-    pub(super) fn within(mut self, limits: Vec<(f64, f64)>) -> Self {
+    /// Sets the lower and upper bounds (radians) of the unknowns.
+    pub(super) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
         self.limits = limits;
-        self
     }
 
     /// The same that is content with this closure residual.
