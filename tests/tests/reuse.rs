@@ -32,7 +32,12 @@ fn planning_every_crease_finds_the_motion_of_the_groups() {
         symmetry: Symmetry::Off,
         ..PlanOptions::default()
     };
-    for (name, creases) in [("miura-3x3", 12), ("miura-5x5", 40)] {
+    for (name, creases) in [
+        ("miura-3x3", 12),
+        ("miura-5x5", 40),
+        ("miura-11x11", 220),
+        ("miura-24x24", 1104),
+    ] {
         let grouped = Planned::new(name, &PlanOptions::default()).plan;
         let free = Planned::new(name, &every_crease);
         let (pattern, free) = (&free.file.pattern, &free.plan);

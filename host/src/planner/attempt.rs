@@ -245,7 +245,17 @@ impl Route<'_> {
         let mut solver = self.reduction.solver(self.options, target.accepted);
         self.accepted = target.accepted;
         let max_step = self.options.max_step;
-        let followed = follow(&mut solver, &target.angles, None, Target::Flat, max_step);
+        let mut towards_flat = |through| {
+            let flat = Target::Flat { through };
+            follow(&mut solver, &target.angles, None, flat, max_step)
+        };
+        let mut followed = towards_flat(false);
+        if !matches!(followed.stop, None | Some(Stop::Timeout)) {
+            let through = towards_flat(true);
+            if through.stop.is_none() {
+                followed = through;
+            }
+        }
         count(work, &solver);
         followed.reversed()
     }

@@ -20,8 +20,11 @@ pub(super) struct Waypoint {
 /// Where to go.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target<'a> {
-    /// The flat sheet. No hinge passes through flat on the way.
-    Flat,
+    /// The flat sheet. No hinge passes through flat on the way, unless `through` says so.
+    Flat {
+        /// Whether hinges may turn the other way in between.
+        through: bool,
+    },
     /// A closed configuration.
     Closed(&'a [f64]),
     /// As near as the motion goes to what is asked for, which need not close; `None` is free. No hinge
@@ -33,14 +36,14 @@ impl Target<'_> {
     /// What is missing from `angles` to the target.
     fn way(&self, angles: &[f64]) -> Vec<f64> {
         match self {
-            Self::Flat => angles.iter().map(|a| -a).collect(),
+            Self::Flat { .. } => angles.iter().map(|a| -a).collect(),
             Self::Closed(target) => target.iter().zip(angles).map(|(t, a)| t - a).collect(),
             Self::Nearest(asked) => way_to(asked, angles),
         }
     }
 
     fn keeps_signs(&self) -> bool {
-        !matches!(self, Self::Closed(_))
+        !matches!(self, Self::Closed(_) | Self::Flat { through: true })
     }
 }
 
@@ -315,7 +318,7 @@ fn arrive(
     max_step: f64,
 ) -> Option<Waypoint> {
     match target {
-        Target::Flat => Some(Waypoint {
+        Target::Flat { .. } => Some(Waypoint {
             angles: vec![0.0; angles.len()],
             tangent: tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
         }),
