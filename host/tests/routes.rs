@@ -253,3 +253,18 @@ fn a_locked_sheet_is_answered_with_vertex_and_creases() {
     );
     assert!(answer["reached"].as_f64().unwrap() < 0.05, "{answer}");
 }
+
+#[test]
+fn letters_alone_fold_a_waterbomb_sheet_to_where_it_is_singular() {
+    let folder = Folder::new();
+    folder.done("generate waterbomb --rows 4 --cols 6 -o w.fold");
+    let mut file = folder.read_json("w.fold");
+    file.as_object_mut().unwrap().remove("edges_foldAngle");
+    file.as_object_mut().unwrap().remove("file_frames");
+    folder.write("letters.fold", &file.to_string());
+    let answer = plan(&folder, "letters.fold -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    folder.done("check p.fold --bound 1e-9");
+    assert!(answer["goal_error"].as_f64().unwrap() < 1e-9, "{answer}");
+    assert!(answer["knots"].as_u64().unwrap() < 60, "{answer}");
+}

@@ -257,6 +257,13 @@ impl Route<'_> {
             }
         }
         count(work, &solver);
+        if followed.stop.is_some() {
+            // What does not begin flat is no part of a path.
+            followed.waypoints = vec![Waypoint {
+                angles: vec![0.0; target.angles.len()],
+                tangent: vec![0.0; target.angles.len()],
+            }];
+        }
         followed.reversed()
     }
 

@@ -327,12 +327,13 @@ fn arrive(
             if cosine(&way, direction) < AHEAD {
                 return None;
             }
-            let mut tangent = way;
-            solver.project_on_motions(target, &mut tangent)?;
-            let length = norm(&tangent);
+            // Backwards: a hinge may arrive at its limit.
+            let mut back: Vec<f64> = way.iter().map(|w| -w).collect();
+            solver.project_on_motions(target, &mut back)?;
+            let length = norm(&back);
             (length > 0.0).then(|| Waypoint {
                 angles: target.to_vec(),
-                tangent: tangent.iter().map(|t| t / length).collect(),
+                tangent: back.iter().map(|t| -t / length).collect(),
             })
         }
         Target::Nearest(asked) => {
