@@ -9,6 +9,7 @@ mod ids;
 mod letter;
 mod model;
 mod planarity;
+mod split;
 mod trace;
 mod triangulate;
 

@@ -51,6 +51,8 @@ pub struct CreasePattern {
     pub(super) triangles: Ragged<[VertexId; 3]>,
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
+    pub(super) drawn: usize,
+    pub(super) sheets: Vec<u32>,
     pub(super) assumptions: Vec<String>,
 }
 
@@ -71,6 +73,12 @@ impl CreasePattern {
     #[must_use]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
+    }
+
+    /// Number of edges of the drawing: those behind them are the second sides of cuts.
+    #[must_use]
+    pub fn drawn_edges(&self) -> usize {
+        self.drawn
     }
 
     /// The edge of that name.
@@ -165,24 +173,40 @@ impl CreasePattern {
     /// Number of sheets: parts that no chain of faces joins.
     #[must_use]
     pub fn sheets(&self) -> usize {
-        let mut seen = vec![false; self.faces.len()];
+        self.sheets
+            .iter()
+            .max()
+            .map_or(0, |last| *last as usize + 1)
+    }
+
+    /// For each face the number of its sheet, from 0.
+    #[must_use]
+    pub fn sheet_of_faces(&self) -> &[u32] {
+        &self.sheets
+    }
+
+    /// For each face the number of its sheet, the sheets in the order of their first faces.
+    pub(super) fn find_sheets(&self) -> Vec<u32> {
+        const NONE: u32 = u32::MAX;
+        let mut sheets = vec![NONE; self.faces.len()];
         let neighbours = self.neighbours();
-        let mut sheets = 0;
-        for start in 0..seen.len() {
-            if seen[start] {
+        let mut open = Vec::new();
+        let mut next = 0;
+        for start in 0..sheets.len() {
+            if sheets[start] != NONE {
                 continue;
             }
-            sheets += 1;
-            seen[start] = true;
-            let mut open = vec![start];
+            sheets[start] = next;
+            open.push(start);
             while let Some(face) = open.pop() {
-                for &(next, _) in &neighbours[face] {
-                    if !seen[next.index()] {
-                        seen[next.index()] = true;
-                        open.push(next.index());
+                for &(beyond, _) in &neighbours[face] {
+                    if sheets[beyond.index()] == NONE {
+                        sheets[beyond.index()] = next;
+                        open.push(beyond.index());
                     }
                 }
             }
+            next += 1;
         }
         sheets
     }

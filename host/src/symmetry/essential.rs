@@ -159,16 +159,24 @@ pub fn essential_pattern(
 ) -> Result<(CreasePattern, Vec<CreaseId>), PatternError> {
     let all = ReducedStars::all(pattern, groups);
     let mut faces = essential_faces(pattern, &all);
-    loop {
-        match cut_out(pattern, &faces) {
-            // Two faces that meet in a point: the part grows until none do.
-            Err((PatternError::BrokenStar { .. }, vertex)) => {
-                faces.extend(&pattern.corners()[vertex.index()]);
-            }
-            Err((error, _)) => return Err(error),
-            Ok(part) => return Ok(part),
-        }
+    // Two faces that meet in a point: the part grows until none do.
+    while let Some(vertex) = meeting_point(pattern, &faces) {
+        faces.extend(&pattern.corners()[vertex.index()]);
     }
+    cut_out(pattern, &faces)
+}
+
+/// A vertex round which the faces of the part are not one fan.
+fn meeting_point(pattern: &CreasePattern, part: &BTreeSet<FaceId>) -> Option<VertexId> {
+    let broken = |vertex: &VertexId| {
+        let faces = pattern.corners()[vertex.index()].iter();
+        let star = pattern.stars()[vertex.index()].iter();
+        let inner = star.filter_map(|&edge| pattern.edge(edge).inner_faces());
+        let joints = inner.filter(|faces| faces.iter().all(|face| part.contains(face)));
+        joints.count() + 1 < faces.filter(|face| part.contains(face)).count()
+    };
+    let corners = part.iter().flat_map(|face| &pattern.faces()[face.index()]);
+    corners.copied().find(broken)
 }
 
 /// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
@@ -215,11 +223,8 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
 
 type Part = (CreasePattern, Vec<CreaseId>);
 
-/// The pattern of these faces alone, or why there is none and the vertex of the whole sheet there.
-fn cut_out(
-    pattern: &CreasePattern,
-    faces: &BTreeSet<FaceId>,
-) -> Result<Part, (PatternError, VertexId)> {
+/// The pattern of these faces alone.
+fn cut_out(pattern: &CreasePattern, faces: &BTreeSet<FaceId>) -> Result<Part, PatternError> {
     let mut drawing = Drawing {
         faces: Some(Vec::new()),
         ..Drawing::default()
@@ -258,14 +263,5 @@ fn cut_out(
             creases.extend(edge.crease.filter(|_| sides == 2));
         }
     }
-    match CreasePattern::new(drawing) {
-        Ok(part) => Ok((part, creases)),
-        Err(error) => {
-            let vertex = match error {
-                PatternError::BrokenStar { vertex } => vertices[vertex],
-                _ => vertices[0],
-            };
-            Err((error, vertex))
-        }
-    }
+    Ok((CreasePattern::new(drawing)?, creases))
 }

@@ -45,7 +45,10 @@ pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
-    goals.check_count(&document, pattern.edges().len())?;
+    // A file of the drawing has no second sides of cuts, one written by this program has.
+    if goals.angles.len() != pattern.edges().len() {
+        goals.check_count(&document, pattern.drawn_edges())?;
+    }
     for (index, (edge, &angle)) in pattern.edges().iter().zip(&goals.angles).enumerate() {
         check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(&document, error))?;
     }
