@@ -1,5 +1,6 @@
 //! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
 
+use core::f64::consts::PI;
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
@@ -35,11 +36,13 @@ impl CreasePattern {
         }
         let mut faces = counter_clockwise(&drawing, faces)?;
         let mut edge_faces = edge_faces(&drawing, &faces, &places)?;
+        order_twins(&drawing, &mut stars, &edge_faces);
         check_stars(&drawing, &stars, &edge_faces)?;
         let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
         split(&mut drawing, &mut faces, &mut edge_faces, &mut assumptions);
         if drawing.vertices.len() > vertices {
             stars = sorted_stars(&drawing);
+            order_twins(&drawing, &mut stars, &edge_faces);
         }
         let (edges, creases) = resolve_letters(&drawing, &edge_faces, &mut assumptions);
 
@@ -77,9 +80,11 @@ impl CreasePattern {
             median_edge,
             drawn,
             sheets: Vec::new(),
+            holes: Ragged::default(),
             assumptions,
         };
         pattern.sheets = pattern.find_sheets();
+        pattern.holes = pattern.find_holes();
         if pattern.sheets() > 1 {
             pattern.assume(format!(
                 "{} sheets that no edge joins: each stays where it is drawn, and faces of different \
@@ -174,8 +179,10 @@ fn sorted_stars(drawing: &Drawing) -> Vec<Vec<usize>> {
     for (index, edge) in drawing.edges.iter().enumerate() {
         let [a, b] = edge.ends;
         let along = drawing.vertices[b] - drawing.vertices[a];
-        stars[a].push((along.y.atan2(along.x), index));
-        stars[b].push(((-along.y).atan2(-along.x), index));
+        // π and -π are one direction.
+        let angle = |y: f64, x: f64| Some(y.atan2(x)).filter(|a| *a < PI).unwrap_or(-PI);
+        stars[a].push((angle(along.y, along.x), index));
+        stars[b].push((angle(-along.y, -along.x), index));
     }
     let sorted = |mut star: Vec<(f64, usize)>| {
         star.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -301,6 +308,38 @@ fn resolve_letters(
     (edges, creases)
 }
 
+/// Faces to the left and right of an edge, looking along it from a vertex.
+fn sides(
+    drawing: &Drawing,
+    edge_faces: &EdgeFaces,
+    vertex: usize,
+    edge: usize,
+) -> [Option<FaceId>; 2] {
+    let [left, right] = edge_faces[edge];
+    if drawing.edges[edge].ends[0] == vertex {
+        [left, right]
+    } else {
+        [right, left]
+    }
+}
+
+/// Puts edges of the same direction, as the two sides of a cut have at its end, in their order
+/// counter-clockwise: the cut is between them.
+fn order_twins(drawing: &Drawing, stars: &mut [Vec<usize>], edge_faces: &EdgeFaces) {
+    for (vertex, star) in stars.iter_mut().enumerate() {
+        let far_end = |edge: usize| {
+            let [a, b] = drawing.edges[edge].ends;
+            drawing.vertices[if a == vertex { b } else { a }]
+        };
+        for k in 1..star.len() {
+            let [a, b] = [star[k - 1], star[k]];
+            if far_end(a) == far_end(b) && sides(drawing, edge_faces, vertex, a)[0].is_some() {
+                star.swap(k - 1, k);
+            }
+        }
+    }
+}
+
 /// Checks that between two edges that follow each other round a vertex there is one face or none.
 fn check_stars(
     drawing: &Drawing,
@@ -308,15 +347,7 @@ fn check_stars(
     edge_faces: &EdgeFaces,
 ) -> Result<(), PatternError> {
     for (vertex, star) in stars.iter().enumerate() {
-        // Faces to the left and right of an edge, looking along it from the vertex.
-        let sides = |edge: usize| {
-            let [left, right] = edge_faces[edge];
-            if drawing.edges[edge].ends[0] == vertex {
-                [left, right]
-            } else {
-                [right, left]
-            }
-        };
+        let sides = |edge: usize| sides(drawing, edge_faces, vertex, edge);
         let next = star.iter().cycle().skip(1);
         if star
             .iter()

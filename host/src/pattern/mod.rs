@@ -5,6 +5,7 @@
 
 mod build;
 mod drawing;
+mod holes;
 mod ids;
 mod letter;
 mod model;
@@ -15,6 +16,7 @@ mod triangulate;
 
 pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
+pub use holes::Passage;
 pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;
 pub use model::{CreasePattern, Edge};

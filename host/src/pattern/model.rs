@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{CreaseId, EdgeId, FaceId, Letter, VertexId};
+use super::{CreaseId, EdgeId, FaceId, Letter, Passage, VertexId};
 use crate::ragged::Ragged;
 
 /// An edge of a crease pattern.
@@ -53,6 +53,7 @@ pub struct CreasePattern {
     pub(super) median_edge: f64,
     pub(super) drawn: usize,
     pub(super) sheets: Vec<u32>,
+    pub(super) holes: Ragged<Passage>,
     pub(super) assumptions: Vec<String>,
 }
 
@@ -183,6 +184,12 @@ impl CreasePattern {
     #[must_use]
     pub fn sheet_of_faces(&self) -> &[u32] {
         &self.sheets
+    }
+
+    /// For each hole the way round it, from face to face. Cuts that end inside the sheet are holes.
+    #[must_use]
+    pub fn holes(&self) -> &Ragged<Passage> {
+        &self.holes
     }
 
     /// For each face the number of its sheet, the sheets in the order of their first faces.

@@ -9,7 +9,7 @@ use crate::symmetry::{CreaseGroups, ReducedStars};
 /// The unknowns and conditions of a plan.
 pub(super) struct Reduction {
     pub(super) groups: CreaseGroups,
-    /// Stars of all real vertices.
+    /// Stars of all real vertices, loops round all holes.
     pub(super) all: ReducedStars,
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
@@ -39,15 +39,15 @@ impl Reduction {
 
     /// A solver of the stars to solve, as exact as the closed goal is.
     pub(super) fn solver(&self, options: &PlanOptions, closed: &ClosedGoal) -> ClosureSolver<'_> {
-        ClosureSolver::new(self.stars().view(), options.solver, closed.accepted)
+        ClosureSolver::new(self.stars(), options.solver, closed.accepted)
     }
 
-    /// Closure residual that no vertex may exceed: if all did reach it, each adding to the next all
+    /// Closure residual that no vertex or hole may exceed: if all did reach it, each adding to the next all
     /// along the sheet, deformation would come near the bound.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
-        let vertices = self.all.vertices().len().max(1) as f64;
-        (options.bound / vertices).max(ROUNDING)
+        let conditions = (self.all.vertices().len() + self.all.loops().len()).max(1) as f64;
+        (options.bound / conditions).max(ROUNDING)
     }
 
     /// The stars to solve.
@@ -60,7 +60,7 @@ impl Reduction {
 
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
-        max_closure(self.all.view(), angles)
+        max_closure(&self.all, angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.
@@ -100,7 +100,7 @@ impl Reduction {
         work: &mut Work,
     ) -> Option<ClosedGoal> {
         let asked = self.groups.reduce(&goal.fold_angles);
-        let mut solver = ClosureSolver::new(self.stars().view(), options.solver, accepted);
+        let mut solver = ClosureSolver::new(self.stars(), options.solver, accepted);
         let found = nearest_closed(&mut solver, &asked);
         work.iterations += solver.work.iterations;
         work.evaluations += solver.work.evaluations;
@@ -208,5 +208,5 @@ pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Optio
         .into_iter()
         .collect::<Option<Vec<f64>>>()?;
     let stars = ReducedStars::all(pattern, &groups);
-    Some(max_closure(stars.view(), &angles))
+    Some(max_closure(&stars, &angles))
 }

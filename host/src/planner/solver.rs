@@ -2,12 +2,14 @@
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::{
-    DenseNormalEquations, HalfAngle, StarsView, closure, gradient, levenberg_marquardt, norm,
+    DenseNormalEquations, HalfAngle, LoopsView, StarsView, closure, gradient, hole,
+    levenberg_marquardt, norm,
 };
 use nalgebra::Vector3;
 
 use super::Solver;
 use super::sparse::SparseNormalEquations;
+use crate::symmetry::ReducedStars;
 
 /// Steps that the gradient solver may take: it converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
@@ -19,9 +21,10 @@ pub(super) struct Work {
     pub(super) evaluations: u64,
 }
 
-/// The closure of some stars, with all memory that solving it needs.
+/// The closure of some stars and loops, with all memory that solving it needs.
 pub(super) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
+    loops: LoopsView<'a, f64>,
     kind: Solver,
     /// Closure residual of a local minimum that still counts as closed.
     accepted: f64,
@@ -33,15 +36,17 @@ pub(super) struct ClosureSolver<'a> {
 }
 
 impl<'a> ClosureSolver<'a> {
-    pub(super) fn new(stars: StarsView<'a, f64>, kind: Solver, accepted: f64) -> Self {
+    pub(super) fn new(reduced: &'a ReducedStars, kind: Solver, accepted: f64) -> Self {
+        let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
         Self {
             stars,
+            loops,
             kind,
             accepted,
             half_angles: vec![HalfAngle::default(); n],
-            columns: vec![Vector3::zeros(); stars.max_degree()],
-            equations: Equations::new(stars),
+            columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
+            equations: Equations::new(stars, loops),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
@@ -50,10 +55,10 @@ impl<'a> ClosureSolver<'a> {
     /// Moves `x` to the closed configuration near it.
     pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
         let n = self.stars.unknowns();
-        let Some(mut problem) =
-            ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns)
-        else {
-            unreachable!("memory for all unknowns and the largest star")
+        let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
+        let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
+        let Some(mut problem) = problem else {
+            unreachable!("memory for all unknowns, the largest star and the largest loop")
         };
         let mut options = Options {
             acceptable: self.accepted,
@@ -96,7 +101,8 @@ impl<'a> ClosureSolver<'a> {
     /// Replaces `direction` by the nearest infinitesimal motion at `x`.
     pub(super) fn project_on_motions(&mut self, x: &[f64], direction: &mut [f64]) -> bool {
         self.work.evaluations += 1;
-        let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
+        let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
+        let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
         let Some(mut problem) = problem else {
             return false;
         };
@@ -125,10 +131,10 @@ enum Equations {
 }
 
 impl Equations {
-    fn new(stars: StarsView<'_, f64>) -> Self {
+    fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Self {
         let n = stars.unknowns();
         let sparse = (n > DENSE)
-            .then(|| SparseNormalEquations::new(stars))
+            .then(|| SparseNormalEquations::new(stars, loops))
             .flatten();
         match sparse {
             Some(sparse) => Self::Sparse(Box::new(sparse)),
@@ -137,12 +143,15 @@ impl Equations {
     }
 }
 
-/// Largest closure residual of the stars at the group angles `x`.
-pub(super) fn max_closure(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
+/// Largest closure residual of the stars and loops at the group angles `x`.
+pub(super) fn max_closure(reduced: &ReducedStars, x: &[f64]) -> f64 {
     let mut half_angles = vec![HalfAngle::default(); x.len()];
     closure::half_angles(x, &mut half_angles);
-    let residuals = stars
+    let (stars, loops) = (reduced.view(), reduced.loops());
+    let stars = stars
         .iter()
-        .map(|star| norm(&closure::residual(star, &half_angles)));
+        .map(|star| closure::residual(star, &half_angles));
+    let loops = loops.iter().flat_map(|l| hole::residuals(l, &half_angles));
+    let residuals = stars.chain(loops).map(|residual| norm(&residual));
     residuals.fold(0.0, |max, r| if r > max || r.is_nan() { r } else { max })
 }

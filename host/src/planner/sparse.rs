@@ -1,7 +1,7 @@
 //! Sparse normal equations: faer's Cholesky behind core's trait, for sheets whose every crease is an
 //! unknown.
 //!
-//! JᵀJ couples two unknowns only where a star has both, so that each star has its fixed places in the
+//! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
 //! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
 
 use faer::Conj;
@@ -15,7 +15,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{MatMut, Side};
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
-use foldpath_core::{Spoke, StarsView};
+use foldpath_core::{LoopsView, Spoke, StarsView};
 use nalgebra::Vector3;
 
 use crate::ragged::{Ragged, group_by_key};
@@ -33,7 +33,7 @@ pub(super) struct SparseNormalEquations {
     diagonal: Vec<u32>,
     /// The diagonal without damping, while the matrix is being factorised.
     undamped: Vec<f64>,
-    /// For each star the places of the products of its spokes, row after row.
+    /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
     /// For each unknown the places of its row and column.
     touching: Ragged<u32>,
@@ -44,12 +44,15 @@ pub(super) struct SparseNormalEquations {
 
 impl SparseNormalEquations {
     /// Finds the places and the elimination order. `None` if memory does not suffice.
-    pub(super) fn new(stars: StarsView<'_, f64>) -> Option<Self> {
+    pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
+        let stars = stars.iter().map(|star| star.spokes);
+        let cycles = stars.chain(loops.iter().map(|l| l.spokes));
+        let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
         let mut entries: Vec<(u32, u32)> = (0..u32::try_from(n).ok()?).map(|k| (k, k)).collect();
-        for star in stars.iter() {
-            for a in star.spokes {
-                let below = star.spokes.iter().filter(|b| b.group > a.group);
+        for spokes in &cycles {
+            for a in *spokes {
+                let below = spokes.iter().filter(|b| b.group > a.group);
                 entries.extend(below.map(|b| (a.group.0, b.group.0)));
             }
         }
@@ -69,11 +72,10 @@ impl SparseNormalEquations {
             let offset = rows[range.clone()].binary_search(&row).ok()?;
             u32::try_from(range.start + offset).ok()
         };
-        let places = stars.iter().map(|star| {
-            let pairs = star
-                .spokes
+        let places = cycles.iter().map(|spokes| {
+            let pairs = spokes
                 .iter()
-                .flat_map(|a| star.spokes.iter().map(move |b| (a, b)));
+                .flat_map(|a| spokes.iter().map(move |b| (a, b)));
             let pairs = pairs.map(|(a, b)| place(b.group.0, a.group.0).unwrap_or(ABOVE));
             pairs.collect::<Vec<_>>()
         });

@@ -2,35 +2,43 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 
-use foldpath_core::{Spoke, StarsView};
+use foldpath_core::{LoopsView, Spoke, StarsView};
 use nalgebra::Vector2;
 
 use super::CreaseGroups;
 use crate::pattern::{
-    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, PatternError, VertexId,
+    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
 };
 use crate::ragged::Ragged;
 
 /// Sector angles this close, in radians, are the same.
 const SAME_ANGLE: f64 = 1e-6;
 
-/// Stars of real vertices as functions of the group angles.
+/// Stars of real vertices, and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
 pub struct ReducedStars {
     vertices: Vec<VertexId>,
     spokes: Ragged<Spoke<f64>>,
+    loops: Ragged<Spoke<f64>>,
+    /// For each spoke of a loop where its crease is: from the middle of the hole, over its size.
+    places: Vec<[f64; 2]>,
     unknowns: usize,
 }
 
 impl ReducedStars {
-    /// The stars of all real vertices that a hinge ends at.
+    /// The stars of all real vertices that a hinge ends at, and the loops round all holes.
     #[must_use]
     pub fn all(pattern: &CreasePattern, groups: &CreaseGroups) -> Self {
         let mut stars = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
+            loops: Ragged::default(),
+            places: Vec::new(),
             unknowns: groups.len(),
         };
+        for way in pattern.holes().iter() {
+            stars.add_loop(pattern, groups, way);
+        }
         let mut star = Vec::new();
         for vertex in pattern.real_vertices() {
             star.clear();
@@ -51,13 +59,40 @@ impl ReducedStars {
         stars
     }
 
+    fn add_loop(&mut self, pattern: &CreasePattern, groups: &CreaseGroups, way: &[Passage]) {
+        let place = |passage: &Passage| pattern.vertices()[passage.at.index()];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
+        let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
+        let size = from_middle.fold(f64::MIN_POSITIVE, f64::max);
+        let mut spokes = Vec::new();
+        for passage in way {
+            let edge = pattern.edge(passage.edge);
+            let Some(crease) = edge.crease else { continue };
+            let membership = groups.of(crease);
+            // A valley turns what is on the left of its direction up.
+            let start = edge.ends[usize::from(edge.faces[0] != Some(passage.to))];
+            spokes.push(Spoke {
+                group: membership.group,
+                negative: membership.negative,
+                direction: pattern.direction(passage.edge, start).into(),
+            });
+            self.places.push(((place(passage) - middle) / size).into());
+        }
+        if !spokes.is_empty() {
+            self.loops.push(spokes);
+        }
+    }
+
     /// One star for every distinct closure condition: two are the same if a rotation or mirror image
-    /// takes one to the other, group by group, with all signs kept or all exchanged.
+    /// takes one to the other, group by group, with all signs kept or all exchanged. Every loop is kept.
     #[must_use]
     pub fn essential(&self) -> Self {
         let mut essential = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
+            loops: self.loops.clone(),
+            places: self.places.clone(),
             unknowns: self.unknowns,
         };
         for (index, &first) in self.conditions().iter().enumerate() {
@@ -102,6 +137,17 @@ impl ReducedStars {
     pub fn view(&self) -> StarsView<'_, f64> {
         StarsView::new(self.spokes.items(), self.spokes.ends(), self.unknowns)
             .expect("stars refer to groups that exist")
+    }
+
+    /// The loops as the solvers take them.
+    ///
+    /// # Panics
+    /// Never: loops are built from groups that exist.
+    #[must_use]
+    pub fn loops(&self) -> LoopsView<'_, f64> {
+        let (spokes, ends) = (self.loops.items(), self.loops.ends());
+        LoopsView::new(spokes, &self.places, ends, self.unknowns)
+            .expect("loops refer to groups that exist")
     }
 }
 
