@@ -35,7 +35,7 @@ fn fits(value: &Value, shape: &Value) -> bool {
 
 fn info_shape() -> Value {
     json!({
-        "vertices": "count", "edges": "count", "faces": "count", "sheets": "count",
+        "vertices": "count", "edges": "count", "faces": "count", "sheets": "count", "holes": "count",
         "creases": "count", "virtual_edges": "count", "free_hinges": "count",
         "real_vertices": "count", "virtual_vertices": "count", "letters": {"*": "count"},
         "groups": "count", "essential_vertices": "count", "closure_goal": "number|null",

@@ -16,6 +16,7 @@ struct InfoJson {
     edges: usize,
     faces: usize,
     sheets: usize,
+    holes: usize,
     creases: usize,
     virtual_edges: usize,
     free_hinges: usize,
@@ -49,6 +50,7 @@ pub(super) fn run(args: &Info) -> Answer {
         edges: pattern.edges().len(),
         faces: pattern.faces().len(),
         sheets: pattern.sheets(),
+        holes: pattern.holes().len(),
         creases: pattern.creases().len(),
         virtual_edges: pattern.virtual_edges(),
         free_hinges: pattern.creases().iter().filter(free).count(),
@@ -86,9 +88,18 @@ fn summary(title: &str, info: &InfoJson) -> String {
         Some(closure) if closure <= 1e-9 => format!("closes (residual {closure:.1e})"),
         Some(closure) => format!("does not close (residual {closure:.1e})"),
     };
+    let count =
+        |count: usize, one: &str| format!(", {count} {one}{}", if count > 1 { "s" } else { "" });
+    let mut parts = String::new();
+    if info.sheets > 1 {
+        parts += &count(info.sheets, "sheet");
+    }
+    if info.holes > 0 {
+        parts += &count(info.holes, "hole");
+    }
     format!(
         "{title}\n  \
-         sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters})\n  \
+         sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters}){parts}\n  \
          hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
          crease groups       {}\n  \
          essential vertices  {}\n  \

@@ -202,15 +202,17 @@ mod tests {
 
     use super::*;
     use crate::generate::Waterbomb;
-    use crate::pattern::CreasePattern;
+    use crate::pattern::{CreasePattern, Letter};
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
     /// Gradient, and solution after one unknown is held, of both kinds of equations.
-    fn results(equations: &mut impl NormalEquations<f64>, stars: StarsView<'_, f64>) -> Vec<f64> {
+    fn results(equations: &mut impl NormalEquations<f64>, reduced: &ReducedStars) -> Vec<f64> {
+        let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
-        let mut half_angles = vec![HalfAngle::default(); n];
-        let mut columns = vec![Vector3::zeros(); stars.max_degree()];
-        let mut problem = ClosureProblem::new(stars, &mut half_angles, &mut columns).unwrap();
+        let mut half = vec![HalfAngle::default(); n];
+        let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
+        let mut problem =
+            ClosureProblem::with_loops(stars, loops, &mut half, &mut columns).unwrap();
         let angles: Vec<f64> = (0..n)
             .map(|k| f64::from(u8::try_from(k % 7).unwrap()) * 0.3)
             .collect();
@@ -237,7 +239,15 @@ mod tests {
             columns: 6,
             fold: 0.5,
         };
-        let pattern = CreasePattern::new(waterbomb.drawing().unwrap()).unwrap();
+        let mut drawing = waterbomb.drawing().unwrap();
+        let whole = CreasePattern::new(drawing.clone()).unwrap();
+        // A cut through the vertex in the middle, which is a hole.
+        let star = &whole.stars()[whole.vertices().len() / 2];
+        for edge in [star[0], star[2]] {
+            drawing.edges[edge.index()].letter = Letter::Cut;
+        }
+        let pattern = CreasePattern::new(drawing).unwrap();
+        assert_eq!(pattern.holes().len(), 1);
         // With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
         for groups in [
             CreaseGroups::find(&pattern),
@@ -247,11 +257,8 @@ mod tests {
             let n = groups.len();
             let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(n)];
             let mut dense = DenseNormalEquations::new(n, &mut memory).unwrap();
-            let mut sparse = SparseNormalEquations::new(stars.view()).unwrap();
-            let [dense, sparse] = [
-                results(&mut dense, stars.view()),
-                results(&mut sparse, stars.view()),
-            ];
+            let mut sparse = SparseNormalEquations::new(stars.view(), stars.loops()).unwrap();
+            let [dense, sparse] = [results(&mut dense, &stars), results(&mut sparse, &stars)];
             for (k, (dense, sparse)) in dense.iter().zip(&sparse).enumerate() {
                 assert!(
                     (dense - sparse).abs() <= 1e-12,
