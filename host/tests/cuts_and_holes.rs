@@ -7,12 +7,12 @@ use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::{pattern_text, read_pattern};
 use foldpath::generate::Miura;
-use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter, PatternError};
 use foldpath::planner::Goal;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome};
 use foldpath_core::{DenseNormalEquations, HalfAngle, LoopsView, levenberg_marquardt};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use serde_json::{Value, json};
 
 const SHEET: Miura = Miura {
@@ -276,6 +276,35 @@ fn a_written_cut_is_read_back() {
         assert_eq!(read.stars(), pattern.stars());
         assert_eq!(read.holes(), pattern.holes());
     }
+}
+
+/// Vertices may share a place where faces say what hangs together, but no two faces may.
+#[test]
+fn faces_in_the_same_place_are_refused() {
+    let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Vector2::from);
+    let border = |a: usize, b: usize| DrawnEdge {
+        ends: [a, b],
+        letter: Letter::Boundary,
+        goal: None,
+    };
+    let triangle = |first: usize| [0, 1, 2].map(|k| border(first + k, first + (k + 1) % 3));
+    let twice = Drawing {
+        vertices: [points, points].concat(),
+        edges: [triangle(0), triangle(3)].concat(),
+        faces: Some(vec![vec![0, 1, 2], vec![3, 4, 5]]),
+    };
+    let overlap = PatternError::Overlap {
+        edge: 3,
+        first: 0,
+        second: 1,
+    };
+    assert_eq!(CreasePattern::new(twice.clone()).unwrap_err(), overlap);
+    let unsaid = Drawing {
+        faces: None,
+        ..twice
+    };
+    let error = CreasePattern::new(unsaid).unwrap_err();
+    assert!(matches!(error, PatternError::OnEdge { .. }), "{error}");
 }
 
 /// The two sides of a cut touch all along a fold that takes them together: from flat on, and as soon

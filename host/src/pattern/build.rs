@@ -39,7 +39,7 @@ impl CreasePattern {
         order_twins(&drawing, &mut stars, &edge_faces);
         check_stars(&drawing, &stars, &edge_faces)?;
         let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
-        split(&mut drawing, &mut faces, &mut edge_faces, &mut assumptions);
+        let slits = split(&mut drawing, &mut faces, &mut edge_faces, &mut assumptions);
         if drawing.vertices.len() > vertices {
             stars = sorted_stars(&drawing);
             order_twins(&drawing, &mut stars, &edge_faces);
@@ -79,6 +79,7 @@ impl CreasePattern {
             diagonals,
             median_edge,
             drawn,
+            slits,
             sheets: Vec::new(),
             holes: Ragged::default(),
             assumptions,

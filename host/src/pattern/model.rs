@@ -52,6 +52,7 @@ pub struct CreasePattern {
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
     pub(super) drawn: usize,
+    pub(super) slits: Vec<EdgeId>,
     pub(super) sheets: Vec<u32>,
     pub(super) holes: Ragged<Passage>,
     pub(super) assumptions: Vec<String>,
@@ -80,6 +81,13 @@ impl CreasePattern {
     #[must_use]
     pub fn drawn_edges(&self) -> usize {
         self.drawn
+    }
+
+    /// Cuts of the drawing along a single edge inside the sheet, taken as free hinges: what a file says of
+    /// their fold angles is no goal.
+    #[must_use]
+    pub fn slits(&self) -> &[EdgeId] {
+        &self.slits
     }
 
     /// The edge of that name.

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::{Drawing, DrawnEdge, FaceId, Letter};
+use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter};
 use crate::ragged::group_by_key;
 
 /// For each edge the faces to its left and right.
@@ -11,13 +11,13 @@ pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
 
 /// Gives each fan of faces round a vertex a vertex of its own, and each side of a cut an edge of its
 /// own. The first fan and the left side keep what was drawn; what is added comes behind all of it.
-/// What was done is said in `assumptions`.
+/// What was done is said in `assumptions`. Returns the cuts along a single edge inside, which are hinges.
 pub(super) fn split(
     drawing: &mut Drawing,
     faces: &mut [Vec<usize>],
     edge_faces: &mut EdgeFaces,
     assumptions: &mut Vec<String>,
-) {
+) -> Vec<EdgeId> {
     let drawn = drawing.edges.len();
     let fans = Fans::new(drawing, faces, edge_faces);
     let ends_in = |ends: [usize; 2], face: FaceId| ends.map(|end| fans.vertex(face, end));
@@ -72,6 +72,7 @@ pub(super) fn split(
         "vertices where faces meet in a point alone, parted there",
         "vertex",
     );
+    slits.into_iter().map(EdgeId::new).collect()
 }
 
 /// Whether an edge so lettered parts the faces on its two sides.

@@ -82,7 +82,7 @@ pub struct Plan {
     pub essential_rigidity: Rigidity,
     /// Faces of the essential crease pattern.
     pub essential_faces: usize,
-    /// Largest closure residual of a real vertex, or twist of a hinge, over all knots.
+    /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
     /// Largest closure residual of the goal asked for.
     pub goal_closure: f64,
