@@ -60,7 +60,7 @@ pub fn residual_and_jacobian<T: Scalar>(
     }
     let Rotation { w, v } = positive(product);
     for (spoke, column) in star.spokes.iter().zip(columns) {
-        let derivative = *column * w + column.cross(&v);
+        let derivative = derivative(Rotation { w, v }, column);
         *column = if spoke.negative {
             -derivative
         } else {
@@ -68,6 +68,12 @@ pub fn residual_and_jacobian<T: Scalar>(
         };
     }
     Some(v * T::TWO)
+}
+
+/// ∂r/∂ρ of a turn about the `axis` a where the product is L = (w, v), sign-fixed.
+#[inline]
+pub(crate) fn derivative<T: Scalar>(product: Rotation<T>, axis: &Vector3<T>) -> Vector3<T> {
+    *axis * product.w + axis.cross(&product.v)
 }
 
 /// Fills `out` with the half angles of the `unknowns` (radians), as far as both reach.
@@ -83,7 +89,7 @@ pub fn half_angles<T: Scalar>(unknowns: &[T], out: &mut [HalfAngle<T>]) {
 /// `product` times the rotation about a crease: the general quaternion product without the terms
 /// of the axis' z, which is 0.
 #[inline]
-fn cross<T: Scalar>(
+pub(crate) fn cross<T: Scalar>(
     product: Rotation<T>,
     HalfAngle { cos, sin }: HalfAngle<T>,
     direction: [T; 2],
@@ -102,7 +108,7 @@ fn cross<T: Scalar>(
 
 /// Of the two quaternions of a rotation, the one with w >= 0.
 #[inline]
-fn positive<T: Scalar>(rotation: Rotation<T>) -> Rotation<T> {
+pub(crate) fn positive<T: Scalar>(rotation: Rotation<T>) -> Rotation<T> {
     if rotation.w < T::zero() {
         Rotation {
             w: -rotation.w,

@@ -1,21 +1,21 @@
-//! The least-squares problem that every solver here works on: the closure of a list of stars as a
-//! function of the group angles.
+//! The least-squares problem that every solver here works on: the closure of a list of stars, and of
+//! loops round holes, as a function of the group angles.
 //!
-//! With the residuals r(x) of all stars, solvers minimise ½‖r‖². Stars hand their rows to an
+//! With the residuals r(x) of all stars and loops, solvers minimise ½‖r‖². They hand their rows to an
 //! [`Accumulate`]: a gradient alone needs O(n) memory, dense or sparse normal equations more.
 
 use nalgebra::Vector3;
 
-use crate::closure;
 use crate::objective::{larger, norm};
-use crate::{HalfAngle, Scalar, Spoke, StarsView};
+use crate::{HalfAngle, LoopsView, Scalar, Spoke, StarsView};
+use crate::{closure, hole};
 
 /// Size of the residual at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost<T> {
-    /// ½‖r‖² over all stars.
+    /// ½‖r‖² over all stars and loops.
     pub half_square: T,
-    /// Largest ‖r(v)‖ of a star.
+    /// Largest ‖r(v)‖ of a star, or of the rotation or translation of a loop.
     pub max: T,
 }
 
@@ -27,12 +27,13 @@ impl<T: Scalar> Cost<T> {
     }
 }
 
-/// Takes the rows of the linearised problem star by star.
+/// Takes the rows of the linearised problem star by star, then loop by loop.
 pub trait Accumulate<T: Scalar> {
     /// Forgets all rows.
     fn clear(&mut self);
     /// Adds the three rows of star number `star`: `columns[k]` is ∂r/∂(group angle of spoke k).
-    /// Two spokes may belong to the same group.
+    /// Two spokes may belong to the same group. A loop counts as one more star and adds twice under its
+    /// number: the rows of its rotation, then those of its translation.
     fn add(
         &mut self,
         star: usize,
@@ -59,10 +60,11 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn solve(&mut self, right_side: &mut [T]);
 }
 
-/// The closure of stars as a least-squares problem, with the scratch memory that it needs.
+/// The closure of stars and loops as a least-squares problem, with the scratch memory that it needs.
 #[derive(Debug)]
 pub struct ClosureProblem<'a, T> {
     stars: StarsView<'a, T>,
+    loops: LoopsView<'a, T>,
     half_angles: &'a mut [HalfAngle<T>],
     columns: &'a mut [Vector3<T>],
 }
@@ -75,13 +77,32 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         half_angles: &'a mut [HalfAngle<T>],
         columns: &'a mut [Vector3<T>],
     ) -> Option<Self> {
+        Self::with_loops(stars, LoopsView::none(), half_angles, columns)
+    }
+
+    /// The same with loops round holes, in the unknowns of the stars. There have to be
+    /// [`columns`](Self::columns).
+    pub fn with_loops(
+        stars: StarsView<'a, T>,
+        loops: LoopsView<'a, T>,
+        half_angles: &'a mut [HalfAngle<T>],
+        columns: &'a mut [Vector3<T>],
+    ) -> Option<Self> {
         let half_angles = half_angles.get_mut(..stars.unknowns())?;
-        let columns = columns.get_mut(..stars.max_degree())?;
+        let columns = columns.get_mut(..Self::columns(stars, loops))?;
         Some(Self {
             stars,
+            loops,
             half_angles,
             columns,
         })
+    }
+
+    /// Columns of scratch needed: one for each spoke of the largest star, two for each of the largest
+    /// loop.
+    #[must_use]
+    pub fn columns(stars: StarsView<'_, T>, loops: LoopsView<'_, T>) -> usize {
+        stars.max_degree().max(2 * loops.max_degree())
     }
 
     /// Number of unknowns.
@@ -95,7 +116,9 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         self.set_half_angles(x)?;
         let half = &*self.half_angles;
         let residuals = self.stars.iter().map(|star| closure::residual(star, half));
-        Some(residuals.fold(Cost::none(), |cost, r| cost.plus(&r)))
+        let cost = residuals.fold(Cost::none(), |cost, r| cost.plus(&r));
+        let loops = self.loops.iter().flat_map(|l| hole::residuals(l, half));
+        Some(loops.fold(cost, |cost, r| cost.plus(&r)))
     }
 
     /// Residual at `x` (radians), its rows handed to `rows`; `None` unless `x` has all unknowns.
@@ -108,6 +131,17 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
             let residual = closure::residual_and_jacobian(star, self.half_angles, columns)?;
             rows.add(index, star.spokes, columns, &residual);
             cost = cost.plus(&residual);
+        }
+        for (index, cycle) in self.loops.iter().enumerate() {
+            let index = self.stars.len() + index;
+            let degree = cycle.spokes.len();
+            let columns = self.columns.get_mut(..2 * degree)?;
+            let residuals = hole::residuals_and_jacobian(cycle, self.half_angles, columns)?;
+            let (turns, moves) = columns.split_at_checked(degree)?;
+            for (residual, columns) in residuals.iter().zip([turns, moves]) {
+                rows.add(index, cycle.spokes, columns, residual);
+                cost = cost.plus(residual);
+            }
         }
         Some(cost)
     }
@@ -236,7 +270,7 @@ impl<T: Scalar> Default for Options<T> {
 /// How a solver ended. Not converging is an outcome, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Every star closes within the tolerance.
+    /// Every star and loop closes within the tolerance.
     Converged,
     /// No step improves the residual any more, but it is above the tolerance.
     Stalled,

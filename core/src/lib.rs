@@ -13,6 +13,9 @@
 //! along the motion form a *crease group*; with one unknown a group and one *star* for each distinct
 //! condition, a Miura fold of any size has two unknowns and one star.
 //!
+//! Round a hole the panels must meet again too: a [loop](hole) is the same condition on the way round it,
+//! with the places of the creases.
+//!
 //! # A closed vertex in one page
 //!
 //! ```
@@ -81,6 +84,7 @@ mod dense;
 mod folding_matrix;
 pub mod gradient;
 mod group;
+pub mod hole;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 mod objective;
@@ -93,6 +97,7 @@ pub mod trajectory;
 pub use dense::DenseNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
+pub use hole::{LoopView, LoopsView};
 pub use objective::{Objective, norm};
 pub use rotation::{HalfAngle, Rotation};
 pub use scalar::Scalar;

@@ -7,7 +7,7 @@ use foldpath_core::{GroupId, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::collision::{CollisionScene, Crossing};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, laid_on};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_laid_on};
 use crate::formats::fold::{PathFile, PathKnot};
 use crate::pattern::{CreasePattern, VertexId};
 
@@ -177,18 +177,12 @@ fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) 
     worst
 }
 
-/// Largest distance of a vertex between two shapes laid on each other as well as possible.
+/// Largest distance of a vertex between two shapes, each sheet laid on the other as well as possible.
 fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    let used = |shape: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-        let vertices = shape.iter().zip(pattern.corners().iter());
-        let used = vertices.filter(|(_, faces)| !faces.is_empty());
-        used.map(|(point, _)| *point).collect()
-    };
-    let (a, b) = (used(a), used(b));
-    let distances = laid_on(&a, &b)
-        .into_iter()
-        .zip(&b)
-        .map(|(a, b)| (a - b).norm());
+    let laid = sheets_laid_on(pattern, a, b);
+    let pairs = laid.iter().zip(b).zip(pattern.corners().iter());
+    let used = pairs.filter(|(_, faces)| !faces.is_empty());
+    let distances = used.map(|((a, b), _)| (a - b).norm());
     distances.fold(
         0.0,
         |worst, d| if d > worst || d.is_nan() { d } else { worst },

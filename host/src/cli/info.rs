@@ -67,11 +67,11 @@ pub(super) fn run(args: &Info) -> Answer {
         return Ok(true);
     }
     print_notes(args.report.quiet, &info.assumptions);
-    print(&summary(&file.title, &info))?;
+    print(&summary(&file.title, &info, pattern.holes().len()))?;
     Ok(true)
 }
 
-fn summary(title: &str, info: &InfoJson) -> String {
+fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
     let letters = info
         .letters
         .iter()
@@ -86,9 +86,18 @@ fn summary(title: &str, info: &InfoJson) -> String {
         Some(closure) if closure <= 1e-9 => format!("closes (residual {closure:.1e})"),
         Some(closure) => format!("does not close (residual {closure:.1e})"),
     };
+    let count =
+        |count: usize, one: &str| format!(", {count} {one}{}", if count > 1 { "s" } else { "" });
+    let mut parts = String::new();
+    if info.sheets > 1 {
+        parts += &count(info.sheets, "sheet");
+    }
+    if holes > 0 {
+        parts += &count(holes, "hole");
+    }
     format!(
         "{title}\n  \
-         sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters})\n  \
+         sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters}){parts}\n  \
          hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
          crease groups       {}\n  \
          essential vertices  {}\n  \

@@ -67,13 +67,6 @@ pub(super) fn run(args: &Plan) -> Answer {
         check_output(&args.pattern, output)?;
     }
     let file = read_pattern(&args.pattern)?;
-    let sheets = file.pattern.sheets();
-    if sheets > 1 {
-        let file = args.pattern.display();
-        return Err(CliError::Usage(format!(
-            "{file}: faces_vertices: expected one sheet, found {sheets} that no edge joins"
-        )));
-    }
     let goal = goal(args, &file)?;
     options.limits = limits(args, &file.pattern)?;
     options

@@ -25,7 +25,8 @@ pub struct Crossing {
 /// What the search for crossings looked at, and what it did not need to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CollisionCounts {
-    /// Pairs of pieces in all configurations asked for; those joined by an edge left out.
+    /// Pairs of pieces of the same sheet in all configurations asked for; those joined by an edge left
+    /// out.
     pub pairs: u64,
     /// Pairs judged.
     pub tested: u64,
@@ -37,6 +38,7 @@ pub struct CollisionCounts {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     face: FaceId,
+    sheet: u32,
     /// The part of the list of corners that is this piece's.
     start: u32,
     end: u32,
@@ -50,16 +52,16 @@ struct Joint {
     ends: [u32; 2],
 }
 
-/// The faces of one sheet.
+/// The faces of a pattern. Those of different sheets are not compared.
 #[derive(Clone)]
 pub struct CollisionScene {
     pieces: Vec<Piece>,
     flat: Vec<Vector2<f64>>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
-    corners: Vec<VertexId>,
     joints: Ragged<Joint>,
-    joined_pairs: u64,
+    /// Pairs of pieces of the same sheet that no side joins.
+    pairs: u64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
     median_edge: f64,
@@ -67,7 +69,7 @@ pub struct CollisionScene {
 }
 
 impl CollisionScene {
-    /// The scene of a sheet. Cost: O(faces).
+    /// The scene of a pattern. Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern) -> Self {
         let mut corners: Vec<VertexId> = Vec::new();
@@ -78,6 +80,7 @@ impl CollisionScene {
             let id = |n: usize| VertexId::new(n).0;
             pieces.push(Piece {
                 face: FaceId::new(face),
+                sheet: pattern.sheet_of_faces()[face],
                 start: id(start),
                 end: id(corners.len()),
             });
@@ -103,7 +106,12 @@ impl CollisionScene {
             .collect();
         pairs.sort_unstable();
         pairs.dedup();
-        let joined_pairs = pairs.len() as u64;
+        let mut in_sheet = vec![0_u64; pattern.sheets()];
+        for piece in &pieces {
+            in_sheet[piece.sheet as usize] += 1;
+        }
+        let alike = in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2);
+        let pairs = alike.sum::<u64>() - pairs.len() as u64;
         let flat: Vec<_> = corners
             .iter()
             .map(|v| pattern.vertices()[v.index()])
@@ -117,9 +125,8 @@ impl CollisionScene {
             counts: CollisionCounts::default(),
             pieces,
             flat,
-            corners,
             joints,
-            joined_pairs,
+            pairs,
         }
     }
 
@@ -135,7 +142,7 @@ impl CollisionScene {
             folded,
             normals,
             joints,
-            corners,
+            flat,
             median_edge,
             hierarchy,
             workspace,
@@ -165,8 +172,9 @@ impl CollisionScene {
         };
         hierarchy.traverse_bvtt_single_tree::<false>(workspace, &mut |a, b| {
             let faces = [a, b].map(|index| pieces[index as usize].face);
+            let sheets = [a, b].map(|index| pieces[index as usize].sheet);
             let joined = joints[a as usize].iter().any(|joint| joint.piece == b);
-            if joined || faces[0] == faces[1] {
+            if joined || faces[0] == faces[1] || sheets[0] != sheets[1] {
                 return;
             }
             tested += 1;
@@ -174,8 +182,9 @@ impl CollisionScene {
             if depth <= 0.0 {
                 depth = beyond(a, b).max(beyond(b, a));
             }
-            // Where the sheet is torn, faces that meet in a vertex may overlap by as much.
-            let meet = || corners[ids(a)].iter().any(|v| corners[ids(b)].contains(v));
+            // Where the sheet is torn, faces that meet in a vertex may overlap by as much. Those on the
+            // two sides of a cut meet at places, where each has a vertex of its own.
+            let meet = || flat[ids(a)].iter().any(|p| flat[ids(b)].contains(p));
             if depth <= 0.0 || depth <= torn && meet() {
                 return;
             }
@@ -193,11 +202,9 @@ impl CollisionScene {
                 deepest = Some(crossing);
             }
         });
-        let count = self.pieces.len() as u64;
-        let pairs = count * count.saturating_sub(1) / 2 - self.joined_pairs;
-        self.counts.pairs += pairs;
+        self.counts.pairs += self.pairs;
         self.counts.tested += tested;
-        self.counts.skipped_bounds += pairs - tested;
+        self.counts.skipped_bounds += self.pairs - tested;
         deepest
     }
 

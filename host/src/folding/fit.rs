@@ -2,6 +2,32 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::pattern::CreasePattern;
+
+/// The shape `a` of a pattern's vertices laid on its shape `b`, each sheet on its own. Vertices without a
+/// face stay where they are.
+#[must_use]
+pub fn sheets_laid_on(
+    pattern: &CreasePattern,
+    a: &[Vector3<f64>],
+    b: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
+    let mut sheets = vec![Vec::new(); pattern.sheets()];
+    for (vertex, faces) in pattern.corners().iter().enumerate() {
+        if let Some(face) = faces.first() {
+            sheets[pattern.sheet_of_faces()[face.index()] as usize].push(vertex);
+        }
+    }
+    let mut laid = a.to_vec();
+    for sheet in sheets {
+        let of = |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };
+        for (&vertex, point) in sheet.iter().zip(laid_on(&of(a), &of(b))) {
+            laid[vertex] = point;
+        }
+    }
+    laid
+}
+
 /// The points of `a` moved rigidly so that they lie on those of `b` as well as possible.
 ///
 /// Implements W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst.

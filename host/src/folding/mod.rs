@@ -4,6 +4,6 @@ mod fit;
 mod map;
 mod tree;
 
-pub use fit::laid_on;
+pub use fit::{laid_on, sheets_laid_on};
 pub use map::{FoldingMap, Pose, Rigidity, deformation};
 pub use tree::SpanningTree;

@@ -1,10 +1,12 @@
 //! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
 
+use core::f64::consts::PI;
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
 use super::model::{CreasePattern, Edge};
+use super::split::{EdgeFaces, split};
 use super::trace::{area, edge_between};
 use super::triangulate::triangulate;
 use super::{CreaseId, Drawing, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace};
@@ -17,9 +19,10 @@ impl CreasePattern {
     /// If the drawing is not a planar graph of simple faces, or contradicts itself.
     pub fn new(mut drawing: Drawing) -> Result<Self, PatternError> {
         check_lists(&drawing)?;
-        planarity::check(&drawing)?;
         let mut assumptions = Vec::new();
-        let stars = sorted_stars(&drawing);
+        let places = places(&drawing, &mut assumptions);
+        planarity::check(&drawing, &places)?;
+        let mut stars = sorted_stars(&drawing);
         let faces = match drawing.faces.take() {
             Some(faces) => faces,
             None => trace::faces(&drawing, &stars),
@@ -31,9 +34,17 @@ impl CreasePattern {
                 least: 1,
             });
         }
-        let faces = counter_clockwise(&drawing, faces)?;
-        let edge_faces = edge_faces(&drawing, &faces)?;
-        let (edges, creases) = resolve_letters(&drawing, &edge_faces, &mut assumptions)?;
+        let mut faces = counter_clockwise(&drawing, faces)?;
+        let mut edge_faces = edge_faces(&drawing, &faces, &places)?;
+        order_twins(&drawing, &mut stars, &edge_faces);
+        check_stars(&drawing, &stars, &edge_faces)?;
+        let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
+        let slits = split(&mut drawing, &mut faces, &mut edge_faces, &mut assumptions);
+        if drawing.vertices.len() > vertices {
+            stars = sorted_stars(&drawing);
+            order_twins(&drawing, &mut stars, &edge_faces);
+        }
+        let (edges, creases) = resolve_letters(&drawing, &edge_faces, &mut assumptions);
 
         let corners: Vec<_> = faces
             .iter()
@@ -41,7 +52,7 @@ impl CreasePattern {
             .flat_map(|(face, cycle)| cycle.iter().map(move |&v| (v, FaceId::new(face))))
             .collect();
         let corners = group_by_key(drawing.vertices.len(), &corners);
-        let real = real_vertices(&stars, &edges, &corners)?;
+        let real = real_vertices(&stars, &edges);
         let (triangles, diagonals) = panels(&drawing, &faces)?;
         let mut lengths: Vec<f64> = drawing
             .edges
@@ -50,7 +61,7 @@ impl CreasePattern {
             .collect();
         let middle = lengths.len() / 2;
         let median_edge = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
-        Ok(Self {
+        let mut pattern = Self {
             vertices: drawing.vertices,
             edges,
             faces: faces
@@ -67,8 +78,22 @@ impl CreasePattern {
             triangles,
             diagonals,
             median_edge,
+            drawn,
+            slits,
+            sheets: Vec::new(),
+            holes: Ragged::default(),
             assumptions,
-        })
+        };
+        pattern.sheets = pattern.find_sheets();
+        pattern.holes = pattern.find_holes();
+        if pattern.sheets() > 1 {
+            pattern.assume(format!(
+                "{} sheets that no edge joins: each stays where it is drawn, and faces of different \
+                 sheets are not looked at for crossings",
+                pattern.sheets()
+            ));
+        }
+        Ok(pattern)
     }
 }
 
@@ -155,8 +180,10 @@ fn sorted_stars(drawing: &Drawing) -> Vec<Vec<usize>> {
     for (index, edge) in drawing.edges.iter().enumerate() {
         let [a, b] = edge.ends;
         let along = drawing.vertices[b] - drawing.vertices[a];
-        stars[a].push((along.y.atan2(along.x), index));
-        stars[b].push(((-along.y).atan2(-along.x), index));
+        // π and -π are one direction.
+        let angle = |y: f64, x: f64| Some(y.atan2(x)).filter(|a| *a < PI).unwrap_or(-PI);
+        stars[a].push((angle(along.y, along.x), index));
+        stars[b].push((angle(-along.y, -along.x), index));
     }
     let sorted = |mut star: Vec<(f64, usize)>| {
         star.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -182,13 +209,43 @@ fn counter_clockwise(
     faces.into_iter().enumerate().map(turned).collect()
 }
 
+/// For each vertex the first one at its place. Only where faces are given may vertices share a place,
+/// as on the two sides of a cut: faces alone then say what hangs together.
+fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..drawing.vertices.len()).collect();
+    if drawing.faces.is_none() {
+        return places;
+    }
+    let mut first_at = HashMap::with_capacity(places.len());
+    let (mut count, mut first) = (0_usize, None);
+    for (vertex, point) in drawing.vertices.iter().enumerate() {
+        // No negative zero.
+        let bits = [point.x, point.y].map(|c| (c + 0.0).to_bits());
+        places[vertex] = *first_at.entry(bits).or_insert(vertex);
+        if places[vertex] != vertex {
+            count += 1;
+            first.get_or_insert(vertex);
+        }
+    }
+    if let Some(first) = first {
+        assumptions.push(format!(
+            "vertices at the place of another, the sheet taken as cut there: {count} (first: vertex \
+             {first})"
+        ));
+    }
+    places
+}
+
 /// For each edge the faces to its left and right.
 fn edge_faces(
     drawing: &Drawing,
     faces: &[Vec<usize>],
-) -> Result<Vec<[Option<FaceId>; 2]>, PatternError> {
+    places: &[usize],
+) -> Result<EdgeFaces, PatternError> {
     let between = edge_between(drawing);
     let mut edge_faces = vec![[None; 2]; drawing.edges.len()];
+    let shared = places.iter().enumerate().any(|(vertex, &at)| vertex != at);
+    let mut sides = HashMap::new();
     for (face, cycle) in faces.iter().enumerate() {
         let shifted = cycle.iter().cycle().skip(1);
         for (&a, &b) in cycle.iter().zip(shifted) {
@@ -197,7 +254,11 @@ fn edge_faces(
                 .ok_or(PatternError::NoEdge { face, a, b })?;
             let side = usize::from(drawing.edges[edge].ends[0] != a);
             let place: &mut Option<FaceId> = &mut edge_faces[edge][side];
-            if let Some(first) = place.replace(FaceId::new(face)) {
+            let mut before = place.replace(FaceId::new(face));
+            if shared {
+                before = before.or(sides.insert([places[a], places[b]], FaceId::new(face)));
+            }
+            if let Some(first) = before {
                 return Err(PatternError::Overlap {
                     edge,
                     first: first.index(),
@@ -211,24 +272,16 @@ fn edge_faces(
 
 fn resolve_letters(
     drawing: &Drawing,
-    edge_faces: &[[Option<FaceId>; 2]],
+    edge_faces: &EdgeFaces,
     assumptions: &mut Vec<String>,
-) -> Result<(Vec<Edge>, Vec<EdgeId>), PatternError> {
+) -> (Vec<Edge>, Vec<EdgeId>) {
     let mut creases = Vec::new();
     let mut edges = Vec::with_capacity(drawing.edges.len());
     let mut outer: BTreeMap<Letter, (usize, usize)> = BTreeMap::new();
     for (index, (drawn, &faces)) in drawing.edges.iter().zip(edge_faces).enumerate() {
         let mut letter = drawn.letter;
         let mut crease = None;
-        if let [Some(first), Some(second)] = faces {
-            if matches!(letter, Letter::Boundary | Letter::Cut) {
-                return Err(PatternError::InnerCut {
-                    edge: index,
-                    letter: letter.code(),
-                    first: first.index(),
-                    second: second.index(),
-                });
-            }
+        if faces.iter().all(Option::is_some) {
             if letter.is_hinge() {
                 crease = Some(CreaseId::new(creases.len()));
                 creases.push(EdgeId::new(index));
@@ -253,28 +306,68 @@ fn resolve_letters(
             letter.code()
         ));
     }
-    Ok((edges, creases))
+    (edges, creases)
 }
 
-/// Which vertices are inside the sheet. The faces round a vertex must form one fan: positions of a
-/// vertex that faces share in a point alone would not be tied to each other.
-fn real_vertices(
+/// Faces to the left and right of an edge, looking along it from a vertex.
+fn sides(
+    drawing: &Drawing,
+    edge_faces: &EdgeFaces,
+    vertex: usize,
+    edge: usize,
+) -> [Option<FaceId>; 2] {
+    let [left, right] = edge_faces[edge];
+    if drawing.edges[edge].ends[0] == vertex {
+        [left, right]
+    } else {
+        [right, left]
+    }
+}
+
+/// Puts edges of the same direction, as the two sides of a cut have at its end, in their order
+/// counter-clockwise: the cut is between them.
+fn order_twins(drawing: &Drawing, stars: &mut [Vec<usize>], edge_faces: &EdgeFaces) {
+    for (vertex, star) in stars.iter_mut().enumerate() {
+        let far_end = |edge: usize| {
+            let [a, b] = drawing.edges[edge].ends;
+            drawing.vertices[if a == vertex { b } else { a }]
+        };
+        for k in 1..star.len() {
+            let [a, b] = [star[k - 1], star[k]];
+            if far_end(a) == far_end(b) && sides(drawing, edge_faces, vertex, a)[0].is_some() {
+                star.swap(k - 1, k);
+            }
+        }
+    }
+}
+
+/// Checks that between two edges that follow each other round a vertex there is one face or none.
+fn check_stars(
+    drawing: &Drawing,
     stars: &[Vec<usize>],
-    edges: &[Edge],
-    corners: &Ragged<FaceId>,
-) -> Result<Vec<bool>, PatternError> {
-    let mut real = Vec::with_capacity(stars.len());
+    edge_faces: &EdgeFaces,
+) -> Result<(), PatternError> {
     for (vertex, star) in stars.iter().enumerate() {
-        let sides = |e: usize| edges[e].faces.iter().flatten().count();
-        let used = star.iter().filter(|&&e| sides(e) > 0).count();
-        let inside = used > 0 && star.iter().all(|&e| sides(e) == 2);
-        let fan = if inside { used } else { used.saturating_sub(1) };
-        if corners[vertex].len() != fan {
+        let sides = |edge: usize| sides(drawing, edge_faces, vertex, edge);
+        let next = star.iter().cycle().skip(1);
+        if star
+            .iter()
+            .zip(next)
+            .any(|(&a, &b)| sides(a)[0] != sides(b)[1])
+        {
             return Err(PatternError::BrokenStar { vertex });
         }
-        real.push(inside);
     }
-    Ok(real)
+    Ok(())
+}
+
+/// Which vertices are inside the sheet: those whose every edge has faces on both sides.
+fn real_vertices(stars: &[Vec<usize>], edges: &[Edge]) -> Vec<bool> {
+    let inside = |star: &Vec<usize>| {
+        let mut edges = star.iter().map(|&edge| &edges[edge]);
+        !star.is_empty() && edges.all(|edge| edge.inner_faces().is_some())
+    };
+    stars.iter().map(inside).collect()
 }
 
 type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);

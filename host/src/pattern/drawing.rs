@@ -114,29 +114,14 @@ pub enum PatternError {
         /// The other face.
         second: usize,
     },
-    /// Faces that meet in a vertex alone, or overlap round it.
+    /// Faces that overlap round a vertex, or an edge without faces between them.
     #[error(
-        "vertices_coords[{vertex}]: expected the faces round it to fill one angle without gaps or \
-         overlaps"
+        "vertices_coords[{vertex}]: expected the faces round it not to overlap, and no edge without \
+         faces between them"
     )]
     BrokenStar {
         /// The vertex.
         vertex: usize,
-    },
-    /// A cut inside the sheet.
-    #[error(
-        "edges_assignment[{edge}]: lettered {letter} between faces {first} and {second}; cuts \
-         inside a sheet are not supported yet, expected one of M V F U J"
-    )]
-    InnerCut {
-        /// The edge.
-        edge: usize,
-        /// Its letter.
-        letter: char,
-        /// One face.
-        first: usize,
-        /// The other face.
-        second: usize,
     },
     /// A goal fold angle outside what a hinge can do.
     #[error("edges_foldAngle[{edge}]: expected -180 to 180 degrees, found {degrees}")]

@@ -5,15 +5,18 @@
 
 mod build;
 mod drawing;
+mod holes;
 mod ids;
 mod letter;
 mod model;
 mod planarity;
+mod split;
 mod trace;
 mod triangulate;
 
 pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
+pub use holes::Passage;
 pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;
 pub use model::{CreasePattern, Edge};

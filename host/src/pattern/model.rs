@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{CreaseId, EdgeId, FaceId, Letter, VertexId};
+use super::{CreaseId, EdgeId, FaceId, Letter, Passage, VertexId};
 use crate::ragged::Ragged;
 
 /// An edge of a crease pattern.
@@ -51,6 +51,10 @@ pub struct CreasePattern {
     pub(super) triangles: Ragged<[VertexId; 3]>,
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
+    pub(super) drawn: usize,
+    pub(super) slits: Vec<EdgeId>,
+    pub(super) sheets: Vec<u32>,
+    pub(super) holes: Ragged<Passage>,
     pub(super) assumptions: Vec<String>,
 }
 
@@ -71,6 +75,19 @@ impl CreasePattern {
     #[must_use]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
+    }
+
+    /// Number of edges of the drawing: those behind them are the second sides of cuts.
+    #[must_use]
+    pub fn drawn_edges(&self) -> usize {
+        self.drawn
+    }
+
+    /// Cuts of the drawing along a single edge inside the sheet, taken as free hinges: what a file says of
+    /// their fold angles is no goal.
+    #[must_use]
+    pub fn slits(&self) -> &[EdgeId] {
+        &self.slits
     }
 
     /// The edge of that name.
@@ -165,24 +182,46 @@ impl CreasePattern {
     /// Number of sheets: parts that no chain of faces joins.
     #[must_use]
     pub fn sheets(&self) -> usize {
-        let mut seen = vec![false; self.faces.len()];
+        self.sheets
+            .iter()
+            .max()
+            .map_or(0, |last| *last as usize + 1)
+    }
+
+    /// For each face the number of its sheet, from 0.
+    #[must_use]
+    pub fn sheet_of_faces(&self) -> &[u32] {
+        &self.sheets
+    }
+
+    /// For each hole the way round it, from face to face. Cuts that end inside the sheet are holes.
+    #[must_use]
+    pub fn holes(&self) -> &Ragged<Passage> {
+        &self.holes
+    }
+
+    /// For each face the number of its sheet, the sheets in the order of their first faces.
+    pub(super) fn find_sheets(&self) -> Vec<u32> {
+        const NONE: u32 = u32::MAX;
+        let mut sheets = vec![NONE; self.faces.len()];
         let neighbours = self.neighbours();
-        let mut sheets = 0;
-        for start in 0..seen.len() {
-            if seen[start] {
+        let mut open = Vec::new();
+        let mut next = 0;
+        for start in 0..sheets.len() {
+            if sheets[start] != NONE {
                 continue;
             }
-            sheets += 1;
-            seen[start] = true;
-            let mut open = vec![start];
+            sheets[start] = next;
+            open.push(start);
             while let Some(face) = open.pop() {
-                for &(next, _) in &neighbours[face] {
-                    if !seen[next.index()] {
-                        seen[next.index()] = true;
-                        open.push(next.index());
+                for &(beyond, _) in &neighbours[face] {
+                    if sheets[beyond.index()] == NONE {
+                        sheets[beyond.index()] = next;
+                        open.push(beyond.index());
                     }
                 }
             }
+            next += 1;
         }
         sheets
     }

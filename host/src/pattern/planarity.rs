@@ -11,8 +11,9 @@ use super::{Drawing, PatternError};
 const CELLS_PER_EDGE: f64 = 64.0;
 
 /// Checks every pair of edges that come near each other, found by a uniform grid of about one edge
-/// length a cell: expected time linear in the number of edges. The orientation tests are exact.
-pub(super) fn check(drawing: &Drawing) -> Result<(), PatternError> {
+/// length a cell: expected time linear in the number of edges. The orientation tests are exact. Vertices
+/// count as one that share a place: `places` has the first one there for each.
+pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternError> {
     let mut cell = mean_extent(drawing);
     let covered = |cell: f64| -> f64 {
         let cells = |e: &super::DrawnEdge| {
@@ -39,7 +40,7 @@ pub(super) fn check(drawing: &Drawing) -> Result<(), PatternError> {
             for y in low[1]..=high[1] {
                 let others = grid.entry([x, y]).or_default();
                 for &other in others.iter() {
-                    check_pair(drawing, edge, other)?;
+                    check_pair(drawing, places, edge, other)?;
                 }
                 others.push(edge);
             }
@@ -63,9 +64,13 @@ fn bounds(drawing: &Drawing, ends: [usize; 2]) -> [Vector2<f64>; 2] {
     [a.inf(&b), a.sup(&b)]
 }
 
-fn check_pair(drawing: &Drawing, edge: usize, other: usize) -> Result<(), PatternError> {
-    let [a, b] = drawing.edges[edge].ends;
-    let [c, d] = drawing.edges[other].ends;
+fn check_pair(
+    drawing: &Drawing,
+    places: &[usize],
+    edge: usize,
+    other: usize,
+) -> Result<(), PatternError> {
+    let [[a, b], [c, d]] = [edge, other].map(|edge| drawing.edges[edge].ends.map(|v| places[v]));
     let boxes = [bounds(drawing, [a, b]), bounds(drawing, [c, d])];
     if (0..2).any(|k| boxes[0][0][k] > boxes[1][1][k] || boxes[1][0][k] > boxes[0][1][k]) {
         return Ok(());

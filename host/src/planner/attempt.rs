@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use super::depart::departures;
 use super::follow::{
-    Followed, Stop, Target, Waypoint, follow, max_difference, max_norm, tangent_at_flat,
+    Followed, Homeward, Stop, Target, Waypoint, follow, max_difference, max_norm, tangent_at_flat,
 };
 use super::goal::GoalKind;
 use super::judge::Judge;
 use super::knots::Knot;
-use super::reduction::{ClosedGoal, Reduction};
+use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
 use super::search::{polyline, search};
 use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions, Search};
@@ -32,6 +32,8 @@ pub(super) struct Attempt {
     pub(super) reduction: Reduction,
     /// From flat.
     pub(super) waypoints: Vec<Waypoint>,
+    /// The closed configuration at the goal, if one is known.
+    pub(super) goal: Option<Vec<f64>>,
     /// Closure residual that counts as closed although it can be made no smaller.
     pub(super) accepted: f64,
     pub(super) end: End,
@@ -92,6 +94,12 @@ impl Attempt {
         let targets = route.targets(reach, work);
         let closing = start.elapsed();
         let start = Instant::now();
+        let goals = route.goal.via.len() + 1;
+        let known = targets
+            .as_ref()
+            .ok()
+            .filter(|targets| targets.len() == goals);
+        let closed = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
             Ok(targets) if options.search == Search::Random => {
                 route.random(&targets, RESTARTS, work)
@@ -114,6 +122,7 @@ impl Attempt {
         let (notes, accepted) = (route.notes, route.accepted);
         Self {
             waypoints,
+            goal: closed,
             accepted,
             end,
             reached,
@@ -152,6 +161,12 @@ impl Route<'_> {
             let near = closed
                 .as_ref()
                 .is_some_and(|closed| closed.error <= reach.min(goal.reach));
+            // Groups that a goal which closes as it stands has only nearly are no groups.
+            let near = near
+                && (reach > SAME
+                    || closed
+                        .as_ref()
+                        .is_some_and(|closed| self.reduction.closure(&closed.angles) <= CLOSED));
             match closed {
                 Some(closed) if near => targets.push(closed),
                 _ if goal.kind == GoalKind::Letters => {}
@@ -245,15 +260,16 @@ impl Route<'_> {
         let mut solver = self.reduction.solver(self.options, target.accepted);
         self.accepted = target.accepted;
         let max_step = self.options.max_step;
-        let mut towards_flat = |through| {
-            let flat = Target::Flat { through };
-            follow(&mut solver, &target.angles, None, flat, max_step)
+        let manners = [Homeward::Straight, Homeward::Together, Homeward::Through];
+        let mut followed = Followed {
+            waypoints: Vec::new(),
+            stop: None,
         };
-        let mut followed = towards_flat(false);
-        if !matches!(followed.stop, None | Some(Stop::Timeout)) {
-            let through = towards_flat(true);
-            if through.stop.is_none() {
-                followed = through;
+        for manner in manners {
+            let flat = Target::Flat(manner);
+            followed = follow(&mut solver, &target.angles, None, flat, max_step);
+            if matches!(followed.stop, None | Some(Stop::Timeout)) {
+                break;
             }
         }
         count(work, &solver);

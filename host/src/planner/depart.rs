@@ -206,7 +206,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
             pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));
         let departure = Departure {
             against: against.map(|(_, &edge)| edge).collect(),
-            closure: max_closure(reduction.all.view(), &x),
+            closure: max_closure(&reduction.all, &x),
             fold_angles: groups.expand(&x),
         };
         if departure.against.is_empty() {

@@ -20,11 +20,8 @@ pub(super) struct Waypoint {
 /// Where to go.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target<'a> {
-    /// The flat sheet. No hinge passes through flat on the way, unless `through` says so.
-    Flat {
-        /// Whether hinges may turn the other way in between.
-        through: bool,
-    },
+    /// The flat sheet.
+    Flat(Homeward),
     /// A closed configuration.
     Closed(&'a [f64]),
     /// As near as the motion goes to what is asked for, which need not close; `None` is free. No hinge
@@ -32,18 +29,29 @@ pub(super) enum Target<'a> {
     Nearest(&'a [Option<f64>]),
 }
 
+/// How hinges go back to flat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Homeward {
+    /// The straightest way. A hinge that is flat stays so.
+    Straight,
+    /// Those that turned little go slower, so that all arrive together.
+    Together,
+    /// The straightest way, on which hinges may turn the other way in between.
+    Through,
+}
+
 impl Target<'_> {
     /// What is missing from `angles` to the target.
     fn way(&self, angles: &[f64]) -> Vec<f64> {
         match self {
-            Self::Flat { .. } => angles.iter().map(|a| -a).collect(),
+            Self::Flat(_) => angles.iter().map(|a| -a).collect(),
             Self::Closed(target) => target.iter().zip(angles).map(|(t, a)| t - a).collect(),
             Self::Nearest(asked) => way_to(asked, angles),
         }
     }
 
     fn keeps_signs(&self) -> bool {
-        !matches!(self, Self::Closed(_) | Self::Flat { through: true })
+        !matches!(self, Self::Closed(_) | Self::Flat(Homeward::Through))
     }
 }
 
@@ -112,6 +120,8 @@ const PATIENCE: usize = 50;
 const LOST: usize = 360;
 /// Radians: what is asked for is reached this near.
 pub(super) const NEAR: f64 = 1e-12;
+/// Part of the largest angle below which all hinges weigh the same.
+const LIGHTEST: f64 = 1e-6;
 /// Radians: a hinge that turned by no more is flat.
 const FLAT: f64 = 1e-9;
 /// Radians: a hinge this near its limit is at it.
@@ -256,7 +266,13 @@ fn heading(
         return towards(solver, angles, asked);
     }
     let mut direction = way.to_vec();
-    let held = solver.project_on_motions(angles, &mut direction);
+    let together = matches!(target, Target::Flat(Homeward::Together));
+    let weights = together.then(|| {
+        let least = LIGHTEST * max_norm(angles);
+        let weights = angles.iter().map(|angle| angle.abs().max(least).sqrt());
+        weights.collect::<Vec<f64>>()
+    });
+    let held = solver.project_weighted(angles, &mut direction, weights.as_deref());
     let mut held = held.ok_or(Stop::Singular)?;
     if norm(&direction) < IN_SIGHT * norm(way) {
         direction = match came {
@@ -318,7 +334,7 @@ fn arrive(
     max_step: f64,
 ) -> Option<Waypoint> {
     match target {
-        Target::Flat { .. } => Some(Waypoint {
+        Target::Flat(_) => Some(Waypoint {
             angles: vec![0.0; angles.len()],
             tangent: tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
         }),

@@ -37,7 +37,7 @@ pub struct Knot {
     pub rates: Vec<f64>,
     /// Folded positions of the vertices; empty if they were not kept.
     pub vertices: Vec<Vector3<f64>>,
-    /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
+    /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger.
     pub closure: f64,
     /// Largest relative change of length of an edge or virtual edge.
     pub deformation: f64,

@@ -84,7 +84,7 @@ pub struct Plan {
     pub essential_rigidity: Rigidity,
     /// Faces of the essential crease pattern.
     pub essential_faces: usize,
-    /// Largest closure residual of a real vertex, or twist of a hinge, over all knots.
+    /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
     /// Largest closure residual of the goal asked for.
     pub goal_closure: f64,
@@ -242,7 +242,17 @@ impl<'a> Planning<'a> {
                 {
                     return plan;
                 }
-                (Some(self.stopped(&attempt, stop)), Outcome::Partial)
+                let reason = self.stopped(&attempt, stop);
+                match self.goal_crossing(&attempt) {
+                    Some(crossing) => {
+                        let [a, b] = crossing.faces;
+                        let reason = format!(
+                            "at the goal faces {a} and {b} pass through each other; {reason}"
+                        );
+                        (Some(reason), Outcome::Crossing(crossing))
+                    }
+                    None => (Some(reason), Outcome::Partial),
+                }
             }
             End::NotClosed(_) => return self.not_closed(attempt, symmetric),
         };
@@ -252,6 +262,15 @@ impl<'a> Planning<'a> {
             (plan.outcome, plan.reason) = (outcome, reason);
         }
         plan
+    }
+
+    /// Faces that pass through each other at the goal itself.
+    fn goal_crossing(&self, attempt: &Attempt) -> Option<Crossing> {
+        let mut goal = Knot {
+            angles: attempt.goal.clone()?,
+            ..Knot::default()
+        };
+        Judge::new(self.pattern, &attempt.reduction, self.options.collision).judge(&mut goal)
     }
 
     /// Says how far the goal was moved, if it was.
@@ -310,7 +329,7 @@ impl<'a> Planning<'a> {
             .into_iter()
             .flatten()
             .collect();
-        if let Some(blame) = attempt.reduction.worst_vertex(self.pattern, &asked) {
+        if let Some(blame) = attempt.reduction.worst(self.pattern, &asked) {
             reason += &format!("; there {blame}");
         }
         self.end(Outcome::GoalNotClosed, reason)
@@ -356,7 +375,7 @@ impl<'a> Planning<'a> {
             *step = at + *step * (PROBE / far.max(PROBE));
         }
         if stop != Stop::Timeout
-            && let Some(blame) = reduction.worst_vertex(self.pattern, &ahead)
+            && let Some(blame) = reduction.worst(self.pattern, &ahead)
         {
             reason += &format!("; going on straight, {blame}");
         }
@@ -565,11 +584,10 @@ const NAMED: usize = 12;
 impl core::fmt::Display for Blame {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let edges = edge_list(&self.edges);
-        let vertex = self.vertex.index();
         write!(
             f,
-            "vertex {vertex} (creases: {edges}) does not close: residual {:.1e}",
-            self.residual
+            "{} (creases: {edges}) does not close: residual {:.1e}",
+            self.place, self.residual
         )
     }
 }

@@ -7,13 +7,13 @@ use std::time::Instant;
 use super::follow::{approach, same_signs};
 use super::solver::{ClosureSolver, Work, max_closure};
 use super::{Goal, PlanOptions, Vertices};
-use crate::pattern::{CreasePattern, EdgeId, VertexId};
+use crate::pattern::{CreasePattern, EdgeId};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// The unknowns and conditions of a plan.
 pub(super) struct Reduction {
     pub(super) groups: CreaseGroups,
-    /// Stars of all real vertices.
+    /// Stars of all real vertices, loops round all holes.
     pub(super) all: ReducedStars,
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
@@ -25,7 +25,8 @@ pub(super) struct Reduction {
 
 /// What stands in the way.
 pub(super) struct Blame {
-    pub(super) vertex: VertexId,
+    /// A vertex or a hole, in words.
+    pub(super) place: String,
     pub(super) edges: Vec<EdgeId>,
     pub(super) residual: f64,
 }
@@ -61,7 +62,7 @@ impl Reduction {
     /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is
     /// `accepted`.
     pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
-        let mut solver = ClosureSolver::new(self.stars().view(), options.solver, accepted);
+        let mut solver = ClosureSolver::new(self.stars(), options.solver, accepted);
         solver.set_limits(self.limits.clone());
         solver.until(self.deadline)
     }
@@ -102,26 +103,39 @@ impl Reduction {
         (asked, signs)
     }
 
-    /// The vertex that closes worst at the group angles `x`, its hinges and its residual.
-    pub(super) fn worst_vertex(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
-        let worst = self.all.worst(x)?;
-        let vertex = self.all.vertices()[worst.0];
-        let star = pattern.stars()[vertex.index()].iter().copied();
+    /// What closes worst at the group angles `x`: its hinges and its residual.
+    pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
+        let residuals = self.all.residuals(x).into_iter().enumerate();
+        let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let vertices = self.all.vertices();
+        let (place, edges): (_, Vec<EdgeId>) = match vertices.get(worst) {
+            Some(&vertex) => (
+                format!("vertex {}", vertex.index()),
+                pattern.stars()[vertex.index()].to_vec(),
+            ),
+            None => {
+                let way = &pattern.holes()[self.all.holes()[worst - vertices.len()]];
+                let at = way.first().map_or(0, |passage| passage.at.index());
+                (
+                    format!("the hole at vertex {at}"),
+                    way.iter().map(|passage| passage.edge).collect(),
+                )
+            }
+        };
+        let hinge = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
         Some(Blame {
-            vertex,
-            edges: star
-                .filter(|&edge| pattern.edge(edge).crease.is_some())
-                .collect(),
-            residual: worst.1,
+            place,
+            edges: edges.into_iter().filter(hinge).collect(),
+            residual,
         })
     }
 
-    /// Closure residual that no vertex may exceed: if all did reach it, each adding to the next all
+    /// Closure residual that no vertex or hole may exceed: if all did reach it, each adding to the next all
     /// along the sheet, deformation would come near the bound.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
-        let vertices = self.all.vertices().len().max(1) as f64;
-        (options.bound / vertices).max(ROUNDING)
+        let conditions = (self.all.vertices().len() + self.all.loops().len()).max(1) as f64;
+        (options.bound / conditions).max(ROUNDING)
     }
 
     /// The stars to solve.
@@ -134,7 +148,7 @@ impl Reduction {
 
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
-        max_closure(self.all.view(), angles)
+        max_closure(&self.all, angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.
@@ -238,5 +252,5 @@ pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Optio
         .into_iter()
         .collect::<Option<Vec<f64>>>()?;
     let stars = ReducedStars::all(pattern, &groups);
-    Some(max_closure(stars.view(), &angles))
+    Some(max_closure(&stars, &angles))
 }

@@ -3,16 +3,17 @@
 use std::time::Instant;
 
 use foldpath_core::least_squares::{
-    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
+    Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
 };
 use foldpath_core::{
-    DenseNormalEquations, HalfAngle, Objective, StarsView, closure, gradient, levenberg_marquardt,
-    norm,
+    DenseNormalEquations, HalfAngle, LoopsView, Objective, Spoke, StarsView, gradient,
+    levenberg_marquardt,
 };
 use nalgebra::Vector3;
 
 use super::Solver;
 use super::sparse::SparseNormalEquations;
+use crate::symmetry::ReducedStars;
 
 /// Steps that the gradient solver may take: it converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
@@ -24,9 +25,10 @@ pub(super) struct Work {
     pub(super) evaluations: u64,
 }
 
-/// The closure of some stars, with all memory that solving it needs.
+/// The closure of some stars and loops, with all memory that solving it needs.
 pub(super) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
+    loops: LoopsView<'a, f64>,
     kind: Solver,
     /// Closure residual of a local minimum that still counts as closed.
     accepted: f64,
@@ -43,18 +45,20 @@ pub(super) struct ClosureSolver<'a> {
 }
 
 impl<'a> ClosureSolver<'a> {
-    pub(super) fn new(stars: StarsView<'a, f64>, kind: Solver, accepted: f64) -> Self {
+    pub(super) fn new(reduced: &'a ReducedStars, kind: Solver, accepted: f64) -> Self {
+        let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
         Self {
             stars,
+            loops,
             kind,
             accepted,
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
             deadline: None,
             half_angles: vec![HalfAngle::default(); n],
-            columns: vec![Vector3::zeros(); stars.max_degree()],
-            equations: Equations::new(stars),
+            columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
+            equations: Equations::new(stars, loops),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
@@ -107,10 +111,10 @@ impl<'a> ClosureSolver<'a> {
     /// Moves `x` to the closed configuration near it.
     pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
         let n = self.stars.unknowns();
-        let Some(mut problem) =
-            ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns)
-        else {
-            unreachable!("memory for all unknowns and the largest star")
+        let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
+        let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
+        let Some(mut problem) = problem else {
+            unreachable!("memory for all unknowns, the largest star and the largest loop")
         };
         let mut options = Options {
             acceptable: self.accepted,
@@ -172,11 +176,21 @@ impl<'a> ClosureSolver<'a> {
         x: &[f64],
         direction: &mut [f64],
     ) -> Option<Vec<usize>> {
+        self.project_weighted(x, direction, None)
+    }
+
+    /// The same with differences measured in units of `weights`, one above 0 for each unknown.
+    pub(super) fn project_weighted(
+        &mut self,
+        x: &[f64],
+        direction: &mut [f64],
+        weights: Option<&[f64]>,
+    ) -> Option<Vec<usize>> {
         let mut held: Vec<usize> = Vec::new();
         let wanted = direction.to_vec();
         loop {
             direction.copy_from_slice(&wanted);
-            if !self.project_holding(x, direction, &held) {
+            if !self.project_holding(x, direction, weights, &held) {
                 return None;
             }
             let limits = Limits::Each(&self.limits);
@@ -193,21 +207,33 @@ impl<'a> ClosureSolver<'a> {
         }
     }
 
-    fn project_holding(&mut self, x: &[f64], direction: &mut [f64], held: &[usize]) -> bool {
+    fn project_holding(
+        &mut self,
+        x: &[f64],
+        direction: &mut [f64],
+        weights: Option<&[f64]>,
+        held: &[usize],
+    ) -> bool {
         self.work.evaluations += 1;
-        let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
+        let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
+        let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
         let Some(mut problem) = problem else {
             return false;
         };
         match &mut self.equations {
             Equations::Dense(memory) => {
                 DenseNormalEquations::new(x.len(), memory).is_some_and(|mut equations| {
-                    project(&mut problem, &mut equations, x, direction, held)
+                    project(&mut problem, &mut equations, x, direction, weights, held)
                 })
             }
-            Equations::Sparse(equations) => {
-                project(&mut problem, equations.as_mut(), x, direction, held)
-            }
+            Equations::Sparse(equations) => project(
+                &mut problem,
+                equations.as_mut(),
+                x,
+                direction,
+                weights,
+                held,
+            ),
         }
     }
 }
@@ -217,16 +243,55 @@ fn project(
     equations: &mut impl NormalEquations<f64>,
     x: &[f64],
     direction: &mut [f64],
+    weights: Option<&[f64]>,
     held: &[usize],
 ) -> bool {
-    if problem.linearise(x, equations).is_none() {
+    let linearised = match weights {
+        None => problem.linearise(x, equations),
+        Some(weights) => problem.linearise(x, &mut Weighted { equations, weights }),
+    };
+    if linearised.is_none() {
         return false;
+    }
+    // In units of the weights w, the way d is d/w and the Jacobian J diag(w).
+    let weights = weights.unwrap_or(&[]);
+    for (entry, weight) in direction.iter_mut().zip(weights) {
+        *entry /= weight;
     }
     for &unknown in held {
         equations.hold(unknown);
         direction[unknown] = 0.0;
     }
-    levenberg_marquardt::project_on_motions(equations, direction)
+    let projected = levenberg_marquardt::project_on_motions(equations, direction);
+    for (entry, weight) in direction.iter_mut().zip(weights) {
+        *entry *= weight;
+    }
+    projected
+}
+
+/// Takes the rows of the problem for unknowns in units of the weights.
+struct Weighted<'a, E> {
+    equations: &'a mut E,
+    weights: &'a [f64],
+}
+
+impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
+    fn clear(&mut self) {
+        self.equations.clear();
+    }
+
+    fn add(
+        &mut self,
+        star: usize,
+        spokes: &[Spoke<f64>],
+        columns: &[Vector3<f64>],
+        residual: &Vector3<f64>,
+    ) {
+        let pairs = spokes.iter().zip(columns);
+        let scaled = pairs.map(|(spoke, column)| column * self.weights[spoke.group.index()]);
+        let scaled: Vec<_> = scaled.collect();
+        self.equations.add(star, spokes, &scaled, residual);
+    }
 }
 
 /// Part of a direction's largest entry below which an entry is rounding, and pushes nothing.
@@ -242,10 +307,10 @@ enum Equations {
 }
 
 impl Equations {
-    fn new(stars: StarsView<'_, f64>) -> Self {
+    fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Self {
         let n = stars.unknowns();
         let sparse = (n > DENSE)
-            .then(|| SparseNormalEquations::new(stars))
+            .then(|| SparseNormalEquations::new(stars, loops))
             .flatten();
         match sparse {
             Some(sparse) => Self::Sparse(Box::new(sparse)),
@@ -254,12 +319,8 @@ impl Equations {
     }
 }
 
-/// Largest closure residual of the stars at the group angles `x`.
-pub(super) fn max_closure(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
-    let mut half_angles = vec![HalfAngle::default(); x.len()];
-    closure::half_angles(x, &mut half_angles);
-    let residuals = stars
-        .iter()
-        .map(|star| norm(&closure::residual(star, &half_angles)));
+/// Largest closure residual of the stars and loops at the group angles `x`.
+pub(super) fn max_closure(reduced: &ReducedStars, x: &[f64]) -> f64 {
+    let residuals = reduced.residuals(x).into_iter();
     residuals.fold(0.0, |max, r| if r > max || r.is_nan() { r } else { max })
 }

@@ -1,7 +1,7 @@
 //! Sparse normal equations: faer's Cholesky behind core's trait, for sheets whose every crease is an
 //! unknown.
 //!
-//! JᵀJ couples two unknowns only where a star has both, so that each star has its fixed places in the
+//! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
 //! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
 
 use faer::Conj;
@@ -15,7 +15,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{MatMut, Side};
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
-use foldpath_core::{Spoke, StarsView};
+use foldpath_core::{LoopsView, Spoke, StarsView};
 use nalgebra::Vector3;
 
 use crate::ragged::{Ragged, group_by_key};
@@ -33,7 +33,7 @@ pub(super) struct SparseNormalEquations {
     diagonal: Vec<u32>,
     /// The diagonal without damping, while the matrix is being factorised.
     undamped: Vec<f64>,
-    /// For each star the places of the products of its spokes, row after row.
+    /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
     /// For each unknown the places of its row and column.
     touching: Ragged<u32>,
@@ -44,12 +44,15 @@ pub(super) struct SparseNormalEquations {
 
 impl SparseNormalEquations {
     /// Finds the places and the elimination order. `None` if memory does not suffice.
-    pub(super) fn new(stars: StarsView<'_, f64>) -> Option<Self> {
+    pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
+        let stars = stars.iter().map(|star| star.spokes);
+        let cycles = stars.chain(loops.iter().map(|l| l.spokes));
+        let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
         let mut entries: Vec<(u32, u32)> = (0..u32::try_from(n).ok()?).map(|k| (k, k)).collect();
-        for star in stars.iter() {
-            for a in star.spokes {
-                let below = star.spokes.iter().filter(|b| b.group > a.group);
+        for spokes in &cycles {
+            for a in *spokes {
+                let below = spokes.iter().filter(|b| b.group > a.group);
                 entries.extend(below.map(|b| (a.group.0, b.group.0)));
             }
         }
@@ -69,11 +72,10 @@ impl SparseNormalEquations {
             let offset = rows[range.clone()].binary_search(&row).ok()?;
             u32::try_from(range.start + offset).ok()
         };
-        let places = stars.iter().map(|star| {
-            let pairs = star
-                .spokes
+        let places = cycles.iter().map(|spokes| {
+            let pairs = spokes
                 .iter()
-                .flat_map(|a| star.spokes.iter().map(move |b| (a, b)));
+                .flat_map(|a| spokes.iter().map(move |b| (a, b)));
             let pairs = pairs.map(|(a, b)| place(b.group.0, a.group.0).unwrap_or(ABOVE));
             pairs.collect::<Vec<_>>()
         });
@@ -200,15 +202,17 @@ mod tests {
 
     use super::*;
     use crate::generate::Waterbomb;
-    use crate::pattern::CreasePattern;
+    use crate::pattern::{CreasePattern, Letter};
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
     /// Gradient, and solution after one unknown is held, of both kinds of equations.
-    fn results(equations: &mut impl NormalEquations<f64>, stars: StarsView<'_, f64>) -> Vec<f64> {
+    fn results(equations: &mut impl NormalEquations<f64>, reduced: &ReducedStars) -> Vec<f64> {
+        let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
-        let mut half_angles = vec![HalfAngle::default(); n];
-        let mut columns = vec![Vector3::zeros(); stars.max_degree()];
-        let mut problem = ClosureProblem::new(stars, &mut half_angles, &mut columns).unwrap();
+        let mut half = vec![HalfAngle::default(); n];
+        let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
+        let mut problem =
+            ClosureProblem::with_loops(stars, loops, &mut half, &mut columns).unwrap();
         let angles: Vec<f64> = (0..n)
             .map(|k| f64::from(u8::try_from(k % 7).unwrap()) * 0.3)
             .collect();
@@ -235,7 +239,15 @@ mod tests {
             columns: 6,
             fold: 0.5,
         };
-        let pattern = CreasePattern::new(waterbomb.drawing().unwrap()).unwrap();
+        let mut drawing = waterbomb.drawing().unwrap();
+        let whole = CreasePattern::new(drawing.clone()).unwrap();
+        // A cut through the vertex in the middle, which is a hole.
+        let star = &whole.stars()[whole.vertices().len() / 2];
+        for edge in [star[0], star[2]] {
+            drawing.edges[edge.index()].letter = Letter::Cut;
+        }
+        let pattern = CreasePattern::new(drawing).unwrap();
+        assert_eq!(pattern.holes().len(), 1);
         // With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
         for groups in [
             CreaseGroups::find(&pattern),
@@ -245,11 +257,8 @@ mod tests {
             let n = groups.len();
             let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(n)];
             let mut dense = DenseNormalEquations::new(n, &mut memory).unwrap();
-            let mut sparse = SparseNormalEquations::new(stars.view()).unwrap();
-            let [dense, sparse] = [
-                results(&mut dense, stars.view()),
-                results(&mut sparse, stars.view()),
-            ];
+            let mut sparse = SparseNormalEquations::new(stars.view(), stars.loops()).unwrap();
+            let [dense, sparse] = [results(&mut dense, &stars), results(&mut sparse, &stars)];
             for (k, (dense, sparse)) in dense.iter().zip(&sparse).enumerate() {
                 assert!(
                     (dense - sparse).abs() <= 1e-12,

@@ -2,35 +2,46 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 
-use foldpath_core::{HalfAngle, Spoke, StarsView, closure, norm};
+use foldpath_core::{HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
 use nalgebra::Vector2;
 
 use super::CreaseGroups;
 use crate::pattern::{
-    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, PatternError, VertexId,
+    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
 };
 use crate::ragged::Ragged;
 
 /// Sector angles this close, in radians, are the same.
 const SAME_ANGLE: f64 = 1e-6;
 
-/// Stars of real vertices as functions of the group angles.
+/// Stars of real vertices, and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
 pub struct ReducedStars {
     vertices: Vec<VertexId>,
     spokes: Ragged<Spoke<f64>>,
+    loops: Ragged<Spoke<f64>>,
+    /// For each loop the number of its hole.
+    holes: Vec<usize>,
+    /// For each spoke of a loop where its crease is: from the middle of the hole, over its size.
+    places: Vec<[f64; 2]>,
     unknowns: usize,
 }
 
 impl ReducedStars {
-    /// The stars of all real vertices that a hinge ends at.
+    /// The stars of all real vertices that a hinge ends at, and the loops round all holes.
     #[must_use]
     pub fn all(pattern: &CreasePattern, groups: &CreaseGroups) -> Self {
         let mut stars = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
+            loops: Ragged::default(),
+            holes: Vec::new(),
+            places: Vec::new(),
             unknowns: groups.len(),
         };
+        for hole in 0..pattern.holes().len() {
+            stars.add_loop(pattern, groups, hole);
+        }
         let mut star = Vec::new();
         for vertex in pattern.real_vertices() {
             star.clear();
@@ -51,13 +62,43 @@ impl ReducedStars {
         stars
     }
 
+    fn add_loop(&mut self, pattern: &CreasePattern, groups: &CreaseGroups, hole: usize) {
+        let way = &pattern.holes()[hole];
+        let place = |passage: &Passage| pattern.vertices()[passage.at.index()];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
+        let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
+        let size = from_middle.fold(f64::MIN_POSITIVE, f64::max);
+        let mut spokes = Vec::new();
+        for passage in way {
+            let edge = pattern.edge(passage.edge);
+            let Some(crease) = edge.crease else { continue };
+            let membership = groups.of(crease);
+            // A valley turns what is on the left of its direction up.
+            let start = edge.ends[usize::from(edge.faces[0] != Some(passage.to))];
+            spokes.push(Spoke {
+                group: membership.group,
+                negative: membership.negative,
+                direction: pattern.direction(passage.edge, start).into(),
+            });
+            self.places.push(((place(passage) - middle) / size).into());
+        }
+        if !spokes.is_empty() {
+            self.loops.push(spokes);
+            self.holes.push(hole);
+        }
+    }
+
     /// One star for every distinct closure condition: two are the same if a rotation or mirror image
-    /// takes one to the other, group by group, with all signs kept or all exchanged.
+    /// takes one to the other, group by group, with all signs kept or all exchanged. Every loop is kept.
     #[must_use]
     pub fn essential(&self) -> Self {
         let mut essential = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
+            loops: self.loops.clone(),
+            holes: self.holes.clone(),
+            places: self.places.clone(),
             unknowns: self.unknowns,
         };
         for (index, &first) in self.conditions().iter().enumerate() {
@@ -88,17 +129,24 @@ impl ReducedStars {
             .collect()
     }
 
-    /// The star that closes worst at the group angles `x` (radians), and its residual; `None` without
-    /// stars.
+    /// Residuals of all stars, then of all loops, at the group angles `x` (radians): norms of a star's
+    /// three, and of the rotation and the translation of a loop's.
     #[must_use]
-    pub fn worst(&self, x: &[f64]) -> Option<(usize, f64)> {
+    pub fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
         closure::half_angles(x, &mut half_angles);
-        let stars = self.view();
-        let residuals = stars
-            .iter()
-            .map(|star| norm(&closure::residual(star, &half_angles)));
-        residuals.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
+        let of = |stars: StarsView<'_, f64>| -> Vec<f64> {
+            let stars = stars.iter();
+            stars
+                .map(|star| norm(&closure::residual(star, &half_angles)))
+                .collect()
+        };
+        let (stars, loops) = (of(self.view()), self.loops());
+        let loops = loops.iter().map(|l| hole::residuals(l, &half_angles));
+        let loops: Vec<f64> = loops
+            .map(|[turn, shift]| norm(&turn).max(norm(&shift)))
+            .collect();
+        stars.into_iter().chain(loops).collect()
     }
 
     /// The vertices, in the order of the stars.
@@ -115,6 +163,23 @@ impl ReducedStars {
     pub fn view(&self) -> StarsView<'_, f64> {
         StarsView::new(self.spokes.items(), self.spokes.ends(), self.unknowns)
             .expect("stars refer to groups that exist")
+    }
+
+    /// The hole of each loop, as its number in [`CreasePattern::holes`].
+    #[must_use]
+    pub fn holes(&self) -> &[usize] {
+        &self.holes
+    }
+
+    /// The loops as the solvers take them.
+    ///
+    /// # Panics
+    /// Never: loops are built from groups that exist.
+    #[must_use]
+    pub fn loops(&self) -> LoopsView<'_, f64> {
+        let (spokes, ends) = (self.loops.items(), self.loops.ends());
+        LoopsView::new(spokes, &self.places, ends, self.unknowns)
+            .expect("loops refer to groups that exist")
     }
 }
 
@@ -172,16 +237,24 @@ pub fn essential_pattern(
 ) -> Result<(CreasePattern, Vec<CreaseId>), PatternError> {
     let all = ReducedStars::all(pattern, groups);
     let mut faces = essential_faces(pattern, &all);
-    loop {
-        match cut_out(pattern, &faces) {
-            // Two faces that meet in a point: the part grows until none do.
-            Err((PatternError::BrokenStar { .. }, vertex)) => {
-                faces.extend(&pattern.corners()[vertex.index()]);
-            }
-            Err((error, _)) => return Err(error),
-            Ok(part) => return Ok(part),
-        }
+    // Two faces that meet in a point: the part grows until none do.
+    while let Some(vertex) = meeting_point(pattern, &faces) {
+        faces.extend(&pattern.corners()[vertex.index()]);
     }
+    cut_out(pattern, &faces)
+}
+
+/// A vertex round which the faces of the part are not one fan.
+fn meeting_point(pattern: &CreasePattern, part: &BTreeSet<FaceId>) -> Option<VertexId> {
+    let broken = |vertex: &VertexId| {
+        let faces = pattern.corners()[vertex.index()].iter();
+        let star = pattern.stars()[vertex.index()].iter();
+        let inner = star.filter_map(|&edge| pattern.edge(edge).inner_faces());
+        let joints = inner.filter(|faces| faces.iter().all(|face| part.contains(face)));
+        joints.count() + 1 < faces.filter(|face| part.contains(face)).count()
+    };
+    let corners = part.iter().flat_map(|face| &pattern.faces()[face.index()]);
+    corners.copied().find(broken)
 }
 
 /// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
@@ -228,11 +301,8 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
 
 type Part = (CreasePattern, Vec<CreaseId>);
 
-/// The pattern of these faces alone, or why there is none and the vertex of the whole sheet there.
-fn cut_out(
-    pattern: &CreasePattern,
-    faces: &BTreeSet<FaceId>,
-) -> Result<Part, (PatternError, VertexId)> {
+/// The pattern of these faces alone.
+fn cut_out(pattern: &CreasePattern, faces: &BTreeSet<FaceId>) -> Result<Part, PatternError> {
     let mut drawing = Drawing {
         faces: Some(Vec::new()),
         ..Drawing::default()
@@ -271,14 +341,5 @@ fn cut_out(
             creases.extend(edge.crease.filter(|_| sides == 2));
         }
     }
-    match CreasePattern::new(drawing) {
-        Ok(part) => Ok((part, creases)),
-        Err(error) => {
-            let vertex = match error {
-                PatternError::BrokenStar { vertex } => vertices[vertex],
-                _ => vertices[0],
-            };
-            Err((error, vertex))
-        }
-    }
+    Ok((CreasePattern::new(drawing)?, creases))
 }

@@ -4,7 +4,7 @@ use foldpath_core::Membership;
 
 use super::{Scene, SceneEdge, SceneKnot};
 use crate::check::{measure, positions};
-use crate::folding::{SpanningTree, laid_on};
+use crate::folding::{SpanningTree, sheets_laid_on};
 use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
 
@@ -20,12 +20,12 @@ impl Scene {
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };
-        // Each shape is laid on the one before, from the flat sheet on, so that the sheet as a whole
+        // Each shape is laid on the one before, from the flat sheet on, so that every sheet as a whole
         // stays where it is while it folds.
         let mut before: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
         let mut knots = Vec::with_capacity(path.knots.len());
         for (knot, measured) in path.knots.iter().zip(&measured) {
-            before = laid_on(&positions(pattern, &tree, knot), &before);
+            before = sheets_laid_on(pattern, &positions(pattern, &tree, knot), &before);
             let group_angle = |&(edge, member): &(EdgeId, Option<Membership>)| {
                 let angle = knot.fold_angles[edge.index()];
                 member.map_or(angle, |m| m.apply(angle)).to_degrees()

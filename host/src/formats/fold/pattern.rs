@@ -9,7 +9,7 @@ use super::document::{Document, Frame};
 use super::plane::flatten;
 use crate::formats::FileError;
 use crate::pattern::{
-    CreasePattern, Drawing, DrawnEdge, LARGEST, Letter, PatternError, check_goal,
+    CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
 
 /// A crease pattern as a file has it.
@@ -45,12 +45,17 @@ pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
-    goals.check_count(&document, pattern.edges().len())?;
+    // A file of the drawing has no second sides of cuts, one written by this program has.
+    if goals.angles.len() != pattern.edges().len() {
+        goals.check_count(&document, pattern.drawn_edges())?;
+    }
     for (index, (edge, &angle)) in pattern.edges().iter().zip(&goals.angles).enumerate() {
         check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(&document, error))?;
     }
     let creases = pattern.creases().iter();
-    Ok(creases.map(|edge| goals.angles[edge.index()]).collect())
+    let goal =
+        |edge: &EdgeId| goals.angles[edge.index()].filter(|_| !pattern.slits().contains(edge));
+    Ok(creases.map(goal).collect())
 }
 
 pub(super) fn pattern_of(

@@ -1,0 +1,117 @@
+//! Holes of a sheet, and the ways round them from face to face.
+
+use nalgebra::Vector2;
+
+use super::{CreasePattern, EdgeId, FaceId, VertexId};
+use crate::ragged::Ragged;
+
+/// One step of the way round a hole: across an edge that ends at the hole's rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// The edge crossed.
+    pub edge: EdgeId,
+    /// The face that the way comes to.
+    pub to: FaceId,
+    /// The vertex of the rim at which the edge ends.
+    pub at: VertexId,
+}
+
+impl CreasePattern {
+    /// For each hole the way round it through the faces that touch its rim; a cut inside the sheet is a
+    /// hole too. Cost: linear, and next to nothing without holes.
+    pub(super) fn find_holes(&self) -> Ragged<Passage> {
+        let rims = self.rims();
+        let mut outer = vec![(f64::NEG_INFINITY, 0); self.sheets()];
+        let sheet = |rim: &[EdgeId]| {
+            let face = self.edge(rim[0]).faces.into_iter().flatten().next();
+            face.map_or(0, |face| self.sheets[face.index()] as usize)
+        };
+        for (index, rim) in rims.iter().enumerate() {
+            let best = &mut outer[sheet(rim)];
+            // Walked with the sheet on the left, the border round all of it encloses the most.
+            *best = if self.area(rim) > best.0 {
+                (self.area(rim), index)
+            } else {
+                *best
+            };
+        }
+        let rims = rims.iter().enumerate();
+        let holes = rims.filter(|(index, rim)| outer[sheet(rim)].1 != *index);
+        holes.map(|(_, rim)| self.way_along(rim)).collect()
+    }
+
+    /// The open edges in cycles, each walked with the sheet on the left.
+    fn rims(&self) -> Ragged<EdgeId> {
+        let mut leaving = vec![None; self.vertices.len()];
+        for (index, edge) in self.edges.iter().enumerate() {
+            if edge.inner_faces().is_none() && edge.faces.iter().any(Option::is_some) {
+                let [from, _] = self.along_rim(EdgeId::new(index));
+                leaving[from.index()] = Some(EdgeId::new(index));
+            }
+        }
+        let mut rims = Ragged::default();
+        for start in 0..leaving.len() {
+            let mut rim = Vec::new();
+            let mut vertex = start;
+            while let Some(edge) = leaving[vertex].take() {
+                rim.push(edge);
+                vertex = self.along_rim(edge)[1].index();
+            }
+            if !rim.is_empty() {
+                rims.push(rim);
+            }
+        }
+        rims
+    }
+
+    /// Ends of an open edge, in the order that has its face on the left.
+    fn along_rim(&self, edge: EdgeId) -> [VertexId; 2] {
+        let edge = self.edge(edge);
+        let [a, b] = edge.ends;
+        if edge.faces[0].is_some() {
+            [a, b]
+        } else {
+            [b, a]
+        }
+    }
+
+    /// Twice the signed area that a rim encloses, positive counter-clockwise.
+    fn area(&self, rim: &[EdgeId]) -> f64 {
+        let origin = self.vertices[self.along_rim(rim[0])[0].index()];
+        let from_origin =
+            |vertex: VertexId| -> Vector2<f64> { self.vertices[vertex.index()] - origin };
+        let parts = rim.iter().map(|&edge| {
+            let [a, b] = self.along_rim(edge).map(from_origin);
+            a.perp(&b)
+        });
+        parts.sum()
+    }
+
+    /// The way through all faces that touch a rim: at each of its vertices clockwise through the fan of
+    /// faces there.
+    fn way_along(&self, rim: &[EdgeId]) -> Vec<Passage> {
+        let next = rim.iter().cycle().skip(1);
+        let mut way = Vec::new();
+        for (arriving, leaving) in rim.iter().zip(next) {
+            let at = self.along_rim(*leaving)[0];
+            let star = &self.stars[at.index()];
+            let Some(start) = star.iter().position(|edge| edge == arriving) else {
+                continue;
+            };
+            let clockwise = star[..start].iter().rev().chain(star[start..].iter().rev());
+            for &edge in clockwise.take_while(|edge| *edge != leaving) {
+                let [left, right] = self.edge(edge).faces;
+                // The face to the right, looking along the edge from the rim.
+                let to = if self.edge(edge).ends[0] == at {
+                    right
+                } else {
+                    left
+                };
+                if let Some(to) = to {
+                    way.push(Passage { edge, to, at });
+                }
+            }
+        }
+        way
+    }
+}

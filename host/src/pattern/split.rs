@@ -1,0 +1,170 @@
+//! Parts the sheet where its faces hang together in nothing: along cuts, and where they meet in a point
+//! alone.
+
+use std::collections::HashMap;
+
+use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter};
+use crate::ragged::group_by_key;
+
+/// For each edge the faces to its left and right.
+pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
+
+/// Gives each fan of faces round a vertex a vertex of its own, and each side of a cut an edge of its
+/// own. The first fan and the left side keep what was drawn; what is added comes behind all of it.
+/// What was done is said in `assumptions`. Returns the cuts along a single edge inside, which are hinges.
+pub(super) fn split(
+    drawing: &mut Drawing,
+    faces: &mut [Vec<usize>],
+    edge_faces: &mut EdgeFaces,
+    assumptions: &mut Vec<String>,
+) -> Vec<EdgeId> {
+    let drawn = drawing.edges.len();
+    let fans = Fans::new(drawing, faces, edge_faces);
+    let ends_in = |ends: [usize; 2], face: FaceId| ends.map(|end| fans.vertex(face, end));
+    let (mut cuts, mut slits) = (Vec::new(), Vec::new());
+    for edge in 0..drawn {
+        let ends = drawing.edges[edge].ends;
+        let [left, right] = edge_faces[edge];
+        if let Some(face) = left.or(right) {
+            drawing.edges[edge].ends = ends_in(ends, face);
+        }
+        let ([Some(_), Some(right)], true) = ([left, right], parts(drawing.edges[edge].letter))
+        else {
+            continue;
+        };
+        let other = ends_in(ends, right);
+        if other == drawing.edges[edge].ends {
+            // Both faces still hold both ends: they can turn about the line between, and no more.
+            drawing.edges[edge].letter = Letter::Unassigned;
+            drawing.edges[edge].goal = None;
+            slits.push(edge);
+            continue;
+        }
+        cuts.push(edge);
+        drawing.edges.push(DrawnEdge {
+            ends: other,
+            letter: Letter::Boundary,
+            goal: None,
+        });
+        edge_faces[edge] = [left, None];
+        edge_faces.push([None, Some(right)]);
+    }
+    for (face, cycle) in faces.iter_mut().enumerate() {
+        for corner in cycle {
+            *corner = fans.vertex(FaceId::new(face), *corner);
+        }
+    }
+    for &vertex in &fans.sources {
+        drawing.vertices.push(drawing.vertices[vertex]);
+    }
+    let mut say = |list: &[usize], what: &str, part: &str| {
+        if let Some(first) = list.first() {
+            assumptions.push(format!("{what}: {} (first: {part} {first})", list.len()));
+        }
+    };
+    let added = "the sheet is cut along edges lettered B or C between two faces";
+    say(&cuts, added, "edge");
+    let hinge = "cuts along a single edge inside the sheet, where the faces still hold both ends, \
+                 taken as free hinges";
+    say(&slits, hinge, "edge");
+    say(
+        &fans.points,
+        "vertices where faces meet in a point alone, parted there",
+        "vertex",
+    );
+    slits.into_iter().map(EdgeId::new).collect()
+}
+
+/// Whether an edge so lettered parts the faces on its two sides.
+fn parts(letter: Letter) -> bool {
+    matches!(letter, Letter::Boundary | Letter::Cut)
+}
+
+/// Faces round the same vertex that edges join, one behind the other.
+struct Fans {
+    /// The vertex that a face has instead of one drawn.
+    moved: HashMap<(FaceId, usize), usize>,
+    /// For each vertex added, the one in whose place it is.
+    sources: Vec<usize>,
+    /// Vertices that were parted although no cut ends there.
+    points: Vec<usize>,
+}
+
+impl Fans {
+    fn new(drawing: &Drawing, faces: &[Vec<usize>], edge_faces: &EdgeFaces) -> Self {
+        let vertices = drawing.vertices.len();
+        let corners: Vec<_> = (0..)
+            .zip(faces)
+            .flat_map(|(face, cycle)| cycle.iter().map(move |&v| (v, FaceId(face))))
+            .collect();
+        let corners = group_by_key(vertices, &corners);
+        let mut joints = Vec::new();
+        let mut cut = vec![false; vertices];
+        for (edge, faces) in drawing.edges.iter().zip(edge_faces) {
+            let [Some(left), Some(right)] = *faces else {
+                continue;
+            };
+            for end in edge.ends {
+                if parts(edge.letter) {
+                    cut[end] = true;
+                } else {
+                    joints.push((end, [left, right]));
+                }
+            }
+        }
+        let joints = group_by_key(vertices, &joints);
+        let mut fans = Self {
+            moved: HashMap::new(),
+            sources: Vec::new(),
+            points: Vec::new(),
+        };
+        for vertex in 0..vertices {
+            // A single fan of n faces has n - 1 joints, or n where it goes all round.
+            if joints[vertex].len() + 1 < corners[vertex].len() {
+                fans.part(vertices, vertex, &corners[vertex], &joints[vertex]);
+                if !cut[vertex] {
+                    fans.points.push(vertex);
+                }
+            }
+        }
+        fans
+    }
+
+    /// Gives every fan at `vertex` but the first a vertex of its own.
+    fn part(&mut self, drawn: usize, vertex: usize, faces: &[FaceId], joints: &[[FaceId; 2]]) {
+        let mut left = faces.to_vec();
+        let mut first = true;
+        while let Some(&start) = left.first() {
+            let mut fan = vec![start];
+            left.retain(|face| *face != start);
+            let mut next = 0;
+            while let Some(&face) = fan.get(next) {
+                next += 1;
+                let beyond = joints
+                    .iter()
+                    .filter(|joint| joint.contains(&face))
+                    .flatten();
+                for other in beyond {
+                    if let Some(place) = left.iter().position(|face| face == other) {
+                        fan.push(left.remove(place));
+                    }
+                }
+            }
+            if !first {
+                let own = drawn + self.sources.len();
+                self.sources.push(vertex);
+                self.moved
+                    .extend(fan.into_iter().map(|face| ((face, vertex), own)));
+            }
+            first = false;
+        }
+    }
+
+    /// The vertex that `face` has where `drawn` was.
+    fn vertex(&self, face: FaceId, drawn: usize) -> usize {
+        if self.moved.is_empty() {
+            return drawn;
+        }
+        self.moved.get(&(face, drawn)).copied().unwrap_or(drawn)
+    }
+}
