@@ -6,16 +6,24 @@
 //! the same matrices, and compares all pairs of faces for crossings.
 
 mod animation;
+pub mod campaign;
 pub mod closed_form;
 mod crossing;
 mod folding;
+mod judge;
+pub mod meshes;
+mod newton;
 mod planning;
+mod random;
 mod shape;
 mod sheet;
 
 pub use animation::{Animation, Frame};
 pub use folding::Pose;
+pub use judge::{Verdict, judge};
+pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
+pub use random::Random;
 pub use sheet::Sheet;
 
 /// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.
