@@ -16,6 +16,12 @@ const SECTOR: f64 = core::f64::consts::FRAC_PI_3;
 /// Radians: how far from the closed form a configuration that closes to rounding may be. Near flat the
 /// closure conditions are of second order: an error of 1e-14 in them is one of 1e-10 at 1e-4 rad.
 const SAME: f64 = 1e-7;
+/// Radians: below this a closure residual of 1e-14 does not tell the branches apart.
+const FLAT: f64 = 1e-5;
+/// Rows and columns of the sheets.
+const SIZES: [usize; 4] = [3, 5, 11, 24];
+/// Starts on each sheet.
+const STARTS: u64 = 200;
 
 /// Where a start went.
 struct Landing {
@@ -27,11 +33,11 @@ struct Landing {
 
 /// Leaves the flat sheet from `start`, fold angles of the creases in radians.
 ///
-/// Plain Levenberg-Marquardt for now, which claims what the signs say. A function of the planner that
+/// Plain Levenberg-Marquardt for now, which claims what the signs say, away from flat. A function of the planner that
 /// leaves flat takes its place here.
 fn land(pattern: &CreasePattern, start: &[f64]) -> Option<Landing> {
     let angles = levenberg_marquardt(pattern, start)?;
-    let claimed = as_lettered(pattern, &angles);
+    let claimed = as_lettered(pattern, &angles) && !is_flat(&angles);
     Some(Landing { angles, claimed })
 }
 
@@ -51,7 +57,9 @@ fn levenberg_marquardt(pattern: &CreasePattern, start: &[f64]) -> Option<Vec<f64
         groups().max().unwrap_or(0) - groups().min().unwrap_or(0)
     });
     let mut equations = Banded::new(n, bands.max().unwrap_or(0));
-    let mut angles = start.to_vec();
+    // Each crease is a group of its own, but perhaps of the other sign.
+    let start: Vec<_> = start.iter().copied().map(Some).collect();
+    let mut angles: Vec<f64> = groups.reduce(&start).into_iter().flatten().collect();
     let report = levenberg_marquardt::solve(
         &mut problem,
         &mut equations,
@@ -60,7 +68,7 @@ fn levenberg_marquardt(pattern: &CreasePattern, start: &[f64]) -> Option<Vec<f64
         &mut angles,
         &mut vec![0.0; 2 * n],
     );
-    (report.outcome == Outcome::Converged).then_some(angles)
+    (report.outcome == Outcome::Converged).then(|| groups.expand(&angles))
 }
 
 /// Whether every crease turns the way of its letter.
@@ -70,6 +78,11 @@ fn as_lettered(pattern: &CreasePattern, angles: &[f64]) -> bool {
         .iter()
         .map(|&crease| pattern.edge(crease).letter.sign());
     signs.zip(angles).all(|(sign, angle)| sign * angle > 0.0)
+}
+
+/// Whether a configuration is back in the flat sheet.
+fn is_flat(angles: &[f64]) -> bool {
+    worst(angles.iter().map(|a| a.abs())) <= FLAT
 }
 
 /// Normal equations of creases numbered row by row: Cholesky within a band.
@@ -249,56 +262,66 @@ impl Sheet {
 /// What became of the starts.
 #[derive(Debug, Default)]
 struct Count {
-    starts: usize,
+    /// On the motion of the letters.
     lettered: usize,
+    /// On another branch.
     other: usize,
+    /// Back in the flat sheet.
+    flat: usize,
+    /// Nowhere closed.
     unclosed: usize,
+    /// Of the starts without any noise, those that are not on the motion of the letters.
+    clean_lost: usize,
 }
 
-/// Lands from `starts` seeded starts, with noise from none up to that of the signal.
-fn count(size: usize, starts: usize) -> Count {
+/// Lands from seeded starts, a tenth without noise, the others with up to `noisiest` times the signal.
+fn count(size: usize, noisiest: f64) -> Count {
     let sheet = Sheet::new(size);
     let mut count = Count::default();
-    for seed in 0..starts {
-        let mut random = Random::new(seed as u64);
+    for seed in 0..STARTS {
+        let mut random = Random::new(seed);
         let scale = random.log_uniform(1e-3, 0.2);
-        let noise = if seed % 10 == 0 {
+        let clean = seed.is_multiple_of(10);
+        let noise = if clean {
             0.0
         } else {
-            random.uniform(0.0, 1.0)
+            random.uniform(0.0, noisiest)
         };
         let start = sheet.start(&mut random, scale, noise);
-        count.starts += 1;
         let Some(landing) = land(&sheet.pattern, &start) else {
             count.unclosed += 1;
+            count.clean_lost += usize::from(clean);
             continue;
         };
-        // Classified here, by letters and by the closed form, whatever is claimed.
-        let lettered = as_lettered(&sheet.pattern, &landing.angles);
-        let off = sheet.off_motion(&landing.angles);
+        // Classified here by letters and by the closed form, whatever is claimed.
         let what = format!("{size} x {size}, seed {seed}, scale {scale}, noise {noise}");
-        assert_eq!(
-            landing.claimed, lettered,
+        let flat = is_flat(&landing.angles);
+        let signs = as_lettered(&sheet.pattern, &landing.angles);
+        let off = sheet.off_motion(&landing.angles);
+        let lettered = !flat && off <= SAME;
+        assert_eq!(lettered, !flat && signs, "{what}: {off:e} off the motion");
+        assert!(
+            lettered || !landing.claimed,
             "{what}: another branch, silently"
         );
-        if lettered {
-            assert!(off <= SAME, "{what}: {off:e} off the motion of the letters");
-            count.lettered += 1;
-        } else {
-            assert!(off > SAME, "{what}: on the motion, but not by its signs");
-            count.other += 1;
-        }
-        assert!(noise > 0.0 || lettered, "{what}: lost without any noise");
+        count.lettered += usize::from(lettered);
+        count.flat += usize::from(flat);
+        count.other += usize::from(!flat && !lettered);
+        count.clean_lost += usize::from(clean && !lettered);
     }
     count
 }
 
-/// On every sheet some starts land elsewhere: otherwise this would test nothing.
+/// Signs as lettered name one branch on a Miura sheet, its closed form. Noise as large as the signal
+/// brings plain descent back to flat, three times as large also to other branches.
 #[test]
 fn whoever_leaves_flat_lands_as_lettered_or_says_so() {
-    for (size, starts) in [(3, 200), (5, 200), (11, 200), (24, 200)] {
-        let count = count(size, starts);
-        println!("Miura {size} x {size}: {count:?}");
-        assert!(count.lettered > 0);
+    for noisiest in [1.0, 3.0] {
+        for size in SIZES {
+            let count = count(size, noisiest);
+            println!("Miura {size} x {size}, noise up to {noisiest}: {count:?}");
+            // Else there is nothing to tell from the others.
+            assert!(count.lettered > 0, "{size} x {size}");
+        }
     }
 }
