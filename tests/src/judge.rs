@@ -4,8 +4,8 @@ use foldpath::planner::{Outcome, Plan};
 
 use crate::{Animation, worst};
 
-/// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of faces,
-/// in both.
+/// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of
+/// faces, in both.
 const ROUNDING: f64 = 1e-9;
 /// The oracle folds from another face than the planner: gaps add up along other ways.
 const OTHER_TREE: f64 = 10.0;

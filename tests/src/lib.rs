@@ -4,6 +4,9 @@
 //! The oracle ([`Animation`], [`Sheet`]) calls nothing of foldpath. It reads the file with
 //! serde_json, turns faces by rotation matrices from face 0 outwards, takes closure by products of
 //! the same matrices, and compares all pairs of faces for crossings.
+//!
+//! [`campaign`] plans seeded sheets of the [`meshes`] by the thousand and has the oracle judge them:
+//! `cargo run --release -p foldpath-tests --bin campaign -- --count 1000 --seed 1`.
 
 mod animation;
 pub mod campaign;

@@ -14,9 +14,9 @@ const SHORTEST: f64 = 0.25;
 ///
 /// Round a flat-foldable vertex of degree 4 with the sectors s₁ (right to up) and s₂ (up to left),
 /// tan(right/2) = m tan(up/2) with m = sin((s₁ - s₂)/2) / sin((s₁ + s₂)/2); up and down turn alike,
-/// left and right opposite. So column i turns by tan(u_i/2) = ± y_i t and row j by ± x_j t all along, and the
-/// sheet folds with one degree of freedom if m = x_j / y_i at every vertex. Where the creases to the
-/// left and down are given, flat-foldability gives s₁ and this equation
+/// left and right opposite. So column i turns by tan(u_i/2) = ± y_i t and row j by ± x_j t all along,
+/// and the sheet folds with one degree of freedom if m = x_j / y_i at every vertex. Where the creases
+/// to the left and down are given, flat-foldability gives s₁ and this equation
 /// tan(s₂/2) = tan(s₁/2) (1 - m)/(1 + m): creases may start from two sides of the sheet in any
 /// direction.
 #[must_use]

@@ -35,9 +35,9 @@ pub fn moved_yoshimura(random: &mut Random) -> Drawing {
 }
 
 /// Moves the vertices by up to a twentieth of an edge. A triangulated sheet stays flexible, with as
-/// many degrees of freedom as it has corners on its boundary, less three: the goal is the closed configuration
-/// that Newton's method finds from the old goal, its letters unchanged. Vertices within a crease stay
-/// within it, and the boundary stays where it is.
+/// many degrees of freedom as creases end on its boundary, less three or so: the goal is the closed
+/// configuration that Newton's method finds from the old goal, its letters unchanged. Vertices within
+/// a crease stay within it, and the boundary stays where it is.
 fn moved(random: &mut Random, mut drawing: Drawing) -> Option<Drawing> {
     let reach = random.log_uniform(1e-4, 0.05);
     let letters: Vec<Letter> = drawing.edges.iter().map(|edge| edge.letter).collect();
