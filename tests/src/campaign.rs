@@ -1,4 +1,4 @@
-//! Campaigns: many seeded sheets of the [`meshes`](crate::meshes), each planned and then judged by the
+//! Campaigns: many seeded sheets of the [`meshes`], each planned and then judged by the
 //! oracle.
 
 use core::fmt;

@@ -33,8 +33,8 @@ struct Landing {
 
 /// Leaves the flat sheet from `start`, fold angles of the creases in radians.
 ///
-/// Plain Levenberg-Marquardt for now, which claims what the signs say, away from flat. A function of the planner that
-/// leaves flat takes its place here.
+/// Plain Levenberg-Marquardt for now, which claims what the signs say, away from flat. A function of
+/// the planner that leaves flat takes its place here.
 fn land(pattern: &CreasePattern, start: &[f64]) -> Option<Landing> {
     let angles = levenberg_marquardt(pattern, start)?;
     let claimed = as_lettered(pattern, &angles) && !is_flat(&angles);
