@@ -4,18 +4,29 @@
 //! The oracle ([`Animation`], [`Sheet`]) calls nothing of foldpath. It reads the file with
 //! serde_json, turns faces by rotation matrices from face 0 outwards, takes closure by products of
 //! the same matrices, and compares all pairs of faces for crossings.
+//!
+//! [`campaign`] plans seeded sheets of the [`meshes`] by the thousand and has the oracle judge them:
+//! `cargo run --release -p foldpath-tests --bin campaign -- --count 1000 --seed 1`.
 
 mod animation;
+pub mod campaign;
 pub mod closed_form;
 mod crossing;
 mod folding;
+mod judge;
+pub mod meshes;
+mod newton;
 mod planning;
+mod random;
 mod shape;
 mod sheet;
 
 pub use animation::{Animation, Frame};
 pub use folding::Pose;
+pub use judge::{Verdict, judge};
+pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
+pub use random::Random;
 pub use sheet::Sheet;
 
 /// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.

@@ -1,0 +1,292 @@
+//! Campaigns: many seeded sheets of the [`meshes`], each planned and then judged by the
+//! oracle.
+
+use core::fmt;
+use core::panic::AssertUnwindSafe;
+use core::time::Duration;
+use std::collections::BTreeMap;
+use std::panic::catch_unwind;
+use std::time::Instant;
+
+use foldpath::check::{CheckOptions, check};
+use foldpath::formats::fold::PathWriter;
+use foldpath::pattern::{CreasePattern, Drawing};
+use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
+
+use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
+
+/// How long beyond its deadline a plan may take before it counts as late.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// A kind of sheets.
+#[derive(Clone, Copy, Debug)]
+pub struct Family {
+    /// Its name.
+    pub name: &'static str,
+    draw: fn(&mut Random) -> Drawing,
+    /// Draws the same sheet otherwise, which must fare alike.
+    varied: bool,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[
+        Self::plain("strips", meshes::strips),
+        Self::plain("flat-foldable", meshes::flat_foldable),
+        Self::plain("vertex", meshes::vertex),
+        Self::plain("chain", meshes::chain),
+        Self::plain("tree", meshes::tree),
+        Self::plain("moved-waterbomb", meshes::moved_waterbomb),
+        Self::plain("moved-yoshimura", meshes::moved_yoshimura),
+        Self {
+            name: "variants",
+            draw: any,
+            varied: true,
+        },
+    ];
+
+    const fn plain(name: &'static str, draw: fn(&mut Random) -> Drawing) -> Self {
+        Self {
+            name,
+            draw,
+            varied: false,
+        }
+    }
+
+    /// The sheet of that seed.
+    #[must_use]
+    pub fn sheet(&self, seed: u64) -> Drawing {
+        (self.draw)(&mut Random::new(seed))
+    }
+}
+
+/// A sheet of any of the other families.
+fn any(random: &mut Random) -> Drawing {
+    let plain = Family::ALL.iter().filter(|family| !family.varied).count();
+    (Family::ALL[random.whole(0, plain - 1)].draw)(random)
+}
+
+/// What became of the sheets of a family.
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Creases of each sheet.
+    pub creases: Vec<usize>,
+    /// Sheets planned.
+    pub planned: usize,
+    /// Seeds of those whose path does not close to rounding, or not end at its goal, though the goal
+    /// closes.
+    pub inexact: Vec<u64>,
+    /// Of the sheets not planned, those whose goal itself crosses.
+    pub crossed_goals: usize,
+    /// Seeds of the sheets not planned, by outcome and reason, numbers in it replaced by #.
+    pub others: BTreeMap<String, Vec<u64>>,
+    /// Where oracle and planner differ, or the planner and itself; with seeds.
+    pub disagreements: Vec<(u64, String)>,
+    /// Panics, with seeds.
+    pub panics: Vec<(u64, String)>,
+    /// Outcomes other than planned that say nothing why; seeds.
+    pub silent: Vec<u64>,
+    /// Seeds of plans that overran their deadline.
+    pub late: Vec<u64>,
+    /// Wall times of planning.
+    pub times: Vec<Duration>,
+}
+
+/// Plans and judges `count` sheets of `family`, with the seeds from `seed` on.
+#[must_use]
+pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tally {
+    let mut tally = Tally::default();
+    for seed in seed..seed + count {
+        let drawing = family.sheet(seed);
+        let first = tally.one(seed, &drawing, options);
+        if !family.varied {
+            continue;
+        }
+        let other = meshes::variant(&drawing, &mut Random::new(seed));
+        let second = tally.one(seed, &other, options);
+        if first != second {
+            let difference = format!("drawn otherwise {second:?}, at first {first:?}");
+            tally.disagreements.push((seed, difference));
+        }
+    }
+    tally
+}
+
+impl Tally {
+    /// Plans and judges a sheet; the name of its outcome.
+    fn one(&mut self, seed: u64, drawing: &Drawing, options: &PlanOptions) -> Option<&'static str> {
+        let start = Instant::now();
+        let planned = catch_unwind(AssertUnwindSafe(|| {
+            let pattern = CreasePattern::new(drawing.clone()).expect("a pattern");
+            let goal = Goal::of_pattern(&pattern).expect("a goal");
+            let plan = plan(&pattern, &goal, options);
+            (pattern, plan)
+        }));
+        let time = start.elapsed();
+        self.times.push(time);
+        if options
+            .timeout
+            .is_some_and(|timeout| time > timeout + GRACE)
+        {
+            self.late.push(seed);
+        }
+        let (pattern, plan) = match planned {
+            Ok(planned) => planned,
+            Err(panic) => {
+                let words = panic.downcast_ref::<String>().cloned();
+                self.panics.push((seed, words.unwrap_or_default()));
+                return None;
+            }
+        };
+        self.creases.push(pattern.creases().len());
+        let judged = catch_unwind(AssertUnwindSafe(|| {
+            judge(drawing, &pattern, &plan, options)
+        }));
+        match judged {
+            Ok((crosses, verdict)) => {
+                self.crossed_goals += usize::from(crosses);
+                match plan.outcome {
+                    Outcome::Planned => self.planned += 1,
+                    _ => self.note(seed, &plan, crosses),
+                }
+                let found = verdict.disagreements.into_iter();
+                self.disagreements.extend(found.map(|found| (seed, found)));
+                if plan.outcome == Outcome::Planned && !verdict.exact {
+                    self.inexact.push(seed);
+                }
+            }
+            Err(_) => self.panics.push((seed, "while judging".into())),
+        }
+        Some(plan.outcome.name())
+    }
+
+    fn note(&mut self, seed: u64, plan: &Plan, crosses: bool) {
+        let reason = plan.reason.as_deref().unwrap_or_default();
+        if reason.is_empty() {
+            self.silent.push(seed);
+        }
+        let numberless = |word: &str| {
+            let number = word.contains(|c: char| c.is_ascii_digit());
+            if number {
+                "#".to_string()
+            } else {
+                word.to_string()
+            }
+        };
+        let words: Vec<String> = reason.split(' ').map(numberless).collect();
+        let goal = if crosses { " (goal crosses)" } else { "" };
+        let key = format!("{}{goal}: {}", plan.outcome.name(), words.join(" "));
+        self.others.entry(key).or_default().push(seed);
+    }
+
+    /// Half of all plans took no longer.
+    #[must_use]
+    pub fn median(&self) -> Duration {
+        let mut times = self.times.clone();
+        times.sort_unstable();
+        times.get(times.len() / 2).copied().unwrap_or_default()
+    }
+}
+
+/// Whether the goal crosses although the plan does not reach it, and what the oracle finds in the path.
+fn judge(
+    drawing: &Drawing,
+    pattern: &CreasePattern,
+    plan: &Plan,
+    options: &PlanOptions,
+) -> (bool, Verdict) {
+    let writer = PathWriter {
+        title: "",
+        pattern,
+        vertices: true,
+        seed: 0,
+    };
+    let text = writer.text(&plan.path);
+    let goal: Vec<f64> = drawing
+        .edges
+        .iter()
+        .map(|e| e.goal.unwrap_or(0.0))
+        .collect();
+    let planned = plan.outcome == Outcome::Planned;
+    if !planned && plan.path.knots.is_empty() {
+        let sheet = serde_json::from_str(&text).and_then(|file| Sheet::of(&file));
+        let crosses = crosses(&sheet.expect("a sheet"), &goal);
+        return (crosses, Verdict::default());
+    }
+    let path = Animation::parse(&text).expect("a path");
+    let mut verdict = crate::judge(&path, &goal, plan, options.bound);
+    if planned {
+        let found = &mut verdict.disagreements;
+        match path_file(&text) {
+            Ok(file) => found.extend(check(&file, &CheckOptions::default()).failures),
+            Err(error) => found.push(error.to_string()),
+        }
+        if path.frames.is_empty() {
+            found.push("planned, but no knots".into());
+        }
+    }
+    (!planned && crosses(&path.sheet, &goal), verdict)
+}
+
+/// Whether the sheet passes through itself at these fold angles of the edges.
+fn crosses(sheet: &Sheet, angles: &[f64]) -> bool {
+    let positions = sheet.positions(&sheet.fold(angles));
+    !sheet.crossings(&positions).is_empty()
+}
+
+/// Rows of the table, one a family, and what there is to tell below.
+pub struct Report(pub Vec<(Family, Tally)>);
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "| family | creases | plans | planned | of goals that do not cross | inexact | disagreements | \
+             panics | late | median | slowest |"
+        )?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|")?;
+        for (family, tally) in &self.0 {
+            let plans = tally.times.len();
+            let slowest = tally.times.iter().max().copied().unwrap_or_default();
+            #[allow(clippy::cast_precision_loss, reason = "small counts")]
+            let share = |of: usize| 100.0 * tally.planned as f64 / of.max(1) as f64;
+            writeln!(
+                f,
+                "| {} | {} to {} | {plans} | {} | {:.1} % | {} | {} | {} | {} | {:.2} ms | {:.2} s |",
+                family.name,
+                tally.creases.iter().min().unwrap_or(&0),
+                tally.creases.iter().max().unwrap_or(&0),
+                tally.planned,
+                share(plans - tally.crossed_goals),
+                tally.inexact.len(),
+                tally.disagreements.len(),
+                tally.panics.len(),
+                tally.late.len(),
+                1e3 * tally.median().as_secs_f64(),
+                slowest.as_secs_f64(),
+            )?;
+        }
+        for (family, tally) in &self.0 {
+            for (reason, seeds) in &tally.others {
+                let some = &seeds[..seeds.len().min(8)];
+                writeln!(
+                    f,
+                    "{}: {} {reason}; seeds {some:?}",
+                    family.name,
+                    seeds.len()
+                )?;
+            }
+            let faults = tally.disagreements.iter().chain(&tally.panics);
+            for (seed, words) in faults {
+                writeln!(f, "{}, seed {seed}: {words}", family.name)?;
+            }
+            for (what, seeds) in [("inexact", &tally.inexact), ("late", &tally.late)] {
+                if !seeds.is_empty() {
+                    let some = &seeds[..seeds.len().min(8)];
+                    writeln!(f, "{}: {} {what}; seeds {some:?}", family.name, seeds.len())?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,107 @@
+//! Judges a planned path by the oracle.
+
+use foldpath::planner::{Outcome, Plan};
+
+use crate::{Animation, worst};
+
+/// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of
+/// faces, in both.
+const ROUNDING: f64 = 1e-9;
+/// The oracle folds from another face than the planner: gaps add up along other ways.
+const OTHER_TREE: f64 = 10.0;
+/// Closure residual from which on a path to a goal that closes to rounding is called inexact.
+const CLOSED: f64 = 1e-9;
+/// Radians: how far the end of an exact path may be from a goal that closes.
+const AT_GOAL: f64 = 1e-9;
+/// Radians: angles measured on positions, beside what the sheet deforms.
+const SAME_ANGLE: f64 = 1e-6;
+/// Radians: no hinge turns by more from one knot to the next. The planner's default, and rounding.
+const STEP: f64 = 10.000_001 * core::f64::consts::PI / 180.0;
+/// Radians: against its letter.
+const AGAINST: f64 = 1e-9;
+
+/// What the oracle finds in a path.
+#[derive(Debug, Default)]
+pub struct Verdict {
+    /// What is wrong with it, or worse than its plan says.
+    pub disagreements: Vec<String>,
+    /// Whether it closes to rounding and, if it is said to arrive, ends at its goal to rounding.
+    pub exact: bool,
+}
+
+/// Judges the path of `plan`, written as `path`, from flat towards a goal of the edges that closes to
+/// rounding (radians; its signs are the letters). `bound` is that on deformation and gap.
+#[must_use]
+pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict {
+    let sheet = &path.sheet;
+    let mut disagreements = Vec::new();
+    let mut limit = |what: &str, value: f64, limit: f64| {
+        if value > limit || value.is_nan() {
+            disagreements.push(format!("{what} {value:e}, expected {limit:e} at most"));
+        }
+    };
+    let (Some(first), Some(last)) = (path.frames.first(), path.frames.last()) else {
+        return Verdict::default();
+    };
+    limit(
+        "start off flat by",
+        worst(first.angles.iter().map(|a| a.abs())),
+        0.0,
+    );
+    let missed = last.angles.iter().zip(goal).map(|(a, b)| (a - b).abs());
+    let missed = worst(missed);
+    let arrives = plan.outcome == Outcome::Planned;
+    if arrives {
+        limit("off the goal by", missed, plan.goal_error + ROUNDING);
+    }
+    let mut closure = 0.0_f64;
+    for (knot, frame) in path.frames.iter().enumerate() {
+        let poses = sheet.fold(&frame.angles);
+        let placed = sheet.positions(&poses);
+        let mut limit =
+            |what: &str, value, most| limit(&format!("knot {knot}: {what}"), value, most);
+        let left = sheet.closure(&frame.angles);
+        closure = closure.max(left);
+        let admitted = |value: f64| value.min(bound) + ROUNDING;
+        limit("closure", left, admitted(plan.max_closure));
+        limit(
+            "gap",
+            sheet.gap(&poses),
+            admitted(OTHER_TREE * plan.rigidity.gap),
+        );
+        for (what, positions) in [("by angles", &placed), ("of positions", &frame.vertices)] {
+            let most = admitted(OTHER_TREE * (plan.rigidity.deformation + plan.rigidity.gap));
+            limit(
+                &format!("deformation {what}"),
+                sheet.deformation(positions),
+                most,
+            );
+        }
+        limit(
+            "unflatness",
+            sheet.unflatness(&frame.vertices),
+            admitted(OTHER_TREE * plan.rigidity.gap),
+        );
+        limit(
+            "angles off positions by",
+            sheet.angle_error(&frame.vertices, &frame.angles),
+            SAME_ANGLE + OTHER_TREE * plan.rigidity.gap,
+        );
+        let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * b.signum());
+        limit("a crease against its letter by", worst(against), AGAINST);
+        #[allow(clippy::cast_precision_loss, reason = "a small count")]
+        let crossings = sheet.crossings(&frame.vertices).len() as f64;
+        limit("crossings", crossings, 0.0);
+    }
+    for (knot, pair) in path.frames.windows(2).enumerate() {
+        let turns = pair[0].angles.iter().zip(&pair[1].angles);
+        let turn = worst(turns.map(|(from, to)| (to - from).abs()));
+        limit(&format!("after knot {knot}: turn"), turn, STEP);
+        let back = pair[0].time - pair[1].time;
+        limit(&format!("after knot {knot}: time back"), back, 0.0);
+    }
+    Verdict {
+        disagreements,
+        exact: closure <= CLOSED && (!arrives || missed <= AT_GOAL),
+    }
+}

@@ -1,0 +1,153 @@
+//! Seeded crease patterns that fold although they have little or no symmetry, each with letters and a
+//! goal that closes to rounding: by a closed form, or by the Newton's method of this package.
+
+mod flat_foldable;
+mod moved;
+mod strips;
+mod tree;
+mod variant;
+mod vertex;
+
+use foldpath::pattern::{Drawing, DrawnEdge, Letter};
+use nalgebra::Vector2;
+
+pub use flat_foldable::flat_foldable;
+pub use moved::{moved_waterbomb, moved_yoshimura};
+pub use strips::strips;
+pub use tree::{chain, tree};
+pub use variant::variant;
+pub use vertex::vertex;
+
+use crate::{Closure, Random};
+
+/// Radians: creases of goals turn by at least this, so that their letters mean something.
+const LEAST: f64 = 0.03;
+/// Radians: and by at most this, short of a half turn.
+const MOST: f64 = 2.9;
+/// Drawings tried until one is good.
+const TRIES: usize = 10_000;
+
+/// A drawing in the making.
+#[derive(Default)]
+struct Canvas(Drawing);
+
+impl Canvas {
+    fn vertex(&mut self, place: Vector2<f64>) -> usize {
+        self.0.vertices.push(place);
+        self.0.vertices.len() - 1
+    }
+
+    fn boundary(&mut self, ends: [usize; 2]) {
+        self.0.edges.push(DrawnEdge {
+            ends,
+            letter: Letter::Boundary,
+            goal: None,
+        });
+    }
+
+    /// A crease with that goal, radians.
+    fn crease(&mut self, ends: [usize; 2], goal: f64) {
+        self.0.edges.push(DrawnEdge {
+            ends,
+            letter: letter(goal),
+            goal: Some(goal),
+        });
+    }
+}
+
+/// A grid of (columns + 1) x (rows + 1) vertices at `places[column][row]`, joined by creases with the
+/// goals of `up(column, row)` and `right(column, row)`, radians.
+fn grid(
+    places: &[Vec<Vector2<f64>>],
+    up: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize, usize) -> f64,
+) -> Drawing {
+    let (columns, rows) = (places.len() - 1, places[0].len() - 1);
+    let mut canvas = Canvas::default();
+    for place in places.iter().flatten() {
+        canvas.vertex(*place);
+    }
+    let index = |column: usize, row: usize| column * (rows + 1) + row;
+    for i in 0..=columns {
+        for j in 0..=rows {
+            let here = index(i, j);
+            if j < rows {
+                let ends = [here, index(i, j + 1)];
+                if i == 0 || i == columns {
+                    canvas.boundary(ends);
+                } else {
+                    canvas.crease(ends, up(i, j));
+                }
+            }
+            if i < columns {
+                let ends = [here, index(i + 1, j)];
+                if j == 0 || j == rows {
+                    canvas.boundary(ends);
+                } else {
+                    canvas.crease(ends, right(i, j));
+                }
+            }
+        }
+    }
+    canvas.0
+}
+
+fn letter(goal: f64) -> Letter {
+    if goal < 0.0 {
+        Letter::Mountain
+    } else {
+        Letter::Valley
+    }
+}
+
+/// Gives the creases the closed configuration that Newton's method finds from their goals, with its
+/// letters. `None` if there is none, or a crease turns too little or too far.
+fn close(mut drawing: Drawing) -> Option<Drawing> {
+    let start: Vec<f64> = drawing
+        .edges
+        .iter()
+        .map(|e| e.goal.unwrap_or(0.0))
+        .collect();
+    let closed = Closure::of(&drawing).solve(&start)?;
+    for (edge, angle) in drawing.edges.iter_mut().zip(closed) {
+        if edge.goal.is_some() {
+            edge.goal = Some(angle);
+            edge.letter = letter(angle);
+        }
+    }
+    turns_well(&drawing).then_some(drawing)
+}
+
+/// Whether every crease turns by neither too little nor too far.
+fn turns_well(drawing: &Drawing) -> bool {
+    let goals = drawing.edges.iter().filter_map(|edge| edge.goal);
+    goals.map(f64::abs).all(|a| (LEAST..=MOST).contains(&a))
+}
+
+/// The first good drawing of `draw`.
+fn first_good(random: &mut Random, draw: impl Fn(&mut Random) -> Option<Drawing>) -> Drawing {
+    (0..TRIES)
+        .find_map(|_| draw(random))
+        .expect("good drawings are not that rare")
+}
+
+/// The unit vector at that angle from +x, radians.
+fn heading(angle: f64) -> Vector2<f64> {
+    Vector2::new(angle.cos(), angle.sin())
+}
+
+/// Positions along a line of `count` panels of random width, from 0.
+fn spacings(random: &mut Random, count: usize) -> Vec<f64> {
+    let mut at = 0.0;
+    let mut places = vec![at];
+    for _ in 0..count {
+        at += random.uniform(0.6, 1.6);
+        places.push(at);
+    }
+    places
+}
+
+/// 1 for even columns, -1 for odd ones.
+fn alternating(column: usize) -> f64 {
+    if column.is_multiple_of(2) { 1.0 } else { -1.0 }
+}

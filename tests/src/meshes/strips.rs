@@ -1,0 +1,51 @@
+//! Miura-like sheets: strips of any height, each leaning its own way, and columns of any width.
+
+use foldpath::pattern::Drawing;
+use nalgebra::Vector2;
+
+use super::{alternating, first_good, grid, spacings, turns_well};
+use crate::Random;
+
+/// Straight creases along x and zigzag creases across, which are the same in every column but for
+/// where they stand. Strip j leans by θ_j from +x.
+///
+/// All vertices of a line are alike, and every other column is turned inside out. Between the zigzag
+/// creases of strips j - 1 and j the straight creases turn by s to the right and by -s to the left.
+/// With the zigzag's quaternion (cos u/2, sin u/2 (cos θ, sin θ, 0)), the product of the two turns by
+/// s and the one by u has no part along z, so that two equations are left:
+/// sin(u_j/2) sin θ_j is the same for all strips, and s_j = φ_{j-1} - φ_j with
+/// tan φ = tan(u/2) cos θ. One degree of freedom. The Miura fold is θ_j = α, π - α, α, ...
+#[must_use]
+pub fn strips(random: &mut Random) -> Drawing {
+    first_good(random, |random| {
+        let (rows, columns) = (random.whole(2, 6), random.whole(2, 7));
+        let lean: Vec<f64> = (0..rows)
+            .map(|row| {
+                let side = alternating(row) * if random.chance(0.85) { 1.0 } else { -1.0 };
+                (90.0 - side * random.uniform(12.0, 50.0)).to_radians()
+            })
+            .collect();
+        let flattest = lean.iter().map(|lean| lean.sin()).fold(1.0, f64::min);
+        let drive = flattest * (random.uniform(20.0, 150.0).to_radians() / 2.0).sin();
+        let zigzag: Vec<f64> = lean
+            .iter()
+            .map(|l| 2.0 * (drive / l.sin()).asin())
+            .collect();
+        let phi = |row: usize| ((zigzag[row] / 2.0).tan() * lean[row].cos()).atan();
+        let (x, y) = (spacings(random, columns), spacings(random, rows));
+        let mut shift = vec![0.0; rows + 1];
+        for row in 0..rows {
+            shift[row + 1] = shift[row] + (y[row + 1] - y[row]) / lean[row].tan();
+        }
+        let place = |column: usize, row: usize| Vector2::new(x[column] + shift[row], y[row]);
+        let places: Vec<Vec<_>> = (0..=columns)
+            .map(|column| (0..=rows).map(|row| place(column, row)).collect())
+            .collect();
+        let drawing = grid(
+            &places,
+            |column, row| alternating(column) * zigzag[row],
+            |column, row| alternating(column) * (phi(row - 1) - phi(row)),
+        );
+        turns_well(&drawing).then_some(drawing)
+    })
+}

@@ -1,0 +1,41 @@
+//! The same sheet drawn otherwise.
+
+use foldpath::pattern::{Drawing, DrawnEdge};
+use nalgebra::Rotation2;
+
+use crate::Random;
+
+/// The drawing scaled, turned, perhaps mirrored and perhaps seen from its other side, its vertices and
+/// edges in another order: whatever it does, it does as before.
+#[must_use]
+pub fn variant(drawing: &Drawing, random: &mut Random) -> Drawing {
+    let scale = random.log_uniform(1e-3, 1e3);
+    let turn = Rotation2::new(random.uniform(0.0, core::f64::consts::TAU));
+    let (mirror, side) = (random.sign(), random.sign());
+    let order = random.permutation(drawing.vertices.len());
+    let mut vertices = drawing.vertices.clone();
+    for (place, &at) in drawing.vertices.iter().zip(&order) {
+        let mut place = turn * place * scale;
+        place.x *= mirror;
+        vertices[at] = place;
+    }
+    let edges = random.permutation(drawing.edges.len());
+    let redrawn = edges.iter().map(|&edge| {
+        let DrawnEdge { ends, letter, goal } = drawing.edges[edge];
+        let mut ends = ends.map(|end| order[end]);
+        if random.chance(0.5) {
+            ends.reverse();
+        }
+        DrawnEdge {
+            ends,
+            letter: if side < 0.0 { letter.flipped() } else { letter },
+            goal: goal.map(|goal| side * goal),
+        }
+    });
+    let edges = redrawn.collect();
+    Drawing {
+        vertices,
+        edges,
+        faces: None,
+    }
+}

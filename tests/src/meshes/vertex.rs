@@ -1,0 +1,68 @@
+//! Single vertices.
+
+use core::f64::consts::{PI, TAU};
+
+use foldpath::pattern::Drawing;
+use nalgebra::Vector2;
+
+use super::{Canvas, close, first_good, heading};
+use crate::Random;
+
+/// Largest sector, radians: short of a half turn, so that faces are convex.
+const WIDEST: f64 = 0.95 * PI;
+
+/// A vertex with 4 to 8 creases in random directions; a third of those of even degree are
+/// flat-foldable (alternate sectors add to a half turn). The goal is where Newton's method closes
+/// random angles of random signs.
+///
+/// If its faces do not cross in the goal, it can be folded flat with no crease ever turning away from
+/// flat (I. Streinu, W. Whiteley, "Single-vertex origami and spherical expansive motions", 2005).
+#[must_use]
+pub fn vertex(random: &mut Random) -> Drawing {
+    first_good(random, |random| {
+        let degree = random.whole(4, 8);
+        let directions = directions(random, degree)?;
+        let largest = random.uniform(20.0, 150.0).to_radians();
+        let mut canvas = Canvas::default();
+        let centre = canvas.vertex(Vector2::zeros());
+        for &direction in &directions {
+            let rim = canvas.vertex(heading(direction) * random.uniform(0.7, 1.3));
+            canvas.crease([centre, rim], random_angle(random, largest));
+        }
+        for k in 0..degree {
+            canvas.boundary([1 + k, 1 + (k + 1) % degree]);
+        }
+        close(canvas.0)
+    })
+}
+
+/// A random fold angle for Newton's method to start from, radians.
+pub(super) fn random_angle(random: &mut Random, largest: f64) -> f64 {
+    random.sign() * largest * random.uniform(0.3, 1.0)
+}
+
+/// Directions of creases round a vertex, counter-clockwise, radians. `None` if a sector is too wide.
+pub(super) fn directions(random: &mut Random, degree: usize) -> Option<Vec<f64>> {
+    let mut sectors: Vec<f64> = (0..degree).map(|_| random.uniform(0.3, 1.0)).collect();
+    let flat_foldable = degree.is_multiple_of(2) && random.chance(1.0 / 3.0);
+    let sets = if flat_foldable { 2 } else { 1 };
+    let wanted = if flat_foldable { PI } else { TAU };
+    for first in 0..sets {
+        let sum: f64 = sectors.iter().skip(first).step_by(sets).sum();
+        let scale = wanted / sum;
+        sectors
+            .iter_mut()
+            .skip(first)
+            .step_by(sets)
+            .for_each(|sector| *sector *= scale);
+    }
+    if sectors.iter().any(|&sector| sector > WIDEST) {
+        return None;
+    }
+    let mut direction = random.uniform(0.0, TAU);
+    let directions = sectors.iter().map(|sector| {
+        direction += sector;
+        direction
+    });
+    Some(directions.collect())
+}

@@ -1,0 +1,63 @@
+//! The generated sheets are what they say: closed, along the whole motion where that is known.
+
+use foldpath::pattern::{CreasePattern, Letter};
+use foldpath_tests::campaign::Family;
+use foldpath_tests::{Closure, Random, meshes};
+
+/// Closure residual of goals in closed form and of those solved for.
+const CLOSED: f64 = 1e-12;
+
+#[test]
+fn goals_close_and_letters_are_their_signs() {
+    for family in Family::ALL {
+        for seed in 0..20 {
+            let drawing = family.sheet(seed);
+            let name = family.name;
+            let goal: Vec<f64> = drawing
+                .edges
+                .iter()
+                .map(|e| e.goal.unwrap_or(0.0))
+                .collect();
+            let error = Closure::of(&drawing).error(&goal);
+            assert!(error <= CLOSED, "{name}, seed {seed}: {error:e}");
+            for edge in &drawing.edges {
+                let expected = match edge.goal {
+                    None => Letter::Boundary,
+                    Some(goal) if goal < 0.0 => Letter::Mountain,
+                    Some(_) => Letter::Valley,
+                };
+                assert_eq!(edge.letter, expected, "{name}, seed {seed}");
+            }
+            let pattern = CreasePattern::new(drawing);
+            assert!(pattern.is_ok(), "{name}, seed {seed}: {pattern:?}");
+        }
+    }
+}
+
+/// The tangents of all half angles, scaled alike, close from flat to the goal and beyond.
+#[test]
+fn flat_foldable_meshes_close_along_the_whole_motion() {
+    for seed in 0..20 {
+        let drawing = meshes::flat_foldable(&mut Random::new(seed));
+        let closure = Closure::of(&drawing);
+        for part in [1e-3, 0.1, 0.5, 0.9, 2.0, 100.0] {
+            let tangent = |goal: f64| 2.0 * (part * (goal / 2.0).tan()).atan();
+            let angles: Vec<f64> = drawing
+                .edges
+                .iter()
+                .map(|edge| edge.goal.map_or(0.0, tangent))
+                .collect();
+            let error = closure.error(&angles);
+            assert!(error <= CLOSED, "seed {seed}, {part}: {error:e}");
+        }
+    }
+}
+
+/// One seed, one sheet; another seed, another sheet.
+#[test]
+fn seeds_make_sheets() {
+    for family in Family::ALL {
+        assert_eq!(family.sheet(3), family.sheet(3), "{}", family.name);
+        assert_ne!(family.sheet(3), family.sheet(4), "{}", family.name);
+    }
+}
