@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use super::depart::departures;
 use super::follow::{
-    Followed, Homeward, Stop, Target, Waypoint, follow, max_difference, max_norm, tangent_at_flat,
+    Followed, Homeward, Rules, Stop, Target, Waypoint, follow, max_difference, max_norm,
+    tangent_at_flat,
 };
 use super::goal::GoalKind;
 use super::judge::Judge;
@@ -148,6 +149,13 @@ impl Attempt {
 }
 
 impl Route<'_> {
+    fn rules(&self) -> Rules<'_> {
+        Rules {
+            signs: &self.signs,
+            max_step: self.options.max_step,
+        }
+    }
+
     /// The closed configurations to pass through, the goal last; none for a goal that is not a
     /// configuration. `Err` if one does not close: how far the nearest closed one is.
     fn targets(&mut self, reach: f64, work: &mut Work) -> Result<Vec<ClosedGoal>, Option<f64>> {
@@ -199,8 +207,7 @@ impl Route<'_> {
             Some(last) => {
                 let mut solver = self.reduction.solver(self.options, self.accepted);
                 let target = Target::Nearest(&self.asked);
-                let max_step = self.options.max_step;
-                let followed = follow(&mut solver, &last.angles, None, target, max_step);
+                let followed = follow(&mut solver, &last.angles, None, target, self.rules());
                 count(work, &solver);
                 followed
             }
@@ -259,15 +266,14 @@ impl Route<'_> {
     fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
         let mut solver = self.reduction.solver(self.options, target.accepted);
         self.accepted = target.accepted;
-        let max_step = self.options.max_step;
-        let manners = [Homeward::Straight, Homeward::Together, Homeward::Through];
+        let manners = [Homeward::Straight, Homeward::Together];
         let mut followed = Followed {
             waypoints: Vec::new(),
             stop: None,
         };
         for manner in manners {
             let flat = Target::Flat(manner);
-            followed = follow(&mut solver, &target.angles, None, flat, max_step);
+            followed = follow(&mut solver, &target.angles, None, flat, self.rules());
             if matches!(followed.stop, None | Some(Stop::Timeout)) {
                 break;
             }
@@ -285,7 +291,6 @@ impl Route<'_> {
 
     /// Between two targets.
     fn between(&mut self, from: &ClosedGoal, to: &ClosedGoal, work: &mut Work) -> Followed {
-        let max_step = self.options.max_step;
         let accepted = from.accepted.max(to.accepted);
         let mut solver = self.reduction.solver(self.options, accepted);
         let mut followed = follow(
@@ -293,11 +298,11 @@ impl Route<'_> {
             &from.angles,
             None,
             Target::Closed(&to.angles),
-            max_step,
+            self.rules(),
         );
         if followed.stop.is_some() {
             let target = Target::Closed(&from.angles);
-            let back = follow(&mut solver, &to.angles, None, target, max_step);
+            let back = follow(&mut solver, &to.angles, None, target, self.rules());
             if back.stop.is_none() {
                 followed = back.reversed();
             }
@@ -353,14 +358,14 @@ impl Route<'_> {
             self.options,
             work,
         );
-        for near in branches.iter().take(BRANCHES) {
+        let near = |near: &&Vec<f64>| max_norm(near) <= self.options.max_step;
+        for near in branches.iter().filter(near).take(BRANCHES) {
             let tangent = tangent_at_flat(&mut solver, near);
             let target = match target {
                 Some(closed) => Target::Closed(&closed.angles),
                 None => Target::Nearest(&self.asked),
             };
-            let max_step = self.options.max_step;
-            let mut followed = follow(&mut solver, near, Some(&tangent), target, max_step);
+            let mut followed = follow(&mut solver, near, Some(&tangent), target, self.rules());
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
                 // What leads on without coming nearer to the goal is not part of the way there.
@@ -440,7 +445,15 @@ impl Route<'_> {
             let crossing = judge.judge(&mut knot);
             crossing.is_none() && knot.deformation <= options.bound && knot.gap <= options.bound
         };
-        let followed = search(&mut solver, &asked, closed, restarts, options, feasible);
+        let followed = search(
+            &mut solver,
+            &asked,
+            closed,
+            restarts,
+            self.rules(),
+            options,
+            feasible,
+        );
         count(work, &solver);
         self.accepted = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);

@@ -24,8 +24,7 @@ pub(super) enum Target<'a> {
     Flat(Homeward),
     /// A closed configuration.
     Closed(&'a [f64]),
-    /// As near as the motion goes to what is asked for, which need not close; `None` is free. No hinge
-    /// passes through flat on the way.
+    /// As near as the motion goes to what is asked for, which need not close; `None` is free.
     Nearest(&'a [Option<f64>]),
 }
 
@@ -36,8 +35,6 @@ pub(super) enum Homeward {
     Straight,
     /// Those that turned little go slower, so that all arrive together.
     Together,
-    /// The straightest way, on which hinges may turn the other way in between.
-    Through,
 }
 
 impl Target<'_> {
@@ -48,10 +45,6 @@ impl Target<'_> {
             Self::Closed(target) => target.iter().zip(angles).map(|(t, a)| t - a).collect(),
             Self::Nearest(asked) => way_to(asked, angles),
         }
-    }
-
-    fn keeps_signs(&self) -> bool {
-        !matches!(self, Self::Closed(_) | Self::Flat(Homeward::Through))
     }
 }
 
@@ -127,16 +120,36 @@ const FLAT: f64 = 1e-9;
 /// Radians: a hinge this near its limit is at it.
 const AT_LIMIT: f64 = 1e-3;
 
-/// Follows the motion from the closed configuration `start` to the target, no angle changing by more
-/// than `max_step` from one waypoint to the next. `came` is the direction in which the path arrived at
-/// the start, if it did.
+/// What all steps keep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rules<'a> {
+    /// For each unknown the way it may turn: -1, 0 for both, 1. None passes through flat on the way.
+    pub(super) signs: &'a [f64],
+    /// Largest change of an unknown from one waypoint to the next, radians.
+    pub(super) max_step: f64,
+}
+
+impl Rules<'_> {
+    /// Whether each hinge turns its way at `next`, coming from `angles`.
+    pub(super) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
+        let mut triples = next.iter().zip(angles).zip(self.signs);
+        triples.all(|((next, angle), sign)| {
+            let way = if angle.abs() > FLAT { *angle } else { *sign };
+            next * way >= 0.0 || next.abs() <= FLAT
+        })
+    }
+}
+
+/// Follows the motion from the closed configuration `start` to the target by the rules. `came` is the
+/// direction in which the path arrived at the start, if it did.
 pub(super) fn follow(
     solver: &mut ClosureSolver<'_>,
     start: &[f64],
     came: Option<&[f64]>,
     target: Target<'_>,
-    max_step: f64,
+    rules: Rules<'_>,
 ) -> Followed {
+    let max_step = rules.max_step;
     let mut waypoints: Vec<Waypoint> = Vec::new();
     let mut angles = start.to_vec();
     let mut came = came.map(<[f64]>::to_vec);
@@ -184,29 +197,16 @@ pub(super) fn follow(
             (Some(came), Some(length)) if !corner => bend(came, &tangent, length),
             _ => vec![0.0; angles.len()],
         };
-        let signs = target.keeps_signs();
         let room = solver.room(&angles, &tangent);
         let at_limit = (room.0 * max_norm(&tangent) <= AT_LIMIT).then_some(Stop::Limit(room.1));
         let most = room.0.min(heading.length);
-        let most = if signs {
-            most.min(until_flat(&angles, &tangent))
-        } else {
-            most
-        };
-        let next = step(solver, &angles, &tangent, &bend, signs, most, max_step).or_else(|| {
+        let most = most.min(until_flat(&angles, &tangent));
+        let next = step(solver, &angles, &tangent, &bend, most, rules).or_else(|| {
             let came = came.as_deref()?;
             let flat = vec![0.0; came.len()];
-            LEAPS.iter().find_map(|leap| {
-                step_at(
-                    solver,
-                    &angles,
-                    came,
-                    &flat,
-                    signs,
-                    leap * max_step,
-                    max_step,
-                )
-            })
+            LEAPS
+                .iter()
+                .find_map(|leap| step_at(solver, &angles, came, &flat, leap * max_step, rules))
         });
         match next {
             Some((next, length)) => {
@@ -423,21 +423,13 @@ fn step(
     angles: &[f64],
     direction: &[f64],
     bend: &[f64],
-    keeps_signs: bool,
     most: f64,
-    max_step: f64,
+    rules: Rules<'_>,
 ) -> Option<(Vec<f64>, f64)> {
+    let max_step = rules.max_step;
     let mut part = (most * max_norm(direction) / (AIM * max_step)).clamp(SMALLEST, 1.0);
     while part >= SMALLEST {
-        let taken = step_at(
-            solver,
-            angles,
-            direction,
-            bend,
-            keeps_signs,
-            part * max_step,
-            max_step,
-        );
+        let taken = step_at(solver, angles, direction, bend, part * max_step, rules);
         if taken.is_some() || solver.is_late() {
             return taken;
         }
@@ -452,31 +444,20 @@ fn step_at(
     angles: &[f64],
     direction: &[f64],
     bend: &[f64],
-    keeps_signs: bool,
     size: f64,
-    max_step: f64,
+    rules: Rules<'_>,
 ) -> Option<(Vec<f64>, f64)> {
     let length = AIM * size / max_norm(direction);
     let move_by = |k: usize| length * (direction[k] + length * bend[k]);
     // A hinge that would pass through flat stops there: often that sets others free.
-    let stays = |from: f64, to: f64| {
-        if keeps_signs && from * to < 0.0 {
-            0.0
-        } else {
-            to
-        }
-    };
+    let stays = |from: f64, to: f64| if from * to < 0.0 { 0.0 } else { to };
     let predicted = (0..angles.len()).map(|k| stays(angles[k], angles[k] + move_by(k)));
     let predicted: Vec<f64> = predicted.collect();
     let mut next = predicted.clone();
     let near = solver.closes(&mut next)
-        && max_difference(&next, angles) <= max_step
+        && max_difference(&next, angles) <= rules.max_step
         && max_difference(&next, &predicted) <= CORRECTION * length
-        && (!keeps_signs
-            || next
-                .iter()
-                .zip(angles)
-                .all(|(n, a)| n * a >= 0.0 || n.abs() <= FLAT));
+        && rules.allow(angles, &next);
     near.then_some((next, length))
 }
 

@@ -9,7 +9,7 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::PlanOptions;
-use super::follow::{Followed, NEAR, Stop, Waypoint, max_difference, norm, way_to};
+use super::follow::{Followed, NEAR, Rules, Stop, Waypoint, max_difference, norm, way_to};
 use super::solver::ClosureSolver;
 
 /// Part of a step that is random.
@@ -29,12 +29,13 @@ pub(super) fn search(
     asked: &[Option<f64>],
     closed: Option<&[f64]>,
     most_restarts: usize,
+    rules: Rules<'_>,
     options: &PlanOptions,
     feasible: &mut dyn FnMut(&[f64]) -> bool,
 ) -> Followed {
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
     let mut knots = vec![vec![0.0; asked.len()]];
-    let max_step = options.max_step;
+    let max_step = rules.max_step;
     let (mut radius, mut failures, mut restarts) = (max_step, 0, 0);
     let stop = loop {
         let here = &knots[knots.len() - 1];
@@ -66,6 +67,7 @@ pub(super) fn search(
         );
         let good = solver.closes(&mut next)
             && max_difference(&next, here) <= max_step
+            && rules.allow(here, &next)
             && norm(&way_to(asked, &next)) < far
             && solver.objective(options.objective, &next) <= solver.objective_tolerance()
             && feasible(&next);
