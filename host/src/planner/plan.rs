@@ -84,6 +84,11 @@ pub struct Plan {
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex, or twist of a hinge, over all knots.
     pub max_closure: f64,
+    /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
+    /// be; `None` where a hole adds conditions of its own.
+    pub amplification: Option<f64>,
+    /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
+    pub essential_tolerance: f64,
     /// Largest closure residual of the goal asked for.
     pub goal_closure: f64,
     /// Largest difference of a fold angle at the end from the goal asked for, radians.
@@ -137,6 +142,8 @@ impl<'a> Planning<'a> {
         self.plan.groups = reduction.groups.len();
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
+        self.plan.amplification = reduction.amplification;
+        self.plan.essential_tolerance = reduction.accepted(self.options);
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
         self.plan.times.symmetry = start.elapsed();
         let nearest = closed.as_ref().map(|closed| closed.error);

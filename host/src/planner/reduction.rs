@@ -3,6 +3,7 @@
 
 use super::solver::{ClosureSolver, Work, max_closure};
 use super::{Goal, PlanOptions, Symmetry, Vertices};
+use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::CreasePattern;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -14,6 +15,10 @@ pub(super) struct Reduction {
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
     vertices: Vertices,
+    /// The tree along which the whole sheet is folded.
+    pub(super) tree: SpanningTree,
+    /// How much larger than the closure residuals errors of the whole sheet can be.
+    pub(super) amplification: Option<f64>,
 }
 
 /// A closed configuration near the goal.
@@ -27,13 +32,20 @@ pub(super) struct ClosedGoal {
 }
 
 impl Reduction {
-    pub(super) fn new(pattern: &CreasePattern, groups: CreaseGroups, vertices: Vertices) -> Self {
+    fn new(
+        pattern: &CreasePattern,
+        tree: SpanningTree,
+        groups: CreaseGroups,
+        vertices: Vertices,
+    ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
         Self {
             essential: all.essential(),
             all,
             groups,
             vertices,
+            amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
+            tree,
         }
     }
 
@@ -42,12 +54,13 @@ impl Reduction {
         ClosureSolver::new(self.stars().view(), options.solver, closed.accepted)
     }
 
-    /// Closure residual that no vertex may exceed: if all did reach it, each adding to the next all
-    /// along the sheet, deformation would come near the bound.
+    /// The essential tolerance: closure residual that no vertex may exceed. If all did reach it, the
+    /// whole sheet would still keep the bound.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
-        (options.bound / vertices).max(ROUNDING)
+        // Round a hole nothing is known for certain: each vertex may add to the next.
+        (options.bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
     }
 
     /// The stars to solve.
@@ -169,10 +182,11 @@ pub(super) fn reduce(
     work: &mut Work,
     notes: &mut Vec<String>,
 ) -> (Reduction, Option<ClosedGoal>) {
+    let mut tree = SpanningTree::from_central_face(pattern);
     if options.symmetry == Symmetry::Auto {
         let groups = CreaseGroups::find(pattern);
         let symmetric = groups.len() < pattern.creases().len();
-        let reduction = Reduction::new(pattern, groups, options.vertices);
+        let reduction = Reduction::new(pattern, tree, groups, options.vertices);
         let closed = reduction.close_goal(goal, options, work);
         // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
         // one beside a goal that closes as it stands, all creases on their own.
@@ -186,9 +200,10 @@ pub(super) fn reduce(
             "{} crease groups dropped: the goal does not close under them",
             reduction.groups.len()
         ));
+        tree = reduction.tree;
     }
     let groups = CreaseGroups::trivial(pattern);
-    let reduction = Reduction::new(pattern, groups, options.vertices);
+    let reduction = Reduction::new(pattern, tree, groups, options.vertices);
     let closed = reduction.close_goal(goal, options, work);
     (reduction, closed)
 }
