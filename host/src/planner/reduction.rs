@@ -184,23 +184,40 @@ pub(super) fn reduce(
 ) -> (Reduction, Option<ClosedGoal>) {
     let mut tree = SpanningTree::from_central_face(pattern);
     if options.symmetry == Symmetry::Auto {
-        let groups = CreaseGroups::find(pattern);
-        let symmetric = groups.len() < pattern.creases().len();
-        let reduction = Reduction::new(pattern, tree, groups, options.vertices);
-        let closed = reduction.close_goal(goal, options, work);
+        let found = CreaseGroups::find(pattern);
+        let fine = found.is_rough().then(|| CreaseGroups::find_exact(pattern));
+        // Groups of a finer symmetry fold the sheet more exactly, if they do at all.
+        let finer = fine.clone().filter(|g| g.len() < pattern.creases().len());
         // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
         // one beside a goal that closes as it stands, all creases on their own.
+        let symmetric = found.len() < pattern.creases().len();
         let exact =
             symmetric && closure_of(pattern, &goal.fold_angles).is_some_and(|c| c <= CLOSED);
         let reach = if exact { SAME } else { goal.reach };
-        if !symmetric || closed.as_ref().is_some_and(|c| c.error <= reach) {
-            return (reduction, closed);
+        let tries = [(finer, true), (Some(found), false), (fine, false)];
+        for (groups, exactly) in tries {
+            let Some(groups) = groups else { continue };
+            let (count, rough, tolerance) = (groups.len(), groups.is_rough(), groups.tolerance());
+            let reduction = Reduction::new(pattern, tree, groups, options.vertices);
+            let closed = reduction.close_goal(goal, options, work);
+            let trivial = count == pattern.creases().len();
+            let near = |c: &ClosedGoal| c.error <= reach && !(exactly && c.accepted > 0.0);
+            if trivial || closed.as_ref().is_some_and(near) {
+                if rough {
+                    notes.push(format!(
+                        "{count} crease groups: the sheet is symmetric only to {tolerance:.0e} of its \
+                         median edge"
+                    ));
+                }
+                return (reduction, closed);
+            }
+            if !exactly {
+                notes.push(format!(
+                    "{count} crease groups dropped: the goal does not close under them"
+                ));
+            }
+            tree = reduction.tree;
         }
-        notes.push(format!(
-            "{} crease groups dropped: the goal does not close under them",
-            reduction.groups.len()
-        ));
-        tree = reduction.tree;
     }
     let groups = CreaseGroups::trivial(pattern);
     let reduction = Reduction::new(pattern, tree, groups, options.vertices);

@@ -11,8 +11,12 @@ use crate::pattern::{
 };
 use crate::ragged::Ragged;
 
-/// Sector angles this close, in radians, are the same.
-const SAME_ANGLE: f64 = 1e-6;
+/// Sector angles this close, in tolerances of the groups, are the same: both stars may be off a third
+/// one by as much, and each sector has two sides.
+const SAME_ANGLE: f64 = 4.0;
+
+/// Radians: a direction and itself, rounded, enclose no more.
+const ROUNDING: f64 = 1e-9;
 
 /// Stars of real vertices as functions of the group angles.
 #[derive(Clone, Debug)]
@@ -20,6 +24,8 @@ pub struct ReducedStars {
     vertices: Vec<VertexId>,
     spokes: Ragged<Spoke<f64>>,
     unknowns: usize,
+    /// Sector angles this close, in radians, are the same.
+    same_angle: f64,
 }
 
 impl ReducedStars {
@@ -30,6 +36,7 @@ impl ReducedStars {
             vertices: Vec::new(),
             spokes: Ragged::default(),
             unknowns: groups.len(),
+            same_angle: SAME_ANGLE * groups.tolerance(),
         };
         let mut star = Vec::new();
         for vertex in pattern.real_vertices() {
@@ -59,6 +66,7 @@ impl ReducedStars {
             vertices: Vec::new(),
             spokes: Ragged::default(),
             unknowns: self.unknowns,
+            same_angle: self.same_angle,
         };
         for (index, &first) in self.conditions().iter().enumerate() {
             if first == index {
@@ -78,7 +86,8 @@ impl ReducedStars {
                 let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
                 key.sort_unstable();
                 let alike = firsts.entry(key).or_default();
-                let same = |&&other: &&usize| same_condition(&self.spokes[other], star);
+                let same =
+                    |&&other: &&usize| same_condition(&self.spokes[other], star, self.same_angle);
                 let first = alike.iter().find(same).copied().unwrap_or(index);
                 if first == index {
                     alike.push(index);
@@ -105,7 +114,7 @@ impl ReducedStars {
     }
 }
 
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> bool {
     let n = a.len();
     let matches = |first: usize, mirrored: bool, flipped: bool| {
         let image = |k: usize| {
@@ -125,7 +134,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
             };
             from.group == to.group
                 && (from.negative == to.negative) != flipped
-                && (sector - image_sector).abs() <= SAME_ANGLE
+                && (sector - image_sector).abs() <= same_angle
         })
     };
     let both = [false, true];
@@ -140,7 +149,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
 fn angle(from: [f64; 2], to: [f64; 2]) -> f64 {
     let (from, to) = (Vector2::from(from), Vector2::from(to));
     let angle = from.perp(&to).atan2(from.dot(&to));
-    if angle < -SAME_ANGLE {
+    if angle < -ROUNDING {
         angle + core::f64::consts::TAU
     } else {
         angle
