@@ -51,6 +51,10 @@ fn without_goal(mut drawing: Drawing) -> Drawing {
     drawing
 }
 
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the remainder is below a size"
+)]
 fn below(random: &mut Pcg64, end: usize) -> usize {
     (random.next_u64() % end as u64) as usize
 }
@@ -240,7 +244,13 @@ fn cut_outs_have_the_groups_of_the_sheet() {
             let height = if count == 2 { 0.75_f64.sqrt() } else { 1.0 };
             let row = (center.y / height).floor();
             let lean = if count == 2 { 0.25 } else { 0.0 };
-            [(center.x - lean).floor() as usize, row as usize]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "cells are counted from 0"
+            )]
+            let cell = [(center.x - lean).floor() as usize, row as usize];
+            cell
         };
         let size = [0, 1].map(|k| 1 + (0..whole.faces().len()).map(|f| cell(f)[k]).max().unwrap());
         for _ in 0..40 {
@@ -374,7 +384,7 @@ fn real_files_have_few_groups_and_close() {
             answer.notes
         );
         let last = answer.path.knots.last().expect("a path");
-        let angles: Vec<_> = last.angles.iter().copied().collect();
+        let angles = last.angles.clone();
         let creases = answer.path.memberships.iter();
         let creases = creases.map(|m| Some(m.apply(angles[m.group.index()])));
         let closure = closure_of(&pattern, &creases.collect::<Vec<_>>()).unwrap();

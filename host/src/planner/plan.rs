@@ -49,7 +49,7 @@ impl Outcome {
 /// Time spent in each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Finding crease groups and essential vertices, closing the goal under them, and its own closure.
+    /// Finding the spanning tree, crease groups and essential vertices, closing the goal under them, and its own closure.
     pub symmetry: Duration,
     /// Following the path in group angles.
     pub solve: Duration,
