@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::args::Info;
 use super::{Answer, print, print_json, print_notes};
+use crate::folding::{Amplification, SpanningTree};
 use crate::formats::fold::read_pattern;
 use crate::planner::closure_of;
 use crate::symmetry::{CreaseGroups, ReducedStars};
@@ -33,6 +34,7 @@ struct InfoJson {
 pub(super) fn run(args: &Info) -> Answer {
     let file = read_pattern(&args.pattern)?;
     let pattern = &file.pattern;
+    let tree = SpanningTree::from_central_face(pattern);
     let groups = CreaseGroups::find(pattern);
     let stars = ReducedStars::all(pattern, &groups).essential();
     let mut letters = BTreeMap::new();
@@ -58,7 +60,7 @@ pub(super) fn run(args: &Info) -> Answer {
         groups: groups.len(),
         essential_vertices: stars.vertices().len(),
         closure_goal,
-        amplification: None,
+        amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
         repairs: Vec::new(),
         assumptions: pattern.assumptions().to_vec(),
     };
@@ -95,12 +97,17 @@ fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
     if holes > 0 {
         parts += &count(holes, "hole");
     }
+    let amplification = info.amplification.map_or_else(
+        || "unknown: the sheet has holes".to_string(),
+        |factor| format!("{factor:.4}: errors of the sheet per closure residual of a vertex"),
+    );
     format!(
         "{title}\n  \
          sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters}){parts}\n  \
          hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
          crease groups       {}\n  \
          essential vertices  {}\n  \
+         amplification       {amplification}\n  \
          goal                {goal}\n",
         info.faces,
         info.vertices,

@@ -207,6 +207,14 @@ fn summary(
          solved as    {} unknowns (crease groups), {} essential vertices\n",
         goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
     );
+    let amplified = plan.amplification.map_or_else(
+        || "the sheet has holes".to_string(),
+        |factor| format!("errors grow up to {factor:.3}-fold over the sheet"),
+    );
+    text += &format!(
+        "  tolerance    closure {:.1e} at each vertex: {amplified}\n",
+        plan.essential_tolerance,
+    );
     if json.knots > 0 {
         text += &format!(
             "  path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector2;
 
-use crate::pattern::{CreaseId, CreasePattern, FaceId};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::ragged::Ragged;
 
 /// One step of the tree: a face reached from its parent across an edge.
@@ -14,7 +14,9 @@ pub struct Step {
     pub face: FaceId,
     /// The face it is reached from, which comes earlier.
     pub parent: FaceId,
-    /// The crease between; `None` if the edge stays flat.
+    /// The edge between.
+    pub edge: EdgeId,
+    /// Its crease; `None` if the edge stays flat.
     pub crease: Option<CreaseId>,
     /// A point of the edge in the flat sheet.
     pub pivot: Vector2<f64>,
@@ -56,7 +58,7 @@ impl SpanningTree {
     fn grow(
         &mut self,
         pattern: &CreasePattern,
-        neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>,
+        neighbours: &Ragged<(FaceId, EdgeId)>,
         root: FaceId,
         done: &mut [bool],
     ) {
@@ -73,6 +75,7 @@ impl SpanningTree {
                 let step = Step {
                     face,
                     parent,
+                    edge: edge_id,
                     crease: edge.crease,
                     pivot: pattern.vertices()[edge.ends[start].index()],
                     axis: pattern.direction(edge_id, edge.ends[start]),
@@ -123,7 +126,7 @@ const CORNERS: usize = 4;
 
 /// A face from which the farthest others are near: of all, the one whose greatest distance from some
 /// far corners of the sheet, each chosen as far from those before as can be, is least.
-fn central(neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>, start: FaceId) -> FaceId {
+fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     let (sheet, from_start) = distances(neighbours, start);
     let farthest = |distance: &[u32]| {
         let far = sheet
@@ -156,10 +159,7 @@ fn central(neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>, start: FaceId)
 }
 
 /// The faces of the sheet of `start`, and for all faces the number of steps from there.
-fn distances(
-    neighbours: &Ragged<(FaceId, crate::pattern::EdgeId)>,
-    start: FaceId,
-) -> (Vec<FaceId>, Vec<u32>) {
+fn distances(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> (Vec<FaceId>, Vec<u32>) {
     let mut order = vec![start];
     let mut distance = vec![u32::MAX; neighbours.len()];
     distance[start.index()] = 0;

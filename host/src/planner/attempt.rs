@@ -28,6 +28,15 @@ pub(super) enum End {
     NotClosed(Option<f64>),
 }
 
+/// How near a goal has to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// How far a crease may be from its goal angle, radians.
+    pub(super) radians: f64,
+    /// Whether what closes only as well as can be does not count.
+    pub(super) exactly: bool,
+}
+
 /// A path in group angles, and how it ended.
 pub(super) struct Attempt {
     pub(super) reduction: Reduction,
@@ -38,6 +47,8 @@ pub(super) struct Attempt {
     /// Closure residual that counts as closed although it can be made no smaller.
     pub(super) accepted: f64,
     pub(super) end: End,
+    /// Whether the goal had to close exactly.
+    pub(super) exactly: bool,
     /// How much of the goal's angles the last waypoint has, 0 to 1.
     pub(super) reached: f64,
     /// Time for closing the goal, and for the rest.
@@ -70,12 +81,12 @@ struct Route<'a> {
 }
 
 impl Attempt {
-    /// Tries to find a path; `reach` is how far (radians) a crease may be from its goal angle.
+    /// Tries to find a path.
     pub(super) fn new(
         pattern: &CreasePattern,
         reduction: Reduction,
         goal: &Goal,
-        reach: f64,
+        reach: Reach,
         options: &PlanOptions,
         work: &mut Work,
     ) -> Self {
@@ -126,6 +137,7 @@ impl Attempt {
             goal: closed,
             accepted,
             end,
+            exactly: reach.exactly,
             reached,
             times: [closing, start.elapsed()],
             notes,
@@ -158,7 +170,7 @@ impl Route<'_> {
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a
     /// configuration. `Err` if one does not close: how far the nearest closed one is.
-    fn targets(&mut self, reach: f64, work: &mut Work) -> Result<Vec<ClosedGoal>, Option<f64>> {
+    fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, Option<f64>> {
         let mut targets = Vec::new();
         let goals = self.goal.via.iter().chain([self.goal]);
         for goal in goals {
@@ -166,15 +178,13 @@ impl Route<'_> {
                 continue;
             }
             let closed = self.reduction.close_goal(goal, self.options, work);
-            let near = closed
-                .as_ref()
-                .is_some_and(|closed| closed.error <= reach.min(goal.reach));
-            // Groups that a goal which closes as it stands has only nearly are no groups.
-            let near = near
-                && (reach > SAME
-                    || closed
-                        .as_ref()
-                        .is_some_and(|closed| self.reduction.closure(&closed.angles) <= CLOSED));
+            let near = |closed: &ClosedGoal| {
+                closed.error <= reach.radians.min(goal.reach)
+                    && !(reach.exactly && closed.accepted > 0.0)
+                    // Groups that a goal which closes as it stands has only nearly are no groups.
+                    && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
+            };
+            let near = closed.as_ref().is_some_and(near);
             match closed {
                 Some(closed) if near => targets.push(closed),
                 _ if goal.kind == GoalKind::Letters => {}

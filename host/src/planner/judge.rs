@@ -20,7 +20,7 @@ const HALVINGS: usize = 30;
 pub(super) struct Judge<'a> {
     pattern: &'a CreasePattern,
     reduction: &'a Reduction,
-    tree: SpanningTree,
+    tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
     /// Time spent folding and measuring.
@@ -36,8 +36,8 @@ impl<'a> Judge<'a> {
         collision: bool,
     ) -> Self {
         let start = Instant::now();
-        let tree = SpanningTree::from_central_face(pattern);
-        let map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
+        let tree = &reduction.tree;
+        let map = FoldingMap::new(pattern, tree, &vec![0.0; pattern.creases().len()]);
         let fold = start.elapsed();
         let start = Instant::now();
         let scene = collision.then(|| CollisionScene::new(pattern));
@@ -67,8 +67,8 @@ impl<'a> Judge<'a> {
     /// Folds the sheet and measures it.
     fn place(&mut self, angles: &[f64]) -> Rigidity {
         let creases = self.reduction.groups.expand(angles);
-        self.map.fold(self.pattern, &self.tree, &creases);
-        self.map.rigidity(self.pattern, &self.tree, &creases)
+        self.map.fold(self.pattern, self.tree, &creases);
+        self.map.rigidity(self.pattern, self.tree, &creases)
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::attempt::{Attempt, End, straight};
+use super::attempt::{Attempt, End, Reach, straight};
 use super::follow::{Stop, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
@@ -51,7 +51,7 @@ impl Outcome {
 /// Time spent in each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Finding crease groups and essential vertices, closing the goal under them, and its own closure.
+    /// Finding the spanning tree, crease groups and essential vertices, closing the goal under them, and its own closure.
     pub symmetry: Duration,
     /// Following the path in group angles.
     pub solve: Duration,
@@ -86,6 +86,11 @@ pub struct Plan {
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
+    /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
+    /// be; `None` where a hole adds conditions of its own.
+    pub amplification: Option<f64>,
+    /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
+    pub essential_tolerance: f64,
     /// Largest closure residual of the goal asked for.
     pub goal_closure: f64,
     /// Largest difference of a fold angle at the end from the goal asked for, radians.
@@ -135,25 +140,16 @@ impl<'a> Planning<'a> {
         let mut work = Work::default();
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
-        // Symmetry is a shortcut: what it does not find is looked for without.
-        let choices: &[bool] = match self.options.symmetry {
-            Symmetry::Auto => &[true, false],
-            Symmetry::Off => &[false],
-        };
-        for &by_symmetry in choices {
+        let start = Instant::now();
+        let choices = self.choices();
+        self.plan.times.symmetry += start.elapsed();
+        for (groups, exactly) in choices {
             let start = Instant::now();
-            let groups = if by_symmetry {
-                CreaseGroups::find(self.pattern)
-            } else {
-                CreaseGroups::trivial(self.pattern)
-            };
-            self.plan.times.symmetry += start.elapsed();
             let shrinks = groups.len() < self.pattern.creases().len();
-            if by_symmetry && !shrinks {
-                continue;
-            }
-            let reach = self.reach(shrinks);
-            let start = Instant::now();
+            let reach = Reach {
+                radians: self.reach(shrinks),
+                exactly,
+            };
             let (options, deadline) = (self.options, self.deadline);
             let reduction = Reduction::new(self.pattern, groups, options, deadline);
             self.plan.times.symmetry += start.elapsed();
@@ -177,7 +173,7 @@ impl<'a> Planning<'a> {
                     before
                 }
             };
-            if let Some(dropped) = dropped {
+            if let Some(dropped) = dropped.filter(|dropped| !dropped.exactly) {
                 let why = match dropped.end {
                     End::NotClosed(_) => "the goal does not close under them",
                     _ => "the sheet folds farther without them",
@@ -199,6 +195,25 @@ impl<'a> Planning<'a> {
         }
     }
 
+    /// Crease groups to try one after the other, and whether the goal has to close exactly under them.
+    /// Groups of a finer symmetry fold the sheet more exactly, if they do at all. Symmetry is a
+    /// shortcut: what it does not find is looked for without.
+    fn choices(&self) -> Vec<(CreaseGroups, bool)> {
+        let mut choices = Vec::new();
+        if self.options.symmetry == Symmetry::Auto {
+            let found = CreaseGroups::find(self.pattern);
+            let fine = found
+                .is_rough()
+                .then(|| CreaseGroups::find_exact(self.pattern));
+            choices.extend(fine.clone().map(|fine| (fine, true)));
+            choices.push((found, false));
+            choices.extend(fine.map(|fine| (fine, false)));
+        }
+        choices.retain(|(groups, _)| groups.len() < self.pattern.creases().len());
+        choices.push((CreaseGroups::trivial(self.pattern), false));
+        choices
+    }
+
     /// How far a crease may be from its goal angle, radians. A goal far away is not what was asked for:
     /// with every crease free, one may be nearer. Nor is one beside a goal that closes as it stands, all
     /// creases on their own.
@@ -213,9 +228,21 @@ impl<'a> Planning<'a> {
 
     /// Notes what the path is made of.
     fn describe(&mut self, reduction: &Reduction) {
+        let groups = &reduction.groups;
+        if groups.is_rough() {
+            self.plan.notes.push(format!(
+                "{} crease groups: the sheet is symmetric only to {:.0e} of its median edge",
+                groups.len(),
+                groups.tolerance()
+            ));
+        }
+        self.plan.amplification = reduction.amplification;
+        self.plan.essential_tolerance = reduction.accepted(self.options);
         self.plan.groups = reduction.groups.len();
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
+        self.plan.amplification = reduction.amplification;
+        self.plan.essential_tolerance = reduction.accepted(self.options);
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
         self.plan.path.interpolation = self.options.interpolation;
     }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use super::follow::{approach, same_signs};
 use super::solver::{ClosureSolver, Work, max_closure};
 use super::{Goal, PlanOptions, Vertices};
+use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -21,6 +22,10 @@ pub(super) struct Reduction {
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
     deadline: Option<Instant>,
+    /// The tree along which the whole sheet is folded.
+    pub(super) tree: SpanningTree,
+    /// How much larger than the closure residuals errors of the whole sheet can be.
+    pub(super) amplification: Option<f64>,
 }
 
 /// What stands in the way.
@@ -49,6 +54,7 @@ impl Reduction {
         deadline: Option<Instant>,
     ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
+        let tree = SpanningTree::from_central_face(pattern);
         Self {
             essential: all.essential(),
             all,
@@ -56,6 +62,8 @@ impl Reduction {
             limits: group_limits(&groups, options),
             groups,
             deadline,
+            amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
+            tree,
         }
     }
 
@@ -130,12 +138,13 @@ impl Reduction {
         })
     }
 
-    /// Closure residual that no vertex or hole may exceed: if all did reach it, each adding to the next all
-    /// along the sheet, deformation would come near the bound.
+    /// The essential tolerance: closure residual that no vertex may exceed. If all did reach it, the
+    /// whole sheet would still keep the bound.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
-        let conditions = (self.all.vertices().len() + self.all.loops().len()).max(1) as f64;
-        (options.bound / conditions).max(ROUNDING)
+        let vertices = self.all.vertices().len().max(1) as f64;
+        // Round a hole nothing is known for certain: each vertex may add to the next.
+        (options.bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
     }
 
     /// The stars to solve.

@@ -11,8 +11,12 @@ use crate::pattern::{
 };
 use crate::ragged::Ragged;
 
-/// Sector angles this close, in radians, are the same.
-const SAME_ANGLE: f64 = 1e-6;
+/// Sector angles this close, in tolerances of the groups, are the same: both stars may be off a third
+/// one by as much, and each sector has two sides.
+const SAME_ANGLE: f64 = 4.0;
+
+/// Radians: a direction and itself, rounded, enclose no more.
+const ROUNDING: f64 = 1e-9;
 
 /// Stars of real vertices, and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
@@ -25,6 +29,8 @@ pub struct ReducedStars {
     /// For each spoke of a loop where its crease is: from the middle of the hole, over its size.
     places: Vec<[f64; 2]>,
     unknowns: usize,
+    /// Sector angles this close, in radians, are the same.
+    same_angle: f64,
 }
 
 impl ReducedStars {
@@ -38,6 +44,7 @@ impl ReducedStars {
             holes: Vec::new(),
             places: Vec::new(),
             unknowns: groups.len(),
+            same_angle: SAME_ANGLE * groups.tolerance(),
         };
         for hole in 0..pattern.holes().len() {
             stars.add_loop(pattern, groups, hole);
@@ -100,6 +107,7 @@ impl ReducedStars {
             holes: self.holes.clone(),
             places: self.places.clone(),
             unknowns: self.unknowns,
+            same_angle: self.same_angle,
         };
         for (index, &first) in self.conditions().iter().enumerate() {
             if first == index {
@@ -119,7 +127,8 @@ impl ReducedStars {
                 let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
                 key.sort_unstable();
                 let alike = firsts.entry(key).or_default();
-                let same = |&&other: &&usize| same_condition(&self.spokes[other], star);
+                let same =
+                    |&&other: &&usize| same_condition(&self.spokes[other], star, self.same_angle);
                 let first = alike.iter().find(same).copied().unwrap_or(index);
                 if first == index {
                     alike.push(index);
@@ -183,7 +192,7 @@ impl ReducedStars {
     }
 }
 
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> bool {
     let n = a.len();
     let matches = |first: usize, mirrored: bool, flipped: bool| {
         let image = |k: usize| {
@@ -203,7 +212,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
             };
             from.group == to.group
                 && (from.negative == to.negative) != flipped
-                && (sector - image_sector).abs() <= SAME_ANGLE
+                && (sector - image_sector).abs() <= same_angle
         })
     };
     let both = [false, true];
@@ -218,7 +227,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>]) -> bool {
 fn angle(from: [f64; 2], to: [f64; 2]) -> f64 {
     let (from, to) = (Vector2::from(from), Vector2::from(to));
     let angle = from.perp(&to).atan2(from.dot(&to));
-    if angle < -SAME_ANGLE {
+    if angle < -ROUNDING {
         angle + core::f64::consts::TAU
     } else {
         angle

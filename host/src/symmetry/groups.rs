@@ -21,8 +21,20 @@ use crate::ragged::Ragged;
 /// Points this close, in median edges, and directions this close, in radians, are the same: a
 /// thousand times the noise of coordinates written with nine digits, a thousandth of what is visible.
 const SAME_PLACE: f64 = 1e-6;
-/// Goal angles this close, in radians, may belong to one group: half a degree covers goals that were
-/// measured or rounded.
+/// Tolerances for sheets that seem irregular because their coordinates are rough. Up to a thousandth:
+/// coordinates of three digits. The last only confirms the one before.
+const ROUGH: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
+/// A sheet of no more groups than this, as tessellations have, is taken as it is if its stars agree
+/// far better than asked: by this part of the tolerance.
+const FEW: usize = 4;
+const FAR_BETTER: f64 = 0.1;
+/// Stars are compared this much more roughly than whole sheets where coordinates are rough: one star
+/// alone does not say how its image lies.
+const ROUGH_STAR: f64 = 2.0;
+/// While an isometry is fitted, vertices this many tolerances apart are taken for one.
+const REACH: f64 = 10.0;
+/// Goal angles of one group are no farther apart than this, in radians: half a degree covers goals that
+/// were measured or rounded.
 const SAME_GOAL: f64 = 1e-2;
 
 /// Vertices compared at most: this many, and this many times all of them. A tessellation needs a handful
@@ -36,24 +48,64 @@ const PASSES: usize = 64;
 pub struct CreaseGroups {
     memberships: Vec<Membership>,
     groups: usize,
+    tolerance: f64,
 }
 
 impl CreaseGroups {
     /// The groups that the partial symmetries of the pattern give.
     ///
+    /// A sheet that is symmetric only to a rougher tolerance, as rounded or measured coordinates make
+    /// it, has the groups found with that tolerance, if one ten times rougher finds neither fewer
+    /// groups nor fewer kinds of stars. A sheet whose shape changes little by little does: its kinds
+    /// are compared with each other, not along a chain of neighbours, and the rougher, the fewer.
+    ///
     /// Cost: O(vertices) for each symmetry tried, of which a tessellation needs a handful; bounded.
     #[must_use]
     pub fn find(pattern: &CreasePattern) -> Self {
-        Search::new(pattern).run()
+        let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE).run();
+        let few = exact.len() <= FEW && exact.len() < pattern.creases().len();
+        if few && worst <= FAR_BETTER * SAME_PLACE {
+            return exact;
+        }
+        let rough = ROUGH.map(|tolerance| Search::new(pattern, tolerance).run());
+        let mut best = exact.clone();
+        let mut finer = (exact, kinds);
+        for rougher in rough {
+            let (groups, kinds) = &finer;
+            let stands = groups.len() == rougher.0.len() && *kinds == rougher.1;
+            if stands && groups.len() < best.len() {
+                best = groups.clone();
+            }
+            finer = (rougher.0, rougher.1);
+        }
+        best
+    }
+
+    /// The groups that symmetries of exact coordinates give.
+    #[must_use]
+    pub fn find_exact(pattern: &CreasePattern) -> Self {
+        Search::new(pattern, SAME_PLACE).run().0
+    }
+
+    /// Tolerance to which the symmetries hold, in median edges and radians.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Whether the symmetries hold only roughly: more than the rounding of exact coordinates.
+    #[must_use]
+    pub fn is_rough(&self) -> bool {
+        self.tolerance > SAME_PLACE
     }
 
     /// Each crease on its own: no symmetry assumed.
     #[must_use]
     pub fn trivial(pattern: &CreasePattern) -> Self {
-        Self::from_sets(pattern, ParitySets::new(pattern.creases().len()))
+        Self::from_sets(pattern, single(pattern), SAME_PLACE)
     }
 
-    fn from_sets(pattern: &CreasePattern, mut sets: ParitySets) -> Self {
+    fn from_sets(pattern: &CreasePattern, mut sets: ParitySets, tolerance: f64) -> Self {
         let mut group_of_root = vec![None; pattern.creases().len()];
         let mut groups = 0;
         let mut memberships = Vec::with_capacity(pattern.creases().len());
@@ -73,6 +125,7 @@ impl CreaseGroups {
         Self {
             memberships,
             groups: groups as usize,
+            tolerance,
         }
     }
 
@@ -131,6 +184,12 @@ impl CreaseGroups {
     }
 }
 
+/// Each crease on its own.
+fn single(pattern: &CreasePattern) -> ParitySets {
+    let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
+    ParitySets::new(goals, SAME_GOAL)
+}
+
 /// One hinge as seen from a vertex.
 #[derive(Clone, Copy)]
 struct Ray {
@@ -159,18 +218,21 @@ impl Ray {
 
 struct Search<'a> {
     pattern: &'a CreasePattern,
+    tolerance: f64,
     places: Places<'a>,
     rays: Ragged<Ray>,
     real: Vec<VertexId>,
     sets: ParitySets,
     /// Relations that the isometry at hand implies.
     found: Vec<(CreaseId, CreaseId)>,
+    /// Largest difference between directions that were taken for one.
+    worst: f64,
     /// Vertices that may still be compared.
     budget: usize,
 }
 
 impl<'a> Search<'a> {
-    fn new(pattern: &'a CreasePattern) -> Self {
+    fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
         let rays = pattern.stars().iter().enumerate().map(|(vertex, star)| {
             let vertex = VertexId::new(vertex);
             star.iter().filter_map(move |&id| {
@@ -188,16 +250,20 @@ impl<'a> Search<'a> {
         let real = real.filter(|v| !rays[v.index()].is_empty()).collect();
         Self {
             pattern,
-            places: Places::new(pattern, SAME_PLACE * pattern.median_edge()),
+            tolerance,
+            places: Places::new(pattern, tolerance * pattern.median_edge()),
             rays,
             real,
-            sets: ParitySets::new(pattern.creases().len()),
+            sets: single(pattern),
             found: Vec::new(),
+            worst: 0.0,
             budget: BUDGET + PASSES * pattern.vertices().len(),
         }
     }
 
-    fn run(mut self) -> CreaseGroups {
+    /// The groups, the number of kinds of stars, and the largest difference between directions that
+    /// were taken for one.
+    fn run(mut self) -> (CreaseGroups, usize, f64) {
         // One vertex for each kind of star seen so far.
         let mut kinds: Vec<VertexId> = Vec::new();
         for index in 0..self.real.len() {
@@ -214,7 +280,8 @@ impl<'a> Search<'a> {
                 self.try_all(vertex, vertex);
             }
         }
-        CreaseGroups::from_sets(self.pattern, self.sets)
+        let groups = CreaseGroups::from_sets(self.pattern, self.sets, self.tolerance);
+        (groups, kinds.len(), self.worst)
     }
 
     /// Tries every isometry that takes the star of one vertex to that of the other. Returns whether
@@ -233,14 +300,14 @@ impl<'a> Search<'a> {
                 if !ray.agrees(&image, flips) {
                     continue;
                 }
-                let isometry = Isometry::between(
+                let mut isometry = Isometry::between(
                     [from, to].map(|v| self.pattern.vertices()[v.index()]),
                     [ray.direction, image.direction],
                     mirrors,
                     flips,
                 );
                 self.found.clear();
-                if !self.maps_star(&isometry, from, to) {
+                if !self.maps_star(&isometry, from, to, self.star_tolerance()) {
                     continue;
                 }
                 congruent = true;
@@ -248,6 +315,9 @@ impl<'a> Search<'a> {
                 let sets = &mut self.sets;
                 let mut news =
                     pairs.any(|(a, b)| !sets.related(a.index(), b.index(), isometry.flips));
+                if news && self.tolerance > SAME_PLACE {
+                    isometry = self.fitted(isometry, from);
+                }
                 if news {
                     news = self.budget > 0 && self.is_symmetry(&isometry);
                 }
@@ -259,9 +329,51 @@ impl<'a> Search<'a> {
         congruent
     }
 
+    /// Radians by which a star may differ from the image of another that a single direction gives.
+    fn star_tolerance(&self) -> f64 {
+        if self.tolerance > SAME_PLACE {
+            ROUGH_STAR * self.tolerance
+        } else {
+            self.tolerance
+        }
+    }
+
+    /// The isometry fitted to the vertices round `from`, then to those round these, until all of the
+    /// sheet counts: an error of direction grows with the distance.
+    fn fitted(&mut self, mut isometry: Isometry, from: VertexId) -> Isometry {
+        let vertices = self.pattern.vertices();
+        let reach = REACH * self.tolerance * self.pattern.median_edge();
+        let center = vertices[from.index()];
+        let mut radius = 2.0 * self.pattern.median_edge();
+        let mut pairs = Vec::new();
+        loop {
+            self.budget = self.budget.saturating_sub(vertices.len());
+            pairs.clear();
+            let mut beyond = false;
+            for &flat in vertices {
+                if (flat - center).norm_squared() > radius * radius {
+                    beyond = true;
+                } else if let Some(to) = self.places.vertex_within(isometry.apply(flat), reach) {
+                    pairs.push([flat, vertices[to.index()]]);
+                }
+            }
+            isometry = isometry.fitted(&pairs);
+            if !beyond || self.budget == 0 {
+                return isometry;
+            }
+            radius *= 2.0;
+        }
+    }
+
     /// Whether the isometry takes the star of `from` to that of `to`; notes the pairs of creases.
     /// Round a vertex on the border only what is inside the sheet is compared.
-    fn maps_star(&mut self, isometry: &Isometry, from: VertexId, to: VertexId) -> bool {
+    fn maps_star(
+        &mut self,
+        isometry: &Isometry,
+        from: VertexId,
+        to: VertexId,
+        tolerance: f64,
+    ) -> bool {
         let (rays, images) = (&self.rays[from.index()], &self.rays[to.index()]);
         let whole = [from, to].map(|v| self.pattern.is_real(v));
         if whole == [true, true] && rays.len() != images.len() {
@@ -271,10 +383,11 @@ impl<'a> Search<'a> {
         for ray in rays {
             let direction = isometry.turn(ray.direction);
             let same = |image: &&Ray| {
-                (image.direction - direction).norm_squared() <= SAME_PLACE * SAME_PLACE
+                (image.direction - direction).norm_squared() <= tolerance * tolerance
             };
             match images.iter().find(same) {
                 Some(image) if ray.agrees(image, isometry.flips) => {
+                    self.worst = self.worst.max((image.direction - direction).norm());
                     self.found.push((ray.crease, image.crease));
                     matched += 1;
                 }
@@ -297,7 +410,7 @@ impl<'a> Search<'a> {
             let flat = self.pattern.vertices()[vertex.index()];
             let image = isometry.apply(flat);
             match self.places.vertex_at(image) {
-                Some(to) if !self.maps_star(isometry, vertex, to) => return false,
+                Some(to) if !self.maps_star(isometry, vertex, to, self.tolerance) => return false,
                 None if self.places.is_inside(image) => return false,
                 _ => {}
             }
@@ -310,7 +423,9 @@ impl<'a> Search<'a> {
                         return false;
                     }
                 }
-                Some(from) if !self.maps_star(isometry, from, vertex) => return false,
+                Some(from) if !self.maps_star(isometry, from, vertex, self.tolerance) => {
+                    return false;
+                }
                 None if self.places.is_inside(origin) => return false,
                 _ => {}
             }
@@ -322,10 +437,13 @@ impl<'a> Search<'a> {
             .any(|(a, b)| sets.contradicts(a.index(), b.index(), isometry.flips))
     }
 
+    /// Joins the pairs of one isometry, all or none: they may contradict each other where letters do
+    /// not say, or take goal angles too far apart.
     fn join(&mut self, flips: bool) {
-        for &(a, b) in &self.found {
-            // Pairs of one isometry may contradict each other where letters do not say.
-            let _consistent = self.sets.join(a.index(), b.index(), flips);
+        let mut joined = self.sets.clone();
+        let consistent = |&(a, b): &(CreaseId, CreaseId)| joined.join(a.index(), b.index(), flips);
+        if self.found.iter().all(consistent) {
+            self.sets = joined;
         }
     }
 }

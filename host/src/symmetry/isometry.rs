@@ -31,6 +31,37 @@ impl Isometry {
         }
     }
 
+    /// The isometry nearest to this one that takes the first points of the pairs to the second as well
+    /// as possible, in the sense of least squares. This one if there are fewer than two.
+    pub(super) fn fitted(&self, pairs: &[[Vector2<f64>; 2]]) -> Self {
+        if pairs.len() < 2 {
+            return *self;
+        }
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let count = pairs.len() as f64;
+        let center = pairs.iter().fold([Vector2::zeros(); 2], |sum, pair| {
+            [sum[0] + pair[0] / count, sum[1] + pair[1] / count]
+        });
+        // What turn remains after this one.
+        let (mut sin, mut cos) = (0.0, 0.0);
+        for [from, to] in pairs {
+            let (from, to) = (self.turn(from - center[0]), to - center[1]);
+            sin += from.perp(&to);
+            cos += from.dot(&to);
+        }
+        let size = sin.hypot(cos);
+        if size <= 0.0 {
+            return *self;
+        }
+        let (sin, cos) = (sin / size, cos / size);
+        let linear = Matrix2::new(cos, -sin, sin, cos) * self.linear;
+        Self {
+            linear,
+            shift: center[1] - linear * center[0],
+            flips: self.flips,
+        }
+    }
+
     pub(super) fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
         self.linear * point + self.shift
     }

@@ -1,17 +1,28 @@
 //! Union-find with parity: which creases turn alike, and which of them the other way.
 
 /// Sets of items, each with a sign relative to its set.
+#[derive(Clone)]
 pub(super) struct ParitySets {
     parent: Vec<u32>,
     /// Whether the item turns against its parent.
     negative: Vec<bool>,
+    /// For each representative the lowest and highest value in its set, in its own sign; infinite the
+    /// wrong way round where no item has a value.
+    range: Vec<[f64; 2]>,
+    /// Widest range that a set may have.
+    spread: f64,
 }
 
 impl ParitySets {
-    pub(super) fn new(items: usize) -> Self {
+    /// Each item on its own, with its value if it has one; no set's values may be `spread` apart.
+    pub(super) fn new(values: impl Iterator<Item = Option<f64>>, spread: f64) -> Self {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let range: Vec<_> = values.map(|v| v.map_or(none, |v| [v, v])).collect();
         Self {
-            parent: (0..).take(items).collect(),
-            negative: vec![false; items],
+            parent: (0..).take(range.len()).collect(),
+            negative: vec![false; range.len()],
+            range,
+            spread,
         }
     }
 
@@ -48,13 +59,24 @@ impl ParitySets {
     }
 
     /// Says that both turn alike (`negative`: against each other). The smaller representative
-    /// stays. Returns `false`, changing nothing, if that contradicts what is known.
+    /// stays. Returns `false`, changing nothing, if that contradicts what is known or if their
+    /// values are too far apart.
     pub(super) fn join(&mut self, a: usize, b: usize, negative: bool) -> bool {
         let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
         if a == b {
             return a_sign ^ b_sign == negative;
         }
         let (root, child) = (a.min(b), a.max(b));
+        let [low, high] = self.range[root];
+        let mut other = self.range[child];
+        if a_sign ^ b_sign ^ negative {
+            other = [-other[1], -other[0]];
+        }
+        let range = [low.min(other[0]), high.max(other[1])];
+        if range[1] - range[0] > self.spread {
+            return false;
+        }
+        self.range[root] = range;
         self.parent[child] = self.parent[root];
         self.negative[child] = a_sign ^ b_sign ^ negative;
         true
@@ -67,12 +89,22 @@ mod tests {
 
     #[test]
     fn parity_is_carried_through_chains_and_contradictions_are_refused() {
-        let mut sets = ParitySets::new(5);
+        let mut sets = ParitySets::new([None; 5].into_iter(), 0.0);
         assert!(sets.join(4, 3, true) && sets.join(3, 2, true) && sets.join(2, 1, true));
         assert!(sets.related(4, 1, true) && sets.related(4, 2, false));
         assert!(!sets.related(0, 1, false));
         assert!(!sets.join(1, 3, true) && sets.contradicts(1, 3, true));
         assert_eq!(sets.find(4), (1, true));
         assert_eq!(sets.find(0), (0, false));
+    }
+
+    /// Each neighbour is near enough, all of them together are not.
+    #[test]
+    fn values_never_drift_apart_along_a_chain() {
+        let values = [Some(1.0), Some(-1.4), None, Some(1.8)];
+        let mut sets = ParitySets::new(values.into_iter(), 0.5);
+        assert!(sets.join(0, 1, true) && sets.join(1, 2, true));
+        assert!(!sets.join(2, 3, false) && !sets.related(0, 3, false));
+        assert!(!sets.join(3, 1, false), "of opposite sign");
     }
 }

@@ -78,6 +78,11 @@ impl<'a> Places<'a> {
 
     /// The vertex at `point`, if there is one.
     pub(super) fn vertex_at(&self, point: Vector2<f64>) -> Option<VertexId> {
+        self.vertex_within(point, self.tolerance)
+    }
+
+    /// A vertex no farther than `tolerance` from `point`, if there is one.
+    pub(super) fn vertex_within(&self, point: Vector2<f64>, tolerance: f64) -> Option<VertexId> {
         if self.far(point) {
             return None;
         }
@@ -86,11 +91,10 @@ impl<'a> Places<'a> {
                 self.step((point[k] + d - self.low[k]).max(0.0))
                     .min(cells - 1)
             };
-            at(-self.tolerance)..=at(self.tolerance)
+            at(-tolerance)..=at(tolerance)
         };
         let near = |v: &VertexId| {
-            (self.pattern.vertices()[v.index()] - point).norm_squared()
-                <= self.tolerance * self.tolerance
+            (self.pattern.vertices()[v.index()] - point).norm_squared() <= tolerance * tolerance
         };
         range(1, self.rows)
             .flat_map(|row| range(0, self.columns).map(move |column| row * self.columns + column))
