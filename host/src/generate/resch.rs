@@ -10,12 +10,13 @@ use crate::pattern::{Drawing, DrawnEdge, Letter};
 /// Ron Resch's triangular tessellation: `rows` x `columns` stars, each an equilateral triangle with a
 /// centre, three valleys from there to its corners and three mountains half as long to the midpoints of
 /// its sides, and between the stars smaller equilateral triangles. A corner of each star is the midpoint
-/// of a side of the next. Units: half the distance from a star's centre to a midpoint is 1/2.
+/// of a side of the next. Midpoints are 1 from the centre, corners 2.
 ///
 /// Goal: stars tucked below, the triangles between them closed to a plane. There valleys turn by 180,
 /// sides by -90 and mountains by -60 degrees, and all vertices close. With the full symmetry of the
 /// tessellation this configuration stands alone: the lattice and the place of a corner in it are two
-/// unknowns, and the sides of the two kinds of triangles between stars two conditions.
+/// unknowns, and the sides of the two kinds of triangles between stars two conditions. With each crease on
+/// its own a motion leads there from the flat sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resch {
     /// Rows of stars, along y.
