@@ -13,6 +13,7 @@ fn a_pattern_goes_from_generate_to_view() {
         "miura --rows 4 --cols 5",
         "waterbomb --rows 4 --cols 6",
         "yoshimura --rows 4 --cols 4",
+        "square-twist",
     ] {
         let folder = Folder::new();
         let steps = [
@@ -196,6 +197,11 @@ fn bad_usage_is_status_2() {
         "generate miura --rows three --cols 3 -o a.fold",
         "generate miura --rows 99999999999999999999 --cols 3 -o a.fold",
         "generate miura --rows 3 --cols 3",
+        "generate kresling --cols 7 -o a.fold",
+        "generate quad --fold 1 -o a.fold",
+        "generate resch --rows 0 -o a.fold",
+        "generate square-twist --angle 90 -o a.fold",
+        "generate square-twist --letters some -o a.fold",
         "info",
         "info miura.fold more.fold",
         "plan miura.fold --unknown",

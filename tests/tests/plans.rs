@@ -45,6 +45,16 @@ fn yoshimura(m: usize, n: usize) -> Counts {
     }
 }
 
+/// m rows and n columns of twists: four sides each, and pleats of two creases on each side of a tile.
+fn square_twist(m: usize, n: usize, groups: usize, essential_vertices: usize) -> Counts {
+    Counts {
+        creases: 4 * m * n + 2 * (m * (n + 1) + n * (m + 1)),
+        real_vertices: 4 * m * n,
+        groups,
+        essential_vertices,
+    }
+}
+
 const RIGID: f64 = 1e-9;
 const CLOSED: f64 = 1e-10;
 const GOAL_DEGREES: f64 = 1e-6;
@@ -63,6 +73,8 @@ fn the_patterns_of_the_report_are_planned() {
         ("waterbomb-8x10", waterbomb(182, 63)),
         ("waterbomb-12x22", waterbomb(626, 231)),
         ("yoshimura-12x12", yoshimura(12, 12)),
+        ("square-twist-1x1", square_twist(1, 1, 2, 1)),
+        ("square-twist-3x3", square_twist(3, 3, 6, 2)),
     ] {
         println!("{name}");
         let planned = Planned::new(name, &PlanOptions::default());

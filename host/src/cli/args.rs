@@ -70,6 +70,74 @@ pub(super) enum Family {
         #[arg(long, default_value_t = 0.25)]
         fold: f64,
     },
+    /// Slender parallelograms with one diagonal each, all valley: cannot fold
+    Quad {
+        /// Number of rows
+        #[arg(long, default_value_t = 24)]
+        rows: usize,
+        /// Number of columns
+        #[arg(long, default_value_t = 24)]
+        cols: usize,
+        /// File to write
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Goal: fold angle of the diagonals over 180 degrees
+        #[arg(long, default_value_t = 0.0675)]
+        fold: f64,
+    },
+    /// Square twists on rows x cols tiles that mirror their neighbours
+    SquareTwist {
+        /// Number of rows
+        #[arg(long, default_value_t = 1)]
+        rows: usize,
+        /// Number of columns
+        #[arg(long, default_value_t = 1)]
+        cols: usize,
+        /// File to write
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Angle between a square's sides and its pleats, degrees
+        #[arg(long, default_value_t = 60.0)]
+        angle: f64,
+        /// Letters that fold or, folded flat as their goal, do not
+        #[arg(long, value_enum, default_value_t)]
+        letters: TwistLetters,
+        /// Goal of foldable letters: fold angle of the creases that turn most over 180 degrees
+        #[arg(long, default_value_t = 0.5)]
+        fold: f64,
+    },
+    /// Ron Resch's triangular tessellation of rows x cols stars, closed to a plane as its goal
+    Resch {
+        /// Number of rows
+        #[arg(long, default_value_t = 3)]
+        rows: usize,
+        /// Number of columns
+        #[arg(long, default_value_t = 3)]
+        cols: usize,
+        /// File to write
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Flat conical Kresling pattern: a polygon of cols sides in rows rings; its goal closes, no motion
+    /// leads there
+    Kresling {
+        /// Number of rings
+        #[arg(long, default_value_t = 2)]
+        rows: usize,
+        /// Number of sides of the panel, even
+        #[arg(long, default_value_t = 6)]
+        cols: usize,
+        /// File to write
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum TwistLetters {
+    #[default]
+    Foldable,
+    Unfoldable,
 }
 
 #[derive(Debug, Args)]

@@ -1,13 +1,13 @@
 //! `foldpath generate`.
 
-use super::args::{Family, Generate};
+use super::args::{Family, Generate, Size, TwistLetters};
 use super::{Answer, print};
 use crate::formats::fold::pattern_text;
 use crate::formats::write_whole;
-use crate::generate::{Miura, Waterbomb, Yoshimura};
+use crate::generate::{Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
 
 pub(super) fn run(args: &Generate) -> Answer {
-    let (name, size, drawing) = match &args.family {
+    let (name, [rows, cols], output, drawing) = match &args.family {
         Family::Miura { size, angle, fold } => {
             let miura = Miura {
                 rows: size.rows,
@@ -15,7 +15,7 @@ pub(super) fn run(args: &Generate) -> Answer {
                 sector_angle: angle.to_radians(),
                 fold: *fold,
             };
-            ("Miura", size, miura.drawing()?)
+            ("Miura", shape(size), &size.output, miura.drawing()?)
         }
         Family::Waterbomb { size, fold } => {
             let waterbomb = Waterbomb {
@@ -23,7 +23,7 @@ pub(super) fn run(args: &Generate) -> Answer {
                 columns: size.cols,
                 fold: *fold,
             };
-            ("Waterbomb", size, waterbomb.drawing()?)
+            ("Waterbomb", shape(size), &size.output, waterbomb.drawing()?)
         }
         Family::Yoshimura { size, angle, fold } => {
             let yoshimura = Yoshimura {
@@ -32,16 +32,67 @@ pub(super) fn run(args: &Generate) -> Answer {
                 angle: angle.to_radians(),
                 fold: *fold,
             };
-            ("Yoshimura", size, yoshimura.drawing()?)
+            ("Yoshimura", shape(size), &size.output, yoshimura.drawing()?)
+        }
+        Family::Quad {
+            rows,
+            cols,
+            output,
+            fold,
+        } => {
+            let quad = Quad {
+                rows: *rows,
+                columns: *cols,
+                fold: *fold,
+            };
+            ("Quad", [*rows, *cols], output, quad.drawing()?)
+        }
+        Family::SquareTwist {
+            rows,
+            cols,
+            output,
+            angle,
+            letters,
+            fold,
+        } => {
+            let twist = SquareTwist {
+                rows: *rows,
+                columns: *cols,
+                angle: angle.to_radians(),
+                letters: match letters {
+                    TwistLetters::Foldable => Letters::Foldable,
+                    TwistLetters::Unfoldable => Letters::Unfoldable,
+                },
+                fold: *fold,
+            };
+            ("Square twist", [*rows, *cols], output, twist.drawing()?)
+        }
+        Family::Resch { rows, cols, output } => {
+            let resch = Resch {
+                rows: *rows,
+                columns: *cols,
+            };
+            ("Resch", [*rows, *cols], output, resch.drawing()?)
+        }
+        Family::Kresling { rows, cols, output } => {
+            let kresling = Kresling {
+                rows: *rows,
+                columns: *cols,
+            };
+            ("Kresling", [*rows, *cols], output, kresling.drawing()?)
         }
     };
-    let title = format!("{name} {}x{}", size.rows, size.cols);
-    write_whole(&size.output, pattern_text(&title, &drawing).as_bytes())?;
+    let title = format!("{name} {rows}x{cols}");
+    write_whole(output, pattern_text(&title, &drawing).as_bytes())?;
     print(&format!(
         "{title}: {} vertices, {} edges, written to {}\n",
         drawing.vertices.len(),
         drawing.edges.len(),
-        size.output.display()
+        output.display()
     ))?;
     Ok(true)
+}
+
+fn shape(size: &Size) -> [usize; 2] {
+    [size.rows, size.cols]
 }

@@ -1,11 +1,19 @@
-//! Crease patterns of known families, with letters and a goal that closes in closed form.
+//! Crease patterns of known families, with letters and a goal that closes, but for [`Quad`]'s, which cannot.
 
 mod grid;
+mod kresling;
 mod miura;
+mod quad;
+mod resch;
+mod square_twist;
 mod waterbomb;
 mod yoshimura;
 
+pub use kresling::Kresling;
 pub use miura::Miura;
+pub use quad::Quad;
+pub use resch::Resch;
+pub use square_twist::{Letters, SquareTwist};
 pub use waterbomb::Waterbomb;
 pub use yoshimura::Yoshimura;
 

@@ -1,0 +1,148 @@
+//! Ron Resch's triangular tessellation.
+
+use std::collections::{BTreeMap, HashMap};
+
+use nalgebra::Vector2;
+
+use super::{ParameterError, check_size};
+use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+/// Ron Resch's triangular tessellation: `rows` x `columns` stars, each an equilateral triangle with a
+/// centre, three valleys from there to its corners and three mountains half as long to the midpoints of
+/// its sides, and between the stars smaller equilateral triangles. A corner of each star is the midpoint
+/// of a side of the next. Midpoints are 1 from the centre, corners 2.
+///
+/// Goal: stars tucked below, the triangles between them closed to a plane. There valleys turn by 180,
+/// sides by -90 and mountains by -60 degrees, and all vertices close. With the full symmetry of the
+/// tessellation this configuration stands alone: the lattice and the place of a corner in it are two
+/// unknowns, and the sides of the two kinds of triangles between stars two conditions. With each crease on
+/// its own a motion leads there from the flat sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resch {
+    /// Rows of stars, along y.
+    pub rows: usize,
+    /// Columns of stars, along x.
+    pub columns: usize,
+}
+
+/// A point of the lattice, in units of (√3/2, 1/2).
+type Point = (i32, i32);
+
+/// Corners of a star about its centre.
+const CORNERS: [Point; 3] = [(0, 4), (-2, -2), (2, -2)];
+/// Midpoints of its sides; the k-th is opposite the k-th corner.
+const MIDPOINTS: [Point; 3] = [(0, -2), (1, 1), (-1, 1)];
+/// The triangles between stars, about the centre of one star that they touch, and the centres of all
+/// three that they touch.
+const BETWEEN: [([Point; 3], [Point; 3]); 2] = [
+    ([(1, 1), (2, 4), (0, 4)], [(0, 0), (3, 3), (0, 6)]),
+    ([(1, 1), (2, -2), (3, 1)], [(0, 0), (3, 3), (3, -3)]),
+];
+
+const VALLEY: f64 = core::f64::consts::PI;
+const SIDE: f64 = -core::f64::consts::FRAC_PI_2;
+const MOUNTAIN: f64 = -core::f64::consts::FRAC_PI_3;
+
+impl Resch {
+    /// The pattern with its goal.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn drawing(&self) -> Result<Drawing, ParameterError> {
+        check_size("rows", self.rows, 1)?;
+        check_size("cols", self.columns, 1)?;
+        let mut sheet = Sheet::default();
+        #[allow(clippy::cast_possible_truncation, reason = "at most 3000")]
+        #[allow(clippy::cast_possible_wrap, reason = "at most 3000")]
+        let (rows, columns) = (self.rows as i32, self.columns as i32);
+        let centre = |row: i32, column: i32| (3 * column, 6 * row + 3 * (column & 1));
+        let is_star = |(x, y): Point| {
+            let (column, above) = (x / 3, y - 3 * ((x / 3) & 1));
+            x >= 0 && column < columns && above >= 0 && above / 6 < rows
+        };
+        for row in -1..=rows {
+            for column in -1..=columns {
+                let star = centre(row, column);
+                if is_star(star) {
+                    for k in 0..3 {
+                        let [corner, midpoint] = [CORNERS[k], MIDPOINTS[k]];
+                        sheet.crease([star, add(star, corner)], VALLEY);
+                        sheet.crease([star, add(star, midpoint)], MOUNTAIN);
+                        for other in [(k + 1) % 3, (k + 2) % 3] {
+                            let half = [add(star, corner), add(star, MIDPOINTS[other])];
+                            sheet.side(half);
+                        }
+                    }
+                }
+                for (triangle, touches) in BETWEEN {
+                    let touched = touches.iter().filter(|t| is_star(add(star, **t))).count();
+                    if touched >= 2 {
+                        let [a, b, c] = triangle.map(|p| add(star, p));
+                        for side in [[a, b], [b, c], [c, a]] {
+                            sheet.side(side);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(sheet.into_drawing())
+    }
+}
+
+fn add(a: Point, b: Point) -> Point {
+    (a.0 + b.0, a.1 + b.1)
+}
+
+#[derive(Default)]
+struct Sheet {
+    index: HashMap<Point, usize>,
+    drawing: Drawing,
+    /// Sides of stars and of triangles between them, each with the number of faces it has so far.
+    sides: BTreeMap<[usize; 2], usize>,
+}
+
+impl Sheet {
+    fn vertex(&mut self, point: Point) -> usize {
+        let vertices = &mut self.drawing.vertices;
+        *self.index.entry(point).or_insert_with(|| {
+            let (x, y) = (f64::from(point.0), f64::from(point.1));
+            vertices.push(Vector2::new(3_f64.sqrt() / 2.0 * x, y / 2.0));
+            vertices.len() - 1
+        })
+    }
+
+    fn crease(&mut self, ends: [Point; 2], goal: f64) {
+        let letter = if goal < 0.0 {
+            Letter::Mountain
+        } else {
+            Letter::Valley
+        };
+        let ends = ends.map(|end| self.vertex(end));
+        self.drawing.edges.push(DrawnEdge {
+            ends,
+            letter,
+            goal: Some(goal),
+        });
+    }
+
+    /// A side of a face; a crease if there is a face on either side, else boundary.
+    fn side(&mut self, ends: [Point; 2]) {
+        let mut ends = ends.map(|end| self.vertex(end));
+        ends.sort_unstable();
+        *self.sides.entry(ends).or_default() += 1;
+    }
+
+    fn into_drawing(mut self) -> Drawing {
+        let sides = self.sides.into_iter().map(|(ends, faces)| DrawnEdge {
+            ends,
+            letter: if faces == 2 {
+                Letter::Mountain
+            } else {
+                Letter::Boundary
+            },
+            goal: (faces == 2).then_some(SIDE),
+        });
+        self.drawing.edges.extend(sides);
+        self.drawing
+    }
+}

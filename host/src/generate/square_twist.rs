@@ -1,0 +1,213 @@
+//! The square twist and its tessellation.
+
+use nalgebra::Vector2;
+
+use super::{ParameterError, check_between, check_fold, check_size};
+use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+/// `rows` x `columns` square twists: squares with unit sides, from each of whose sides a pleat of two
+/// parallel creases leads away at the angle α, on tiles of 2 x 2 that mirror their neighbours.
+///
+/// Each corner of a square is a flat-foldable vertex with four creases: opposite creases turn by equal
+/// angles, and with τ = tan(π/4 - α/2) the tangents of half the angles of neighbouring creases are in the
+/// ratio τ or 1/τ. Going round the square, the ratios of its four sides have to multiply to 1.
+/// [`Letters::Foldable`] has two of each: the sides turn by (1, -τ, -1, τ) times one parameter, and the
+/// sheet folds rigidly. [`Letters::Unfoldable`] treats all corners alike: τ⁴ is not 1, so there is no motion,
+/// although the sheet folded flat, its goal, does close.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SquareTwist {
+    /// Twists along y.
+    pub rows: usize,
+    /// Twists along x.
+    pub columns: usize,
+    /// Angle α between the sides of the squares and their pleats, radians.
+    pub angle: f64,
+    /// Which creases are mountains.
+    pub letters: Letters,
+    /// Goal of foldable letters: fold angle of the creases that turn most as a fraction of a half turn.
+    pub fold: f64,
+}
+
+/// The two ways to letter a square twist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Letters {
+    /// Symmetric under half turns of the square, mountain and valley exchanged; it folds.
+    Foldable,
+    /// Symmetric under quarter turns of the square; it does not.
+    Unfoldable,
+}
+
+/// A side of the tile.
+const TILE: f64 = 2.0;
+
+/// Fold angles at the corner where side k of a square begins, in radians.
+struct Corner {
+    /// Side k.
+    side: f64,
+    /// The pleat's crease beside it, and that beside the side before.
+    pleats: [f64; 2],
+}
+
+impl SquareTwist {
+    /// The pattern with its goal.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn drawing(&self) -> Result<Drawing, ParameterError> {
+        check_size("rows", self.rows, 1)?;
+        check_size("cols", self.columns, 1)?;
+        check_fold(self.fold)?;
+        let degrees = self.angle.to_degrees();
+        check_between("angle", degrees, [1.0, 89.0], "1 to 89 degrees")?;
+        let mut drawing = Drawing::default();
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                drawing.vertices.extend(self.corners(row, column));
+            }
+        }
+        // Points on each border of the sheet: right, top, left, bottom.
+        let mut borders: [Vec<usize>; 4] = Default::default();
+        let [width, height] = [self.columns, self.rows].map(size);
+        for (corner, [x, y]) in [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]]
+            .into_iter()
+            .enumerate()
+        {
+            borders[corner].push(drawing.vertices.len());
+            borders[(corner + 3) % 4].push(drawing.vertices.len());
+            drawing.vertices.push(Vector2::new(x * width, y * height));
+        }
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                self.add_twist(&mut drawing, &mut borders, row, column);
+            }
+        }
+        for mut border in borders {
+            let along = |&v: &usize| drawing.vertices[v].x + drawing.vertices[v].y;
+            border.sort_by(|a, b| along(a).total_cmp(&along(b)));
+            drawing
+                .edges
+                .extend(border.windows(2).map(|ends| DrawnEdge {
+                    ends: [ends[0], ends[1]],
+                    letter: Letter::Boundary,
+                    goal: None,
+                }));
+        }
+        Ok(drawing)
+    }
+
+    /// Corners of a square: that where side 0 begins first, side 0 and the others anticlockwise where the
+    /// tile is not mirrored.
+    fn corners(&self, row: usize, column: usize) -> [Vector2<f64>; 4] {
+        let (sin, cos) = self.angle.sin_cos();
+        let first = Vector2::new(sin - cos, -cos - sin) / 2.0;
+        let centre = Vector2::new(size(column), size(row)).add_scalar(TILE / 2.0);
+        let sign = |index: usize| if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let mirror = Vector2::new(sign(column), sign(row));
+        let mut corner = first;
+        [0, 1, 2, 3].map(|_| {
+            let place = centre + corner.component_mul(&mirror);
+            corner = Vector2::new(-corner.y, corner.x);
+            place
+        })
+    }
+
+    fn add_twist(
+        &self,
+        drawing: &mut Drawing,
+        borders: &mut [Vec<usize>; 4],
+        row: usize,
+        column: usize,
+    ) {
+        let first = 4 * (row * self.columns + column);
+        for side in 0..4 {
+            let next = (side + 1) % 4;
+            let (begin, end) = (self.corner(side), self.corner(next));
+            drawing
+                .edges
+                .push(crease([first + side, first + next], begin.side));
+            // The pleat leads right, up, left, down; in a mirrored tile the other way.
+            let mirrored = if side.is_multiple_of(2) { column } else { row } % 2 == 1;
+            let way = if mirrored { (side + 2) % 4 } else { side };
+            let neighbour = match way {
+                0 if column + 1 < self.columns => Some(first + 4),
+                1 if row + 1 < self.rows => Some(first + 4 * self.columns),
+                2 if column > 0 => Some(first - 4),
+                3 if row > 0 => Some(first - 4 * self.columns),
+                _ => None,
+            };
+            for (corner, angle) in [(side, begin.pleats[0]), (next, end.pleats[1])] {
+                match neighbour {
+                    // Drawn once, from the tile with the lower number.
+                    Some(tile) if tile < first => {}
+                    Some(tile) => drawing
+                        .edges
+                        .push(crease([first + corner, tile + corner], angle)),
+                    None => {
+                        let mut place = drawing.vertices[first + corner];
+                        match way {
+                            0 => place.x = size(self.columns),
+                            1 => place.y = size(self.rows),
+                            2 => place.x = 0.0,
+                            _ => place.y = 0.0,
+                        }
+                        let vertex = drawing.vertices.len();
+                        drawing.vertices.push(place);
+                        drawing.edges.push(crease([first + corner, vertex], angle));
+                        borders[way].push(vertex);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Goal at the corner where a side begins.
+    fn corner(&self, side: usize) -> Corner {
+        let half_turn = core::f64::consts::PI;
+        if self.letters == Letters::Unfoldable {
+            return Corner {
+                side: half_turn,
+                pleats: [-half_turn, half_turn],
+            };
+        }
+        let large = self.fold * half_turn;
+        let small = self.small(large);
+        let sign = if side == 0 || side == 3 { 1.0 } else { -1.0 };
+        if side.is_multiple_of(2) {
+            Corner {
+                side: sign * large,
+                pleats: [-sign * small, sign * large],
+            }
+        } else {
+            Corner {
+                side: sign * small,
+                pleats: [-sign * large, -sign * small],
+            }
+        }
+    }
+
+    /// Foldable letters: fold angle of the creases that turn less where the others have `large` (radians).
+    #[must_use]
+    pub fn small(&self, large: f64) -> f64 {
+        let ratio = (core::f64::consts::FRAC_PI_4 - self.angle / 2.0).tan();
+        2.0 * (ratio * (large / 2.0).tan()).atan()
+    }
+}
+
+fn crease(ends: [usize; 2], angle: f64) -> DrawnEdge {
+    let letter = if angle < 0.0 {
+        Letter::Mountain
+    } else {
+        Letter::Valley
+    };
+    DrawnEdge {
+        ends,
+        letter,
+        goal: Some(angle),
+    }
+}
+
+/// Length of so many tiles.
+#[allow(clippy::cast_precision_loss, reason = "at most thousands of tiles")]
+fn size(tiles: usize) -> f64 {
+    tiles as f64 * TILE
+}
