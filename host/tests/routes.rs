@@ -268,3 +268,33 @@ fn letters_alone_fold_a_waterbomb_sheet_to_where_it_is_singular() {
     assert!(answer["goal_error"].as_f64().unwrap() < 1e-9, "{answer}");
     assert!(answer["knots"].as_u64().unwrap() < 60, "{answer}");
 }
+
+#[test]
+fn a_sheet_that_only_its_essential_pattern_allows_is_not_rigidly_foldable() {
+    let folder = Folder::new();
+    folder.done("generate quad --rows 24 --cols 24 -o quad.fold");
+    let answer = plan(&folder, "quad.fold");
+    assert_eq!(answer["outcome"], "not_rigidly_foldable", "{answer}");
+    assert!(
+        answer["max_deformation"].as_f64().unwrap() > 4.0,
+        "{answer}"
+    );
+    let reason = answer["reason"].as_str().unwrap();
+    for words in [
+        "the whole sheet deforms by 4.",
+        "its essential crease pattern by 1.",
+    ] {
+        assert!(reason.contains(words), "{reason}");
+    }
+}
+
+#[test]
+fn small_folds_along_letters_are_not_the_flat_sheet() {
+    let folder = Folder::new();
+    folder.done("generate resch -o r.fold");
+    let answer = plan(&folder, "r.fold --fold 0.2 -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    folder.done("check p.fold --bound 1e-9");
+    let turned = (0..116).map(|edge| angles_of(&folder, "p.fold", edge).last().unwrap().abs());
+    assert!(turned.fold(0.0, f64::max) > 10.0);
+}

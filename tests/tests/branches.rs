@@ -3,14 +3,9 @@
 
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
-use foldpath::symmetry::{CreaseGroups, ReducedStars};
-use foldpath_core::least_squares::{
-    Accumulate, ClosureProblem, Gradient, Limits, NormalEquations, Options, Outcome,
-};
-use foldpath_core::{HalfAngle, Spoke, levenberg_marquardt};
+use foldpath::planner::leave_flat;
 use foldpath_tests::closed_form::miura_straight;
 use foldpath_tests::{Random, worst};
-use nalgebra::Vector3;
 
 const SECTOR: f64 = core::f64::consts::FRAC_PI_3;
 /// Radians: how far from the closed form a configuration that closes to rounding may be. Near flat the
@@ -18,6 +13,8 @@ const SECTOR: f64 = core::f64::consts::FRAC_PI_3;
 const SAME: f64 = 1e-7;
 /// Radians: below this a closure residual of 1e-14 does not tell the branches apart.
 const FLAT: f64 = 1e-5;
+/// Closure residual of what has landed.
+const CLOSED: f64 = 1e-12;
 /// Rows and columns of the sheets.
 const SIZES: [usize; 4] = [3, 5, 11, 24];
 /// Starts on each sheet.
@@ -31,44 +28,13 @@ struct Landing {
     claimed: bool,
 }
 
-/// Leaves the flat sheet from `start`, fold angles of the creases in radians.
-///
-/// Plain Levenberg-Marquardt for now, which claims what the signs say, away from flat. A function of
-/// the planner that leaves flat takes its place here.
+/// Leaves the flat sheet from `start`, fold angles of the creases in radians; `None` if nothing closes.
 fn land(pattern: &CreasePattern, start: &[f64]) -> Option<Landing> {
-    let angles = levenberg_marquardt(pattern, start)?;
-    let claimed = as_lettered(pattern, &angles) && !is_flat(&angles);
-    Some(Landing { angles, claimed })
-}
-
-/// The closed configuration that Levenberg-Marquardt finds from `start`.
-fn levenberg_marquardt(pattern: &CreasePattern, start: &[f64]) -> Option<Vec<f64>> {
-    let groups = CreaseGroups::trivial(pattern);
-    let stars = ReducedStars::all(pattern, &groups);
-    let stars = stars.view();
-    let n = stars.unknowns();
-    let (mut half_angles, mut columns) = (
-        vec![HalfAngle::default(); n],
-        vec![Vector3::zeros(); stars.max_degree()],
-    );
-    let mut problem = ClosureProblem::new(stars, &mut half_angles, &mut columns)?;
-    let bands = stars.iter().map(|star| {
-        let groups = || star.spokes.iter().map(|spoke| spoke.group.index());
-        groups().max().unwrap_or(0) - groups().min().unwrap_or(0)
-    });
-    let mut equations = Banded::new(n, bands.max().unwrap_or(0));
-    // Each crease is a group of its own, but perhaps of the other sign.
-    let start: Vec<_> = start.iter().copied().map(Some).collect();
-    let mut angles: Vec<f64> = groups.reduce(&start).into_iter().flatten().collect();
-    let report = levenberg_marquardt::solve(
-        &mut problem,
-        &mut equations,
-        Limits::HalfTurn,
-        &Options::default(),
-        &mut angles,
-        &mut vec![0.0; 2 * n],
-    );
-    (report.outcome == Outcome::Converged).then(|| groups.expand(&angles))
+    let departure = leave_flat(pattern, start);
+    (departure.closure <= CLOSED).then_some(Landing {
+        angles: departure.fold_angles,
+        claimed: departure.against.is_empty(),
+    })
 }
 
 /// Whether every crease turns the way of its letter.
@@ -83,121 +49,6 @@ fn as_lettered(pattern: &CreasePattern, angles: &[f64]) -> bool {
 /// Whether a configuration is back in the flat sheet.
 fn is_flat(angles: &[f64]) -> bool {
     worst(angles.iter().map(|a| a.abs())) <= FLAT
-}
-
-/// Normal equations of creases numbered row by row: Cholesky within a band.
-struct Banded {
-    /// Entries beside the diagonal, on one side.
-    band: usize,
-    /// Row i holds the entries of columns i - band to i.
-    matrix: Vec<f64>,
-    factor: Vec<f64>,
-    gradient: Vec<f64>,
-}
-
-impl Banded {
-    fn new(unknowns: usize, band: usize) -> Self {
-        let entries = unknowns * (band + 1);
-        Self {
-            band,
-            matrix: vec![0.0; entries],
-            factor: vec![0.0; entries],
-            gradient: vec![0.0; unknowns],
-        }
-    }
-
-    /// Where the entry of that row and of a column not beyond it is.
-    fn place(&self, row: usize, column: usize) -> usize {
-        row * (self.band + 1) + column + self.band - row
-    }
-}
-
-impl Accumulate<f64> for Banded {
-    fn clear(&mut self) {
-        self.matrix.fill(0.0);
-        self.gradient.fill(0.0);
-    }
-
-    fn add(
-        &mut self,
-        star: usize,
-        spokes: &[Spoke<f64>],
-        columns: &[Vector3<f64>],
-        residual: &Vector3<f64>,
-    ) {
-        Gradient(&mut self.gradient).add(star, spokes, columns, residual);
-        for (spoke, column) in spokes.iter().zip(columns) {
-            for (other, other_column) in spokes.iter().zip(columns) {
-                let (row, left) = (spoke.group.index(), other.group.index());
-                if left <= row {
-                    let place = self.place(row, left);
-                    self.matrix[place] += column.dot(other_column);
-                }
-            }
-        }
-    }
-}
-
-impl NormalEquations<f64> for Banded {
-    fn unknowns(&self) -> usize {
-        self.gradient.len()
-    }
-
-    fn gradient(&self) -> &[f64] {
-        &self.gradient
-    }
-
-    fn max_diagonal(&self) -> f64 {
-        let diagonal = (0..self.unknowns()).map(|k| self.matrix[self.place(k, k)]);
-        diagonal.fold(0.0, f64::max)
-    }
-
-    fn hold(&mut self, unknown: usize) {
-        for other in unknown.saturating_sub(self.band)..self.unknowns().min(unknown + self.band + 1)
-        {
-            let place = self.place(unknown.max(other), unknown.min(other));
-            self.matrix[place] = 0.0;
-        }
-        self.gradient[unknown] = 0.0;
-    }
-
-    fn factorise(&mut self, damping: f64) -> bool {
-        self.factor.copy_from_slice(&self.matrix);
-        for row in 0..self.unknowns() {
-            let first = row.saturating_sub(self.band);
-            for column in first..=row {
-                let from = first.max(column.saturating_sub(self.band));
-                let sum: f64 = (from..column)
-                    .map(|k| self.factor[self.place(row, k)] * self.factor[self.place(column, k)])
-                    .sum();
-                let place = self.place(row, column);
-                let rest = self.factor[place] - sum;
-                if column < row {
-                    self.factor[place] = rest / self.factor[self.place(column, column)];
-                } else if rest + damping > 0.0 {
-                    self.factor[place] = (rest + damping).sqrt();
-                } else {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
-    fn solve(&mut self, right_side: &mut [f64]) {
-        for row in 0..self.unknowns() {
-            for k in row.saturating_sub(self.band)..row {
-                right_side[row] -= self.factor[self.place(row, k)] * right_side[k];
-            }
-            right_side[row] /= self.factor[self.place(row, row)];
-        }
-        for row in (0..self.unknowns()).rev() {
-            right_side[row] /= self.factor[self.place(row, row)];
-            for k in row.saturating_sub(self.band)..row {
-                right_side[k] -= self.factor[self.place(row, k)] * right_side[row];
-            }
-        }
-    }
 }
 
 /// A Miura sheet whose motion is known.
@@ -312,16 +163,19 @@ fn count(size: usize, noisiest: f64) -> Count {
     count
 }
 
-/// Signs as lettered name one branch on a Miura sheet, its closed form. Noise as large as the signal
-/// brings plain descent back to flat, three times as large also to other branches.
+/// Signs as lettered name one branch on a Miura sheet, its closed form. With noise up to the size of the
+/// signal every start lands there; with more, some may land elsewhere, but none silently.
 #[test]
 fn whoever_leaves_flat_lands_as_lettered_or_says_so() {
     for noisiest in [1.0, 3.0] {
         for size in SIZES {
             let count = count(size, noisiest);
             println!("Miura {size} x {size}, noise up to {noisiest}: {count:?}");
-            // Else there is nothing to tell from the others.
-            assert!(count.lettered > 0, "{size} x {size}");
+            assert_eq!(count.clean_lost, 0, "{size} x {size}");
+            assert!(
+                noisiest > 1.0 || count.other + count.flat + count.unclosed == 0,
+                "{size} x {size}: {count:?}"
+            );
         }
     }
 }

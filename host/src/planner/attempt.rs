@@ -56,6 +56,8 @@ pub(super) struct Attempt {
     pub(super) notes: Vec<String>,
 }
 
+/// Part of the largest angle asked for that the nearest closed configuration has to have.
+const TURNED: f64 = 0.1;
 /// Part of the goal's angles that is worth deforming for, within the bound.
 const MUCH: f64 = 0.1;
 /// Branches that are followed from flat.
@@ -184,7 +186,16 @@ impl Route<'_> {
                     // Groups that a goal which closes as it stands has only nearly are no groups.
                     && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
             };
-            let near = closed.as_ref().is_some_and(near);
+            // The flat sheet, which always closes, is not what letters ask for.
+            let asked = goal
+                .fold_angles
+                .iter()
+                .flatten()
+                .fold(0.0, |max, a| f64::max(max, a.abs()));
+            let turned = |closed: &ClosedGoal| max_norm(&closed.angles) >= TURNED * asked;
+            let near = closed
+                .as_ref()
+                .is_some_and(|closed| near(closed) && turned(closed));
             match closed {
                 Some(closed) if near => targets.push(closed),
                 _ if goal.kind == GoalKind::Letters => {}

@@ -452,7 +452,22 @@ impl<'a> Planning<'a> {
             "no exact motion leads to the goal; the sheet is taken there straight, deforming"
                 .into(),
         );
-        Some(planning.judge(reduction, self.options.bound, knots, 1.0))
+        // Whether faces of a torn sheet cross means nothing.
+        let blind = PlanOptions {
+            collision: false,
+            ..self.options.clone()
+        };
+        let torn = Planning {
+            options: &blind,
+            plan: planning.plan.clone(),
+            ..planning
+        };
+        let accepted = self.options.bound;
+        let plan = torn.judge(reduction, accepted, knots.clone(), 1.0);
+        if plan.outcome != Outcome::Planned || !self.options.collision {
+            return Some(plan);
+        }
+        Some(planning.judge(reduction, accepted, knots, 1.0))
     }
 
     /// Reuses the path, which reaches that part of the goal, on the whole sheet: judges it at every knot.
@@ -577,12 +592,25 @@ impl<'a> Planning<'a> {
         self.plan.path.knots = knots;
     }
 
-    fn judge_rigidity(self) -> Plan {
+    fn judge_rigidity(mut self) -> Plan {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
         let within = [whole.deformation, whole.gap, self.plan.max_closure];
         if within.iter().all(|value| *value <= bound) {
             return self.plan;
+        }
+        let knots = &self.plan.path.knots;
+        let torn = |knot: &Knot| {
+            let within = [knot.deformation, knot.gap, knot.closure];
+            !within.iter().all(|value| *value <= bound)
+        };
+        let good = knots.iter().take_while(|knot| !torn(knot)).last();
+        if let (Some(good), Some(last)) = (good, knots.last()) {
+            self.plan.reached *= if last.time > 0.0 {
+                good.time / last.time
+            } else {
+                0.0
+            };
         }
         let reason = format!(
             "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {:.3e}, over the bound \
