@@ -5,6 +5,7 @@
 //! it is not, and then reused on the whole sheet: every knot is expanded to all creases and judged
 //! there.
 
+mod chord;
 mod follow;
 mod goal;
 mod judge;

@@ -2,12 +2,13 @@
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::{
-    DenseNormalEquations, HalfAngle, StarsView, closure, gradient, levenberg_marquardt, norm,
+    DenseNormalEquations, HalfAngle, Scalar, StarsView, closure, gradient, levenberg_marquardt,
+    norm,
 };
 use nalgebra::Vector3;
 
-use super::Solver;
 use super::sparse::SparseNormalEquations;
+use super::{Solver, chord};
 
 /// Steps that the gradient solver may take: it converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
@@ -85,12 +86,35 @@ impl<'a> ClosureSolver<'a> {
     /// Whether `x`, moved to the closed configuration near it, closes: to rounding, or, where rounded
     /// coordinates leave no configuration that does, as well as can be and within what is accepted.
     pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
+        if self.closes_by_chord(x) {
+            return true;
+        }
         let report = self.close(x);
         match report.outcome {
             Outcome::Converged => true,
             Outcome::Stalled => report.residual <= self.accepted,
             _ => false,
         }
+    }
+
+    /// Tries the way that costs one factorisation. Not where rounded coordinates may leave nothing
+    /// that closes: only damping keeps a step small there.
+    fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
+        let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
+        let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
+            (self.kind, &mut self.equations, exact)
+        else {
+            return false;
+        };
+        let problem = ClosureProblem::new(self.stars, &mut self.half_angles, &mut self.columns);
+        let Some(chord) = problem
+            .and_then(|mut problem| chord::close(&mut problem, equations, x, &mut self.workspace))
+        else {
+            return false;
+        };
+        self.work.iterations += u64::from(chord.steps);
+        self.work.evaluations += u64::from(chord.steps) + 1;
+        chord.closed
     }
 
     /// Replaces `direction` by the nearest infinitesimal motion at `x`.
