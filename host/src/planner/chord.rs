@@ -95,3 +95,67 @@ impl Accumulate<f64> for SameRows<'_> {
         self.0.add_to_gradient(star, spokes, residual);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::HalfAngle;
+
+    use super::*;
+    use crate::generate::Miura;
+    use crate::pattern::CreasePattern;
+    use crate::planner::Goal;
+    use crate::planner::solver::max_closure;
+    use crate::symmetry::{CreaseGroups, ReducedStars};
+
+    /// What the chord method does so far from a closed Miura sheet, and the angles before and after.
+    fn from(distance: f64) -> (Chord, Vec<f64>, Vec<f64>, f64) {
+        let miura = Miura {
+            rows: 6,
+            columns: 7,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let groups = CreaseGroups::trivial(&pattern);
+        let stars = ReducedStars::all(&pattern, &groups);
+        let before: Vec<f64> = groups
+            .reduce(&goal.fold_angles)
+            .iter()
+            .map(|angle| angle.unwrap())
+            .zip((0..7_u8).cycle())
+            .map(|(angle, k)| angle + distance * (f64::from(k) / 3.0 - 1.0))
+            .collect();
+        let mut equations = SparseNormalEquations::new(stars.view()).unwrap();
+        let mut half_angles = vec![HalfAngle::default(); before.len()];
+        let mut columns = vec![Vector3::zeros(); stars.view().max_degree()];
+        let mut problem =
+            ClosureProblem::new(stars.view(), &mut half_angles, &mut columns).unwrap();
+        let mut after = before.clone();
+        let mut workspace = vec![0.0; 2 * before.len()];
+        let chord = close(&mut problem, &mut equations, &mut after, &mut workspace).unwrap();
+        let residual = max_closure(stars.view(), &after);
+        (chord, before, after, residual)
+    }
+
+    #[test]
+    fn what_nearly_closes_is_closed_nearby() {
+        let (chord, before, after, residual) = from(1e-3);
+        assert!(chord.closed && chord.steps > 1);
+        assert!(residual <= 1e-15, "{residual:e}");
+        let moved = before.iter().zip(&after).map(|(b, a)| (b - a).abs());
+        assert!(moved.fold(0.0, f64::max) <= 0.01);
+    }
+
+    #[test]
+    fn what_is_far_from_closing_is_left_as_it_is() {
+        let (chord, before, after, _) = from(0.3);
+        assert!(!chord.closed && chord.steps == 0);
+        assert!(
+            before
+                .iter()
+                .zip(&after)
+                .all(|(b, a)| b.to_bits() == a.to_bits())
+        );
+    }
+}
