@@ -18,12 +18,30 @@ fn main() {
     println!("| sheet | unknowns | knots | plan | per knot | of it solve | closure | runs |");
     println!("|---|---|---|---|---|---|---|---|");
     run("waterbomb 12x22", 15, waterbomb());
-    for (size, runs) in [(11, 51), (24, 31), (48, 11), (96, 5)] {
-        run(&format!("miura {size}x{size}"), runs, miura(size));
-    }
+    run("miura 11x11", 51, miura(11));
+    let mut sizes = vec![(24, 31), (48, 11), (96, 5)];
     if large {
-        run("miura 200x200", 1, miura(200));
+        sizes.push((200, 1));
     }
+    let growth: Vec<_> = sizes
+        .iter()
+        .map(|&(size, runs)| run(&format!("miura {size}x{size}"), runs, miura(size)))
+        .collect();
+    println!(
+        "\ntime per knot from 24x24 on grows as unknowns^{:.2}",
+        exponent(&growth)
+    );
+}
+
+/// Least-squares slope of ln y over ln x.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let sum = |term: fn(f64, f64) -> f64| -> f64 {
+        let terms = points.iter().map(|(x, y)| term(x.ln(), y.ln()));
+        terms.sum()
+    };
+    let n = sum(|_, _| 1.0);
+    let (x, y) = (sum(|x, _| x), sum(|_, y| y));
+    (n * sum(|x, y| x * y) - x * y) / (n * sum(|x, _| x * x) - x * x)
 }
 
 fn miura(size: usize) -> Drawing {
@@ -45,7 +63,8 @@ fn waterbomb() -> Drawing {
     waterbomb.drawing().unwrap()
 }
 
-fn run(name: &str, runs: usize, drawing: Drawing) {
+/// Plans so many times; unknowns and seconds per knot.
+fn run(name: &str, runs: usize, drawing: Drawing) -> (f64, f64) {
     let pattern = CreasePattern::new(drawing).unwrap();
     let goal = Goal::of_pattern(&pattern).unwrap();
     let options = PlanOptions {
@@ -64,8 +83,8 @@ fn run(name: &str, runs: usize, drawing: Drawing) {
     };
     let total = median(|p| p.times.symmetry + p.times.solve + p.times.fold);
     let knots = plans[0].path.knots.len();
-    #[allow(clippy::cast_precision_loss, reason = "a small count")]
-    let per_knot = total / knots as f64;
+    #[allow(clippy::cast_precision_loss, reason = "small counts")]
+    let (per_knot, unknowns) = (total / knots as f64, plans[0].unknowns as f64);
     println!(
         "| {name} | {} | {knots} | {total:.4} s | {:.3} ms | {:.4} s | {:.1e} | {runs} |",
         plans[0].unknowns,
@@ -73,4 +92,5 @@ fn run(name: &str, runs: usize, drawing: Drawing) {
         median(|p| p.times.solve),
         plans[0].max_closure,
     );
+    (unknowns, per_knot)
 }

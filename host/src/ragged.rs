@@ -29,6 +29,12 @@ impl<T> Ragged<T> {
         self.ends.push(end.expect("fewer than 2^32 items"));
     }
 
+    /// Takes all lists away and keeps the memory.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.ends.clear();
+    }
+
     /// Number of lists.
     #[must_use]
     pub fn len(&self) -> usize {

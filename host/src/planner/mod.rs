@@ -6,6 +6,7 @@
 //! there.
 
 mod attempt;
+mod chord;
 mod depart;
 mod follow;
 mod goal;

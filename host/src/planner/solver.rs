@@ -6,13 +6,13 @@ use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
 };
 use foldpath_core::{
-    DenseNormalEquations, HalfAngle, LoopsView, Objective, Spoke, StarsView, gradient,
+    DenseNormalEquations, HalfAngle, LoopsView, Objective, Scalar, Spoke, StarsView, gradient,
     levenberg_marquardt,
 };
 use nalgebra::Vector3;
 
-use super::Solver;
 use super::sparse::SparseNormalEquations;
+use super::{Solver, chord};
 use crate::symmetry::ReducedStars;
 
 /// Steps that the gradient solver may take: it converges linearly.
@@ -150,12 +150,37 @@ impl<'a> ClosureSolver<'a> {
         if self.is_late() {
             return false;
         }
+        if self.closes_by_chord(x) {
+            return true;
+        }
         let report = self.close(x);
         match report.outcome {
             Outcome::Converged => true,
             Outcome::Stalled => report.residual <= self.accepted,
             _ => false,
         }
+    }
+
+    /// Tries the way that costs one factorisation. Not where rounded coordinates may leave nothing
+    /// that closes: only damping keeps a step small there.
+    fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
+        let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
+        let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
+            (self.kind, &mut self.equations, exact)
+        else {
+            return false;
+        };
+        let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
+        let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
+        let (limits, work) = (Limits::Each(&self.limits), &mut self.workspace);
+        let chord =
+            problem.and_then(|mut problem| chord::close(&mut problem, equations, limits, x, work));
+        let Some(chord) = chord else {
+            return false;
+        };
+        self.work.iterations += u64::from(chord.steps);
+        self.work.evaluations += u64::from(chord.steps) + 1;
+        chord.closed
     }
 
     /// Largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.

@@ -29,6 +29,8 @@ pub(super) struct SparseNormalEquations {
     rows: Vec<u32>,
     values: Vec<f64>,
     gradient: Vec<f64>,
+    /// The columns of each block of rows, as last accumulated.
+    jacobian: Ragged<Vector3<f64>>,
     /// Place of the diagonal entry of each unknown: the first of its column.
     diagonal: Vec<u32>,
     /// The diagonal without damping, while the matrix is being factorised.
@@ -99,6 +101,7 @@ impl SparseNormalEquations {
         Some(Self {
             values: vec![0.0; rows.len()],
             gradient: vec![0.0; n],
+            jacobian: Ragged::default(),
             undamped: vec![0.0; n],
             factor: vec![0.0; symbolic.len_val()],
             memory: MemBuffer::try_new(scratch).ok()?,
@@ -112,10 +115,28 @@ impl SparseNormalEquations {
     }
 }
 
+impl SparseNormalEquations {
+    /// Forgets the residuals but not the rows.
+    pub(super) fn clear_gradient(&mut self) {
+        self.gradient.fill(0.0);
+    }
+
+    /// Adds Jᵀr of block number `block` of rows, as last accumulated, and another residual.
+    pub(super) fn add_to_gradient(
+        &mut self,
+        block: usize,
+        spokes: &[Spoke<f64>],
+        residual: &Vector3<f64>,
+    ) {
+        Gradient(&mut self.gradient).add(block, spokes, &self.jacobian[block], residual);
+    }
+}
+
 impl Accumulate<f64> for SparseNormalEquations {
     fn clear(&mut self) {
         self.values.fill(0.0);
         self.gradient.fill(0.0);
+        self.jacobian.clear();
     }
 
     fn add(
@@ -125,6 +146,7 @@ impl Accumulate<f64> for SparseNormalEquations {
         columns: &[Vector3<f64>],
         residual: &Vector3<f64>,
     ) {
+        self.jacobian.push(columns.iter().copied());
         Gradient(&mut self.gradient).add(star, spokes, columns, residual);
         let products = columns
             .iter()

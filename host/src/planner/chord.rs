@@ -1,0 +1,187 @@
+//! Newton's method with one factor: the chord method, for configurations that nearly close.
+//!
+//! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the configuration
+//! predicted, and the steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) keep that J₀ while only the residual is new. Both
+//! factors of J₀ᵀr have to be old: with Jᵀ of now the step would have a part along the motion of J₀,
+//! which (J₀ᵀJ₀ + λI)⁻¹ blows up by 1/λ. Chapter 5.4 of Kelley, *Iterative Methods for Linear and
+//! Nonlinear Equations*, SIAM 1995, has the method for regular Jacobians.
+
+use foldpath_core::least_squares::{Accumulate, ClosureProblem, Limits, NormalEquations};
+use foldpath_core::{Scalar, Spoke};
+use nalgebra::Vector3;
+
+use super::sparse::SparseNormalEquations;
+
+/// Largest closure residual from which to start: further away the damping of Levenberg-Marquardt is
+/// what keeps a step near.
+const NEAR: f64 = 1e-2;
+/// Part of the residual that a step may leave: more, and the factor is not that of this place any
+/// more. Miura sheets are seen to leave 1e-5 at first, then a hundredth.
+const CONTRACTION: f64 = 0.1;
+
+/// What was done.
+pub(super) struct Chord {
+    /// Whether every star closes.
+    pub(super) closed: bool,
+    /// Steps, each with one evaluation; one more evaluation was at the start.
+    pub(super) steps: u32,
+}
+
+/// Moves `x` (radians) to the closed configuration near it, or leaves it as it is if the residual
+/// does not shrink fast or a limit is passed. `workspace` needs 2n numbers.
+pub(super) fn close(
+    problem: &mut ClosureProblem<'_, f64>,
+    equations: &mut SparseNormalEquations,
+    limits: Limits<'_, f64>,
+    x: &mut [f64],
+    workspace: &mut [f64],
+) -> Option<Chord> {
+    let (step, trial) = workspace.get_mut(..2 * x.len())?.split_at_mut(x.len());
+    let mut chord = Chord {
+        closed: false,
+        steps: 0,
+    };
+    let mut residual = problem.linearise(x, equations)?.max;
+    // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
+    let damping = equations.max_diagonal() * f64::EPSILON.sqrt();
+    if residual > NEAR || residual > f64::CLOSURE_TOLERANCE && !equations.factorise(damping) {
+        return Some(chord);
+    }
+    trial.copy_from_slice(x);
+    while residual > f64::CLOSURE_TOLERANCE {
+        advance(equations, step, trial);
+        let mut rows = SameRows {
+            equations,
+            block: 0,
+        };
+        let next = problem.linearise(trial, &mut rows)?.max;
+        chord.steps += 1;
+        let shrinks = next <= f64::CLOSURE_TOLERANCE || next <= CONTRACTION * residual;
+        if !shrinks || !within(limits, trial) {
+            return Some(chord);
+        }
+        residual = next;
+    }
+    // Small residuals add up over a large sheet. One more step costs no evaluation.
+    if chord.steps > 0 {
+        advance(equations, step, trial);
+    }
+    if within(limits, trial) {
+        x.copy_from_slice(trial);
+        chord.closed = true;
+    }
+    Some(chord)
+}
+
+fn within(limits: Limits<'_, f64>, x: &[f64]) -> bool {
+    let inside = |(k, x): (usize, &f64)| {
+        let (lower, upper) = limits.of(k);
+        *x >= lower && *x <= upper
+    };
+    x.iter().enumerate().all(inside)
+}
+
+/// Moves `trial` by the step for the gradient last made.
+fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut [f64]) {
+    step.copy_from_slice(equations.gradient());
+    equations.solve(step);
+    for (trial, step) in trial.iter_mut().zip(step) {
+        *trial -= *step;
+    }
+}
+
+/// Makes the gradient J₀ᵀr of new residuals and the rows last accumulated in the equations.
+struct SameRows<'a> {
+    equations: &'a mut SparseNormalEquations,
+    /// Blocks of three rows met so far.
+    block: usize,
+}
+
+impl Accumulate<f64> for SameRows<'_> {
+    fn clear(&mut self) {
+        self.equations.clear_gradient();
+        self.block = 0;
+    }
+
+    fn add(
+        &mut self,
+        _star: usize,
+        spokes: &[Spoke<f64>],
+        _columns: &[Vector3<f64>],
+        residual: &Vector3<f64>,
+    ) {
+        self.equations.add_to_gradient(self.block, spokes, residual);
+        self.block += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::HalfAngle;
+
+    use super::*;
+    use crate::generate::Miura;
+    use crate::pattern::CreasePattern;
+    use crate::planner::Goal;
+    use crate::planner::solver::max_closure;
+    use crate::symmetry::{CreaseGroups, ReducedStars};
+
+    /// What the chord method does so far from a closed Miura sheet, and the angles before and after.
+    fn from(distance: f64) -> (Chord, Vec<f64>, Vec<f64>, f64) {
+        let miura = Miura {
+            rows: 6,
+            columns: 7,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let groups = CreaseGroups::trivial(&pattern);
+        let stars = ReducedStars::all(&pattern, &groups);
+        let before: Vec<f64> = groups
+            .reduce(&goal.fold_angles)
+            .iter()
+            .map(|angle| angle.unwrap())
+            .zip((0..7_u8).cycle())
+            .map(|(angle, k)| angle + distance * (f64::from(k) / 3.0 - 1.0))
+            .collect();
+        let mut equations = SparseNormalEquations::new(stars.view(), stars.loops()).unwrap();
+        let mut half_angles = vec![HalfAngle::default(); before.len()];
+        let mut columns = vec![Vector3::zeros(); stars.view().max_degree()];
+        let mut problem =
+            ClosureProblem::new(stars.view(), &mut half_angles, &mut columns).unwrap();
+        let mut after = before.clone();
+        let mut workspace = vec![0.0; 2 * before.len()];
+        let chord = close(
+            &mut problem,
+            &mut equations,
+            Limits::HalfTurn,
+            &mut after,
+            &mut workspace,
+        )
+        .unwrap();
+        let residual = max_closure(&stars, &after);
+        (chord, before, after, residual)
+    }
+
+    #[test]
+    fn what_nearly_closes_is_closed_nearby() {
+        let (chord, before, after, residual) = from(1e-3);
+        assert!(chord.closed && chord.steps > 1);
+        assert!(residual <= 1e-15, "{residual:e}");
+        let moved = before.iter().zip(&after).map(|(b, a)| (b - a).abs());
+        assert!(moved.fold(0.0, f64::max) <= 0.01);
+    }
+
+    #[test]
+    fn what_is_far_from_closing_is_left_as_it_is() {
+        let (chord, before, after, _) = from(0.3);
+        assert!(!chord.closed && chord.steps == 0);
+        assert!(
+            before
+                .iter()
+                .zip(&after)
+                .all(|(b, a)| b.to_bits() == a.to_bits())
+        );
+    }
+}
