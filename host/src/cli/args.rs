@@ -378,6 +378,11 @@ impl Plan {
                 "--max-speed: expected at least 1e-6 degrees per second, found {found}"
             )));
         }
+        if !self.via.is_empty() && matches!(self.search, Search::Random) {
+            return Err(super::CliError::Usage(
+                "--via: expected --search path, as the randomised search knows no phases".into(),
+            ));
+        }
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,

@@ -24,8 +24,13 @@ pub(super) enum End {
     Reached,
     /// Short of it.
     Stopped(Stop),
-    /// Without a goal: the nearest closed configuration found, if any, is this far (radians).
-    NotClosed(Option<f64>),
+    /// Without a goal: none of the phases, counted with the goal as the last, may be missing.
+    NotClosed {
+        /// The phase without a closed configuration.
+        phase: usize,
+        /// How far (radians) the nearest closed configuration found is, if any is.
+        nearest: Option<f64>,
+    },
 }
 
 /// How near a goal has to be.
@@ -119,7 +124,7 @@ impl Attempt {
                 route.random(&targets, RESTARTS, work)
             }
             Ok(targets) => route.best(&targets, work),
-            Err(nearest) => (Vec::new(), End::NotClosed(nearest)),
+            Err(end) => (Vec::new(), end),
         };
         let reached = match (end, waypoints.last()) {
             (End::Reached, _) => 1.0,
@@ -157,7 +162,7 @@ impl Attempt {
         match self.end {
             End::Reached => 2.0,
             End::Stopped(_) => self.reached,
-            End::NotClosed(_) => -1.0,
+            End::NotClosed { .. } => -1.0,
         }
     }
 }
@@ -171,12 +176,13 @@ impl Route<'_> {
     }
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a
-    /// configuration. `Err` if one does not close: how far the nearest closed one is.
-    fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, Option<f64>> {
+    /// configuration. `Err` says which does not close.
+    fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, End> {
         let mut targets = Vec::new();
         let goals = self.goal.via.iter().chain([self.goal]);
-        for goal in goals {
-            if goal.kind == GoalKind::Driven || !self.reduction.allows(goal) {
+        for (index, goal) in goals.enumerate() {
+            let last = index == self.goal.via.len();
+            if last && (goal.kind == GoalKind::Driven || !self.reduction.allows(goal)) {
                 continue;
             }
             let closed = self.reduction.close_goal(goal, self.options, work);
@@ -199,7 +205,12 @@ impl Route<'_> {
             match closed {
                 Some(closed) if near => targets.push(closed),
                 _ if goal.kind == GoalKind::Letters => {}
-                closed => return Err(closed.map(|closed| closed.error)),
+                closed => {
+                    return Err(End::NotClosed {
+                        phase: index,
+                        nearest: closed.map(|closed| closed.error),
+                    });
+                }
             }
         }
         Ok(targets)
@@ -249,9 +260,10 @@ impl Route<'_> {
         if target.accepted <= 0.0 && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
         {
             let accepted = self.reduction.accepted(self.options);
+            let goal = self.goal.via.first().unwrap_or(self.goal);
             let rough = self
                 .reduction
-                .close_goal_to(accepted, self.goal, self.options, work);
+                .close_goal_to(accepted, goal, self.options, work);
             let near = |rough: &ClosedGoal| {
                 max_difference(&rough.angles, &target.angles) <= self.options.max_step
             };

@@ -175,7 +175,7 @@ impl<'a> Planning<'a> {
             };
             if let Some(dropped) = dropped.filter(|dropped| !dropped.exactly) {
                 let why = match dropped.end {
-                    End::NotClosed(_) => "the goal does not close under them",
+                    End::NotClosed { .. } => "the goal does not close under them",
                     _ => "the sheet folds farther without them",
                 };
                 let groups = dropped.reduction.groups.len();
@@ -281,7 +281,7 @@ impl<'a> Planning<'a> {
                     None => (Some(reason), Outcome::Partial),
                 }
             }
-            End::NotClosed(_) => return self.not_closed(attempt, symmetric),
+            End::NotClosed { .. } => return self.not_closed(attempt, symmetric),
         };
         let knots = timed(&attempt.waypoints, self.options.max_speed);
         let mut plan = self.judge(&attempt.reduction, attempt.accepted, knots, attempt.reached);
@@ -336,27 +336,24 @@ impl<'a> Planning<'a> {
             let reason = "out of time while closing the goal".into();
             return self.end(Outcome::Timeout, reason);
         }
-        let goal = &self.goal.source;
-        let mut reason = format!("no closed configuration was found near {goal}");
-        if let End::NotClosed(Some(error)) = attempt.end {
+        let End::NotClosed { phase, nearest } = attempt.end else {
+            return self.plan;
+        };
+        let goal = self.goal.via.get(phase).unwrap_or(self.goal);
+        let mut reason = format!("no closed configuration was found near {}", goal.source);
+        if let Some(error) = nearest {
             let degrees = error.to_degrees();
             reason +=
                 &format!(": the nearest found turns a crease {degrees:.1} degrees from its goal");
         }
-        let asked = self
-            .goal
+        let asked = goal
             .fold_angles
             .iter()
-            .map(|angle| angle.unwrap_or(0.0));
-        let asked: Vec<Option<f64>> = asked.map(Some).collect();
-        let asked: Vec<f64> = attempt
-            .reduction
-            .groups
-            .reduce(&asked)
-            .into_iter()
-            .flatten()
-            .collect();
-        if let Some(blame) = attempt.reduction.worst(self.pattern, &asked) {
+            .map(|angle| Some(angle.unwrap_or(0.0)));
+        let asked = attempt.reduction.groups.reduce(&asked.collect::<Vec<_>>());
+        let asked: Vec<f64> = asked.into_iter().flatten().collect();
+        let blame = attempt.reduction.worst(self.pattern, &asked);
+        if let Some(blame) = blame.filter(|blame| blame.residual > CLOSED) {
             reason += &format!("; there {blame}");
         }
         self.end(Outcome::GoalNotClosed, reason)
