@@ -29,6 +29,10 @@ fn a_campaign_finds_no_wrong_path() {
         assert_eq!(tally.disagreements, [], "{name}");
         assert_eq!(tally.silent, [0; 0], "{name}");
         assert_eq!(tally.late, [0; 0], "{name}");
+        // Every goal that could be reached is.
+        let plans = tally.creases.len();
+        assert_eq!(tally.planned + tally.crossed_goals, plans, "{name}");
+        assert_eq!(tally.inexact, [0; 0], "{name}");
     }
 }
 
