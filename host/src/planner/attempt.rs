@@ -61,16 +61,21 @@ pub(super) struct Attempt {
     pub(super) notes: Vec<String>,
 }
 
+/// Radians: a hinge this near what is asked of it may be there.
+const NEARLY: f64 = 1e-6;
+/// Part of the largest angle asked for by which a goal may be moved at most.
+const MOVED: f64 = 0.5;
 /// Part of the largest angle asked for that the nearest closed configuration has to have.
 const TURNED: f64 = 0.1;
-/// Part of the goal's angles that is worth deforming for, within the bound.
-const MUCH: f64 = 0.1;
+/// Iterations that close what is predicted along a motion; a handful suffice, unless nothing closes there.
+const ITERATIONS: u32 = 25;
 /// Branches that are followed from flat.
 const BRANCHES: usize = 4;
-/// Starts again of the randomised search as a last resort, and where it is asked for.
+/// Starts again of the randomised search as a last resort.
 const LAST_RESORT: usize = 3;
 /// Unknowns beyond which samples are too costly and too rarely good for a last resort.
 const LAST_RESORT_UNKNOWNS: usize = 200;
+/// Starts again of the randomised search where it is asked for.
 const RESTARTS: usize = 20;
 
 /// What all steps of an attempt share.
@@ -133,7 +138,7 @@ impl Attempt {
         };
         if route.branches > 1 {
             route.notes.push(format!(
-                "{} motions found that leave the flat sheet with these signs; the path takes that which \
+                "{} first steps found that leave the flat sheet with these signs; the path takes that which \
                  leads farthest",
                 route.branches
             ));
@@ -167,12 +172,19 @@ impl Attempt {
     }
 }
 
-impl Route<'_> {
+impl<'a> Route<'a> {
     fn rules(&self) -> Rules<'_> {
         Rules {
             signs: &self.signs,
             max_step: self.options.max_step,
         }
+    }
+
+    /// A solver of configurations that turn no hinge against its sign.
+    fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
+        let mut solver = self.reduction.solver(self.options, accepted);
+        solver.set_limits(self.reduction.orthant(&self.signs));
+        solver.at_most(ITERATIONS)
     }
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a
@@ -192,13 +204,16 @@ impl Route<'_> {
                     // Groups that a goal which closes as it stands has only nearly are no groups.
                     && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
             };
-            // The flat sheet, which always closes, is not what letters ask for.
+            // The flat sheet, which always closes, is not what is asked for.
             let asked = goal
                 .fold_angles
                 .iter()
                 .flatten()
                 .fold(0.0, |max, a| f64::max(max, a.abs()));
-            let turned = |closed: &ClosedGoal| max_norm(&closed.angles) >= TURNED * asked;
+            let turned = |closed: &ClosedGoal| {
+                let moved = goal.kind == GoalKind::Letters || closed.error <= MOVED * asked;
+                moved && max_norm(&closed.angles) >= TURNED * asked
+            };
             let near = closed
                 .as_ref()
                 .is_some_and(|closed| near(closed) && turned(closed));
@@ -220,10 +235,13 @@ impl Route<'_> {
     fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
         let whole = targets.len() == self.goal.via.len() + 1;
         let mut waypoints: Vec<Waypoint> = Vec::new();
-        for (index, target) in targets.iter().enumerate() {
+        for target in targets {
             let followed = match waypoints.last() {
                 None => self.reach_first(target, work),
-                Some(_) => self.between(&targets[index - 1], target, work),
+                Some(last) => {
+                    let from = last.angles.clone();
+                    self.between(&from, target, work)
+                }
             };
             append(&mut waypoints, followed.waypoints);
             if let Some(stop) = followed.stop {
@@ -235,9 +253,12 @@ impl Route<'_> {
         }
         // The last goal is not a configuration: as near as the motion goes.
         let followed = match waypoints.last().cloned() {
-            None => self.forwards(None, work),
+            None => match self.guided(work) {
+                Some(guided) => guided,
+                None => self.forwards(None, work),
+            },
             Some(last) => {
-                let mut solver = self.reduction.solver(self.options, self.accepted);
+                let mut solver = self.solver(self.accepted);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
                 count(work, &solver);
@@ -247,6 +268,46 @@ impl Route<'_> {
         append(&mut waypoints, followed.waypoints);
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (waypoints, end)
+    }
+
+    /// On the way to the guide's goal as far as what is asked for, if it is on that way.
+    fn guided(&mut self, work: &mut Work) -> Option<Followed> {
+        let guide = self.goal.guide.as_deref()?;
+        let (asked, signs) = self.reduction.asked(guide);
+        let mut route = Route {
+            goal: guide,
+            asked,
+            signs,
+            notes: Vec::new(),
+            ..*self
+        };
+        let reach = Reach {
+            radians: guide.reach,
+            exactly: false,
+        };
+        let targets = route.targets(reach, work).ok()?;
+        let (mut waypoints, _) = route.best(&targets, work);
+        let accepted = route.accepted;
+        let short = |w: &Waypoint| {
+            let pairs = self.asked.iter().zip(&w.angles);
+            pairs
+                .into_iter()
+                .any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
+        };
+        let beyond = waypoints.iter().position(|w| !short(w))?;
+        let before = waypoints.get(beyond.checked_sub(1)?)?.clone();
+        waypoints.truncate(beyond);
+        self.accepted = accepted;
+        let mut solver = self.solver(accepted);
+        let target = Target::Nearest(&self.asked);
+        let came = Some(before.tangent.as_slice());
+        let last = follow(&mut solver, &before.angles, came, target, self.rules());
+        count(work, &solver);
+        append(&mut waypoints, last.waypoints);
+        last.stop.is_none().then_some(Followed {
+            waypoints,
+            stop: None,
+        })
     }
 
     /// From flat to the first target: followed from there, or else from flat, or else searched.
@@ -297,7 +358,7 @@ impl Route<'_> {
 
     /// From the target to flat, turned round.
     fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
-        let mut solver = self.reduction.solver(self.options, target.accepted);
+        let mut solver = self.solver(target.accepted);
         self.accepted = target.accepted;
         let manners = [Homeward::Straight, Homeward::Together];
         let mut followed = Followed {
@@ -323,18 +384,18 @@ impl Route<'_> {
     }
 
     /// Between two targets.
-    fn between(&mut self, from: &ClosedGoal, to: &ClosedGoal, work: &mut Work) -> Followed {
-        let accepted = from.accepted.max(to.accepted);
-        let mut solver = self.reduction.solver(self.options, accepted);
+    fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
+        let accepted = self.accepted.max(to.accepted);
+        let mut solver = self.solver(accepted);
         let mut followed = follow(
             &mut solver,
-            &from.angles,
+            from,
             None,
             Target::Closed(&to.angles),
             self.rules(),
         );
         if followed.stop.is_some() {
-            let target = Target::Closed(&from.angles);
+            let target = Target::Closed(from);
             let back = follow(&mut solver, &to.angles, None, target, self.rules());
             if back.stop.is_none() {
                 followed = back.reversed();
@@ -344,36 +405,36 @@ impl Route<'_> {
         followed
     }
 
-    /// From flat along the signs of the goal: exactly, or else, where that ends much sooner because
+    /// From flat along the signs of the goal: exactly, or else, where only that leads all the way because
     /// coordinates are rounded, as closed as can be.
     fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
-        let (exact, part) = self.forwards_to(target, 0.0, work);
+        let exact = self.forwards_to(target, 0.0, work);
         self.accepted = 0.0;
         if matches!(exact.stop, None | Some(Stop::Timeout)) {
             return exact;
         }
         let accepted = self.reduction.accepted(self.options);
-        let (rough, rough_part) = self.forwards_to(target, accepted, work);
-        if rough.stop.is_none() || rough_part > part + MUCH {
+        let rough = self.forwards_to(target, accepted, work);
+        if rough.stop.is_none() {
             self.accepted = accepted;
             return rough;
         }
         exact
     }
 
-    /// From flat on the branch that leads farthest, and how much of the goal's angles that is.
+    /// From flat on the branch that leads farthest.
     fn forwards_to(
         &mut self,
         target: Option<&ClosedGoal>,
         accepted: f64,
         work: &mut Work,
-    ) -> (Followed, f64) {
+    ) -> Followed {
         let towards: Vec<f64> = match target {
             Some(closed) => closed.angles.clone(),
             None => self.guess(),
         };
         let flat = vec![0.0; towards.len()];
-        let mut solver = self.reduction.solver(self.options, accepted);
+        let mut solver = self.solver(accepted);
         let at_flat = |tangent: Vec<f64>| Waypoint {
             angles: flat.clone(),
             tangent,
@@ -429,7 +490,7 @@ impl Route<'_> {
         if branches.len() > 1 {
             self.branches = branches.len();
         }
-        (best, best_part)
+        best
     }
 
     /// A direction from flat: what is asked for, and what is not as large, the way of its letter.
@@ -460,10 +521,7 @@ impl Route<'_> {
         } else {
             self.reduction.accepted(options)
         };
-        let mut solver = self
-            .reduction
-            .solver(options, tolerance)
-            .content_with(tolerance);
+        let mut solver = self.solver(tolerance).content_with(tolerance);
         let mut judge = Judge::new(self.pattern, self.reduction, options.collision && !exact);
         let closed = targets.last().map(|closed| closed.angles.as_slice());
         let asked: Vec<Option<f64>> = match closed {
@@ -522,8 +580,11 @@ pub(super) fn straight(
     while step <= steps {
         let exact: Vec<f64> = goal.iter().map(|angle| angle * step / steps).collect();
         let mut near = exact.clone();
-        solver.closes(&mut near);
-        let same = max_difference(&near, &exact) <= NEARBY * options.max_step;
+        // The last is the goal itself.
+        let moves = step < steps && solver.closes(&mut near);
+        let same = moves
+            && max_difference(&near, &exact) <= SHIFT * options.max_step
+            && near.iter().zip(goal).all(|(near, goal)| near * goal >= 0.0);
         knots.push(if same { near } else { exact });
         step += 1.0;
     }
@@ -531,7 +592,7 @@ pub(super) fn straight(
 }
 
 /// Part of a step that a configuration of the straight path may be moved.
-const NEARBY: f64 = 0.25;
+const SHIFT: f64 = 0.25;
 
 /// Appends what follows a corner, where the path rests.
 fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {

@@ -45,7 +45,8 @@ pub(super) fn departures(
     work: &mut Work,
 ) -> Vec<Vec<f64>> {
     let mut leaving = Leaving::new(reduction, options, accepted, signs);
-    let scale = FIRST_STEP / max_norm(towards).max(f64::MIN_POSITIVE);
+    let first_step = FIRST_STEP.min(options.max_step / 2.0);
+    let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
     let mut starts = vec![straight.clone()];
@@ -54,7 +55,7 @@ pub(super) fn departures(
         random_near(
             &mut rng,
             &straight,
-            FIRST_STEP,
+            first_step,
             Limits::HalfTurn,
             &mut start,
         );

@@ -113,6 +113,8 @@ const PATIENCE: usize = 50;
 const LOST: usize = 360;
 /// Radians: what is asked for is reached this near.
 pub(super) const NEAR: f64 = 1e-12;
+/// Radians: what is asked for is reached this near where the motion leads no nearer.
+const ARRIVED: f64 = 1e-8;
 /// Part of the largest angle below which all hinges weigh the same.
 const LIGHTEST: f64 = 1e-6;
 /// Radians: a hinge that turned by no more is flat.
@@ -154,8 +156,7 @@ pub(super) fn follow(
     let mut angles = start.to_vec();
     let mut came = came.map(<[f64]>::to_vec);
     let mut last_step: Option<f64> = None;
-    let (mut nearest, mut nearest_at) = (f64::INFINITY, 0);
-    let mut creeping = 0;
+    let mut progress = Progress::default();
     let stop = loop {
         if solver.is_late() {
             break Some(Stop::Timeout);
@@ -198,7 +199,8 @@ pub(super) fn follow(
             _ => vec![0.0; angles.len()],
         };
         let room = solver.room(&angles, &tangent);
-        let at_limit = (room.0 * max_norm(&tangent) <= AT_LIMIT).then_some(Stop::Limit(room.1));
+        let at_limit = room.0 * max_norm(&tangent) <= AT_LIMIT;
+        let at_limit = at_limit.then(|| at_limit_of(&angles, &[room.1])).flatten();
         let most = room.0.min(heading.length);
         let most = most.min(until_flat(&angles, &tangent));
         let next = step(solver, &angles, &tangent, &bend, most, rules).or_else(|| {
@@ -215,7 +217,8 @@ pub(super) fn follow(
                     && left >= norm(&way)
                 {
                     let last = approach(solver, angles.clone(), asked);
-                    if max_difference(&last, &angles) <= max_step {
+                    let moved = max_difference(&last, &angles);
+                    if moved > NEAR && moved <= max_step {
                         waypoints.push(Waypoint {
                             angles: last,
                             tangent,
@@ -223,18 +226,9 @@ pub(super) fn follow(
                     }
                     break Some(at_limit.unwrap_or(Stop::Nearest));
                 }
-                if left < nearest {
-                    (nearest, nearest_at) = (left, waypoints.len());
-                } else if waypoints.len() > nearest_at + LOST {
-                    break Some(Stop::TooLong);
-                }
-                creeping = if max_difference(&next, &angles) < CREEP * max_step {
-                    creeping + 1
-                } else {
-                    0
-                };
-                if creeping > PATIENCE {
-                    break Some(Stop::Closure);
+                let moved = max_difference(&next, &angles);
+                if let Some(stop) = progress.ends(left, moved / max_step) {
+                    break Some(stop);
                 }
                 angles = next;
                 last_step = Some(length);
@@ -243,7 +237,47 @@ pub(super) fn follow(
             None => break Some(at_limit.unwrap_or(Stop::Closure)),
         }
     };
+    // What is asked for may lie at a limit, or where the sheet is singular.
+    let stop = stop.filter(|_| match (target, waypoints.last()) {
+        (Target::Nearest(asked), Some(last)) => norm(&way_to(asked, &last.angles)) > ARRIVED,
+        _ => true,
+    });
     Followed { waypoints, stop }
+}
+
+/// The limit that the first of the hinges held has reached. Flat, where it would turn against its letter, is
+/// none of its limits.
+fn at_limit_of(angles: &[f64], held: &[usize]) -> Option<Stop> {
+    let turned = held.iter().find(|&&k| angles[k].abs() > AT_LIMIT);
+    turned.map(|&unknown| Stop::Limit(unknown))
+}
+
+/// Whether steps lead anywhere.
+#[derive(Default)]
+struct Progress {
+    steps: usize,
+    /// Smallest distance left so far, and after how many steps.
+    nearest: Option<(f64, usize)>,
+    creeping: usize,
+}
+
+impl Progress {
+    /// Why to go no further after a step that leaves the distance `left` to the target and is that
+    /// `part` of the largest.
+    fn ends(&mut self, left: f64, part: f64) -> Option<Stop> {
+        self.steps += 1;
+        self.creeping = if part < CREEP { self.creeping + 1 } else { 0 };
+        match self.nearest {
+            Some((nearest, at)) if left >= nearest => {
+                (self.steps > at + LOST).then_some(Stop::TooLong)
+            }
+            _ => {
+                self.nearest = Some((left, self.steps));
+                None
+            }
+        }
+        .or((self.creeping > PATIENCE).then_some(Stop::Closure))
+    }
 }
 
 /// Where a motion leads.
@@ -286,9 +320,7 @@ fn heading(
             None => vec![0.0; way.len()],
         };
         if norm(&direction) < IN_SIGHT {
-            return Err(held
-                .first()
-                .map_or(Stop::Singular, |&unknown| Stop::Limit(unknown)));
+            return Err(at_limit_of(angles, &held).unwrap_or(Stop::Singular));
         }
     }
     let length = norm(&direction);
@@ -315,9 +347,7 @@ fn towards(
     let square = asked_for.sum::<f64>();
     // The projection p of the way w has w·p = p·p.
     if length <= f64::EPSILON || length < IN_SIGHT * norm(&way) * square.sqrt() {
-        return Err(held
-            .first()
-            .map_or(Stop::Nearest, |&unknown| Stop::Limit(unknown)));
+        return Err(at_limit_of(angles, &held).unwrap_or(Stop::Nearest));
     }
     Ok(Heading {
         direction: direction.iter().map(|d| d / length).collect(),

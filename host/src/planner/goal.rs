@@ -18,6 +18,8 @@ pub struct Goal {
     pub via: Vec<Goal>,
     /// What the angles mean.
     pub kind: GoalKind,
+    /// For a driven crease the goal on whose way it turns, if the pattern names one.
+    pub guide: Option<Box<Goal>>,
     /// Where they come from, in words.
     pub source: String,
 }
@@ -79,6 +81,7 @@ impl Goal {
             signs: letter_signs(pattern),
             via: Vec::new(),
             kind: GoalKind::Configuration,
+            guide: None,
             source,
         }
     }
@@ -109,6 +112,7 @@ impl Goal {
         let source = format!("edge {edge} at {degrees:.6} degrees");
         let mut goal = Self::chosen(pattern, fold_angles, source);
         goal.kind = GoalKind::Driven;
+        goal.guide = Self::of_pattern(pattern).ok().map(Box::new);
         Ok(goal)
     }
 

@@ -241,8 +241,6 @@ impl<'a> Planning<'a> {
         self.plan.groups = reduction.groups.len();
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
-        self.plan.amplification = reduction.amplification;
-        self.plan.essential_tolerance = reduction.accepted(self.options);
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
         self.plan.path.interpolation = self.options.interpolation;
     }
@@ -339,6 +337,9 @@ impl<'a> Planning<'a> {
         let End::NotClosed { phase, nearest } = attempt.end else {
             return self.plan;
         };
+        let asked = self.goal.fold_angles.iter().flatten();
+        let farthest = asked.fold(0.0, |max, angle| f64::max(max, angle.abs()));
+        self.plan.goal_error = nearest.unwrap_or(farthest);
         let goal = self.goal.via.get(phase).unwrap_or(self.goal);
         let mut reason = format!("no closed configuration was found near {}", goal.source);
         if let Some(error) = nearest {

@@ -196,9 +196,10 @@ impl Reduction {
         options: &PlanOptions,
         work: &mut Work,
     ) -> Option<ClosedGoal> {
-        let asked = self.groups.reduce(&goal.fold_angles);
+        let (asked, signs) = self.asked(goal);
         let mut solver = self.solver(options, accepted);
-        let found = nearest_closed(&mut solver, &asked);
+        solver.set_limits(self.orthant(&signs));
+        let found = nearest_closed(&mut solver, &asked, &signs);
         work.iterations += solver.work.iterations;
         work.evaluations += solver.work.evaluations;
         let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
@@ -236,11 +237,25 @@ const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
 /// stand at their limits, a goal that closes but for rounding may have no way to the closed one near it.
 const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
-/// The closed configuration nearest to `asked` that turns no hinge against it, as far as descent from
-/// there finds it. Free hinges (`None`) start flat and follow.
-fn nearest_closed(solver: &mut ClosureSolver<'_>, asked: &[Option<f64>]) -> Option<Vec<f64>> {
-    let start = STARTS.into_iter().find_map(|part| {
-        let mut angles: Vec<f64> = asked.iter().map(|a| a.unwrap_or(0.0) * part).collect();
+/// Radians: free hinges start this far from flat, the way of their letters, where flat itself leads
+/// nowhere.
+const AJAR: f64 = 0.5;
+
+/// The closed configuration nearest to `asked` that turns no hinge against its sign, as far as descent
+/// from there finds it. Free hinges (`None`) start flat, or ajar, and follow.
+fn nearest_closed(
+    solver: &mut ClosureSolver<'_>,
+    asked: &[Option<f64>],
+    signs: &[f64],
+) -> Option<Vec<f64>> {
+    let free = asked.iter().any(Option::is_none);
+    let ajar = [0.0, AJAR];
+    let starts = ajar[..=usize::from(free)].iter();
+    let mut starts = starts.flat_map(|ajar| STARTS.map(|part| (part, *ajar)));
+    let start = starts.find_map(|(part, ajar)| {
+        let pairs = asked.iter().zip(signs);
+        let start = pairs.map(|(asked, sign)| asked.map_or(sign * ajar, |asked| asked * part));
+        let mut angles: Vec<f64> = start.collect();
         (solver.closes(&mut angles) && same_signs(&angles, asked)).then_some(angles)
     })?;
     Some(approach(solver, start, asked))

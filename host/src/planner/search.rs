@@ -9,7 +9,9 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::PlanOptions;
-use super::follow::{Followed, NEAR, Rules, Stop, Waypoint, max_difference, norm, way_to};
+use super::follow::{
+    Followed, NEAR, Rules, Stop, Waypoint, approach, max_difference, norm, way_to,
+};
 use super::solver::ClosureSolver;
 
 /// Part of a step that is random.
@@ -47,6 +49,18 @@ pub(super) fn search(
         if let Some(closed) = closed.filter(|closed| max_difference(closed, here) <= max_step) {
             knots.push(closed.to_vec());
             break None;
+        }
+        if closed.is_none() && way.iter().all(|w| w.abs() <= max_step) {
+            let last = approach(solver, here.clone(), asked);
+            let there = norm(&way_to(asked, &last)) <= NEAR;
+            if there
+                && max_difference(&last, here) <= max_step
+                && rules.allow(here, &last)
+                && feasible(&last)
+            {
+                knots.push(last);
+                break None;
+            }
         }
         if solver.is_late() {
             break Some(Stop::Timeout);

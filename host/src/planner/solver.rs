@@ -17,6 +17,8 @@ use crate::symmetry::ReducedStars;
 
 /// Steps that the gradient solver may take: it converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
+/// Steps after which it looks at the clock.
+const GRADIENT_SLICE: u32 = 500;
 
 /// Work done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +39,7 @@ pub(super) struct ClosureSolver<'a> {
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
     deadline: Option<Instant>,
+    most_iterations: u32,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations,
@@ -56,6 +59,7 @@ impl<'a> ClosureSolver<'a> {
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
             deadline: None,
+            most_iterations: Options::<f64>::default().max_iterations,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
             equations: Equations::new(stars, loops),
@@ -72,6 +76,12 @@ impl<'a> ClosureSolver<'a> {
     /// The same that is content with this closure residual.
     pub(super) fn content_with(mut self, tolerance: f64) -> Self {
         self.tolerance = self.tolerance.max(tolerance);
+        self
+    }
+
+    /// The same that gives a configuration up after these many iterations of Levenberg-Marquardt.
+    pub(super) fn at_most(mut self, iterations: u32) -> Self {
+        self.most_iterations = iterations;
         self
     }
 
@@ -119,14 +129,28 @@ impl<'a> ClosureSolver<'a> {
         let mut options = Options {
             acceptable: self.accepted,
             tolerance: self.tolerance,
+            max_iterations: self.most_iterations,
             ..Options::default()
         };
         let limits = Limits::Each(&self.limits);
+        let deadline = self.deadline;
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
             (Solver::Gradient, _) => {
-                options.max_iterations = GRADIENT_ITERATIONS;
-                gradient::solve(&mut problem, limits, &options, x, work)
+                options.max_iterations = GRADIENT_SLICE;
+                let mut sum = gradient::solve(&mut problem, limits, &options, x, work);
+                while sum.outcome == Outcome::IterationLimit
+                    && sum.iterations < GRADIENT_ITERATIONS
+                    && deadline.is_none_or(|deadline| Instant::now() < deadline)
+                {
+                    let report = gradient::solve(&mut problem, limits, &options, x, work);
+                    sum = Report {
+                        iterations: sum.iterations + report.iterations,
+                        evaluations: sum.evaluations + report.evaluations,
+                        ..report
+                    };
+                }
+                sum
             }
             (Solver::LevenbergMarquardt, Equations::Dense(memory)) => {
                 let Some(mut equations) = DenseNormalEquations::new(n, memory) else {
