@@ -24,6 +24,13 @@ const OF_MEDIAN: f64 = 1e-3;
 /// The same as a fraction of the sheet's diagonal, which holds where lines run right across the sheet.
 const OF_DIAGONAL: f64 = 1e-4;
 
+/// How far, as a fraction of its line, an end may be from the one vertex that it was meant to meet.
+const OF_LINE: f64 = 0.05;
+
+/// The same as a fraction of the diagonal. Origami Simulator joins what is within 3 pixels, in drawings of
+/// about a thousand.
+const OPEN: f64 = 1.0 / 300.0;
+
 /// Below this fraction of the diagonal, places differ by rounding alone.
 const ROUNDING: f64 = 1e-9;
 
@@ -144,6 +151,8 @@ struct Repairs {
     passed: usize,
     twice: usize,
     both_ways: usize,
+    joined: usize,
+    far_joined: f64,
     open: usize,
 }
 
@@ -157,6 +166,8 @@ impl Repairs {
             passed,
             twice,
             both_ways,
+            joined,
+            far_joined,
             open,
         } = self;
         let said = [
@@ -192,6 +203,13 @@ impl Repairs {
             (
                 both_ways,
                 format!("of them lettered M and V at one place, the first drawn kept: {both_ways}"),
+            ),
+            (
+                joined,
+                format!(
+                    "open ends joined to the one vertex near them: {joined}, moved by {far_joined:.1e} at \
+                     most"
+                ),
             ),
             (
                 open,
@@ -230,26 +248,85 @@ fn planar(segments: &[Segment]) -> Option<(Drawing, Vec<String>)> {
     pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     repairs.short = segments.len() - pieces.len();
     deduplicate(&mut pieces, &mut repairs);
-    for _ in 0..ROUNDS {
-        let before = places.points.len();
-        for crossing in crossings(&places.points, &pieces, tolerance)? {
-            places.at(crossing);
-        }
-        repairs.crossings += places.points.len() - before;
-        let count = pieces.len();
-        pieces = split(&places.points, &pieces, tolerance)?;
-        let splits = pieces.len() - count;
-        if splits == 0 && places.points.len() == before {
-            break;
-        }
-        repairs.passed += splits;
+    cut_up(&mut places, &mut pieces, &mut repairs)?;
+    let diagonal = (bounds(segments)[1] - bounds(segments)[0]).norm();
+    if join_open(&places.points, &mut pieces, diagonal, &mut repairs) {
         deduplicate(&mut pieces, &mut repairs);
+        cut_up(&mut places, &mut pieces, &mut repairs)?;
     }
     // Each crossing has split two lines at least.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
     repairs.open = remove_open(&mut pieces, places.points.len());
     let drawing = drawing(&places.points, &pieces);
     Some((drawing, repairs.in_words(tolerance)))
+}
+
+/// Splits lines where they cross and where they pass vertices, until none does; `None` if that makes too
+/// many.
+fn cut_up(places: &mut Places, pieces: &mut Vec<Piece>, repairs: &mut Repairs) -> Option<()> {
+    let tolerance = places.tolerance;
+    for _ in 0..ROUNDS {
+        let before = places.points.len();
+        for crossing in crossings(&places.points, pieces, tolerance)? {
+            places.at(crossing);
+        }
+        repairs.crossings += places.points.len() - before;
+        let count = pieces.len();
+        *pieces = split(&places.points, pieces, tolerance)?;
+        let splits = pieces.len() - count;
+        if splits == 0 && places.points.len() == before {
+            break;
+        }
+        repairs.passed += splits;
+        deduplicate(pieces, repairs);
+    }
+    Some(())
+}
+
+/// Joins each open end to the vertex that it can only have been meant to meet, and says whether there were
+/// any: within a twentieth of its line and [`OPEN`] of the diagonal, the next vertex twice as far at least.
+/// A line that goes too far past another has a short open end, which stays, to be left out.
+fn join_open(
+    points: &[Vector2<f64>],
+    pieces: &mut [Piece],
+    diagonal: f64,
+    repairs: &mut Repairs,
+) -> bool {
+    let mut degrees = vec![0_usize; points.len()];
+    for end in pieces.iter().flat_map(|piece| piece.ends) {
+        degrees[end] += 1;
+    }
+    let (grid, cells) = Grid::of_points(points, OPEN * diagonal);
+    let before = repairs.joined;
+    for piece in pieces {
+        let [a, b] = line(points, piece);
+        let reach = (OF_LINE * (b - a).norm()).min(OPEN * diagonal);
+        for side in 0..2 {
+            let (end, other) = (piece.ends[side], piece.ends[1 - side]);
+            if degrees[end] != 1 {
+                continue;
+            }
+            let at = points[end];
+            let mut near = [(f64::INFINITY, end); 2];
+            grid.along([at; 2], 2.0 * reach, |cell| {
+                for &vertex in &cells[cell] {
+                    let distance = (points[vertex] - at).norm();
+                    if degrees[vertex] < 2 || vertex == other || distance >= near[1].0 {
+                        continue;
+                    }
+                    near[1] = (distance, vertex);
+                    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+                }
+            });
+            let [(distance, vertex), (second, _)] = near;
+            if distance <= reach && second >= 2.0 * distance {
+                piece.ends[side] = vertex;
+                repairs.joined += 1;
+                repairs.far_joined = repairs.far_joined.max(distance);
+            }
+        }
+    }
+    repairs.joined > before
 }
 
 fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
@@ -398,6 +475,18 @@ impl Grid {
         grid
     }
 
+    /// A grid with about a point a cell, at least `least` wide, and the points in each.
+    fn of_points(points: &[Vector2<f64>], least: f64) -> (Self, Ragged<usize>) {
+        let grid = Self::new(points, points.len(), least);
+        let cell_of = |point: &Vector2<f64>| {
+            let from = point - grid.origin;
+            grid.step(from.y, grid.rows) * grid.columns + grid.step(from.x, grid.columns)
+        };
+        let cells: Vec<_> = points.iter().map(cell_of).zip(0..).collect();
+        let cells = group_by_key(grid.columns * grid.rows, &cells);
+        (grid, cells)
+    }
+
     fn step(&self, along: f64, cells: usize) -> usize {
         #[allow(
             clippy::cast_possible_truncation,
@@ -530,13 +619,7 @@ fn crossing(
 
 /// Splits each line at the vertices that it passes; `None` if that makes too many.
 fn split(points: &[Vector2<f64>], pieces: &[Piece], tolerance: f64) -> Option<Vec<Piece>> {
-    let grid = Grid::new(points, points.len(), 4.0 * tolerance);
-    let cell_of = |point: &Vector2<f64>| {
-        let from = point - grid.origin;
-        grid.step(from.y, grid.rows) * grid.columns + grid.step(from.x, grid.columns)
-    };
-    let cells: Vec<_> = points.iter().map(cell_of).zip(0..).collect();
-    let cells: Ragged<usize> = group_by_key(grid.columns * grid.rows, &cells);
+    let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
     let mut stops: Vec<(f64, usize)> = Vec::new();
     for piece in pieces {
