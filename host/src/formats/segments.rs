@@ -84,10 +84,20 @@ pub(super) fn pattern_file(
     }
     let vertices = drawing.vertices.clone();
     let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
+    // As the file has it, y pointing down.
+    let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
     let mut pattern = CreasePattern::new(drawing).map_err(|source| {
+        if let Some(bridge) = bridge(vertices.len(), &edges) {
+            let [from, to] = edges[bridge].map(|end| written(vertices[end]));
+            return FileError::Expected {
+                path: path.to_path_buf(),
+                place: format!("the line from {from} to {to}"),
+                expected: "different faces on its sides".into(),
+                found: "one face all round what it leads to".into(),
+            };
+        }
         let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
-            // As the file has it, y pointing down.
-            Some(at) => format!("near ({}, {}), once repaired: ", at.x, 0.0 - at.y),
+            Some(at) => format!("near {}, once repaired: ", written(*at)),
             None => "once repaired: ".into(),
         };
         FileError::Pattern {
@@ -119,6 +129,52 @@ fn place(error: &PatternError, edges: &[[usize; 2]]) -> Option<usize> {
         | PatternError::Overlap { edge, .. } => edges.get(*edge).map(|ends| ends[0]),
         _ => None,
     }
+}
+
+/// An edge without which its ends are not joined, so that it has the same face on both sides.
+///
+/// Source: R. Tarjan, "A note on finding the bridges of a graph", 1974.
+fn bridge(vertices: usize, edges: &[[usize; 2]]) -> Option<usize> {
+    let numbered = edges.iter().enumerate();
+    let pairs: Vec<_> = numbered
+        .flat_map(|(edge, &[a, b])| [(a, (b, edge)), (b, (a, edge))])
+        .collect();
+    let stars = group_by_key(vertices, &pairs);
+    let none = usize::MAX;
+    // When a vertex was first met, and the earliest vertex that its branch leads back to.
+    let (mut met, mut back) = (vec![none; vertices], vec![none; vertices]);
+    let mut time = 0;
+    for start in 0..vertices {
+        // Vertices on the way, the edge that led there and how far their stars are done.
+        let mut way = Vec::new();
+        if met[start] == none {
+            way.push((start, none, 0));
+        }
+        while let Some((vertex, through, done)) = way.last_mut() {
+            let (at, came) = (*vertex, *through);
+            if *done == 0 {
+                (met[at], back[at]) = (time, time);
+                time += 1;
+            }
+            let Some(&(next, edge)) = stars[at].get(*done) else {
+                way.pop();
+                if let Some(&(before, ..)) = way.last() {
+                    back[before] = back[before].min(back[at]);
+                    if back[at] > met[before] {
+                        return Some(came);
+                    }
+                }
+                continue;
+            };
+            *done += 1;
+            if met[next] == none {
+                way.push((next, edge, 0));
+            } else if edge != came {
+                back[at] = back[at].min(met[next]);
+            }
+        }
+    }
+    None
 }
 
 /// A line between vertices.

@@ -152,7 +152,7 @@ impl Kind {
         }
         let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
         // In sixths of a turn from red.
-        let hue = if most == least.max(most) && red >= green && red >= blue {
+        let hue = if red >= green && red >= blue {
             (green - blue) / full
         } else if green >= blue {
             2.0 + (blue - red) / full
