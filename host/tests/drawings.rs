@@ -258,6 +258,17 @@ fn loose_lines_are_repaired_and_said() {
             [6, 7, 2],
             vec![passes(2), open(2)],
         ),
+        // A triangle that no line joins to the sheet.
+        (
+            "2 2 0 2 4\n2 0.5 1 1.5 1\n1 1.5 1 1.5 3\n3 1.5 3 0.5 1",
+            [6, 7, 2],
+            vec![
+                passes(2),
+                "lines inside a panel and joined to nothing, which could not fold, left out with what they \
+                 enclose: 3"
+                    .into(),
+            ],
+        ),
         // Past the border.
         (
             "2 2 -0.05 2 4",
@@ -478,6 +489,16 @@ fn mutated_drawings_are_read_or_refused() {
         good += usize::from(read.unwrap_or_else(|_| panic!("round {round}: {text}")));
     }
     assert!(good > 500, "{good}");
+}
+
+/// Two sheets beside each other, one of them in a notch of the other, are kept.
+#[test]
+fn sheets_beside_each_other_are_kept() {
+    let notched = "1 0 0 4 0\n1 4 0 4 4\n1 4 4 3 4\n1 3 4 3 1\n1 3 1 1 1\n1 1 1 1 4\n1 1 4 0 4\n1 0 4 0 0\n\
+         1 1.5 2 2.5 2\n1 2.5 2 2.5 3\n1 2.5 3 1.5 3\n1 1.5 3 1.5 2\n2 1.5 2 2.5 3";
+    let pattern = read("notch.cp", notched);
+    assert_eq!((pattern.sheets(), counts(&pattern)), (2, [12, 13, 3]));
+    assert_eq!(pattern.repairs(), [""; 0]);
 }
 
 /// The folder of patterns that nobody here wrote, or `None` with a word that the test skips.

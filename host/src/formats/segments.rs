@@ -1,8 +1,8 @@
 //! Loose coloured line segments, as drawing programs leave them, made into a planar drawing.
 //!
 //! Ends that nearly meet become one vertex, lines are split where they cross, where others end on them
-//! and where they overlap, what is drawn twice is kept once, and lines that end in the open are left
-//! out. Whatever was done is said, with counts. Expected cost: n log n, a uniform grid finding what is
+//! and where they overlap, what is drawn twice is kept once, and lines are left out that end in the open
+//! or lie within a panel. Whatever was done is said, with counts. Expected cost: n log n, a uniform grid finding what is
 //! near.
 
 use std::collections::HashMap;
@@ -82,11 +82,34 @@ pub(super) fn pattern_file(
         let found = format!("{} lines, none of which does", segments.len());
         return Err(expected("lines that enclose faces".into(), found));
     }
+    let mut repairs = repairs;
+    let mut pattern = checked(path, drawing.clone())?;
+    let (drawing, left_out) = without_islands(&pattern, drawing);
+    if left_out > 0 {
+        pattern = checked(path, drawing)?;
+        repairs.push(format!(
+            "lines inside a panel and joined to nothing, which could not fold, left out with what they \
+             enclose: {left_out}"
+        ));
+    }
+    notes.into_iter().for_each(|note| pattern.assume(note));
+    for repair in repairs {
+        pattern.repaired(repair);
+    }
+    let title = path.file_stem().unwrap_or_default();
+    Ok(PatternFile {
+        title: title.to_string_lossy().into_owned(),
+        pattern,
+    })
+}
+
+/// The crease pattern of a drawing; an error says where in the file it is.
+fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
     let vertices = drawing.vertices.clone();
     let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
     // As the file has it, y pointing down.
     let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
-    let mut pattern = CreasePattern::new(drawing).map_err(|source| {
+    CreasePattern::new(drawing).map_err(|source| {
         if let Some(bridge) = bridge(vertices.len(), &edges) {
             let [from, to] = edges[bridge].map(|end| written(vertices[end]));
             return FileError::Expected {
@@ -105,16 +128,58 @@ pub(super) fn pattern_file(
             frame,
             source,
         }
-    })?;
-    notes.into_iter().for_each(|note| pattern.assume(note));
-    for repair in repairs {
-        pattern.repaired(repair);
-    }
-    let title = path.file_stem().unwrap_or_default();
-    Ok(PatternFile {
-        title: title.to_string_lossy().into_owned(),
-        pattern,
     })
+}
+
+/// The drawing without the sheets that lie inside a face of another, and how many lines those have.
+fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> (Drawing, usize) {
+    if pattern.sheets() < 2 {
+        return (drawing, 0);
+    }
+    let points = pattern.vertices();
+    let faces: Vec<_> = pattern.faces().iter().collect();
+    let mut corners = vec![None; pattern.sheets()];
+    for (face, &sheet) in faces.iter().zip(pattern.sheet_of_faces()) {
+        corners[sheet as usize].get_or_insert(points[face[0].index()]);
+    }
+    let mut island = vec![false; pattern.sheets()];
+    for (face, &around) in faces.iter().zip(pattern.sheet_of_faces()) {
+        let polygon = face.iter().map(|vertex| points[vertex.index()]);
+        let (low, high) = polygon
+            .clone()
+            .fold((LARGEST, -LARGEST), |(l, h), p| (p.x.min(l), p.x.max(h)));
+        for (sheet, corner) in corners.iter().enumerate() {
+            let Some(at) = corner.filter(|at| low < at.x && at.x < high) else {
+                continue;
+            };
+            if sheet == around as usize {
+                continue;
+            }
+            let next = polygon.clone().cycle().skip(1);
+            let above = polygon.clone().zip(next).filter(|(a, b)| {
+                let part = (at.x - a.x) / (b.x - a.x);
+                (a.x > at.x) != (b.x > at.x) && a.y + part * (b.y - a.y) > at.y
+            });
+            island[sheet] |= above.count() % 2 == 1;
+        }
+    }
+    let on_island = |edge: &crate::pattern::Edge| {
+        let mut faces = edge.faces.iter().flatten();
+        faces.any(|face| island[pattern.sheet_of_faces()[face.index()] as usize])
+    };
+    let before = drawing.edges.len();
+    let mut edges = pattern.edges().iter();
+    drawing
+        .edges
+        .retain(|_| !edges.next().is_some_and(on_island));
+    let left_out = before - drawing.edges.len();
+    let pieces = drawing.edges.iter().map(|edge| Piece {
+        ends: edge.ends,
+        letter: edge.letter,
+        goal: edge.goal,
+    });
+    let pieces: Vec<Piece> = pieces.collect();
+    (self::drawing(&drawing.vertices, &pieces), left_out)
 }
 
 /// A vertex at which the error is.

@@ -7,7 +7,8 @@
 //! a mark that stays flat, magenta a hinge that may turn either way. Its opacity is the goal fold angle
 //! over 180 degrees; where all mountains and valleys are opaque, letters alone are meant. Fills say
 //! nothing. In SVG y points down: it is turned round, so that the sheet is seen as it is on the screen, and
-//! a mountain rises towards whoever looks at it, as it does in the simulator.
+//! a mountain rises towards whoever looks at it, as it does in the simulator. Coordinates have the seven
+//! digits of single precision, in which usvg resolves shapes: as many as drawing programs write.
 
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
