@@ -464,7 +464,7 @@ fn mutated_drawings_are_read_or_refused() {
     let folder = Folder::new();
     let mut state = 1_u64;
     let mut below = |count: usize| {
-        // M. Steele, S. Vigna, "Computationally easy, spectrally good multipliers", 2021.
+        // G. Steele, S. Vigna, "Computationally easy, spectrally good multipliers", 2021.
         state = state.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(1);
         usize::try_from(state >> 33).unwrap() % count
     };
@@ -510,8 +510,8 @@ fn external() -> Option<PathBuf> {
     folder
 }
 
-/// Vertices, edges and faces of real drawings. Cuts have an edge on each side. Four lines of `birdbase.cp`
-/// would make the bird base of the SVG whole: its other diagonal is not drawn.
+/// Vertices, edges and faces of real drawings. Cuts have an edge on each side. In `birdbase.cp` one
+/// diagonal is not drawn, which is two edges and two faces of the bird base.
 #[test]
 fn real_drawings_are_read() {
     let Some(folder) = external() else { return };
