@@ -3,7 +3,8 @@
 //!
 //! # From file to path
 //!
-//! 1. [`formats`] reads a [`pattern`]: a planar graph of creases with the goal's fold angles.
+//! 1. [`formats`] reads a [`pattern`] from FOLD, SVG or CP: a planar graph of creases with the goal's
+//!    fold angles.
 //! 2. [`symmetry`] finds *crease groups* (creases that turn alike) and *essential vertices* (one for
 //!    each distinct closure condition). A Miura fold of any size has 2 groups and 1 such vertex.
 //! 3. [`planner`] follows the motion in group angles from the goal back to the flat sheet with

@@ -155,7 +155,7 @@ pub(super) struct Size {
 
 #[derive(Debug, Args)]
 pub(super) struct Info {
-    /// Crease pattern, a FOLD file
+    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
     pub(super) pattern: PathBuf,
     #[command(flatten)]
     pub(super) report: Report,
@@ -174,7 +174,7 @@ pub(super) struct Report {
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct Plan {
-    /// Crease pattern, a FOLD file
+    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
     pub(super) pattern: PathBuf,
     /// Path to write, a FOLD animation; nothing is written unless the goal is reached
     #[arg(short, long)]

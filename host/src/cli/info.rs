@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::args::Info;
 use super::{Answer, print, print_json, print_notes};
 use crate::folding::{Amplification, SpanningTree};
-use crate::formats::fold::read_pattern;
+use crate::formats::read_pattern;
 use crate::planner::closure_of;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -61,13 +61,14 @@ pub(super) fn run(args: &Info) -> Answer {
         essential_vertices: stars.vertices().len(),
         closure_goal,
         amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
-        repairs: Vec::new(),
+        repairs: pattern.repairs().to_vec(),
         assumptions: pattern.assumptions().to_vec(),
     };
     if args.report.json {
         print_json(&info)?;
         return Ok(true);
     }
+    print_notes(args.report.quiet, &info.repairs);
     print_notes(args.report.quiet, &info.assumptions);
     print(&summary(&file.title, &info, pattern.holes().len()))?;
     Ok(true)

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::args::{Frames, Plan, Switch};
 use super::{Answer, CliError, check_output, print, print_json, print_notes};
-use crate::formats::fold::{PathWriter, PatternFile, read_goal, read_pattern};
-use crate::formats::write_whole;
+use crate::formats::fold::{PathWriter, PatternFile, read_goal};
+use crate::formats::{read_pattern, write_whole};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome};
 
@@ -123,6 +123,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         },
         seed: args.seed,
     };
+    print_notes(args.report.quiet, file.pattern.repairs());
     print_notes(args.report.quiet, file.pattern.assumptions());
     print_notes(args.report.quiet, &plan.notes);
     if args.report.json {

@@ -83,6 +83,7 @@ impl CreasePattern {
             sheets: Vec::new(),
             holes: Ragged::default(),
             assumptions,
+            repairs: Vec::new(),
         };
         pattern.sheets = pattern.find_sheets();
         pattern.holes = pattern.find_holes();

@@ -56,6 +56,7 @@ pub struct CreasePattern {
     pub(super) sheets: Vec<u32>,
     pub(super) holes: Ragged<Passage>,
     pub(super) assumptions: Vec<String>,
+    pub(super) repairs: Vec<String>,
 }
 
 impl CreasePattern {
@@ -249,5 +250,16 @@ impl CreasePattern {
     /// Notes an assumption made on the way here.
     pub fn assume(&mut self, assumption: String) {
         self.assumptions.push(assumption);
+    }
+
+    /// What was repaired in the drawing before it was one, in words.
+    #[must_use]
+    pub fn repairs(&self) -> &[String] {
+        &self.repairs
+    }
+
+    /// Notes a repair made on the way here.
+    pub fn repaired(&mut self, repair: String) {
+        self.repairs.push(repair);
     }
 }

@@ -1,0 +1,265 @@
+//! SVG crease patterns with the colours of Origami Simulator.
+//!
+//! Source: A. Ghassaei, E. Demaine, N. Gershenfeld, "Fast, Interactive Origami Simulation using GPU
+//! Computation", 2018, and the simulator's own page on designing patterns.
+//!
+//! The colour of a stroke says what a line is: red mountain, blue valley, black border, green cut, yellow
+//! a mark that stays flat, magenta a hinge that may turn either way. Its opacity is the goal fold angle
+//! over 180 degrees; where all mountains and valleys are opaque, letters alone are meant. Fills say
+//! nothing. In SVG y points down: it is turned round, so that the sheet is seen as it is on the screen, and
+//! a mountain rises towards whoever looks at it, as it does in the simulator. Coordinates have the seven
+//! digits of single precision, in which usvg resolves shapes: as many as drawing programs write.
+
+use core::f64::consts::PI;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Vector2;
+use usvg::tiny_skia_path::PathSegment;
+use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
+
+use super::segments::{Segment, pattern_file};
+use super::{FileError, read_text};
+use crate::formats::fold::PatternFile;
+use crate::pattern::Letter;
+
+/// Reads a crease pattern.
+///
+/// # Errors
+/// If the file cannot be read, is no SVG, strokes a curve, or its lines are no crease pattern.
+pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
+    let text = read_text(path)?;
+    let error = |place: String, expected: &str, found: String| FileError::Expected {
+        path: path.to_path_buf(),
+        place,
+        expected: expected.into(),
+        found,
+    };
+    let tree = tree(&text).map_err(|(place, found)| error(place, "an SVG drawing", found))?;
+    let strokes = strokes(tree.root())
+        .map_err(|place| error(place, "straight lines alone", "a curve".into()))?;
+
+    let mut notes = Vec::new();
+    let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
+    // Opacity says how far a mountain or valley folds, and nothing if none is less than 1.
+    let says = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
+    let angles = strokes.iter().any(|s| says(s) && s.opacity < 1.0)
+        && strokes.iter().any(|s| says(s) && s.opacity > 0.0);
+    let mut segments = Vec::new();
+    for stroke in &strokes {
+        let letter = stroke.kind.letter();
+        let (_, count) = colours
+            .entry(stroke.colour.clone())
+            .or_insert((stroke.kind, 0));
+        *count += stroke.lines.len();
+        let goal = (angles && says(stroke)).then(|| letter.sign() * stroke.opacity * PI);
+        segments.extend(
+            stroke
+                .lines
+                .iter()
+                .map(|&ends| Segment { ends, letter, goal }),
+        );
+    }
+    for (colour, (kind, count)) in colours {
+        match kind {
+            Kind::Exact(_) => {}
+            Kind::Near(name, letter) => notes.push(format!(
+                "lines of colour {colour} taken as {name} ({}), the nearest hue: {count}",
+                letter.code()
+            )),
+            Kind::Unknown => notes.push(format!(
+                "lines of colour {colour}, which is none of red, blue, black, green, yellow and magenta, \
+                 taken as U: {count}"
+            )),
+        }
+    }
+    if angles {
+        notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
+    }
+    pattern_file(path, &segments, notes)
+}
+
+/// The drawing with styles, transforms and shapes resolved; or the place and what is wrong there.
+fn tree(text: &str) -> Result<Tree, (String, String)> {
+    let options = roxmltree::ParsingOptions {
+        // Illustrator writes one. Entities that grow without bounds are refused.
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+        let place = format!("line {}, column {}", error.pos().row, error.pos().col);
+        (place, format!("no XML ({error})"))
+    })?;
+    let root = document.root_element();
+    let place = |node: roxmltree::Node<'_, '_>| {
+        format!("line {}", document.text_pos_at(node.range().start).row)
+    };
+    if root.tag_name().name() != "svg" {
+        return Err((place(root), format!("<{}>", root.tag_name().name())));
+    }
+    let options = Options {
+        // Nothing but this file is opened.
+        image_href_resolver: ImageHrefResolver {
+            resolve_data: Box::new(|_, _, _| None),
+            resolve_string: Box::new(|_, _| None),
+        },
+        ..Default::default()
+    };
+    Tree::from_xmltree(&document, &options).map_err(|error| (place(root), error.to_string()))
+}
+
+/// What a colour stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// One of the simulator's colours.
+    Exact(Letter),
+    /// Nearly the colour of that name.
+    Near(&'static str, Letter),
+    /// None of them.
+    Unknown,
+}
+
+impl Kind {
+    fn letter(self) -> Letter {
+        match self {
+            Self::Exact(letter) | Self::Near(_, letter) => letter,
+            Self::Unknown => Letter::Unassigned,
+        }
+    }
+
+    /// What the colour (0 to 255 a channel) stands for. Black is what has no channel above 64. A colour
+    /// at least half as bright and half as saturated as can be is the nearest of the six full hues, which
+    /// are 60 degrees apart. All others, cyan among them, are unknown.
+    fn of([red, green, blue]: [u8; 3]) -> Self {
+        const HUES: [Option<(&str, Letter)>; 6] = [
+            Some(("red", Letter::Mountain)),
+            Some(("yellow", Letter::Flat)),
+            Some(("green", Letter::Cut)),
+            None,
+            Some(("blue", Letter::Valley)),
+            Some(("magenta", Letter::Unassigned)),
+        ];
+        let most = red.max(green).max(blue);
+        let least = red.min(green).min(blue);
+        if most <= 64 {
+            return match most {
+                0 => Self::Exact(Letter::Boundary),
+                _ => Self::Near("black", Letter::Boundary),
+            };
+        }
+        let chroma = most - least;
+        if most < 128 || chroma < most.div_ceil(2) {
+            return Self::Unknown;
+        }
+        let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
+        // In sixths of a turn from red.
+        let hue = if red >= green && red >= blue {
+            (green - blue) / full
+        } else if green >= blue {
+            2.0 + (blue - red) / full
+        } else {
+            4.0 + (red - green) / full
+        };
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 0 to 6"
+        )]
+        let nearest = (hue + 6.5) as usize % 6;
+        let full = [red, green, blue].iter().all(|c| *c <= 0.0 || *c >= 255.0);
+        match HUES[nearest] {
+            None => Self::Unknown,
+            Some((_, letter)) if full => Self::Exact(letter),
+            Some((name, letter)) => Self::Near(name, letter),
+        }
+    }
+}
+
+/// The lines of one stroked path.
+struct Stroke {
+    kind: Kind,
+    /// As #rrggbb, or what else it is painted with.
+    colour: String,
+    /// 0 to 1.
+    opacity: f64,
+    lines: Vec<[Vector2<f64>; 2]>,
+}
+
+/// All strokes in the order in which they are painted; or the element that is curved.
+fn strokes(root: &Group) -> Result<Vec<Stroke>, String> {
+    let mut strokes = Vec::new();
+    let mut open: Vec<(&Node, f64)> = Vec::new();
+    open.extend(root.children().iter().rev().map(|node| (node, 1.0)));
+    let mut number = 0_usize;
+    while let Some((node, opacity)) = open.pop() {
+        match node {
+            Node::Group(group) => {
+                let opacity = opacity * decimal(group.opacity().get());
+                open.extend(group.children().iter().rev().map(|node| (node, opacity)));
+            }
+            Node::Path(path) if path.is_visible() => {
+                number += 1;
+                let Some(stroke) = path.stroke() else {
+                    continue;
+                };
+                let (kind, colour) = match stroke.paint() {
+                    Paint::Color(c) => (
+                        Kind::of([c.red, c.green, c.blue]),
+                        format!("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue),
+                    ),
+                    _ => (Kind::Unknown, "gradient or pattern".into()),
+                };
+                let lines = lines(path).ok_or_else(|| {
+                    let name = match path.id() {
+                        "" => String::new(),
+                        id => format!(" id=\"{}\"", id.chars().take(40).collect::<String>()),
+                    };
+                    format!("visible shape {number}{name}, stroke {colour}")
+                })?;
+                strokes.push(Stroke {
+                    kind,
+                    colour,
+                    opacity: opacity * decimal(stroke.opacity().get()),
+                    lines,
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok(strokes)
+}
+
+/// The straight lines of a path on the sheet, y pointing up; `None` if it has a curve.
+fn lines(path: &usvg::Path) -> Option<Vec<[Vector2<f64>; 2]>> {
+    let t = path.abs_transform();
+    let [sx, kx, tx, ky, sy, ty] = [t.sx, t.kx, t.tx, t.ky, t.sy, t.ty].map(decimal);
+    let point = |p: usvg::tiny_skia_path::Point| {
+        let [x, y] = [p.x, p.y].map(decimal);
+        Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
+    };
+    let mut lines = Vec::new();
+    let (mut start, mut at) = (Vector2::zeros(), Vector2::zeros());
+    for segment in path.data().segments() {
+        let to = match segment {
+            PathSegment::MoveTo(p) => {
+                start = point(p);
+                at = start;
+                continue;
+            }
+            PathSegment::LineTo(p) => point(p),
+            PathSegment::Close => start,
+            PathSegment::QuadTo(..) | PathSegment::CubicTo(..) => return None,
+        };
+        if at != to {
+            lines.push([at, to]);
+        }
+        at = to;
+    }
+    Some(lines)
+}
+
+/// The shortest decimal that a single-precision number stands for, which is what the file says: without
+/// this, 0.3333 would be 0.33329999446868896.
+fn decimal(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}

@@ -1,0 +1,602 @@
+//! Crease patterns as they are drawn: SVG with Origami Simulator's colours, and CP.
+
+mod common;
+
+use std::path::PathBuf;
+
+use common::Folder;
+use foldpath::formats::read_pattern;
+use foldpath::pattern::{CreasePattern, Letter};
+use serde_json::{Value, json};
+
+/// An SVG drawing of 10 by 10 with these elements.
+fn svg(elements: &str) -> String {
+    format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 10\">\n{elements}</svg>")
+}
+
+/// A square sheet of SVG with a crease from top to bottom of these attributes.
+fn creased(attributes: &str) -> String {
+    svg(&format!(
+        "<rect x=\"0\" y=\"0\" width=\"4\" height=\"4\" fill=\"none\" stroke=\"#000\"/>\n\
+         <line x1=\"2\" y1=\"0\" x2=\"2\" y2=\"4\" {attributes}/>"
+    ))
+}
+
+/// A CP file: the border of a square from 0 to 4, and these lines.
+fn cp(lines: &str) -> String {
+    format!("1 0 0 4 0\n1 4 0 4 4\n1 4 4 0 4\n1 0 4 0 0\n{lines}")
+}
+
+fn read(name: &str, text: &str) -> CreasePattern {
+    let folder = Folder::new();
+    folder.write(name, text);
+    let file = read_pattern(&folder.path(name)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.title, name.split('.').next().unwrap());
+    file.pattern
+}
+
+/// Vertices, edges and faces.
+fn counts(pattern: &CreasePattern) -> [usize; 3] {
+    [
+        pattern.vertices().len(),
+        pattern.edges().len(),
+        pattern.faces().len(),
+    ]
+}
+
+/// Letters and goal angles (degrees) of the edges between two faces.
+fn inner(pattern: &CreasePattern) -> Vec<(char, Option<f64>)> {
+    let edges = pattern.edges().iter();
+    let inner = edges.filter(|edge| edge.inner_faces().is_some());
+    inner
+        .map(|edge| (edge.letter.code(), edge.goal.map(f64::to_degrees)))
+        .collect()
+}
+
+#[test]
+fn colours_are_letters() {
+    for (colour, code, note) in [
+        ("#f00", 'M', ""),
+        ("red", 'M', ""),
+        ("rgb(0, 0, 255)", 'V', ""),
+        ("#FFFF00", 'F', ""),
+        ("magenta", 'U', ""),
+        (
+            "#ED1C24",
+            'M',
+            "#ed1c24 taken as red (M), the nearest hue: 1",
+        ),
+        (
+            "#0000FE",
+            'V',
+            "#0000fe taken as blue (V), the nearest hue: 1",
+        ),
+        (
+            "#2E3192",
+            'V',
+            "#2e3192 taken as blue (V), the nearest hue: 1",
+        ),
+        (
+            "#FFF200",
+            'F',
+            "#fff200 taken as yellow (F), the nearest hue: 1",
+        ),
+        (
+            "#EC008C",
+            'U',
+            "#ec008c taken as magenta (U), the nearest hue: 1",
+        ),
+        (
+            "cyan",
+            'U',
+            "#00ffff, which is none of red, blue, black, green, yellow and magenta, taken as U: 1",
+        ),
+        (
+            "#808080",
+            'U',
+            "#808080, which is none of red, blue, black, green, yellow and magenta, taken as U: 1",
+        ),
+    ] {
+        let pattern = read("colour.svg", &creased(&format!("stroke=\"{colour}\"")));
+        assert_eq!(inner(&pattern), [(code, None)], "{colour}");
+        let notes: Vec<String> = match note {
+            "" => vec![],
+            note => vec![format!("lines of colour {note}")],
+        };
+        assert_eq!(pattern.assumptions(), notes, "{colour}");
+    }
+}
+
+#[test]
+fn black_and_green_part_the_sheet() {
+    for colour in ["black", "#231F20", "lime", "#00A651"] {
+        let pattern = read("cut.svg", &creased(&format!("stroke=\"{colour}\"")));
+        assert_eq!(
+            (pattern.sheets(), pattern.creases().len()),
+            (2, 0),
+            "{colour}"
+        );
+    }
+}
+
+#[test]
+fn styles_and_transforms_are_resolved() {
+    let plain = read("plain.svg", &creased("stroke=\"red\""));
+    let styled = svg(
+        "<style>.m { stroke: #f00 } .b { stroke: #000; fill: none }</style>\n\
+         <g transform=\"translate(-4 0) scale(2)\"><path class=\"b\" d=\"M2 0h2v2h-2z\"/>\n\
+         <polyline transform=\"rotate(90 3 1)\" class=\"m\" points=\"2,1 4,1\"/></g>",
+    );
+    let styled = read("styled.svg", &styled);
+    assert_eq!(counts(&styled), counts(&plain));
+    assert_eq!(inner(&styled), inner(&plain));
+    for (a, b) in styled.vertices().iter().zip(plain.vertices()) {
+        assert!((a - b).norm() < 1e-5, "{a} {b}");
+    }
+}
+
+/// What is on the screen is what is folded: up stays up, and the crease from the middle to the lower left
+/// is where it was drawn.
+#[test]
+fn y_is_turned_round() {
+    let svg = read("up.svg", &creased("stroke=\"red\""));
+    let cp = read("up.cp", &cp("2 2 0 2 4\n"));
+    for pattern in [svg, cp] {
+        let low = pattern.vertices().iter().map(|v| v.y).fold(0.0, f64::min);
+        let high = pattern.vertices().iter().map(|v| v.y).fold(-9.0, f64::max);
+        assert!(
+            (low + 4.0).abs() < 1e-12 && high.abs() < 1e-12,
+            "{low} {high}"
+        );
+    }
+}
+
+#[test]
+fn opacity_is_the_goal_angle() {
+    for (attributes, goal) in [
+        ("stroke=\"red\" opacity=\"0.5\"", ('M', Some(-90.0))),
+        ("stroke=\"blue\" stroke-opacity=\"0.3\"", ('V', Some(54.0))),
+        (
+            "style=\"stroke:blue;opacity:.5;stroke-opacity:.5\"",
+            ('V', Some(45.0)),
+        ),
+        ("stroke=\"red\" opacity=\"1\"", ('M', None)),
+        ("stroke=\"magenta\" opacity=\"0.5\"", ('U', None)),
+    ] {
+        let pattern = read("opacity.svg", &creased(attributes));
+        let [(letter, angle)] = inner(&pattern)[..] else {
+            panic!("{attributes}");
+        };
+        assert_eq!(
+            (letter, angle.is_some()),
+            (goal.0, goal.1.is_some()),
+            "{attributes}"
+        );
+        let error = angle.unwrap_or(0.0) - goal.1.unwrap_or(0.0);
+        assert!(error.abs() < 1e-9, "{attributes}: {angle:?}");
+        let said = pattern
+            .assumptions()
+            .iter()
+            .any(|note| note.contains("opacity"));
+        assert_eq!(said, goal.1.is_some(), "{attributes}");
+    }
+}
+
+#[test]
+fn fills_and_hidden_shapes_say_nothing() {
+    let shapes = "stroke=\"red\"/>\n<circle r=\"3\" fill=\"blue\"/>\n\
+         <line x1=\"0\" y1=\"2\" x2=\"4\" y2=\"2\" stroke=\"blue\" display=\"none\"/>\n\
+         <line x1=\"0\" y1=\"3\" x2=\"4\" y2=\"3\" stroke=\"blue\" visibility=\"hidden\"";
+    assert_eq!(counts(&read("fills.svg", &creased(shapes))), [6, 7, 2]);
+}
+
+#[test]
+fn auxiliary_lines_are_left_out() {
+    let pattern = read("aux.cp", &cp("\n3 2 0 2 4\n4 0 2 4 2\n"));
+    assert_eq!(counts(&pattern), [6, 7, 2]);
+    assert_eq!(inner(&pattern), [('V', None)]);
+    let note = "auxiliary lines (type 4) left out: 1";
+    assert_eq!(pattern.assumptions(), [note]);
+}
+
+/// Each rule of repair, and what it says.
+#[test]
+fn loose_lines_are_repaired_and_said() {
+    let passes = |places: usize| {
+        format!(
+            "lines that pass a vertex within the tolerance 5.657e-4 split there: {places} places"
+        )
+    };
+    let crossed = "crossings without a vertex, both lines split there: 1".to_string();
+    let twice = |count: usize| {
+        format!(
+            "lines that lie on another left out: {count} (kept is a cut before M or V, before U, before a \
+             border, before F)"
+        )
+    };
+    let open = |count: usize| {
+        format!("lines that end in the open, without faces between, left out: {count}")
+    };
+    let joined = "ends of lines within the tolerance 5.657e-4 of each other joined: ";
+    for (lines, expected, repairs) in [
+        // A crossing, and ends on the border.
+        (
+            "2 2 0 2 4\n3 0 2 4 2",
+            [9, 12, 4],
+            vec![crossed.clone(), passes(4)],
+        ),
+        // Ends a little beside the border, and a little beside each other.
+        (
+            "2 2 0.0003 2 2\n2 2.0003 2 2 3.9997\n3 0 2 4 2",
+            [9, 12, 4],
+            vec![format!("{joined}2, moved by 1.5e-4 at most"), passes(5)],
+        ),
+        // The same line twice, and one that overlaps another.
+        ("2 2 0 2 4\n2 2 4 2 0", [6, 7, 2], vec![passes(2), twice(1)]),
+        ("2 2 0 2 3\n2 2 1 2 4", [8, 9, 2], vec![passes(4), twice(1)]),
+        // Mountain and valley at one place.
+        (
+            "3 2 0 2 4\n2 2 0 2 4",
+            [6, 7, 2],
+            vec![
+                passes(2),
+                twice(1),
+                "of them lettered M and V at one place, the first drawn kept: 1".into(),
+            ],
+        ),
+        // No length, and ends in the open.
+        (
+            "2 2 0 2 4\n2 1 1 1 1",
+            [6, 7, 2],
+            vec![
+                "lines shorter than the tolerance 5.657e-4 left out: 1".into(),
+                passes(2),
+            ],
+        ),
+        (
+            "2 2 0 2 4\n3 3 1 3 2\n3 3 2 3.5 2",
+            [6, 7, 2],
+            vec![passes(2), open(2)],
+        ),
+        // A triangle that no line joins to the sheet.
+        (
+            "2 2 0 2 4\n2 0.5 1 1.5 1\n1 1.5 1 1.5 3\n3 1.5 3 0.5 1",
+            [6, 7, 2],
+            vec![
+                passes(2),
+                "lines inside a panel and joined to nothing, which could not fold, left out with what they \
+                 enclose: 3"
+                    .into(),
+            ],
+        ),
+        // Past the border.
+        (
+            "2 2 -0.05 2 4",
+            [6, 7, 2],
+            vec![crossed, passes(1).replace("5.657e-4", "5.692e-4"), open(1)],
+        ),
+        // Not quite as far as the corner.
+        (
+            "2 0 0 3.992 3.99",
+            [4, 5, 2],
+            vec!["open ends joined to the one vertex near them: 1, moved by 1.3e-2 at most".into()],
+        ),
+    ] {
+        let pattern = read("loose.cp", &cp(lines));
+        assert_eq!(counts(&pattern), expected, "{lines}");
+        assert_eq!(pattern.repairs(), repairs, "{lines}");
+    }
+    // The command says them.
+    let folder = Folder::new();
+    folder.write("cross.CP", &cp("2 2 0 2 4\n3 0 2 4 2"));
+    let info = folder.done("info cross.CP --json").json();
+    assert_eq!(info["repairs"].as_array().map(Vec::len), Some(2), "{info}");
+    assert_eq!(info["assumptions"], json!([]));
+    let plan = folder.run("plan cross.CP");
+    assert!(
+        plan.stderr.contains("note: crossings without a vertex"),
+        "{plan:?}"
+    );
+    assert_eq!(folder.done("info cross.CP --quiet").stderr, "");
+}
+
+/// A crease drawn over a border within the sheet is a crease, a cut drawn over a crease a cut.
+#[test]
+fn the_letter_that_says_more_is_kept() {
+    let line =
+        |colour: &str| format!("<line x1=\"2\" y1=\"0\" x2=\"2\" y2=\"4\" stroke=\"{colour}\"/>\n");
+    for (colours, letter) in [
+        (["black", "red"], Letter::Mountain),
+        (["magenta", "blue"], Letter::Valley),
+        (["black", "magenta"], Letter::Unassigned),
+        (["yellow", "magenta"], Letter::Unassigned),
+        (["red", "lime"], Letter::Boundary),
+        (["yellow", "black"], Letter::Boundary),
+    ] {
+        for order in [colours, [colours[1], colours[0]]] {
+            let text = creased("stroke=\"none\"");
+            let lines = order.map(line).concat();
+            let pattern = read("over.svg", &text.replace("</svg>", &(lines + "</svg>")));
+            let letters: Vec<Letter> = pattern.edges().iter().map(|edge| edge.letter).collect();
+            assert!(letters.contains(&letter), "{order:?}: {letters:?}");
+            let parted = letter == Letter::Boundary;
+            assert_eq!(pattern.sheets(), if parted { 2 } else { 1 }, "{order:?}");
+        }
+    }
+}
+
+#[test]
+fn bad_drawings_are_refused() {
+    let two_lines = svg("<path d=\"M0 0h4v4\" stroke=\"red\"/>");
+    let curve = svg("<g><path id=\"wing\" d=\"M0 0c1 1 2 2 3 0\" stroke=\"red\"/></g>");
+    let circle = svg("<rect width=\"2\" height=\"2\"/><circle r=\"3\" stroke=\"black\"/>");
+    let apart = cp("1 1 1 3 1\n1 3 1 3 3\n1 3 3 1 1\n2 0 2 1.5 1.5\n");
+    for (name, text, message) in [
+        (
+            "a.svg",
+            "",
+            "line 1, column 1: expected an SVG drawing, found no XML (*",
+        ),
+        (
+            "a.svg",
+            "<svg>\n<g></svg>",
+            "line 2, column 4: expected an SVG drawing, found no XML (*",
+        ),
+        (
+            "a.svg",
+            "<html>\n</html>",
+            "line 1: expected an SVG drawing, found <html>",
+        ),
+        (
+            "a.svg",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"9\"/>",
+            "line 1: expected an SVG drawing, found *",
+        ),
+        (
+            "a.svg",
+            &svg(""),
+            "the drawing: expected lines that enclose faces, found 0 lines, none *",
+        ),
+        (
+            "a.svg",
+            &two_lines,
+            "the drawing: expected lines that enclose faces, found 2 lines, *",
+        ),
+        (
+            "a.svg",
+            &curve,
+            "visible shape 1 id=\"wing\", stroke #ff0000: expected straight lines alone, found a curve",
+        ),
+        (
+            "a.SVG",
+            &circle,
+            "visible shape 2, stroke #000000: expected straight lines alone, found a curve",
+        ),
+        (
+            "a.cp",
+            "",
+            "the drawing: expected lines that enclose faces, found 0 lines, none of *",
+        ),
+        (
+            "a.cp",
+            "1 0 0 1 0\n2 1 2 3",
+            "line 2: expected 5 fields, type x1 y1 x2 y2, found \"2 1 2 3\"",
+        ),
+        (
+            "a.cp",
+            "1 0 0 1 x\n",
+            "line 1: expected a number, found \"x\"",
+        ),
+        (
+            "a.cp",
+            "1 0 0 1 inf\n",
+            "line 1: expected a number, found \"inf\"",
+        ),
+        (
+            "a.cp",
+            "\n7 0 0 1 1",
+            "line 2: expected a type, 1 contour, 2 mountain, 3 valley or 4 auxiliary, found \"7\"",
+        ),
+        (
+            "a.cp",
+            "1 0 0 1e51 0",
+            "the drawing: expected coordinates from -1e50 to 1e50, found a larger one",
+        ),
+        (
+            "a.cp",
+            &apart,
+            "the line from (0, 2) to (1.5, 1.5): expected different faces on its sides, found one face all *",
+        ),
+    ] {
+        let folder = Folder::new();
+        folder.write(name, text);
+        for command in ["info", "plan"] {
+            let answer = folder.run(&format!("{command} {name}")).with_status(2);
+            let found = answer.stderr.strip_prefix(&format!("foldpath: {name}: "));
+            let found = found.unwrap_or_else(|| panic!("{answer:?}")).trim_end();
+            let good = match message.strip_suffix('*') {
+                Some(start) => found.starts_with(start),
+                None => found == message,
+            };
+            assert!(good, "{text}\n  expected {message}\n  found    {found}");
+        }
+    }
+    let folder = Folder::new();
+    std::fs::write(folder.path("a.cp"), b"1 0 0\xff").unwrap();
+    let answer = folder.run("info a.cp").with_status(2);
+    let expected = "foldpath: a.cp: byte 5: expected text in UTF-8, found other bytes\n";
+    assert_eq!(answer.stderr, expected);
+}
+
+/// Drawings that would grow without bounds are refused.
+#[test]
+fn hostile_drawings_are_refused() {
+    let deep = svg(&("<g>".repeat(100_000) + &"</g>".repeat(100_000)));
+    let mut uses = "<g id=\"a0\"><path d=\"M0 0h9v9z\" stroke=\"red\"/></g>\n".to_string();
+    for level in 1..12 {
+        let below = format!("<use href=\"#a{}\"/>", level - 1).repeat(10);
+        uses += &format!("<g id=\"a{level}\">{below}</g>\n");
+    }
+    let random = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24);
+    let hatched = |k: u32| {
+        let [a, b, c, d] = [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3].map(random);
+        format!("2 {a} {b} {c} {d}\n")
+    };
+    let hatched: String = (0..20_000).map(hatched).collect();
+    let folder = Folder::new();
+    for (name, text) in [
+        ("deep.svg", deep),
+        ("uses.svg", svg(&uses)),
+        ("hatched.cp", hatched),
+    ] {
+        folder.write(name, &text);
+        let answer = folder.run(&format!("info {name}"));
+        assert_eq!(answer.status, Some(2), "{name}: {}", answer.stderr);
+    }
+}
+
+/// Some bytes changed, added or removed: an answer or an error, never a panic.
+#[test]
+fn mutated_drawings_are_read_or_refused() {
+    let styled = "<g transform=\"scale(2)\" style=\"opacity:.5\"><path d=\"M0 1h1l1-1v2z\" stroke=\"red\"/></g>";
+    let drawn = creased("stroke=\"blue\"").replace("</svg>", &format!("{styled}</svg>"));
+    let typed = cp("2 2 0 2 4\n3 0 2 4 2\n2 1e-15 0 4 4\n4 0 1 4 1\n");
+    let folder = Folder::new();
+    let mut state = 1_u64;
+    let mut below = |count: usize| {
+        // G. Steele, S. Vigna, "Computationally easy, spectrally good multipliers", 2021.
+        state = state.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(1);
+        usize::try_from(state >> 33).unwrap() % count
+    };
+    let mut good = 0;
+    for round in 0..3000 {
+        let (name, text) = [("m.svg", &drawn), ("m.cp", &typed)][round % 2];
+        let mut bytes = text.as_bytes().to_vec();
+        for _ in 0..=below(3) {
+            let (place, byte) = (
+                below(bytes.len()),
+                b"0123456789-.eE <>\"#zMn\xff"[below(23)],
+            );
+            match below(3) {
+                0 => bytes[place] = byte,
+                1 => bytes.insert(place, byte),
+                _ => drop(bytes.remove(place)),
+            }
+        }
+        std::fs::write(folder.path(name), &bytes).unwrap();
+        let read = std::panic::catch_unwind(|| read_pattern(&folder.path(name)).is_ok());
+        let text = String::from_utf8_lossy(&bytes);
+        good += usize::from(read.unwrap_or_else(|_| panic!("round {round}: {text}")));
+    }
+    assert!(good > 500, "{good}");
+}
+
+/// Two sheets beside each other, one of them in a notch of the other, are kept.
+#[test]
+fn sheets_beside_each_other_are_kept() {
+    let notched = "1 0 0 4 0\n1 4 0 4 4\n1 4 4 3 4\n1 3 4 3 1\n1 3 1 1 1\n1 1 1 1 4\n1 1 4 0 4\n1 0 4 0 0\n\
+         1 1.5 2 2.5 2\n1 2.5 2 2.5 3\n1 2.5 3 1.5 3\n1 1.5 3 1.5 2\n2 1.5 2 2.5 3";
+    let pattern = read("notch.cp", notched);
+    assert_eq!((pattern.sheets(), counts(&pattern)), (2, [12, 13, 3]));
+    assert_eq!(pattern.repairs(), [""; 0]);
+}
+
+/// The folder of patterns that nobody here wrote, or `None` with a word that the test skips.
+fn external() -> Option<PathBuf> {
+    let folder = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS").map(PathBuf::from);
+    if folder.is_none() {
+        println!("skipped: FOLDPATH_EXTERNAL_PATTERNS is not set");
+    }
+    folder
+}
+
+/// Vertices, edges and faces of real drawings. Cuts have an edge on each side. In `birdbase.cp` one
+/// diagonal is not drawn, which is two edges and two faces of the bird base.
+#[test]
+fn real_drawings_are_read() {
+    let Some(folder) = external() else { return };
+    for (name, expected) in [
+        ("origami-simulator/birdBase.svg", [13, 28, 16]),
+        ("origami-simulator/cubeunwrapping.svg", [14, 19, 6]),
+        ("origami-simulator/flappingBird.svg", [24, 47, 24]),
+        ("origami-simulator/honeycombKiri.svg", [444, 774, 276]),
+        ("origami-simulator/hypar.svg", [97, 284, 188]),
+        ("origami-simulator/miura-ori.svg", [182, 337, 156]),
+        (
+            "origami-simulator/reschTriTessellation.svg",
+            [243, 664, 422],
+        ),
+        ("origami-simulator/simpleVertex.svg", [9, 12, 4]),
+        ("origami-simulator/singlesquaretwist.svg", [16, 24, 9]),
+        ("origami-simulator/waterbomb.svg", [195, 524, 330]),
+        ("oriedita/birdbase.cp", [13, 26, 14]),
+    ] {
+        let pattern = read_pattern(&folder.join(name)).unwrap().pattern;
+        assert_eq!(
+            counts(&pattern),
+            expected,
+            "{name}: {:?}",
+            pattern.repairs()
+        );
+        assert_eq!(pattern.sheets(), 1, "{name}");
+    }
+}
+
+/// Every real drawing gets an answer, with a reason where it is not planned; some of them fold.
+#[test]
+fn real_drawings_are_planned_or_say_why_not() {
+    let Some(folder) = external() else { return };
+    let (simulator, oriedita) = (folder.join("origami-simulator"), folder.join("oriedita"));
+    let files = [simulator, oriedita].map(|folder| std::fs::read_dir(folder).unwrap());
+    let mut files: Vec<PathBuf> = files
+        .into_iter()
+        .flatten()
+        .map(|file| file.unwrap().path())
+        .filter(|file| file.extension().is_some_and(|e| e == "svg" || e == "cp"))
+        .collect();
+    files.sort();
+    let runs = Folder::new();
+    for file in files {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let output = runs.path(&name).with_extension("fold");
+        let answer = runs
+            .command("plan --timeout 60 --json")
+            .arg(&file)
+            .arg("-o")
+            .arg(&output)
+            .output()
+            .unwrap();
+        let plan: Value = serde_json::from_slice(&answer.stdout).unwrap_or_else(|error| {
+            panic!(
+                "{name}: {error}: {}",
+                String::from_utf8_lossy(&answer.stderr)
+            )
+        });
+        let outcome = plan["outcome"].as_str().unwrap();
+        println!(
+            "{name}: {outcome}, {} of the way in {} s; {}",
+            plan["reached"], plan["time"]["total"], plan["reason"]
+        );
+        let planned = outcome == "planned";
+        assert_eq!(
+            answer.status.code(),
+            Some(i32::from(!planned)),
+            "{name}: {plan}"
+        );
+        assert_eq!(plan["reason"].is_string(), !planned, "{name}: {plan}");
+        if ["miura-ori.svg", "cubeunwrapping.svg", "birdbase.cp"].contains(&name.as_str()) {
+            assert!(planned, "{name}: {plan}");
+        }
+        if planned {
+            let path = output.file_name().unwrap().to_string_lossy();
+            runs.done(&format!("check {path}"));
+        }
+        if name == "cubeunwrapping.svg" {
+            let path = runs.read_json("cubeunwrapping.fold");
+            let last = path["file_frames"].as_array().unwrap().last().unwrap();
+            let right_angles = common::numbers(&last["edges_foldAngle"]);
+            let right_angles = right_angles.iter().filter(|a| (*a + 90.0).abs() < 1e-12);
+            assert_eq!(right_angles.count(), 5);
+        }
+    }
+}
