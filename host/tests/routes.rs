@@ -298,3 +298,42 @@ fn small_folds_along_letters_are_not_the_flat_sheet() {
     let turned = (0..116).map(|edge| angles_of(&folder, "p.fold", edge).last().unwrap().abs());
     assert!(turned.fold(0.0, f64::max) > 10.0);
 }
+
+/// Many motions lead away from flat: a driven crease follows the way to the sheet's own goal.
+#[test]
+fn a_driven_crease_goes_the_way_of_the_sheets_goal_and_no_hinge_against_its_letter() {
+    let folder = Folder::new();
+    for (size, degrees) in [("--rows 2 --cols 2", 90.0), ("--rows 1 --cols 1", 180.0)] {
+        folder.done(&format!("generate resch {size} -o r.fold"));
+        let answer = plan(&folder, &format!("r.fold --crease 0={degrees} -o p.fold"));
+        assert_eq!(answer["outcome"], "planned", "{answer}");
+        assert!(answer["goal_error"].as_f64().unwrap() < 1e-6, "{answer}");
+        folder.done("check p.fold --bound 1e-9");
+    }
+}
+
+#[test]
+fn hinges_without_an_angle_keep_their_letters() {
+    let folder = Folder::new();
+    let mut vertices = vec![[0.0, 0.0]];
+    vertices.extend(
+        [0.0_f64, 70.0, 160.0, 270.0].map(|a| [a.to_radians().cos(), a.to_radians().sin()]),
+    );
+    let mut sheet = json!({
+        "vertices_coords": vertices,
+        "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
+        "edges_assignment": ["V", "M", "V", "V", "B", "B", "B", "B"],
+        "edges_foldAngle": [null, -60, null, null, 0, 0, 0, 0],
+    });
+    let mut planned = 0;
+    for (edge, angle) in [(0, 60), (1, -60), (2, 60), (3, 60)] {
+        sheet["edges_foldAngle"] = json!([null, null, null, null, 0, 0, 0, 0]);
+        sheet["edges_foldAngle"][edge] = json!(angle);
+        folder.write("v.fold", &sheet.to_string());
+        if plan(&folder, "v.fold -o p.fold")["outcome"] == "planned" {
+            folder.done("check p.fold --bound 1e-9");
+            planned += 1;
+        }
+    }
+    assert!(planned >= 3, "{planned}");
+}

@@ -33,6 +33,8 @@ const SAME_BRANCH: f64 = 0.999;
 const STRAIGHT: f64 = 0.9;
 /// A first step that shrinks by more in closing has fallen back to flat.
 const SHRUNK: f64 = 0.1;
+/// One that grows by more has gone elsewhere.
+const GROWN: f64 = 2.0;
 
 /// Closed configurations a small step from flat on different branches, none against the `signs`; those
 /// that turn most hinges come first, and of these the nearest to the direction of `towards`.
@@ -144,7 +146,9 @@ impl<'a> Leaving<'a> {
 
     fn is_good(&mut self, x: &[f64], start: &[f64]) -> bool {
         let mut signs = x.iter().zip(self.signs);
-        if max_norm(x) < SHRUNK * max_norm(start) || !signs.all(|(x, sign)| x * sign >= 0.0) {
+        let (size, first) = (max_norm(x), max_norm(start));
+        if size < SHRUNK * first || size > GROWN * first || !signs.all(|(x, sign)| x * sign >= 0.0)
+        {
             return false;
         }
         let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();

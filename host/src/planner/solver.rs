@@ -11,6 +11,7 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
+use super::follow::max_norm;
 use super::sparse::SparseNormalEquations;
 use super::{Solver, chord};
 use crate::symmetry::ReducedStars;
@@ -101,18 +102,15 @@ impl<'a> ClosureSolver<'a> {
     /// which.
     pub(super) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
         let limits = Limits::Each(&self.limits);
-        let rooms = x.iter().zip(direction).enumerate().map(|(k, (&x, &d))| {
-            let (lower, upper) = limits.of(k);
-            let room = if d > 0.0 { upper - x } else { lower - x };
-            (
-                if d.abs() > 0.0 {
-                    room / d
-                } else {
-                    f64::INFINITY
-                },
-                k,
-            )
-        });
+        let tiny = SIDEWAYS * max_norm(direction);
+        let rooms = x.iter().zip(direction).enumerate();
+        let rooms = rooms
+            .filter(|(_, (_, d))| d.abs() > tiny)
+            .map(|(k, (&x, &d))| {
+                let (lower, upper) = limits.of(k);
+                let room = if d > 0.0 { upper - x } else { lower - x };
+                (room / d, k)
+            });
         rooms.fold((f64::INFINITY, 0), |least, room| {
             if room.0 < least.0 { room } else { least }
         })
@@ -243,7 +241,7 @@ impl<'a> ClosureSolver<'a> {
                 return None;
             }
             let limits = Limits::Each(&self.limits);
-            let tiny = SIDEWAYS * direction.iter().fold(0.0, |max, d| f64::max(max, d.abs()));
+            let tiny = SIDEWAYS * max_norm(direction);
             let blocked = direction.iter().zip(x).enumerate();
             let blocked = blocked.filter(|&(k, (&d, &x))| {
                 d.abs() > tiny && limits.blocks(k, x, -d) && !held.contains(&k)
