@@ -45,3 +45,30 @@ fn the_report_authors_patterns_are_planned() {
         );
     }
 }
+
+/// FOLD files of other programs: a Miura folds from its letters, a sheet with undriven hinges folds, and a
+/// locally but not globally foldable twist is refused with the vertex that stands in the way.
+#[test]
+fn files_of_other_programs_get_their_answers() {
+    let Some(folder) = folder() else { return };
+    for (name, outcome) in [
+        (
+            "flat-folder/074_miuraoripa_Miura-ori.fold",
+            Outcome::Planned,
+        ),
+        ("flat-folder/001_ku_Bad_Twist.fold", Outcome::Partial),
+        ("osbo/waterbombBase.fold", Outcome::Planned),
+    ] {
+        let file = read_pattern(&folder.join(name)).unwrap();
+        let plan = Planned::of(file, &PlanOptions::default()).plan;
+        assert_eq!(plan.outcome, outcome, "{name}: {:?}", plan.reason);
+        let reason = plan.reason.unwrap_or_default();
+        assert_eq!(
+            reason.contains("vertex"),
+            outcome != Outcome::Planned,
+            "{name}: {reason}"
+        );
+    }
+    let error = read_pattern(&folder.join("rtori/one_vertex.fold")).unwrap_err();
+    assert!(error.to_string().contains("edges_vertices"), "{error}");
+}
