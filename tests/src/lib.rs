@@ -6,7 +6,7 @@
 //! the same matrices, and compares all pairs of faces for crossings.
 //!
 //! [`campaign`] plans seeded sheets of the [`meshes`] by the thousand and has the oracle judge them:
-//! `cargo run --release -p foldpath-tests --bin campaign -- --count 1000 --seed 1`.
+//! `cargo run --release -p foldpath-tests --example campaign -- --count 1000 --seed 1`.
 
 mod animation;
 pub mod campaign;

@@ -1,5 +1,5 @@
 //! Plans many seeded sheets and judges each path by the oracle:
-//! `cargo run --release -p foldpath-tests --bin campaign -- --count 1000 --seed 1`.
+//! `cargo run --release -p foldpath-tests --example campaign -- --count 1000 --seed 1`.
 
 use core::time::Duration;
 use std::path::PathBuf;
