@@ -16,7 +16,7 @@
 use nalgebra::Vector3;
 
 use crate::closure::{cross, derivative, positive};
-use crate::{HalfAngle, Rotation, Scalar, Spoke};
+use crate::{HalfAngle, Rotation, Scalar, Spoke, StarsView};
 
 /// The creases that a way from face to face round a hole crosses, in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,11 @@ pub struct LoopView<'a, T> {
     pub places: &'a [[T; 2]],
 }
 
-/// A list of loops in three borrowed arrays, as [`StarsView`](crate::StarsView) lends stars.
+/// A list of loops in three borrowed arrays: stars whose spokes have places.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopsView<'a, T> {
-    spokes: &'a [Spoke<T>],
+    stars: StarsView<'a, T>,
     places: &'a [[T; 2]],
-    ends: &'a [u32],
 }
 
 impl<'a, T: Scalar> LoopsView<'a, T> {
@@ -40,9 +39,8 @@ impl<'a, T: Scalar> LoopsView<'a, T> {
     #[must_use]
     pub fn none() -> Self {
         Self {
-            spokes: &[],
+            stars: StarsView::none(),
             places: &[],
-            ends: &[],
         }
     }
 
@@ -57,41 +55,36 @@ impl<'a, T: Scalar> LoopsView<'a, T> {
         ends: &'a [u32],
         unknowns: usize,
     ) -> Option<Self> {
-        crate::StarsView::new(spokes, ends, unknowns)?;
-        (places.len() == spokes.len()).then_some(Self {
-            spokes,
-            places,
-            ends,
-        })
+        let stars = StarsView::new(spokes, ends, unknowns)?;
+        (places.len() == spokes.len()).then_some(Self { stars, places })
     }
 
     /// Number of loops.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.ends.len()
+        self.stars.len()
     }
 
     /// Whether there is no loop at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
+        self.stars.is_empty()
     }
 
     /// Largest number of spokes in a loop.
     #[must_use]
     pub fn max_degree(&self) -> usize {
-        self.iter().map(|l| l.spokes.len()).max().unwrap_or(0)
+        self.stars.max_degree()
     }
 
     /// The loops in order.
     pub fn iter(&self) -> impl Iterator<Item = LoopView<'a, T>> + use<'a, T> {
-        let (spokes, places) = (self.spokes, self.places);
-        self.ends.iter().scan(0, move |start, &end| {
-            let range = *start..end as usize;
-            *start = end as usize;
+        self.stars.iter().scan(self.places, |left, star| {
+            let (places, rest) = left.split_at_checked(star.spokes.len())?;
+            *left = rest;
             Some(LoopView {
-                spokes: spokes.get(range.clone())?,
-                places: places.get(range)?,
+                spokes: star.spokes,
+                places,
             })
         })
     }

@@ -62,6 +62,15 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         })
     }
 
+    /// No star.
+    pub(crate) fn none() -> Self {
+        Self {
+            spokes: &[],
+            ends: &[],
+            unknowns: 0,
+        }
+    }
+
     /// Number of stars.
     #[must_use]
     pub fn len(&self) -> usize {

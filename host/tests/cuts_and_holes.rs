@@ -120,13 +120,7 @@ fn a_cut_parts_the_sheet_and_what_is_added_comes_last() {
         let info = folder.done("info sheet.fold --json").json();
         let said =
             "the sheet is cut along edges lettered B or C between two faces: 1 (first: edge 2)";
-        assert!(
-            info["assumptions"]
-                .as_array()
-                .unwrap()
-                .contains(&json!(said)),
-            "{info}"
-        );
+        assert_said(&info, said);
     }
 }
 
@@ -391,17 +385,18 @@ fn faces_that_meet_in_a_point_alone_are_parted() {
     let (_, _, folder) = planned(&document, "");
     let info = folder.done("info sheet.fold --json").json();
     let said = "vertices where faces meet in a point alone, parted there: 1 (first: vertex 14)";
-    assert!(
-        info["assumptions"]
-            .as_array()
-            .unwrap()
-            .contains(&json!(said)),
-        "{info}"
-    );
+    assert_said(&info, said);
     assert_eq!(
         (&info["vertices"], &info["sheets"]),
         (&json!(37), &json!(1))
     );
+}
+
+/// That `info` names this among its assumptions.
+#[track_caller]
+fn assert_said(info: &Value, said: &str) {
+    let assumptions = info["assumptions"].as_array().unwrap();
+    assert!(assumptions.contains(&json!(said)), "{info}");
 }
 
 /// The document and, to its right, itself again: one drawing of two sheets.
@@ -443,13 +438,7 @@ fn two_sheets_in_one_file_fold_side_by_side() {
         assert_eq!(info["sheets"], 2);
         let said = "2 sheets that no edge joins: each stays where it is drawn, and faces of different \
                     sheets are not looked at for crossings";
-        assert!(
-            info["assumptions"]
-                .as_array()
-                .unwrap()
-                .contains(&json!(said)),
-            "{info}"
-        );
+        assert_said(&info, said);
         for command in ["plan sheet.fold", "check path.fold"] {
             assert!(folder.done(command).stderr.contains(said), "{command}");
         }

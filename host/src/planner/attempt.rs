@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::depart::departures;
 use super::follow::{
-    Followed, Homeward, Rules, Stop, Target, Waypoint, follow, max_difference, max_norm,
+    Followed, Homeward, Rules, Stop, Target, Waypoint, follow, largest, max_difference, max_norm,
     tangent_at_flat,
 };
 use super::goal::GoalKind;
@@ -157,6 +157,11 @@ impl Attempt {
         }
     }
 
+    /// Where the path ends; nothing if there is none.
+    pub(super) fn last(&self) -> &[f64] {
+        self.waypoints.last().map_or(&[], |last| &last.angles)
+    }
+
     /// Whether nothing better can be had.
     pub(super) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
@@ -205,11 +210,7 @@ impl<'a> Route<'a> {
                     && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
             };
             // The flat sheet, which always closes, is not what is asked for.
-            let asked = goal
-                .fold_angles
-                .iter()
-                .flatten()
-                .fold(0.0, |max, a| f64::max(max, a.abs()));
+            let asked = largest(&goal.fold_angles);
             let turned = |closed: &ClosedGoal| {
                 let moved = goal.kind == GoalKind::Letters || closed.error <= MOVED * asked;
                 moved && max_norm(&closed.angles) >= TURNED * asked
@@ -261,7 +262,7 @@ impl<'a> Route<'a> {
                 let mut solver = self.solver(self.accepted);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
-                count(work, &solver);
+                *work += solver.work;
                 followed
             }
         };
@@ -289,10 +290,8 @@ impl<'a> Route<'a> {
         let (mut waypoints, _) = route.best(&targets, work);
         let accepted = route.accepted;
         let short = |w: &Waypoint| {
-            let pairs = self.asked.iter().zip(&w.angles);
-            pairs
-                .into_iter()
-                .any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
+            let mut pairs = self.asked.iter().zip(&w.angles);
+            pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
         };
         let beyond = waypoints.iter().position(|w| !short(w))?;
         let before = waypoints.get(beyond.checked_sub(1)?)?.clone();
@@ -302,7 +301,7 @@ impl<'a> Route<'a> {
         let target = Target::Nearest(&self.asked);
         let came = Some(before.tangent.as_slice());
         let last = follow(&mut solver, &before.angles, came, target, self.rules());
-        count(work, &solver);
+        *work += solver.work;
         append(&mut waypoints, last.waypoints);
         last.stop.is_none().then_some(Followed {
             waypoints,
@@ -372,7 +371,7 @@ impl<'a> Route<'a> {
                 break;
             }
         }
-        count(work, &solver);
+        *work += solver.work;
         if followed.stop.is_some() {
             // What does not begin flat is no part of a path.
             followed.waypoints = vec![Waypoint {
@@ -401,7 +400,7 @@ impl<'a> Route<'a> {
                 followed = back.reversed();
             }
         }
-        count(work, &solver);
+        *work += solver.work;
         followed
     }
 
@@ -486,7 +485,7 @@ impl<'a> Route<'a> {
         if solver.is_late() && best.stop.is_some() {
             best.stop = Some(Stop::Timeout);
         }
-        count(work, &solver);
+        *work += solver.work;
         if branches.len() > 1 {
             self.branches = branches.len();
         }
@@ -495,11 +494,7 @@ impl<'a> Route<'a> {
 
     /// A direction from flat: what is asked for, and what is not as large, the way of its letter.
     fn guess(&self) -> Vec<f64> {
-        let largest = self
-            .asked
-            .iter()
-            .flatten()
-            .fold(0.0, |max, a| f64::max(max, a.abs()));
+        let largest = largest(&self.asked);
         let pairs = self.asked.iter().zip(&self.signs);
         pairs
             .map(|(asked, sign)| asked.unwrap_or(sign * largest))
@@ -545,7 +540,7 @@ impl<'a> Route<'a> {
             options,
             feasible,
         );
-        count(work, &solver);
+        *work += solver.work;
         self.accepted = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (followed.waypoints, end)
@@ -608,8 +603,3 @@ fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
 
 /// Largest change of a unit tangent that is no corner.
 const SMOOTH: f64 = 1e-6;
-
-fn count(work: &mut Work, solver: &ClosureSolver<'_>) {
-    work.iterations += solver.work.iterations;
-    work.evaluations += solver.work.evaluations;
-}

@@ -85,8 +85,7 @@ pub(super) fn departures(
             .then(far(a).total_cmp(&far(b)))
     });
     for solver in [&leaving.free, &leaving.held] {
-        work.iterations += solver.work.iterations;
-        work.evaluations += solver.work.evaluations;
+        *work += solver.work;
     }
     found
 }

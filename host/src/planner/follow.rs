@@ -528,6 +528,12 @@ pub(super) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max, a| f64::max(max, a.abs()))
 }
 
+/// Size of the largest angle asked for.
+pub(super) fn largest(asked: &[Option<f64>]) -> f64 {
+    let angles = asked.iter().flatten();
+    angles.fold(0.0, |max, a| f64::max(max, a.abs()))
+}
+
 pub(super) fn max_difference(x: &[f64], y: &[f64]) -> f64 {
     x.iter()
         .zip(y)

@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::attempt::{Attempt, End, Reach, straight};
-use super::follow::{Stop, max_norm, way_to};
+use super::follow::{Stop, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path, timed};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
@@ -136,20 +136,33 @@ impl<'a> Planning<'a> {
         }
     }
 
+    fn is_late(&self) -> bool {
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
     fn run(mut self) -> Plan {
         let mut work = Work::default();
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
         let start = Instant::now();
-        let choices = self.choices();
+        let pattern = self.pattern;
+        let symmetries = self.symmetries();
+        let exact = !symmetries.is_empty() && self.goal_is_exact();
         self.plan.times.symmetry += start.elapsed();
-        for (groups, exactly) in choices {
+        // Symmetry is a shortcut: what it does not find is looked for without.
+        let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
+        for (groups, exactly) in symmetries.into_iter().chain(without) {
             let start = Instant::now();
-            let shrinks = groups.len() < self.pattern.creases().len();
-            let reach = Reach {
-                radians: self.reach(shrinks),
-                exactly,
+            // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
+            // one beside a goal that closes as it stands, all creases on their own.
+            let shrinks = groups.len() < pattern.creases().len();
+            let radians = if exact && shrinks {
+                SAME
+            } else {
+                self.goal.reach
             };
+            let reach = Reach { radians, exactly };
             let (options, deadline) = (self.options, self.deadline);
             let reduction = Reduction::new(self.pattern, groups, options, deadline);
             self.plan.times.symmetry += start.elapsed();
@@ -196,34 +209,26 @@ impl<'a> Planning<'a> {
     }
 
     /// Crease groups to try one after the other, and whether the goal has to close exactly under them.
-    /// Groups of a finer symmetry fold the sheet more exactly, if they do at all. Symmetry is a
-    /// shortcut: what it does not find is looked for without.
-    fn choices(&self) -> Vec<(CreaseGroups, bool)> {
-        let mut choices = Vec::new();
+    /// Groups of a finer symmetry fold the sheet more exactly, if they do at all.
+    fn symmetries(&self) -> Vec<(CreaseGroups, bool)> {
+        let mut found = Vec::new();
         if self.options.symmetry == Symmetry::Auto {
-            let found = CreaseGroups::find(self.pattern);
-            let fine = found
+            let groups = CreaseGroups::find(self.pattern);
+            let fine = groups
                 .is_rough()
                 .then(|| CreaseGroups::find_exact(self.pattern));
-            choices.extend(fine.clone().map(|fine| (fine, true)));
-            choices.push((found, false));
-            choices.extend(fine.map(|fine| (fine, false)));
+            found.extend(fine.clone().map(|fine| (fine, true)));
+            found.push((groups, false));
+            found.extend(fine.map(|fine| (fine, false)));
         }
-        choices.retain(|(groups, _)| groups.len() < self.pattern.creases().len());
-        choices.push((CreaseGroups::trivial(self.pattern), false));
-        choices
+        found.retain(|(groups, _)| groups.len() < self.pattern.creases().len());
+        found
     }
 
-    /// How far a crease may be from its goal angle, radians. A goal far away is not what was asked for:
-    /// with every crease free, one may be nearer. Nor is one beside a goal that closes as it stands, all
-    /// creases on their own.
-    fn reach(&self, symmetric: bool) -> f64 {
-        let closure = || closure_of(self.pattern, &self.goal.fold_angles);
-        if symmetric && closure().is_some_and(|closure| closure <= CLOSED) {
-            SAME
-        } else {
-            self.goal.reach
-        }
+    /// Whether the goal closes as it stands, all creases on their own.
+    fn goal_is_exact(&self) -> bool {
+        let closure = closure_of(self.pattern, &self.goal.fold_angles);
+        closure.is_some_and(|closure| closure <= CLOSED)
     }
 
     /// Notes what the path is made of.
@@ -262,9 +267,8 @@ impl<'a> Planning<'a> {
                 return self.end(Outcome::Timeout, reason);
             }
             End::Stopped(stop) => {
-                if let Some(reduction) = symmetric.as_ref().or(Some(&attempt.reduction))
-                    && let Some(plan) = self.deforming(reduction)
-                {
+                let reduction = symmetric.as_ref().unwrap_or(&attempt.reduction);
+                if let Some(plan) = self.deforming(reduction) {
                     return plan;
                 }
                 let reason = self.stopped(&attempt, stop);
@@ -301,11 +305,7 @@ impl<'a> Planning<'a> {
     /// Says how far the goal was moved, if it was.
     fn moved_goal(&mut self, attempt: &Attempt) {
         let start = Instant::now();
-        let last = attempt
-            .waypoints
-            .last()
-            .map_or(&[][..], |last| &last.angles);
-        let angles = attempt.reduction.groups.expand(last);
+        let angles = attempt.reduction.groups.expand(attempt.last());
         let asked = self.goal.fold_angles.iter().zip(angles);
         // Free hinges as they close.
         let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
@@ -327,19 +327,14 @@ impl<'a> Planning<'a> {
         if let Some(plan) = self.deforming(reduction) {
             return plan;
         }
-        let late = self
-            .deadline
-            .is_some_and(|deadline| Instant::now() >= deadline);
-        if late {
+        if self.is_late() {
             let reason = "out of time while closing the goal".into();
             return self.end(Outcome::Timeout, reason);
         }
         let End::NotClosed { phase, nearest } = attempt.end else {
             return self.plan;
         };
-        let asked = self.goal.fold_angles.iter().flatten();
-        let farthest = asked.fold(0.0, |max, angle| f64::max(max, angle.abs()));
-        self.plan.goal_error = nearest.unwrap_or(farthest);
+        self.plan.goal_error = nearest.unwrap_or_else(|| largest(&self.goal.fold_angles));
         let goal = self.goal.via.get(phase).unwrap_or(self.goal);
         let mut reason = format!("no closed configuration was found near {}", goal.source);
         if let Some(error) = nearest {
@@ -369,10 +364,7 @@ impl<'a> Planning<'a> {
     /// Why the path ends where it does, in words.
     fn stopped(&self, attempt: &Attempt, stop: Stop) -> String {
         let reduction = &attempt.reduction;
-        let last = attempt
-            .waypoints
-            .last()
-            .map_or(&[][..], |last| &last.angles);
+        let last = attempt.last();
         let why = match stop {
             Stop::Singular if attempt.waypoints.len() < 2 => {
                 "no motion leaves the flat sheet with these signs"
@@ -420,7 +412,7 @@ impl<'a> Planning<'a> {
     /// Holding there too, it is a plan; else the sheet is not rigidly foldable this way
     /// (Prop. 5.1 of the report). `None` if already the essential pattern breaks the bound, or the goal
     /// is not one of its crease groups.
-    fn deforming(&mut self, reduction: &Reduction) -> Option<Plan> {
+    fn deforming(&self, reduction: &Reduction) -> Option<Plan> {
         let asked = reduction.groups.reduce(&self.goal.fold_angles);
         let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
         let shrinks = reduction.groups.len() < self.pattern.creases().len();
@@ -441,9 +433,10 @@ impl<'a> Planning<'a> {
         if !(essential.deformation <= self.options.bound && essential.gap <= self.options.bound) {
             return None;
         }
-        let mut planning = Planning::new(self.pattern, self.goal, self.options);
-        planning.deadline = self.deadline;
-        planning.plan = self.plan.clone();
+        let mut planning = Planning {
+            plan: self.plan.clone(),
+            ..*self
+        };
         planning.describe(reduction);
         planning.plan.goal_error = error;
         planning.plan.notes.push(
@@ -458,7 +451,7 @@ impl<'a> Planning<'a> {
         let torn = Planning {
             options: &blind,
             plan: planning.plan.clone(),
-            ..planning
+            ..*self
         };
         let accepted = self.options.bound;
         let plan = torn.judge(reduction, accepted, knots.clone(), 1.0);
@@ -480,10 +473,7 @@ impl<'a> Planning<'a> {
         let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
-            if self
-                .deadline
-                .is_some_and(|deadline| Instant::now() >= deadline)
-            {
+            if self.is_late() {
                 self.plan.reached = 0.0;
                 let reason = format!("out of time while judging knot {index}");
                 knots.truncate(index);

@@ -200,8 +200,7 @@ impl Reduction {
         let mut solver = self.solver(options, accepted);
         solver.set_limits(self.orthant(&signs));
         let found = nearest_closed(&mut solver, &asked, &signs);
-        work.iterations += solver.work.iterations;
-        work.evaluations += solver.work.evaluations;
+        *work += solver.work;
         let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
         Some(ClosedGoal {
             error: self.distance(&angles, goal),

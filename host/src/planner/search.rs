@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 
 use super::PlanOptions;
 use super::follow::{
-    Followed, NEAR, Rules, Stop, Waypoint, approach, max_difference, norm, way_to,
+    Followed, NEAR, Rules, Stop, Waypoint, approach, max_difference, max_norm, norm, way_to,
 };
 use super::solver::ClosureSolver;
 
@@ -42,7 +42,7 @@ pub(super) fn search(
     let stop = loop {
         let here = &knots[knots.len() - 1];
         let way = way_to(asked, here);
-        let far = norm(&way);
+        let (far, longest) = (norm(&way), max_norm(&way));
         if far <= NEAR {
             break None;
         }
@@ -50,7 +50,7 @@ pub(super) fn search(
             knots.push(closed.to_vec());
             break None;
         }
-        if closed.is_none() && way.iter().all(|w| w.abs() <= max_step) {
+        if closed.is_none() && longest <= max_step {
             let last = approach(solver, here.clone(), asked);
             let there = norm(&way_to(asked, &last)) <= NEAR;
             if there
@@ -68,7 +68,6 @@ pub(super) fn search(
         if restarts == most_restarts {
             break Some(Stop::Nearest);
         }
-        let longest = way.iter().fold(0.0, |max, w| f64::max(max, w.abs()));
         let part = (radius / longest).min(1.0);
         let ahead: Vec<f64> = here.iter().zip(&way).map(|(x, w)| x + part * w).collect();
         let mut next = ahead.clone();

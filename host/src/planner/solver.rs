@@ -1,5 +1,6 @@
 //! Core's solvers with memory from the heap.
 
+use core::ops::AddAssign;
 use std::time::Instant;
 
 use foldpath_core::least_squares::{
@@ -26,6 +27,13 @@ const GRADIENT_SLICE: u32 = 500;
 pub(super) struct Work {
     pub(super) iterations: u64,
     pub(super) evaluations: u64,
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
+    }
 }
 
 /// The closure of some stars and loops, with all memory that solving it needs.
