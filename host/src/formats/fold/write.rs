@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use super::animation::interpolation_name;
 use crate::pattern::{CreasePattern, Drawing};
 use crate::planner::Path;
 
@@ -101,7 +102,10 @@ impl PathWriter<'_> {
             .set("edges_vertices", &ends)
             .set("edges_assignment", &letters)
             .set("faces_vertices", &faces)
-            .set("foldpath:interpolation", path.interpolation.name())
+            .set(
+                "foldpath:interpolation",
+                interpolation_name(path.interpolation),
+            )
             .set("foldpath:edges_group", &groups.collect::<Vec<_>>())
             .set("foldpath:edges_sign", &signs.collect::<Vec<_>>())
             .set("foldpath:seed", &self.seed);
