@@ -96,7 +96,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         unknowns: plan.unknowns,
         knots: plan.path.knots.len(),
         max_deformation: plan.rigidity.deformation,
-        certified_deformation: None,
+        certified_deformation: plan.certified_deformation,
         max_closure: plan.max_closure,
         max_gap: plan.rigidity.gap,
         goal_error: plan.goal_error.to_degrees(),

@@ -120,9 +120,12 @@ impl<'a> Judge<'a> {
             .unwrap_or_default()
     }
 
-    /// Worst deformation and gap of the essential crease pattern over all knots, and its number of
-    /// faces.
-    pub(super) fn essential(&mut self, knots: &[Knot]) -> (Rigidity, usize) {
+    /// Worst deformation and gap of the essential crease pattern over some configurations, and its number
+    /// of faces.
+    pub(super) fn essential<'k>(
+        &mut self,
+        configurations: impl Iterator<Item = &'k [f64]>,
+    ) -> (Rigidity, usize) {
         let start = Instant::now();
         let groups = &self.reduction.groups;
         let Ok((part, creases)) = essential_pattern(self.pattern, groups) else {
@@ -131,10 +134,10 @@ impl<'a> Judge<'a> {
         let tree = SpanningTree::from_central_face(&part);
         let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
         let mut worst = Rigidity::default();
-        for knot in knots {
+        for angles in configurations {
             let angle = |crease| {
                 let membership = groups.of(crease);
-                membership.apply(knot.angles[membership.group.index()])
+                membership.apply(angles[membership.group.index()])
             };
             let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
             map.fold(&part, &tree, &angles);

@@ -155,6 +155,11 @@ impl Reduction {
         }
     }
 
+    /// Largest closure residual of the essential conditions.
+    pub(super) fn essential_closure(&self, angles: &[f64]) -> f64 {
+        max_closure(&self.essential, angles)
+    }
+
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
         max_closure(&self.all, angles)

@@ -158,6 +158,12 @@ impl ReducedStars {
         stars.into_iter().chain(loops).collect()
     }
 
+    /// Whether there is no condition.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.spokes.is_empty() && self.loops.is_empty()
+    }
+
     /// The vertices, in the order of the stars.
     #[must_use]
     pub fn vertices(&self) -> &[VertexId] {
