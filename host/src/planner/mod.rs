@@ -14,6 +14,7 @@ mod goal;
 mod judge;
 mod knots;
 mod options;
+mod overshoot;
 mod place;
 mod plan;
 mod reduction;
@@ -29,5 +30,6 @@ pub use knots::{Knot, Path};
 pub use options::{
     HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Timing, Vertices,
 };
+pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};
 pub use reduction::closure_of;
