@@ -38,6 +38,7 @@
 //! - **XiLien2015**: Z. Xi, J.-M. Lien, "Folding and unfolding origami tessellation by reusing
 //!   folding path", GMU-CS-TR-2015-2.
 
+pub mod certificate;
 pub mod check;
 pub mod cli;
 pub mod collision;
