@@ -1,5 +1,6 @@
 //! Rigorous bounds on what happens between two knots: closure residuals of vertices and of loops round
-//! holes over a whole segment, fold angles and rates.
+//! holes over a whole segment, fold angles and rates; and by them deformation, gap and twist of the whole
+//! sheet.
 //!
 //! Everything is proved of the exact motion of the given curves, roundings on the way included, and of
 //! that motion evaluated in `f64` by other means.
@@ -8,6 +9,8 @@ mod bernstein;
 mod chebyshev;
 mod closure;
 mod range;
+mod sheet;
 
 pub use closure::{Closure, SegmentCertifier};
 pub use range::{range, rate};
+pub use sheet::SheetCertifier;

@@ -72,10 +72,7 @@ impl ReducedStars {
     fn add_loop(&mut self, pattern: &CreasePattern, groups: &CreaseGroups, hole: usize) {
         let way = &pattern.holes()[hole];
         let place = |passage: &Passage| pattern.vertices()[passage.at.index()];
-        #[allow(clippy::cast_precision_loss, reason = "a mean")]
-        let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
-        let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
-        let size = from_middle.fold(f64::MIN_POSITIVE, f64::max);
+        let (middle, size) = pattern.hole_frame(hole);
         let mut spokes = Vec::new();
         for passage in way {
             let edge = pattern.edge(passage.edge);
@@ -109,7 +106,7 @@ impl ReducedStars {
             unknowns: self.unknowns,
             same_angle: self.same_angle,
         };
-        for (index, &first) in self.conditions().iter().enumerate() {
+        for (index, (first, _)) in self.conditions().into_iter().enumerate() {
             if first == index {
                 essential.vertices.push(self.vertices[index]);
                 essential.spokes.push(self.spokes[index].iter().copied());
@@ -118,8 +115,26 @@ impl ReducedStars {
         essential
     }
 
-    /// For each star the first one with the same closure condition.
-    fn conditions(&self) -> Vec<usize> {
+    /// For each star the one of [`essential`](Self::essential) that stands for it, and by how much their
+    /// residuals may differ at any angles: stars that count as the same are so up to roundings, or up to
+    /// the roughness of the sheet.
+    #[must_use]
+    pub fn represented(&self) -> Vec<(usize, f64)> {
+        let mut place = vec![0; self.vertices.len()];
+        let mut count = 0;
+        let conditions = self.conditions().into_iter().enumerate();
+        let stars = conditions.map(|(index, (first, difference))| {
+            if first == index {
+                place[index] = count;
+                count += 1;
+            }
+            (place[first], difference)
+        });
+        stars.collect()
+    }
+
+    /// For each star the first one with the same closure condition, and how far residuals may differ.
+    fn conditions(&self) -> Vec<(usize, f64)> {
         let mut firsts: HashMap<Vec<u32>, Vec<usize>> = HashMap::new();
         let stars = self.spokes.iter().enumerate();
         stars
@@ -127,13 +142,14 @@ impl ReducedStars {
                 let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
                 key.sort_unstable();
                 let alike = firsts.entry(key).or_default();
-                let same =
-                    |&&other: &&usize| same_condition(&self.spokes[other], star, self.same_angle);
-                let first = alike.iter().find(same).copied().unwrap_or(index);
-                if first == index {
+                let same = |&other: &usize| {
+                    let difference = same_condition(&self.spokes[other], star, self.same_angle)?;
+                    Some((other, difference))
+                };
+                alike.iter().find_map(same).unwrap_or_else(|| {
                     alike.push(index);
-                }
-                first
+                    (index, 0.0)
+                })
             })
             .collect()
     }
@@ -198,16 +214,18 @@ impl ReducedStars {
     }
 }
 
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> bool {
+/// If both are the same condition, how far their residuals may differ.
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<f64> {
     let n = a.len();
+    let image = |k: usize, first: usize, mirrored: bool| {
+        if mirrored {
+            (first + n - k % n) % n
+        } else {
+            (first + k) % n
+        }
+    };
     let matches = |first: usize, mirrored: bool, flipped: bool| {
-        let image = |k: usize| {
-            if mirrored {
-                (first + n - k % n) % n
-            } else {
-                (first + k) % n
-            }
-        };
+        let image = |k: usize| image(k, first, mirrored);
         (0..n).all(|k| {
             let (from, to) = (&a[k], &b[image(k)]);
             let sector = angle(from.direction, a[(k + 1) % n].direction);
@@ -222,11 +240,21 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> bool {
         })
     };
     let both = [false, true];
-    n == b.len()
-        && (0..n).any(|first| {
-            both.iter()
-                .any(|&m| both.iter().any(|&f| matches(first, m, f)))
-        })
+    let ways = (0..n).flat_map(|first| both.map(|mirrored| (first, mirrored)));
+    let mut ways = ways.filter(|_| n == b.len());
+    let (first, mirrored) = ways.find(|&(k, m)| both.iter().any(|&f| matches(k, m, f)))?;
+
+    // A crease off by an angle takes the residual along by twice that at most.
+    let spokes = (0..n).map(|k| (a[k].direction, b[image(k, first, mirrored)].direction));
+    let turned = |[x, y]: [f64; 2]| Vector2::new(x, if mirrored { -y } else { y });
+    let (from, to) = (turned(a[0].direction), Vector2::from(b[first].direction));
+    let (cos, sin) = (from.dot(&to), from.perp(&to));
+    let off = spokes.map(|(a, b)| {
+        let a = turned(a);
+        let image = Vector2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y);
+        (image - Vector2::from(b)).norm() + 8.0 * f64::EPSILON
+    });
+    Some(2.0 * off.sum::<f64>())
 }
 
 /// Angle from one direction to another, counter-clockwise, in 0..2π.
@@ -280,10 +308,10 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
         return (0..pattern.faces().len().min(1)).map(FaceId::new).collect();
     };
     let mut condition_at = vec![None; pattern.vertices().len()];
-    for (vertex, &condition) in all.vertices.iter().zip(&conditions) {
+    for (vertex, &(condition, _)) in all.vertices.iter().zip(&conditions) {
         condition_at[vertex.index()] = Some(condition);
     }
-    let mut missing: HashSet<usize> = conditions.into_iter().collect();
+    let mut missing: HashSet<usize> = conditions.into_iter().map(|(first, _)| first).collect();
     let mut faces = BTreeSet::new();
     let mut taken = vec![false; pattern.vertices().len()];
     let mut before = vec![None; pattern.vertices().len()];
