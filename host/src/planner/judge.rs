@@ -23,6 +23,8 @@ pub(super) struct Judge<'a> {
     tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
+    /// Whether judged knots keep the folded positions of the vertices.
+    pub(super) keep_vertices: bool,
     /// Time spent folding and measuring.
     pub(super) fold: Duration,
     /// Time spent looking for crossings.
@@ -47,6 +49,7 @@ impl<'a> Judge<'a> {
             tree,
             map,
             scene,
+            keep_vertices: false,
             fold,
             collision: start.elapsed(),
         }
@@ -59,7 +62,9 @@ impl<'a> Judge<'a> {
         knot.closure = self.reduction.closure(&knot.angles).max(rigidity.twist);
         knot.deformation = rigidity.deformation;
         knot.gap = rigidity.gap;
-        knot.vertices = self.map.vertices().to_vec();
+        if self.keep_vertices {
+            knot.vertices = self.map.vertices().to_vec();
+        }
         self.fold += start.elapsed();
         self.crossing(rigidity.gap)
     }

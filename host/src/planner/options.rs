@@ -89,6 +89,8 @@ pub struct PlanOptions {
     pub max_speed: f64,
     /// Time after which planning stops; none by default.
     pub timeout: Option<Duration>,
+    /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
+    pub keep_vertices: bool,
 }
 
 impl Default for PlanOptions {
@@ -107,6 +109,7 @@ impl Default for PlanOptions {
             max_step: 10_f64.to_radians(),
             max_speed: 45_f64.to_radians(),
             timeout: None,
+            keep_vertices: true,
         }
     }
 }

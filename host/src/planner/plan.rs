@@ -471,6 +471,7 @@ impl<'a> Planning<'a> {
     ) -> Plan {
         self.plan.reached = reached;
         let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
+        judge.keep_vertices = self.options.keep_vertices;
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
             if self.is_late() {
