@@ -71,9 +71,10 @@ impl<'a> Judge<'a> {
 
     /// Folds the sheet and measures it.
     fn place(&mut self, angles: &[f64]) -> Rigidity {
-        let creases = self.reduction.groups.expand(angles);
-        self.map.fold(self.pattern, self.tree, &creases);
-        self.map.rigidity(self.pattern, self.tree, &creases)
+        let memberships = self.reduction.groups.memberships();
+        let map = &mut self.map;
+        map.fold_groups(self.pattern, self.tree, memberships, angles);
+        map.rigidity(self.pattern, self.tree)
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
@@ -143,7 +144,7 @@ impl<'a> Judge<'a> {
             };
             let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
             map.fold(&part, &tree, &angles);
-            worst = worst.worse(map.rigidity(&part, &tree, &angles));
+            worst = worst.worse(map.rigidity(&part, &tree));
         }
         self.fold += start.elapsed();
         (worst, part.faces().len())

@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 
-use foldpath_core::{HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
-use nalgebra::Vector2;
+use foldpath_core::{HalfAngle, LoopsView, Spoke, StarView, StarsView, closure, hole};
+use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
+use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
 };
@@ -144,18 +145,26 @@ impl ReducedStars {
     pub fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
         closure::half_angles(x, &mut half_angles);
-        let of = |stars: StarsView<'_, f64>| -> Vec<f64> {
-            let stars = stars.iter();
-            stars
-                .map(|star| norm(&closure::residual(star, &half_angles)))
-                .collect()
-        };
-        let (stars, loops) = (of(self.view()), self.loops());
-        let loops = loops.iter().map(|l| hole::residuals(l, &half_angles));
-        let loops: Vec<f64> = loops
-            .map(|[turn, shift]| norm(&turn).max(norm(&shift)))
-            .collect();
-        stars.into_iter().chain(loops).collect()
+        self.squares(&half_angles).map(f64::sqrt).collect()
+    }
+
+    /// The largest of the [`residuals`](Self::residuals), 0 for none; NaN if one is.
+    #[must_use]
+    pub fn largest_residual(&self, x: &[f64]) -> f64 {
+        let mut half_angles = vec![HalfAngle::default(); x.len()];
+        closure::half_angles(x, &mut half_angles);
+        largest(self.squares(&half_angles)).sqrt()
+    }
+
+    /// Squares of the residuals.
+    fn squares(&self, half_angles: &[HalfAngle<f64>]) -> impl Iterator<Item = f64> {
+        let stars = self.spokes.iter().map(|spokes| StarView { spokes });
+        let stars = stars.map(|star| closure::residual(star, half_angles).norm_squared());
+        let loops = self.loops().iter().map(|cycle| {
+            let parts = hole::residuals(cycle, half_angles);
+            largest(parts.iter().map(Vector3::norm_squared))
+        });
+        stars.chain(loops)
     }
 
     /// The vertices, in the order of the stars.
