@@ -131,7 +131,7 @@ impl<'a> Judge<'a> {
     pub(super) fn essential(&mut self, knots: &[Knot]) -> (Rigidity, usize) {
         let start = Instant::now();
         let groups = &self.reduction.groups;
-        let Ok((part, creases)) = essential_pattern(self.pattern, groups) else {
+        let Ok((part, creases)) = essential_pattern(self.pattern, &self.reduction.all) else {
             return (Rigidity::default(), 0);
         };
         let tree = SpanningTree::from_central_face(&part);
