@@ -45,6 +45,7 @@ pub mod collision;
 pub mod folding;
 pub mod formats;
 pub mod generate;
+mod numbers;
 pub mod pattern;
 pub mod planner;
 pub mod ragged;

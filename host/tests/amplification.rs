@@ -54,7 +54,7 @@ fn fractions(pattern: &CreasePattern, angles: &[f64]) -> [f64; 3] {
     let factors = Amplification::new(pattern, &tree).unwrap();
     let known: Vec<_> = angles.iter().copied().map(Some).collect();
     let residual = closure_of(pattern, &known).unwrap();
-    let measured = FoldingMap::new(pattern, &tree, angles).rigidity(pattern, &tree, angles);
+    let measured = FoldingMap::new(pattern, &tree, angles).rigidity(pattern, &tree);
     [
         measured.gap / (factors.gap * residual),
         measured.deformation / (factors.deformation * residual),

@@ -105,6 +105,8 @@ pub struct PlanOptions {
     pub max_knots: Option<usize>,
     /// Time after which planning stops; none by default.
     pub timeout: Option<Duration>,
+    /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
+    pub keep_vertices: bool,
 }
 
 impl Default for PlanOptions {
@@ -126,6 +128,7 @@ impl Default for PlanOptions {
             max_acceleration: None,
             max_knots: None,
             timeout: None,
+            keep_vertices: true,
         }
     }
 }

@@ -76,7 +76,7 @@ impl Overshoot {
 }
 
 /// Largest absolute first and second derivative on a segment.
-fn peaks(curve: &Curve<f64>) -> [f64; 2] {
+pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
     let at = |s: f64| curve.derivatives(s).map(f64::abs);
     match curve {
         Curve::Angle([a, b, c, d]) => {

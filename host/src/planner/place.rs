@@ -9,9 +9,10 @@ use super::course::{Course, Site};
 use super::follow::max_norm;
 use super::knots::Knot;
 use super::options::{PlanOptions, Timing};
+use super::overshoot::peaks;
 use super::solver::ClosureSolver;
 use super::timing::Law;
-use crate::certificate::{SegmentCertifier, range};
+use crate::certificate::{Closure, SegmentCertifier, range};
 use crate::symmetry::ReducedStars;
 
 /// What the motion between knots has to keep.
@@ -63,11 +64,21 @@ impl Pace {
 pub(super) struct Placed {
     pub(super) interpolation: Interpolation,
     pub(super) knots: Vec<Knot>,
-    /// Bound on the closure residual of every star between knots, and of the loops round holes.
-    pub(super) closure: f64,
+    /// Bound on the closure residual of each star over the whole motion.
+    pub(super) stars: Vec<f64>,
+    /// Of the rotation and the translation of each loop.
+    pub(super) loops: Vec<[f64; 2]>,
 }
 
 impl Placed {
+    /// Bounds on the closure over the whole motion.
+    pub(super) fn closure(&self) -> Closure<'_> {
+        Closure {
+            stars: &self.stars,
+            loops: &self.loops,
+        }
+    }
+
     /// Seconds from the first knot to the last.
     fn duration(&self) -> f64 {
         self.knots.last().map_or(0.0, |last| last.time)
@@ -108,7 +119,11 @@ pub(super) fn place(
     };
     let mut best: Option<Placed> = None;
     for &kind in kinds {
-        let certain = |placed: &Placed| terms.closure.is_none_or(|most| placed.closure <= most);
+        let certain = |placed: &Placed| {
+            terms
+                .closure
+                .is_none_or(|most| placed.closure().worst() <= most)
+        };
         if let Some(best) = best.as_ref().filter(|best| certain(best)) {
             if best.knots.len() <= FEW {
                 break;
@@ -194,8 +209,6 @@ const HASTE: f64 = 0.02;
 const NARROWEST: f64 = 1.0 / 256.0;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
-/// Places in a segment at which speed and acceleration are looked at.
-const PLACES: usize = 8;
 
 impl Placer<'_, '_> {
     /// The only configuration of a course that goes nowhere.
@@ -208,7 +221,8 @@ impl Placer<'_, '_> {
                 angles: first.angles,
                 ..Knot::default()
             }],
-            closure: 0.0,
+            stars: vec![0.0; self.terms.stars.vertices().len()],
+            loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
         })
     }
 
@@ -274,15 +288,18 @@ impl Placer<'_, '_> {
         if !within || paced && self.haste(maker.kind, span) > 1.0 + HASTE {
             return Some(false);
         }
-        Some(terms.closure.is_none_or(|most| self.closure() <= most))
+        Some(
+            terms
+                .closure
+                .is_none_or(|most| self.closure().worst() <= most),
+        )
     }
 
-    /// Bound on the closure residual over the present curves.
-    fn closure(&mut self) -> f64 {
+    /// Bounds on the closure over the present curves.
+    fn closure(&mut self) -> Closure<'_> {
         let stars = self.terms.stars;
-        self.certifier
-            .closure(stars.view(), stars.loops(), &self.curves)
-            .worst()
+        let (stars, loops) = (stars.view(), stars.loops());
+        self.certifier.closure(stars, loops, &self.curves)
     }
 
     /// How much too fast the hinges of the present curves are: the factor by which time has to be
@@ -323,10 +340,22 @@ impl Placer<'_, '_> {
 
     /// The knots at these places, with the time stretched so that no hinge is too fast.
     fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
-        let (mut closure, mut stretch) = (0.0, 0.0);
+        let mut stars = vec![0.0; self.terms.stars.vertices().len()];
+        let mut loops = vec![[0.0; 2]; self.terms.stars.holes().len()];
+        let mut stretch = 0.0;
         for pair in sites.windows(2) {
             let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
-            closure = f64::max(closure, self.closure());
+            let closure = self.closure();
+            let worse = |worst: &mut f64, bound: &f64| *worst = worst.max(*bound);
+            stars
+                .iter_mut()
+                .zip(closure.stars)
+                .for_each(|(a, b)| worse(a, b));
+            let both = loops
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(closure.loops.as_flattened());
+            both.for_each(|(a, b)| worse(a, b));
             stretch = f64::max(stretch, self.haste(maker.kind, span));
         }
         let start = maker.pace.at(&sites[0])[0];
@@ -347,7 +376,8 @@ impl Placer<'_, '_> {
         Some(Placed {
             interpolation: maker.kind,
             knots: knots.collect(),
-            closure,
+            stars,
+            loops,
         })
     }
 }
@@ -355,20 +385,14 @@ impl Placer<'_, '_> {
 /// How much too fast hinges are on a segment of that duration: by the factor that time has to be
 /// stretched.
 fn haste(curves: &[Curve<f64>], kind: Interpolation, span: f64, terms: &Terms<'_>) -> f64 {
-    let places = (0..=PLACES).map(|k| k as f64 / PLACES as f64);
-    let (mut speed, mut acceleration) = (0.0, 0.0);
-    for s in places {
-        for curve in curves {
-            let [first, second] = curve.derivatives(s);
-            speed = f64::max(speed, first.abs());
-            acceleration = f64::max(acceleration, second.abs());
-        }
-    }
-    let by_speed = speed / (span * terms.speed);
+    let most = curves.iter().map(peaks).fold([0.0; 2], |most, peaks| {
+        [0, 1].map(|k| f64::max(most[k], peaks[k]))
+    });
+    let speed = most[0] / (span * terms.speed);
     if kind == Interpolation::Linear {
-        return by_speed;
+        return speed;
     }
-    by_speed.max((acceleration / (span * span * terms.acceleration)).sqrt())
+    speed.max((most[1] / (span * span * terms.acceleration)).sqrt())
 }
 
 /// Makes the curves between places.

@@ -12,6 +12,7 @@ use super::place::{Placed, Terms, place};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
 use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions, Symmetry};
+use crate::certificate::SheetCertifier;
 use crate::collision::{CollisionCounts, Crossing};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -516,12 +517,10 @@ impl<'a> Planning<'a> {
             return self.unplaced();
         };
         self.plan.path.interpolation = placed.interpolation;
-        self.plan.certified_closure = Some(placed.closure);
-        self.plan.certified_deformation = reduction
-            .amplification
-            .map(|factor| factor * placed.closure);
+        self.certify(reduction, &placed);
         let mut knots = placed.knots;
         let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
+        judge.keep_vertices = self.options.keep_vertices;
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
             if self.is_late() {
@@ -550,6 +549,19 @@ impl<'a> Planning<'a> {
             judge.essential(knots.iter().map(|knot| knot.angles.as_slice()));
         self.note(&judge, knots);
         self.judge_rigidity()
+    }
+
+    /// Takes the bounds on closure to bounds on the whole sheet.
+    fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
+        let start = Instant::now();
+        let closure = placed.closure();
+        self.plan.certified_closure = Some(closure.worst());
+        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
+        self.plan.certified_deformation = sheet.map(|mut sheet| {
+            let bounds = sheet.rigidity(&closure);
+            bounds.deformation.max(bounds.gap)
+        });
+        self.plan.times.place += start.elapsed();
     }
 
     /// No knots could be placed.
