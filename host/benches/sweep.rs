@@ -23,7 +23,11 @@ const PATTERNS: [&str; 8] = [
 ];
 
 fn main() {
-    for name in PATTERNS {
+    let only = std::env::args()
+        .nth(1)
+        .filter(|name| !name.starts_with('-'));
+    let fits = |name: &&&str| only.as_ref().is_none_or(|only| name.contains(only));
+    for name in PATTERNS.iter().filter(fits) {
         let (pattern, memberships, motion) = read(name);
         let start = Instant::now();
         let mut sweep = Sweep::new(&pattern, &memberships, SweepOptions::default());
@@ -31,7 +35,10 @@ fn main() {
         let start = Instant::now();
         let verdict = sweep.sweep(&motion);
         let swept = start.elapsed();
-        println!("{name}: {made:?} {swept:?} {verdict:?} {:?}", sweep.counts());
+        println!(
+            "{name}: {made:?} {swept:?} {verdict:?} {:?}",
+            sweep.counts()
+        );
     }
 }
 
@@ -46,8 +53,12 @@ fn read(name: &str) -> (CreasePattern, Vec<Membership>, Vec<Vec<Curve<f64>>>) {
         goals[member.group.index()] = member.apply(pattern.edge(edge).goal.unwrap());
     }
     let tangents: Vec<f64> = goals.iter().map(|goal| (goal / 2.0).tan()).collect();
-    let least = tangents.iter().fold(f64::MAX, |t, tangent| t.min(tangent.abs()));
-    let most = tangents.iter().fold(0.0_f64, |t, tangent| t.max(tangent.abs()));
+    let least = tangents
+        .iter()
+        .fold(f64::MAX, |t, tangent| t.min(tangent.abs()));
+    let most = tangents
+        .iter()
+        .fold(0.0_f64, |t, tangent| t.max(tangent.abs()));
     let scale = 1.0 / (1.0 + most);
     let curve = |&tangent: &f64| {
         if name.starts_with("miura") {

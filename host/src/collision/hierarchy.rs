@@ -45,10 +45,8 @@ pub(super) struct Node {
     pub(super) children: Option<[u32; 2]>,
     /// Number of pieces.
     pub(super) pieces: u32,
-    /// A face in the middle.
+    /// A face in the middle, that of one of the children.
     pub(super) face: FaceId,
-    /// Steps across sides, within the cluster, from there to the farthest piece.
-    pub(super) depth: u32,
 }
 
 /// The clusters of a sheet; pieces come first, children before parents.
@@ -69,9 +67,14 @@ impl Hierarchy {
             children: None,
             pieces: 1,
             face: piece.face,
-            depth: 0,
         };
         let circle = |piece: &super::pieces::Piece| circle(&pieces.flat[piece.corners()]);
+        let circles: Vec<_> = pieces.list.iter().map(circle).collect();
+        let faces = pieces.list.last().map_or(0, |piece| piece.face.index() + 1);
+        let mut face_centers = vec![Vector2::zeros(); faces];
+        for (piece, (center, _)) in pieces.list.iter().zip(&circles) {
+            face_centers[piece.face.index()] = *center;
+        }
         let mut builder = Builder {
             pieces,
             members: (0..).take(pieces.list.len()).map(|k| vec![k]).collect(),
@@ -79,8 +82,9 @@ impl Hierarchy {
             hierarchy: Self {
                 nodes: pieces.list.iter().map(leaf).collect(),
                 roots: Vec::new(),
-                circles: pieces.list.iter().map(circle).collect(),
+                circles,
             },
+            face_centers,
         };
         builder.join();
         builder.hierarchy
@@ -94,6 +98,8 @@ struct Builder<'a> {
     members: Vec<Vec<u32>>,
     /// For each piece the node that nothing holds yet.
     cluster: Vec<u32>,
+    /// For each face the middle of one of its pieces.
+    face_centers: Vec<Vector2<f64>>,
 }
 
 impl Builder<'_> {
@@ -126,7 +132,9 @@ impl Builder<'_> {
     /// there is one.
     fn partner(&self, node: u32, fresh: usize) -> Option<u32> {
         let members = &self.members[node as usize];
-        let joints = members.iter().flat_map(|&p| &self.pieces.joints[p as usize]);
+        let joints = members
+            .iter()
+            .flat_map(|&p| &self.pieces.joints[p as usize]);
         let others = joints.map(|joint| self.cluster[joint.piece as usize]);
         let size = |other: u32| {
             let both = [node, other].map(|n| self.center(n));
@@ -142,7 +150,9 @@ impl Builder<'_> {
     #[allow(clippy::cast_precision_loss, reason = "a mean")]
     fn center(&self, node: u32) -> Vector2<f64> {
         let members = &self.members[node as usize];
-        let centers = members.iter().map(|&p| self.hierarchy.circles[p as usize].0);
+        let centers = members
+            .iter()
+            .map(|&p| self.hierarchy.circles[p as usize].0);
         centers.sum::<Vector2<f64>>() / members.len() as f64
     }
 
@@ -156,33 +166,17 @@ impl Builder<'_> {
         let count = members.len();
         self.members.push(members);
         let center = self.center(node);
-        let members = &self.members[node as usize];
-        let away = |piece: u32| (self.hierarchy.circles[piece as usize].0 - center).norm();
-        let middle = members.iter().copied();
-        let middle = middle.min_by(|&a, &b| away(a).total_cmp(&away(b)));
-        let middle = middle.unwrap_or_default();
+        let [face, other] = [a, b].map(|child| self.hierarchy.nodes[child as usize].face);
+        let away = |face: FaceId| (self.face_centers[face.index()] - center).norm();
         self.hierarchy.nodes.push(Node {
             children: Some([a, b]),
             pieces: FaceId::new(count).0,
-            face: self.pieces.list[middle as usize].face,
-            depth: self.depth(node, middle),
+            face: if away(other) < away(face) {
+                other
+            } else {
+                face
+            },
         });
-    }
-
-    /// Steps from a piece to the farthest one of the cluster.
-    fn depth(&self, node: u32, from: u32) -> u32 {
-        let mut found = std::collections::HashSet::from([from]);
-        let (mut depth, mut level) = (0, vec![from]);
-        loop {
-            let joints = level.iter().flat_map(|&p| &self.pieces.joints[p as usize]);
-            let beyond = joints.map(|joint| joint.piece);
-            let inside = beyond.filter(|&p| self.cluster[p as usize] == node);
-            let next: Vec<u32> = inside.filter(|&p| found.insert(p)).collect();
-            if next.is_empty() {
-                return depth;
-            }
-            (depth, level) = (depth + 1, next);
-        }
     }
 }
 
@@ -191,7 +185,11 @@ const FEW_CORNERS: usize = 8;
 
 /// A circle round some points: round the middle of two of them or of all, the smallest.
 fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
-    let few = &points[..if points.len() > FEW_CORNERS { 0 } else { points.len() }];
+    let few = &points[..if points.len() > FEW_CORNERS {
+        0
+    } else {
+        points.len()
+    }];
     let pairs = few
         .iter()
         .flat_map(|a| few.iter().map(move |b| (a + b) / 2.0));

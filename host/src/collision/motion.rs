@@ -79,9 +79,9 @@ impl Motion {
     pub(super) fn new(segments: &[Vec<Curve<f64>>], groups: usize) -> Self {
         const FLAT: Curve<f64> = Curve::Angle([0.0; 4]);
         let curve = |segment: &Vec<Curve<f64>>, group| segment.get(group).copied().unwrap_or(FLAT);
-        let all = segments
-            .iter()
-            .flat_map(|segment| (0..groups).map(move |group| Variation::new(curve(segment, group))));
+        let all = segments.iter().flat_map(|segment| {
+            (0..groups).map(move |group| Variation::new(curve(segment, group)))
+        });
         let count = segments.len().max(1);
         let most = (MOST_TABULATED / (groups.max(1) * count)).min(TABULATED.div_ceil(count));
         let per_segment = 1_u32 << most.max(1).ilog2();

@@ -3,6 +3,7 @@
 use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::{Vector2, Vector3};
 
+use super::chains::Link;
 use super::hierarchy::{Hierarchy, Sphere};
 use super::motion::{Motion, Tick};
 use super::pieces::{Pieces, Placed};
@@ -111,6 +112,7 @@ pub(super) struct Sheet {
     frames: Fresh<Frame>,
     axes: Fresh<Axis>,
     spheres: Fresh<Sphere>,
+    spreads: Fresh<f64>,
     /// Times at which pieces were placed.
     placed: Vec<Tick>,
     folded: Vec<Vector3<f64>>,
@@ -163,6 +165,7 @@ impl Sheet {
             frames: Fresh::new(reached.len(), frame),
             axes: Fresh::new(pattern.creases().len(), axis),
             spheres: Fresh::new(hierarchy.nodes.len(), sphere),
+            spreads: Fresh::new(hierarchy.nodes.len(), 0.0),
             placed: vec![Tick::MAX; pieces.list.len()],
             folded: vec![zero; pieces.flat.len()],
             normals: vec![zero; pieces.list.len()],
@@ -178,6 +181,7 @@ impl Sheet {
         self.frames.forget();
         self.axes.forget();
         self.spheres.forget();
+        self.spreads.forget();
         self.placed.fill(Tick::MAX);
     }
 
@@ -246,6 +250,22 @@ impl Sheet {
         };
         self.axes.set(crease.index(), self.time, axis);
         axis
+    }
+
+    /// How far the lines of a pair of creases are apart.
+    pub(super) fn width(&mut self, motion: &Motion, link: &Link) -> f64 {
+        let [a, b] = link.creases.map(|crease| self.axis(motion, crease));
+        a.distance(&b.point)
+    }
+
+    /// What was noted as the spread of a cluster at this time.
+    pub(super) fn spread_of(&self, node: u32) -> Option<f64> {
+        self.spreads.get(node as usize, self.time).copied()
+    }
+
+    /// Notes the spread of a cluster.
+    pub(super) fn set_spread(&mut self, node: u32, spread: f64) {
+        self.spreads.set(node as usize, self.time, spread);
     }
 
     /// A sphere round a cluster.

@@ -12,7 +12,8 @@
 //! Where two faces share a vertex their distance is 0, but they lie in sectors round it, and cross only
 //! if the arcs of the sectors on the unit sphere do: there the same holds for angles.
 //!
-//! Clusters of faces stand for all their pairs while they are far apart.
+//! Clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
+//! by opposite angles about parallel lines count together, as far as they are apart.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -172,13 +173,15 @@ enum Look {
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     pattern: &'a CreasePattern,
-    memberships: Vec<Membership>,
     groups: usize,
     options: SweepOptions,
     pieces: Pieces,
     hierarchy: Hierarchy,
     sheet: Sheet,
     chains: Chains,
+    /// For each cluster the chains from its face to those of its children, and their length in the list.
+    within: Vec<[Chain; 2]>,
+    kept: usize,
     levers: Levers,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
@@ -200,13 +203,25 @@ impl<'a> Sweep<'a> {
         let hierarchy = Hierarchy::new(&pieces);
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
+        let mut chains = Chains::new(pattern, memberships);
+        let within = hierarchy.nodes.iter().map(|node| {
+            let children = node.children.unwrap_or_default();
+            children.map(|child| {
+                let faces = [node.face, hierarchy.nodes[child as usize].face];
+                let chain = node
+                    .children
+                    .and_then(|_| chains.find(pattern, faces, None));
+                chain.unwrap_or_default()
+            })
+        });
         Self {
             pattern,
-            memberships: memberships.to_vec(),
             groups,
             options,
             sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy),
-            chains: Chains::new(pattern),
+            within: within.collect(),
+            kept: chains.len(),
+            chains,
             levers: Levers::new(groups),
             pairs: Vec::new(),
             due: BTreeMap::new(),
@@ -234,7 +249,7 @@ impl<'a> Sweep<'a> {
         (self.clearance, self.looks) = (None, 0);
         self.pairs.clear();
         self.due.clear();
-        self.chains.clear();
+        self.chains.truncate(self.kept);
         self.sheet.forget();
         let before = self.counts;
         let roots = self.hierarchy.roots.clone();
@@ -334,7 +349,9 @@ impl<'a> Sweep<'a> {
         let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
         let faces = nodes.map(|node| node.face);
         if a == b {
-            return nodes[0].children.map(|_| (Kind::Clusters, 0..0));
+            return nodes[0]
+                .children
+                .map(|_| (Kind::Clusters, Chain::default()));
         }
         if nodes.iter().any(|node| node.children.is_some()) {
             let chain = self.chains.find(self.pattern, faces, None)?;
@@ -346,7 +363,7 @@ impl<'a> Sweep<'a> {
         let shared = self.shared(a, b);
         if self.pieces.joined(a, b) || shared.len() > 1 {
             // Two vertices shared are ends of a line that is a side of both: about it they turn.
-            return (!self.options.skip_edges).then_some((Kind::Joined, 0..0));
+            return (!self.options.skip_edges).then_some((Kind::Joined, Chain::default()));
         }
         if let Some(&(vertex, corners)) = shared.first()
             && let Some(chain) = self.chains.find(self.pattern, faces, Some(vertex))
@@ -437,8 +454,8 @@ impl<'a> Sweep<'a> {
         self.gather(motion, &chain, |side, axis| {
             axis.distance(&spheres[side].center) + spheres[side].radius
         });
-        for (node, sphere) in nodes.iter().zip(&spheres) {
-            self.levers.any += f64::from(node.depth) * 2.0 * sphere.radius;
+        for node in [a, b] {
+            self.levers.any += self.spread(motion, node);
         }
         let time = self.sheet.time;
         let until = motion.tabulated_until(&self.levers, time, distance);
@@ -512,11 +529,9 @@ impl<'a> Sweep<'a> {
             }
         }
         self.levers.clear();
-        for crease in self.chains.creases(&pair.chain) {
-            let member = self.memberships.get(crease.index());
-            if let Some(member) = member {
-                self.levers.add(member.group.0, 1.0);
-            }
+        // Pairs of creases do not turn what is beyond.
+        for link in self.chains.singles(&pair.chain) {
+            self.levers.add(link.group, 1.0);
         }
         self.after(motion, angle, angle + tolerance / reach, false)
     }
@@ -557,24 +572,53 @@ impl<'a> Sweep<'a> {
         reach: impl Fn(usize, &super::sheet::Axis) -> f64,
     ) {
         self.levers.clear();
-        let creases = self.chains.creases(chain);
-        let Some(last) = creases.len().checked_sub(1) else {
+        let sheet = &mut self.sheet;
+        for link in self.chains.pairs(chain) {
+            self.levers.add(link.group, sheet.width(motion, link));
+        }
+        let singles = self.chains.singles(chain);
+        let Some(last) = singles.len().checked_sub(1) else {
             return;
         };
-        let (mut ends, sheet) = ([0, last], &mut self.sheet);
-        let mut lever = |side: usize, k: usize| reach(side, &sheet.axis(motion, creases[k]));
-        let mut levers = [lever(0, 0), lever(1, last)];
-        for _ in creases {
+        let mut lever =
+            |side: usize, k: usize| reach(side, &sheet.axis(motion, singles[k].creases[0]));
+        let (mut ends, mut levers) = ([0, last], [lever(0, 0), lever(1, last)]);
+        for _ in singles {
             let side = usize::from(levers[1] < levers[0]);
-            if let Some(member) = self.memberships.get(creases[ends[side]].index()) {
-                self.levers.add(member.group.0, levers[side]);
-            }
+            self.levers.add(singles[ends[side]].group, levers[side]);
             if ends[0] == ends[1] {
                 return;
             }
             ends[side] = if side == 0 { ends[0] + 1 } else { ends[1] - 1 };
             levers[side] = lever(side, ends[side]);
         }
+    }
+
+    /// How far points of a cluster may move, as seen from its face, for each radian that the group varies
+    /// which varies most.
+    fn spread(&mut self, motion: &Motion, node: u32) -> f64 {
+        let Some(children) = self.hierarchy.nodes[node as usize].children else {
+            return 0.0;
+        };
+        if let Some(spread) = self.sheet.spread_of(node) {
+            return spread;
+        }
+        let mut spread = 0.0_f64;
+        for (side, child) in children.into_iter().enumerate() {
+            let mut sum = self.spread(motion, child);
+            let sphere = self.sphere(motion, child);
+            let chain = &self.within[node as usize][side];
+            for link in self.chains.pairs(chain) {
+                sum += self.sheet.width(motion, link);
+            }
+            for link in self.chains.singles(chain) {
+                let axis = self.sheet.axis(motion, link.creases[0]);
+                sum += axis.distance(&sphere.center) + sphere.radius;
+            }
+            spread = spread.max(sum);
+        }
+        self.sheet.set_spread(node, spread);
+        spread
     }
 
     /// The same for two pieces that are in their places.

@@ -131,7 +131,10 @@ impl Rates {
 
     /// No less than the greatest absolute rate.
     fn greatest(&self) -> f64 {
-        let most = self.numerator().iter().fold(0.0, |most, b| b.abs().max(most));
+        let most = self
+            .numerator()
+            .iter()
+            .fold(0.0, |most, b| b.abs().max(most));
         match self {
             Self::Angle(_) => most,
             Self::HalfAngle([cos, sin]) => {
