@@ -18,6 +18,7 @@ mod overshoot;
 mod place;
 mod plan;
 mod reduction;
+mod reuse;
 mod search;
 mod solver;
 mod sparse;
