@@ -103,8 +103,11 @@ pub struct Law {
 impl Law {
     /// The fastest motion along a path within limits, with its rests.
     ///
-    /// Cost: proportional to points times groups. On a path whose ρ' vanish for all groups at a point,
-    /// limits on the speed alone allow infinite σ̇ there; the motion takes that of the nearest point then.
+    /// Cost: proportional to points times groups. The duration is above the least by first order in the
+    /// grid where ρ' varies, since the limits hold at both ends of each interval with one u; within the
+    /// intervals they are passed by second order. At a point where ρ' vanishes for all groups, limits on
+    /// the speed alone allow infinite σ̇: the motion takes that of the nearest point there, and is the
+    /// worse the faster ρ' goes to 0.
     ///
     /// # Errors
     /// If the numbers are no path, no limits, or allow no motion.
