@@ -15,6 +15,7 @@ mod knots;
 mod options;
 mod overshoot;
 mod plan;
+mod reachability;
 mod reduction;
 mod search;
 mod solver;
