@@ -17,6 +17,7 @@ mod options;
 mod overshoot;
 mod place;
 mod plan;
+mod reachability;
 mod reduction;
 mod reuse;
 mod search;
