@@ -8,6 +8,7 @@ use foldpath::formats::fold::PatternFile;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
+use foldpath_core::Interpolation;
 use foldpath_tests::{Planned, path_file};
 use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, json};
@@ -16,7 +17,11 @@ const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 
 /// The planned path of a pattern.
 fn good(name: &str) -> Value {
-    let planned = Planned::new(name, &PlanOptions::default());
+    let options = PlanOptions {
+        interpolation: Interpolation::Hermite,
+        ..PlanOptions::default()
+    };
+    let planned = Planned::new(name, &options);
     serde_json::from_str(&planned.text()).unwrap()
 }
 
@@ -70,6 +75,12 @@ fn corner_and_normal(path: &Value, frame: &Value) -> (usize, Vector3<f64>) {
         corner(0),
         (at(1) - at(0)).cross(&(at(2) - at(0))).normalize(),
     )
+}
+
+fn each_rate(path: &mut Value, change: impl Fn(f64) -> f64) {
+    for frame in path["file_frames"].as_array_mut().unwrap() {
+        each_number(&mut frame["foldpath:edges_foldAngleRate"], &change);
+    }
 }
 
 type Spoil = fn(&mut Value);
@@ -200,11 +211,70 @@ const SPOILT: &[(&str, Spoil, &str)] = &[
         "beyond half a turn",
     ),
     (
-        "a knot left out",
+        "most knots left out",
         |path| {
-            path["file_frames"].as_array_mut().unwrap().remove(3);
+            let knots = path["file_frames"].as_array_mut().unwrap();
+            *knots = [knots.first(), knots.last()]
+                .map(|k| k.unwrap().clone())
+                .into();
         },
-        "over 10 degrees",
+        "between knots 0 and 1",
+    ),
+    (
+        "straight lines between knots",
+        |path| path["foldpath:interpolation"] = json!("linear"),
+        "fails to close",
+    ),
+    (
+        "rates half as fast",
+        |path| each_rate(path, |rate| 0.5 * rate),
+        "fails to close",
+    ),
+    (
+        "one rate off",
+        |path| {
+            let valley = edge(path, "V");
+            number(
+                &mut frame(path)["foldpath:edges_foldAngleRate"][valley],
+                |r| 1.1 * r,
+            );
+            path.as_object_mut().unwrap().remove("foldpath:edges_group");
+        },
+        "fails to close",
+    ),
+    (
+        "one rate off its group",
+        |path| {
+            let valley = edge(path, "V");
+            number(
+                &mut frame(path)["foldpath:edges_foldAngleRate"][valley],
+                |r| 1.1 * r,
+            );
+        },
+        "are in group",
+    ),
+    (
+        "a boundary edge turning between knots",
+        |path| {
+            let boundary = edge(path, "B");
+            frame(path)["foldpath:edges_foldAngleRate"][boundary] = json!(1.0);
+        },
+        "must stay flat",
+    ),
+    (
+        "against the letters between knots",
+        |path| {
+            each_number(
+                &mut path["file_frames"][0]["foldpath:edges_foldAngleRate"],
+                |r| -r,
+            )
+        },
+        "but turns to",
+    ),
+    (
+        "rates beyond reason",
+        |path| each_rate(path, |rate| 1e300 * rate),
+        "between knots",
     ),
     (
         "less deformation claimed",

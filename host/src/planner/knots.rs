@@ -14,6 +14,9 @@ pub struct Knot {
     pub angles: Vec<f64>,
     /// Rate of each group, radians per second.
     pub rates: Vec<f64>,
+    /// Weight of the homogeneous half angle of each group and its rate per second; empty unless the
+    /// path is interpolated so.
+    pub weights: Vec<[f64; 2]>,
     /// Folded positions of the vertices; empty if they were not kept.
     pub vertices: Vec<Vector3<f64>>,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger.

@@ -2,6 +2,7 @@
 //!
 //! One key, and in paths one frame, a line: large files stay readable and differ line by line.
 
+use foldpath_core::Interpolation;
 use serde::Serialize;
 
 use super::animation::interpolation_name;
@@ -141,11 +142,29 @@ impl PathWriter<'_> {
         }
         frame
             .set("edges_foldAngle", &spread(&knot.angles))
-            .set("foldpath:edges_foldAngleRate", &spread(&knot.rates))
+            .set("foldpath:edges_foldAngleRate", &spread(&knot.rates));
+        if path.interpolation == Interpolation::Homogeneous {
+            let [weights, rates] = [0, 1].map(|part| self.weights(path, knot, part));
+            frame
+                .set("foldpath:edges_weight", &weights)
+                .set("foldpath:edges_weightRate", &rates);
+        }
+        frame
             .set("foldpath:deformation", &knot.deformation)
             .set("foldpath:gap", &knot.gap)
             .set("foldpath:closure", &knot.closure)
             .set("foldpath:clearance", &None::<f64>);
         frame.line()
+    }
+
+    /// For each edge its weight (part 0) or the rate of that (part 1); `None` where it is no hinge.
+    fn weights(&self, path: &Path, knot: &crate::planner::Knot, part: usize) -> Vec<Option<f64>> {
+        let edges = self.pattern.edges().iter();
+        edges
+            .map(|edge| {
+                let group = path.memberships[edge.crease?.index()].group;
+                Some(knot.weights.get(group.index())?[part])
+            })
+            .collect()
     }
 }
