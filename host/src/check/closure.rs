@@ -21,6 +21,7 @@ use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use foldpath_core::{Curve, Spoke};
 use nalgebra::{Matrix3, Vector3};
 
+use super::count;
 use super::majorant::{ORDER, Series, exponential, of_angle};
 use super::motion::{Motion, SAME_SECTOR};
 use crate::pattern::{CreasePattern, VertexId};
@@ -160,12 +161,6 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
 /// Roundings a factor of the product: of sine and cosine of an angle near π, of an entry of the matrix, and
 /// of the product.
 const ROUNDINGS: f64 = 32.0;
-
-fn count(n: usize) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "few")]
-    let count = n as f64;
-    count
-}
 
 struct Segment<'a> {
     curves: &'a [Curve<f64>],

@@ -9,6 +9,8 @@
 
 use foldpath_core::Curve;
 
+use super::count;
+
 /// Derivatives that are bounded.
 pub(super) const ORDER: usize = 20;
 
@@ -21,37 +23,28 @@ pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
     let mut series = [0.0; ORDER + 1];
     match curve {
         Curve::Angle(angle) => {
-            let bounds = reach(taylor(angle, middle, half));
+            let bounds = reach(taylor(angle, middle, half).map(f64::abs));
             series[1..4].copy_from_slice(&bounds[1..]);
         }
         Curve::HalfAngle { cos, sin } => {
-            // dρ/dt = 2 (c n' - n c') / (c² + n²).
+            // ρ is twice the imaginary part of log z, z = c + i n, and log (1 + w) is bounded by -log (1 - w).
             let (c, n) = (taylor(cos, middle, half), taylor(sin, middle, half));
-            let mut numerator = [0.0; 6];
-            let mut square = [0.0; 7];
-            for i in 0..4 {
-                for (k, rank) in (0..4).zip([0.0, 1.0, 2.0, 3.0]) {
-                    square[i + k] += c[i] * c[k] + n[i] * n[k];
-                    if k > 0 {
-                        numerator[i + k - 1] += 2.0 * rank * (c[i] * n[k] - n[i] * c[k]);
-                    }
-                }
-            }
-            let (p, q) = (reach(numerator), reach(square));
-            let least = 2.0 * square[0] - q[0];
-            let mut rate = [0.0; ORDER];
-            for j in 0..ORDER {
-                let later = (1..=j.min(6)).map(|k| q[k] * rate[j - k]);
-                rate[j] = (p.get(j).unwrap_or(&0.0) + later.sum::<f64>()) / least;
-            }
-            let mut rank = 0.0;
-            for (coefficient, rate) in series[1..].iter_mut().zip(rate) {
-                rank += 1.0;
-                *coefficient = if least > 0.0 {
-                    rate / rank
+            let z: [f64; 4] = core::array::from_fn(|k| c[k].hypot(n[k]));
+            let bounds = reach(z);
+            let least = 2.0 * z[0] - bounds[0];
+            let w = bounds.map(|bound| {
+                if least > 0.0 {
+                    bound / least
                 } else {
                     f64::INFINITY
-                };
+                }
+            });
+            // Coefficients of the derivative, w' / (1 - w).
+            let mut rate = [0.0; ORDER];
+            for (j, order) in (0..ORDER).zip((1..=ORDER).map(count)) {
+                let own = w.get(j + 1).map_or(0.0, |w| order * w);
+                rate[j] = own + (1..=j.min(3)).map(|k| w[k] * rate[j - k]).sum::<f64>();
+                series[j + 1] = 2.0 * rate[j] / order;
             }
         }
     }
@@ -62,16 +55,9 @@ pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
 pub(super) fn exponential(h: &Series) -> Series {
     let mut g = [0.0; ORDER + 1];
     g[0] = 1.0;
-    let mut rank = 0.0;
     for n in 1..=ORDER {
-        rank += 1.0;
-        let mut sum = 0.0;
-        let mut weight = 0.0;
-        for k in 1..=n {
-            weight += 1.0;
-            sum += weight * h[k] * g[n - k];
-        }
-        g[n] = sum / rank;
+        let terms = (1..=n).map(|k| count(k) * h[k] * g[n - k]);
+        g[n] = terms.sum::<f64>() / count(n);
     }
     g
 }
@@ -89,11 +75,11 @@ fn taylor([a, b, c, d]: &[f64; 4], middle: f64, half: f64) -> [f64; 4] {
     ]
 }
 
-/// The majorant on [-1, 1] of a polynomial with these Taylor coefficients at 0: Σ over k of (k over j) |aₖ|.
-fn reach<const N: usize>(coefficients: [f64; N]) -> [f64; N] {
-    let mut shifted = coefficients.map(f64::abs);
-    for from in 0..N {
-        for k in (from..N - 1).rev() {
+/// The majorant on [-1, 1] of a cubic with Taylor coefficients at 0 of these absolute values: Σ over k of
+/// (k over j) |aₖ|.
+fn reach(mut shifted: [f64; 4]) -> [f64; 4] {
+    for from in 0..4 {
+        for k in (from..3).rev() {
             shifted[k] += shifted[k + 1];
         }
     }

@@ -1,0 +1,209 @@
+//! What a path claims of its knots, and what is measured there.
+
+use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
+use nalgebra::{Matrix3, Vector3};
+
+use super::{CheckOptions, Measured, SAME_ANGLE, Verdict};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_laid_on};
+use crate::formats::fold::{PathFile, PathKnot};
+use crate::pattern::{CreasePattern, EdgeId, VertexId};
+
+/// A claim below the measured value by more than this factor is false.
+const CLAIM_FACTOR: f64 = 10.0;
+/// Errors below this are rounding, and no claim about them is false.
+const CLAIM_FLOOR: f64 = 1e-9;
+/// Measures every knot of a path.
+#[must_use]
+pub fn measure(path: &PathFile) -> Vec<Measured> {
+    let pattern = &path.pattern;
+    let tree = SpanningTree::from_central_face(pattern);
+    let mut map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
+    let knots = path.knots.iter().map(|knot| {
+        let angles = crease_angles(pattern, knot);
+        map.fold(pattern, &tree, &angles);
+        let mut rigidity = map.rigidity(pattern, &tree, &angles);
+        if let Some(written) = &knot.vertices {
+            rigidity = rigidity.worse(Rigidity {
+                deformation: deformation(pattern, written),
+                gap: mismatch(pattern, map.vertices(), written) / pattern.median_edge(),
+                twist: 0.0,
+            });
+        }
+        let (closure, vertex) = closure(pattern, knot);
+        Measured {
+            rigidity,
+            closure: closure.max(rigidity.twist),
+            vertex,
+        }
+    });
+    knots.collect()
+}
+
+/// Folded positions of the vertices at a knot: those in the file, or else by the folding map.
+#[must_use]
+pub fn positions(
+    pattern: &CreasePattern,
+    tree: &SpanningTree,
+    knot: &PathKnot,
+) -> Vec<Vector3<f64>> {
+    knot.vertices.clone().unwrap_or_else(|| {
+        let angles = crease_angles(pattern, knot);
+        FoldingMap::new(pattern, tree, &angles).vertices().to_vec()
+    })
+}
+
+pub(super) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
+    let creases = pattern.creases().iter();
+    creases.map(|edge| knot.fold_angles[edge.index()]).collect()
+}
+
+/// Largest closure residual ‖L − I‖ / √2 of a real vertex, and that vertex.
+fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) {
+    let mut worst = (0.0, None);
+    for vertex in pattern.real_vertices() {
+        let star = &pattern.stars()[vertex.index()];
+        let spokes: Vec<Spoke<f64>> = star
+            .iter()
+            .map(|&edge| {
+                let direction = pattern.direction(edge, vertex);
+                Spoke {
+                    group: GroupId(edge.0),
+                    negative: false,
+                    direction: [direction.x, direction.y],
+                }
+            })
+            .collect();
+        let star = StarView { spokes: &spokes };
+        let l = local_foldability_matrix(star, [0.0, 0.0], &knot.fold_angles);
+        let residual =
+            (l.fixed_view::<3, 3>(0, 0) - Matrix3::identity()).norm() / core::f64::consts::SQRT_2;
+        if residual > worst.0 || residual.is_nan() {
+            worst = (residual, Some(vertex));
+        }
+    }
+    worst
+}
+
+/// Largest distance of a vertex between two shapes, each sheet laid on the other as well as possible.
+fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    let laid = sheets_laid_on(pattern, a, b);
+    let pairs = laid.iter().zip(b).zip(pattern.corners().iter());
+    let used = pairs.filter(|(_, faces)| !faces.is_empty());
+    let distances = used.map(|((a, b), _)| (a - b).norm());
+    distances.fold(
+        0.0,
+        |worst, d| if d > worst || d.is_nan() { d } else { worst },
+    )
+}
+
+pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
+    for (index, knot) in path.knots.iter().enumerate() {
+        for (edge, data) in path.pattern.edges().iter().enumerate() {
+            let Node { angle, rate, .. } = knot.node(EdgeId::new(edge));
+            let degrees = angle.to_degrees();
+            let code = data.letter.code();
+            let wrong = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
+                format!("is at {degrees} degrees, beyond half a turn")
+            } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
+                format!("is lettered {code} and must stay flat, but is at {degrees} degrees")
+            } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {
+                let rate = rate.to_degrees();
+                format!(
+                    "is lettered {code} and must stay flat, but turns by {rate} degrees a second"
+                )
+            } else if angle * data.letter.sign() < -SAME_ANGLE {
+                format!("is lettered {code}, but is at {degrees} degrees: wrong sign")
+            } else {
+                continue;
+            };
+            failures.push(format!("knot {index}: edge {edge} {wrong}"));
+            return;
+        }
+    }
+}
+
+pub(super) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
+    let leaders = path.leaders();
+    for (index, knot) in path.knots.iter().enumerate() {
+        for (edge, member) in path.members.iter().enumerate() {
+            let Some(member) = *member else { continue };
+            let Some((leader, part)) = leaders[member.group.index()] else {
+                continue;
+            };
+            // The way from an edge's angle to its group's is that back: a sign.
+            let [expected, found] =
+                [(leader, part), (EdgeId::new(edge), member)].map(|(edge, part)| {
+                    let node = knot.node(edge);
+                    let rate = if path.uses_rates() { node.rate } else { 0.0 };
+                    [
+                        part.apply(node.angle),
+                        part.apply(rate),
+                        node.weight[0],
+                        node.weight[1],
+                    ]
+                });
+            let kinds = [
+                "turn to",
+                "turn at",
+                "have weights of",
+                "have weights that grow by",
+            ];
+            let pairs = expected.iter().zip(&found);
+            let differ = pairs.map(|(a, b)| (a - b).abs() > SAME_ANGLE);
+            if let Some(kind) = differ.into_iter().position(|differs| differs) {
+                let [a, b] = [expected, found].map(|values| {
+                    let value = values[kind];
+                    if kind < 2 { value.to_degrees() } else { value }
+                });
+                failures.push(format!(
+                    "knot {index}: edges {leader} and {edge} are in group {}, but {} {a} and {b}{}, signs applied",
+                    member.group.0,
+                    kinds[kind],
+                    [" degrees", " degrees a second", "", " a second"][kind],
+                ));
+                return;
+            }
+        }
+    }
+}
+
+pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
+    let mut worst: Option<(f64, String)> = None;
+    for (index, (measured, knot)) in verdict.knots.iter().zip(&path.knots).enumerate() {
+        let Rigidity {
+            deformation, gap, ..
+        } = measured.rigidity;
+        let values = [deformation, gap, measured.closure];
+        for ((name, value), claim) in ["deformation", "gap", "closure"]
+            .into_iter()
+            .zip(values)
+            .zip(knot.claims)
+        {
+            if claim.is_some_and(|claim| value > CLAIM_FACTOR * claim.max(CLAIM_FLOOR)) {
+                let claim = claim.unwrap_or_default();
+                verdict.failures.push(format!(
+                    "knot {index}: the file claims a {name} of {claim:.3e}, but it is {value:.3e}"
+                ));
+            }
+            let over = value > options.bound || value.is_nan();
+            if over
+                && worst
+                    .as_ref()
+                    .is_none_or(|(most, _)| value > *most || value.is_nan())
+            {
+                let open = measured.vertex.filter(|_| measured.closure > SAME_ANGLE);
+                let vertex = open.map_or(String::new(), |vertex| {
+                    format!(
+                        "; vertex {vertex} fails to close by {:.3e}",
+                        measured.closure
+                    )
+                });
+                let bound = options.bound;
+                let text =
+                    format!("knot {index}: {name} {value:.3e} over the bound {bound:.3e}{vertex}");
+                worst = Some((value, text));
+            }
+        }
+    }
+    verdict.failures.extend(worst.map(|(_, text)| text));
+}
