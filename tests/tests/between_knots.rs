@@ -80,6 +80,16 @@ fn certificates_hold_what_is_sampled() {
             continue;
         }
         for kind in KINDS {
+            let last = path["file_frames"].as_array().unwrap().last().unwrap();
+            let half_turn = |angle: &Value| angle.as_f64().unwrap().abs() >= 180.0;
+            let flat_folded = last["edges_foldAngle"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .any(half_turn);
+            if kind == "half-angle" && flat_folded {
+                continue;
+            }
             let path = interpolated(thinned(path.clone(), 3), kind);
             let options = CheckOptions {
                 bound,

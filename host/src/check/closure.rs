@@ -200,11 +200,11 @@ impl Segment<'_> {
             bounds.push((index, condition.bound(sampled, &series)));
         }
         let sampled = self.found.sampled;
-        let enough = 2.0 * sampled + MARGIN;
+        let enough = |index: usize| 2.0 * sampled + MARGIN + 4.0 * self.conditions[index].hidden;
         let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
             .into_iter()
-            .partition(|&(_, bound)| give_up || bound <= enough);
+            .partition(|&(index, bound)| give_up || bound <= enough(index));
         for (index, bound) in done {
             if bound > self.found.bound || bound.is_nan() {
                 self.found.bound = bound;

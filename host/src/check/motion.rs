@@ -9,7 +9,7 @@ use crate::pattern::EdgeId;
 use crate::symmetry::CreaseGroups;
 
 /// Radians: sectors of stars that are equal but for the rounding of coordinates differ by less.
-pub(super) const SAME_SECTOR: f64 = 1e-13;
+pub(super) const SAME_SECTOR: f64 = 2e-14;
 
 /// The motion of all creases between knots.
 pub(super) struct Motion {
