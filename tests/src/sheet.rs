@@ -81,15 +81,21 @@ impl Sheet {
     /// edges (radians).
     #[must_use]
     pub fn closure(&self, angles: &[f64]) -> f64 {
-        let residual = |(vertex, star): (usize, Vec<usize>)| {
+        self.closure_round(&self.stars(), angles)
+    }
+
+    /// The same, given the stars.
+    #[must_use]
+    pub fn closure_round(&self, stars: &[(usize, Vec<usize>)], angles: &[f64]) -> f64 {
+        let residual = |(vertex, star): &(usize, Vec<usize>)| {
             let turns = star.iter().map(|&edge| {
-                let axis = self.way(edge, vertex).normalize();
+                let axis = self.way(edge, *vertex).normalize();
                 Rotation3::new(axis * angles[edge])
             });
             let l = turns.fold(Rotation3::identity(), |l, turn| l * turn);
             (l.matrix() - Rotation3::identity().matrix()).norm() / core::f64::consts::SQRT_2
         };
-        worst(self.stars().into_iter().map(residual))
+        worst(stars.iter().map(residual))
     }
 
     /// From `vertex` to the other end of `edge`.

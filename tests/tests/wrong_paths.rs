@@ -8,7 +8,8 @@ use foldpath::formats::fold::PatternFile;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
-use foldpath_tests::{Planned, path_file};
+use foldpath_core::Interpolation;
+use foldpath_tests::{HandKnot, HandMade, Planned, path_file};
 use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, json};
 
@@ -16,7 +17,11 @@ const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 
 /// The planned path of a pattern.
 fn good(name: &str) -> Value {
-    let planned = Planned::new(name, &PlanOptions::default());
+    let options = PlanOptions {
+        interpolation: Interpolation::Hermite,
+        ..PlanOptions::default()
+    };
+    let planned = Planned::new(name, &options);
     serde_json::from_str(&planned.text()).unwrap()
 }
 
@@ -70,6 +75,12 @@ fn corner_and_normal(path: &Value, frame: &Value) -> (usize, Vector3<f64>) {
         corner(0),
         (at(1) - at(0)).cross(&(at(2) - at(0))).normalize(),
     )
+}
+
+fn each_rate(path: &mut Value, change: impl Fn(f64) -> f64) {
+    for frame in path["file_frames"].as_array_mut().unwrap() {
+        each_number(&mut frame["foldpath:edges_foldAngleRate"], &change);
+    }
 }
 
 type Spoil = fn(&mut Value);
@@ -200,11 +211,70 @@ const SPOILT: &[(&str, Spoil, &str)] = &[
         "beyond half a turn",
     ),
     (
-        "a knot left out",
+        "most knots left out",
         |path| {
-            path["file_frames"].as_array_mut().unwrap().remove(3);
+            let knots = path["file_frames"].as_array_mut().unwrap();
+            *knots = [knots.first(), knots.last()]
+                .map(|k| k.unwrap().clone())
+                .into();
         },
-        "over 10 degrees",
+        "between knots 0 and 1",
+    ),
+    (
+        "straight lines between knots",
+        |path| path["foldpath:interpolation"] = json!("linear"),
+        "fails to close",
+    ),
+    (
+        "rates half as fast",
+        |path| each_rate(path, |rate| 0.5 * rate),
+        "fails to close",
+    ),
+    (
+        "one rate off",
+        |path| {
+            let valley = edge(path, "V");
+            number(
+                &mut frame(path)["foldpath:edges_foldAngleRate"][valley],
+                |r| 1.1 * r,
+            );
+            path.as_object_mut().unwrap().remove("foldpath:edges_group");
+        },
+        "fails to close",
+    ),
+    (
+        "one rate off its group",
+        |path| {
+            let valley = edge(path, "V");
+            number(
+                &mut frame(path)["foldpath:edges_foldAngleRate"][valley],
+                |r| 1.1 * r,
+            );
+        },
+        "are in group",
+    ),
+    (
+        "a boundary edge turning between knots",
+        |path| {
+            let boundary = edge(path, "B");
+            frame(path)["foldpath:edges_foldAngleRate"][boundary] = json!(1.0);
+        },
+        "must stay flat",
+    ),
+    (
+        "against the letters between knots",
+        |path| {
+            each_number(
+                &mut path["file_frames"][0]["foldpath:edges_foldAngleRate"],
+                |r| -r,
+            )
+        },
+        "but turns to",
+    ),
+    (
+        "rates beyond reason",
+        |path| each_rate(path, |rate| 1e300 * rate),
+        "between knots",
     ),
     (
         "less deformation claimed",
@@ -329,76 +399,14 @@ fn crossing_faces_are_rejected() {
     );
 }
 
-/// A path of hand-made faces in which the creases marked turn to `goal` degrees together.
-fn hand_made(vertices: Value, edges: Value, faces: Value, turn: &[f64], goal: f64) -> Value {
-    let steps = (1..20)
-        .find(|&n| goal / f64::from(n) < 10.0)
-        .expect("half a turn at most");
-    let frame = |step: i32| {
-        let angle = goal * f64::from(step) / f64::from(steps);
-        json!({
-            "frame_classes": ["foldedForm"],
-            "frame_parent": 0,
-            "frame_inherit": true,
-            "foldpath:time": step,
-            "edges_foldAngle": turn.iter().map(|part| part * angle).collect::<Vec<_>>(),
-        })
+/// A path in which the hinges turn to `goals` (degrees) together, in straight lines.
+fn hand_made(sheet: &HandMade, goals: [f64; 2]) -> Value {
+    let knot = |k: u32| HandKnot {
+        time: f64::from(k),
+        angles: goals.map(|goal| goal * f64::from(k) / 19.0).into(),
+        rates: vec![0.0; 2],
     };
-    let letter = |part: &f64| if part.abs() > 0.0 { "U" } else { "B" };
-    json!({
-        "file_spec": 1.2,
-        "frame_classes": ["creasePattern"],
-        "vertices_coords": vertices,
-        "edges_vertices": edges,
-        "edges_assignment": turn.iter().map(letter).collect::<Vec<_>>(),
-        "faces_vertices": faces,
-        "file_frames": (0..=steps).map(frame).collect::<Vec<_>>(),
-    })
-}
-
-/// A strip of three panels: with flaps twice as long as the panel between is wide they meet where
-/// cos(180 - rho) = 1/4.
-fn strip(left: f64, right: f64, goal: f64) -> Value {
-    hand_made(
-        json!([
-            [-2, 0],
-            [0, 0],
-            [1, 0],
-            [3, 0],
-            [-2, 1],
-            [0, 1],
-            [1, 1],
-            [3, 1]
-        ]),
-        json!([
-            [0, 1],
-            [1, 2],
-            [2, 3],
-            [4, 5],
-            [5, 6],
-            [6, 7],
-            [0, 4],
-            [1, 5],
-            [2, 6],
-            [3, 7]
-        ]),
-        json!([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]]),
-        &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, left, right, 0.0],
-        goal,
-    )
-}
-
-/// Three panels round one vertex, of 70, 40 and 70 degrees: the outer two meet where
-/// cos(180 - rho) = tan 20 / tan 70.
-fn fan(goal: f64) -> Value {
-    let tip = |degrees: f64| json!([degrees.to_radians().cos(), degrees.to_radians().sin()]);
-    hand_made(
-        json!([[0, 0], tip(0.0), tip(70.0), tip(110.0), tip(180.0)]),
-        json!([[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4]]),
-        json!([[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
-        &[0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        goal,
-    )
+    sheet.path("linear", &(0..20).map(knot).collect::<Vec<_>>())
 }
 
 #[test]
@@ -406,26 +414,32 @@ fn flaps_cross_just_beyond_where_they_meet() {
     let strip_meets = 180.0 - 0.25_f64.acos().to_degrees();
     let tangent = |degrees: f64| degrees.to_radians().tan();
     let fan_meets = 180.0 - (tangent(20.0) / tangent(70.0)).acos().to_degrees();
+    let (strip, fan) = (HandMade::strip(), HandMade::fan());
+    let both = |sheet, goal| hand_made(sheet, [goal, goal]);
     for (what, path, crosses) in [
         (
             "flaps before they meet",
-            strip(1.0, 1.0, strip_meets - 0.1),
+            both(&strip, strip_meets - 0.1),
             false,
         ),
         (
             "flaps through each other",
-            strip(1.0, 1.0, strip_meets + 0.1),
+            both(&strip, strip_meets + 0.1),
             true,
         ),
-        ("flaps on both sides", strip(1.0, -1.0, 170.0), false),
+        (
+            "flaps on both sides",
+            hand_made(&strip, [170.0, -170.0]),
+            false,
+        ),
         (
             "a vertex shared, before they meet",
-            fan(fan_meets - 0.1),
+            both(&fan, fan_meets - 0.1),
             false,
         ),
         (
             "a vertex shared, through each other",
-            fan(fan_meets + 0.1),
+            both(&fan, fan_meets + 0.1),
             true,
         ),
     ] {

@@ -58,7 +58,7 @@ pub(super) fn run(args: &Check) -> Answer {
         max_deformation: rigidity.deformation,
         max_gap: rigidity.gap,
         max_closure: verdict.closure(),
-        certified_deformation: None,
+        certified_deformation: verdict.certified_deformation,
         crossings: crossings.collect(),
         min_clearance: None,
     };
@@ -72,12 +72,17 @@ pub(super) fn run(args: &Check) -> Answer {
         text += &format!("  fails: {failure}\n");
     }
     text += &format!(
-        "  {} knots, deformation {:.1e}, gap {:.1e}, closure {:.1e}, {} knots with crossings\n",
+        "  {} knots, deformation {:.1e}, gap {:.1e}, closure {:.1e}, {} segments with crossings\n",
         json.knots,
         json.max_deformation,
         json.max_gap,
         json.max_closure,
         json.crossings.len()
+    );
+    text += &format!(
+        "  certified for the whole motion: closure {:.1e}, deformation {}\n",
+        verdict.closure_bound(),
+        (json.certified_deformation).map_or("unknown".into(), |most| format!("{most:.1e}"))
     );
     print(&text)?;
     Ok(holds)

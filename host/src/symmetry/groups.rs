@@ -105,6 +105,17 @@ impl CreaseGroups {
         Self::from_sets(pattern, single(pattern), SAME_PLACE)
     }
 
+    /// Groups known otherwise; `tolerance` (radians) tells sectors of stars apart.
+    #[must_use]
+    pub(crate) fn of_memberships(memberships: Vec<Membership>, tolerance: f64) -> Self {
+        let last = memberships.iter().map(|m| m.group.index()).max();
+        Self {
+            groups: last.map_or(0, |last| last + 1),
+            memberships,
+            tolerance,
+        }
+    }
+
     fn from_sets(pattern: &CreasePattern, mut sets: ParitySets, tolerance: f64) -> Self {
         let mut group_of_root = vec![None; pattern.creases().len()];
         let mut groups = 0;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use foldpath_core::{GroupId, Interpolation, Membership};
+use foldpath_core::{Curve, GroupId, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
-use super::document::{Document, Frame};
+use super::document::{Document, Frame, Located};
 use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -38,6 +38,22 @@ impl PathFile {
         }
         leaders
     }
+
+    /// Whether the motion between knots depends on rates.
+    #[must_use]
+    pub fn uses_rates(&self) -> bool {
+        self.interpolation != Interpolation::Linear
+    }
+
+    /// The motion of an edge between a knot and the next, with parameter 0 at the first and 1 at the
+    /// second. `None` if there is no such segment.
+    #[must_use]
+    pub fn curve(&self, segment: usize, edge: EdgeId) -> Option<Curve<f64>> {
+        let (from, to) = (self.knots.get(segment)?, self.knots.get(segment + 1)?);
+        let nodes = [from, to].map(|knot| knot.node(edge));
+        let span = to.time - from.time;
+        Some(Curve::between(self.interpolation, span, nodes[0], nodes[1]))
+    }
 }
 
 /// One stored configuration.
@@ -49,10 +65,29 @@ pub struct PathKnot {
     pub fold_angles: Vec<f64>,
     /// Rate of every edge, radians per second, if the file has them.
     pub rates: Option<Vec<f64>>,
+    /// Weight of the homogeneous half angle of every edge and its rate per second, in paths with that
+    /// interpolation.
+    pub weights: Option<Vec<[f64; 2]>>,
     /// Positions of the vertices, if the file has them.
     pub vertices: Option<Vec<Vector3<f64>>>,
     /// Deformation, gap and closure that the file claims.
     pub claims: [Option<f64>; 3],
+}
+
+impl PathKnot {
+    /// An edge at this knot; at rest and of weight 1 where the file has no rates and no weights.
+    ///
+    /// # Panics
+    /// If the sheet has no such edge.
+    #[must_use]
+    pub fn node(&self, edge: EdgeId) -> Node<f64> {
+        let edge = edge.index();
+        Node {
+            angle: self.fold_angles[edge],
+            rate: self.rates.as_ref().map_or(0.0, |rates| rates[edge]),
+            weight: self.weights.as_ref().map_or([1.0, 0.0], |w| w[edge]),
+        }
+    }
 }
 
 /// Reads a path.
@@ -71,8 +106,16 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
             "none",
         ));
     }
+    let interpolation = interpolation(&key)?;
     let knots: Vec<PathKnot> = (0..frames)
-        .map(|index| knot(&document.frame(index)?, index, &pattern.pattern))
+        .map(|index| {
+            knot(
+                &document.frame(index)?,
+                index,
+                &pattern.pattern,
+                interpolation,
+            )
+        })
         .collect::<Result<_, _>>()?;
     for (index, pair) in knots.windows(2).enumerate() {
         if pair[0].time >= pair[1].time {
@@ -80,12 +123,6 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
             let expected = format!("more than {} seconds", pair[0].time);
             return Err(document.expected(place, &expected, &pair[1].time.to_string()));
         }
-    }
-    let interpolation = interpolation(&key)?;
-    let missing = knots.iter().position(|knot| knot.rates.is_none());
-    if let (Interpolation::Hermite, Some(index)) = (interpolation, missing) {
-        let place = format!("file_frames[{index}].foldpath:edges_foldAngleRate");
-        return Err(document.expected(place, "the rates that \"hermite\" needs", "nothing"));
     }
     let members = members(&key, pattern.pattern.edges().len())?;
     Ok(PathFile {
@@ -112,15 +149,16 @@ fn interpolation(key: &Frame<'_>) -> Result<Interpolation, FileError> {
         return Ok(Interpolation::Linear);
     };
     let known = [
+        Interpolation::Linear,
         Interpolation::Hermite,
         Interpolation::HalfAngle,
-        Interpolation::Linear,
+        Interpolation::Homogeneous,
     ];
     let text = name.text()?;
     let found = known
         .into_iter()
         .find(|kind| interpolation_name(*kind) == text);
-    found.ok_or_else(|| name.expected("\"hermite\", \"half-angle\" or \"linear\""))
+    found.ok_or_else(|| name.expected("\"linear\", \"hermite\", \"half-angle\" or \"homogeneous\""))
 }
 
 /// For each edge its crease group and sign; empty if the file does not say.
@@ -154,16 +192,24 @@ fn members(key: &Frame<'_>, edges: usize) -> Result<Vec<Option<Membership>>, Fil
         .collect()
 }
 
-fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<PathKnot, FileError> {
-    let edges = pattern.edges().len();
+fn knot(
+    frame: &Frame<'_>,
+    index: usize,
+    pattern: &CreasePattern,
+    interpolation: Interpolation,
+) -> Result<PathKnot, FileError> {
     let own = |key: &str| frame.own(key);
-    let list = frame.own("edges_foldAngle");
+    let list = own("edges_foldAngle");
     let list = list.map_or_else(|| frame.require("edges_foldAngle"), Ok)?;
-    let radians = |entry: super::document::Located<'_>| entry.number().map(f64::to_radians);
-    let fold_angles = list
-        .entries_of(edges, "edge")?
-        .map(radians)
-        .collect::<Result<_, _>>()?;
+    let edges = pattern.edges().len();
+    let fold_angles = list.entries_of(edges, "edge")?.map(|entry| {
+        let degrees = entry.number()?;
+        if interpolation == Interpolation::HalfAngle && degrees.abs() >= 180.0 {
+            return Err(entry.expected("less than half a turn, for \"half-angle\""));
+        }
+        Ok(degrees.to_radians())
+    });
+    let fold_angles = fold_angles.collect::<Result<_, _>>()?;
     let vertices = match own("vertices_coords") {
         Some(list) => {
             let _each_has_one = list.entries_of(pattern.vertices().len(), "vertex")?;
@@ -179,16 +225,9 @@ fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<Path
     };
     #[allow(clippy::cast_precision_loss, reason = "paths have few knots")]
     let default_time = index as f64;
-    let rates = match own("foldpath:edges_foldAngleRate") {
-        Some(list) => Some(
-            list.entries_of(edges, "edge")?
-                .map(radians)
-                .collect::<Result<_, _>>()?,
-        ),
-        None => None,
-    };
     Ok(PathKnot {
-        rates,
+        rates: rates(frame, edges, interpolation)?,
+        weights: weights(frame, pattern, interpolation)?,
         time: number("foldpath:time")?.unwrap_or(default_time),
         fold_angles,
         vertices,
@@ -198,4 +237,71 @@ fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<Path
             number("foldpath:closure")?,
         ],
     })
+}
+
+/// A list of a frame that the interpolation asks for; `what` it is.
+fn needed<'a>(
+    frame: &Frame<'a>,
+    key: &str,
+    what: &str,
+    interpolation: Interpolation,
+) -> Result<Located<'a>, FileError> {
+    let expected = format!(
+        "the {what} that \"{}\" needs",
+        interpolation_name(interpolation)
+    );
+    frame.own(key).ok_or_else(|| frame.missing(key, &expected))
+}
+
+/// Rate of every edge, radians per second; needed but for straight lines.
+fn rates(
+    frame: &Frame<'_>,
+    edges: usize,
+    interpolation: Interpolation,
+) -> Result<Option<Vec<f64>>, FileError> {
+    let key = "foldpath:edges_foldAngleRate";
+    let list = match interpolation {
+        Interpolation::Linear => frame.own(key),
+        _ => Some(needed(frame, key, "rates", interpolation)?),
+    };
+    let Some(list) = list else { return Ok(None) };
+    let entries = list.entries_of(edges, "edge")?;
+    let rates = entries.map(|entry| Ok(entry.number()?.to_radians()));
+    Ok(Some(rates.collect::<Result<_, FileError>>()?))
+}
+
+/// Weight of every edge and its rate; of edges that are no hinge, none needs be said.
+fn weights(
+    frame: &Frame<'_>,
+    pattern: &CreasePattern,
+    interpolation: Interpolation,
+) -> Result<Option<Vec<[f64; 2]>>, FileError> {
+    if interpolation != Interpolation::Homogeneous {
+        return Ok(None);
+    }
+    let edges = pattern.edges();
+    let list = |key, what| needed(frame, key, what, interpolation);
+    let weights = list("foldpath:edges_weight", "weights")?;
+    let rates = list("foldpath:edges_weightRate", "rates of weights")?;
+    let weights = weights.entries_of(edges.len(), "edge")?;
+    let pairs = weights
+        .zip(rates.entries_of(edges.len(), "edge")?)
+        .zip(edges);
+    let pairs = pairs.map(|((weight, rate), edge)| {
+        let silent = |entry: &Located<'_>| edge.crease.is_none() && entry.is_null();
+        let number = |entry: &Located<'_>, null| {
+            if silent(entry) {
+                Ok(null)
+            } else {
+                entry.number()
+            }
+        };
+        let value = number(&weight, 1.0)?;
+        if value > 0.0 {
+            Ok([value, number(&rate, 0.0)?])
+        } else {
+            Err(weight.expected("a number above 0"))
+        }
+    });
+    Ok(Some(pairs.collect::<Result<_, FileError>>()?))
 }

@@ -146,10 +146,13 @@ impl<'a> Frame<'a> {
 
     /// The value of a key that must be there.
     pub(super) fn require(&self, key: &str) -> Result<Located<'a>, FileError> {
-        self.get(key).ok_or_else(|| {
-            let place = format!("{}{key}", self.prefix());
-            self.document.expected(place, "a list", "nothing")
-        })
+        self.get(key).ok_or_else(|| self.missing(key, "a list"))
+    }
+
+    /// That the frame lacks a key.
+    pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
+        let place = format!("{}{key}", self.prefix());
+        self.document.expected(place, expected, "nothing")
     }
 
     /// What stands before the frame's keys in places.

@@ -1,110 +1,17 @@
-//! Judges a path afresh: from the file alone, sharing no state with the planner.
-//!
-//! Closure is taken by the report's 4x4 folding matrices where the planner uses quaternions; shape
-//! by the folding map, and by the positions in the file where it has them.
+//! What a path claims of its knots, and what is measured there.
 
-use foldpath_core::{GroupId, Spoke, StarView, local_foldability_matrix};
+use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::collision::{CollisionScene, Crossing};
+use super::{CheckOptions, Measured, SAME_ANGLE, Verdict};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_laid_on};
 use crate::formats::fold::{PathFile, PathKnot};
-use crate::pattern::{CreasePattern, VertexId};
+use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
-/// Options of [`check`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckOptions {
-    /// Bound on deformation and gap, a fraction.
-    pub bound: f64,
-    /// No hinge may turn by more than this from one knot to the next, radians.
-    pub max_step: f64,
-}
-
-impl Default for CheckOptions {
-    fn default() -> Self {
-        Self {
-            bound: 1e-3,
-            max_step: 10_f64.to_radians(),
-        }
-    }
-}
-
-/// Angles that differ by less, in radians, are the same: a hundred times what is lost between
-/// radians and the degrees of a file, a millionth of what can be seen.
-const SAME_ANGLE: f64 = 1e-9;
 /// A claim below the measured value by more than this factor is false.
 const CLAIM_FACTOR: f64 = 10.0;
 /// Errors below this are rounding, and no claim about them is false.
 const CLAIM_FLOOR: f64 = 1e-9;
-
-/// A crossing and where on the path it was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathCrossing {
-    /// The deepest crossing there.
-    pub crossing: Crossing,
-    /// The knots between which it was found.
-    pub between_knots: [usize; 2],
-    /// Where between them, from 0 to 1.
-    pub at: f64,
-}
-
-/// What was measured at one knot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// Deformation, and gap. Where the file has positions they count as one more opinion on where
-    /// each vertex is.
-    pub rigidity: Rigidity,
-    /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
-    pub closure: f64,
-    /// The vertex that closes worst.
-    pub vertex: Option<VertexId>,
-}
-
-/// The verdict on a path.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Verdict {
-    /// What is wrong, in words; the path holds if this is empty.
-    pub failures: Vec<String>,
-    /// What was measured at each knot.
-    pub knots: Vec<Measured>,
-    /// Crossings found, one a knot at most.
-    pub crossings: Vec<PathCrossing>,
-}
-
-impl Verdict {
-    /// Worst deformation and gap.
-    #[must_use]
-    pub fn rigidity(&self) -> Rigidity {
-        let knots = self.knots.iter();
-        knots.fold(Rigidity::default(), |worst, knot| {
-            worst.worse(knot.rigidity)
-        })
-    }
-
-    /// Worst closure residual.
-    #[must_use]
-    pub fn closure(&self) -> f64 {
-        self.knots
-            .iter()
-            .fold(0.0, |worst, knot| f64::max(worst, knot.closure))
-    }
-}
-
-/// Judges a path.
-#[must_use]
-pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
-    let mut verdict = Verdict {
-        knots: measure(path),
-        ..Verdict::default()
-    };
-    check_angles(path, &mut verdict.failures);
-    check_groups(path, &mut verdict.failures);
-    check_steps(path, options, &mut verdict.failures);
-    check_rigidity(path, options, &mut verdict);
-    check_crossings(path, &mut verdict);
-    verdict
-}
-
 /// Measures every knot of a path.
 #[must_use]
 pub fn measure(path: &PathFile) -> Vec<Measured> {
@@ -145,7 +52,7 @@ pub fn positions(
     })
 }
 
-fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
+pub(super) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
     let creases = pattern.creases().iter();
     creases.map(|edge| knot.fold_angles[edge.index()]).collect()
 }
@@ -189,20 +96,21 @@ fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> 
     )
 }
 
-fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
+pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
     for (index, knot) in path.knots.iter().enumerate() {
-        for (edge, (&angle, data)) in knot
-            .fold_angles
-            .iter()
-            .zip(path.pattern.edges())
-            .enumerate()
-        {
+        for (edge, data) in path.pattern.edges().iter().enumerate() {
+            let Node { angle, rate, .. } = knot.node(EdgeId::new(edge));
             let degrees = angle.to_degrees();
             let code = data.letter.code();
             let wrong = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
                 format!("is at {degrees} degrees, beyond half a turn")
             } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
                 format!("is lettered {code} and must stay flat, but is at {degrees} degrees")
+            } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {
+                let rate = rate.to_degrees();
+                format!(
+                    "is lettered {code} and must stay flat, but turns by {rate} degrees a second"
+                )
             } else if angle * data.letter.sign() < -SAME_ANGLE {
                 format!("is lettered {code}, but is at {degrees} degrees: wrong sign")
             } else {
@@ -214,7 +122,7 @@ fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
     }
 }
 
-fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
+pub(super) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
     let leaders = path.leaders();
     for (index, knot) in path.knots.iter().enumerate() {
         for (edge, member) in path.members.iter().enumerate() {
@@ -223,15 +131,35 @@ fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
                 continue;
             };
             // The way from an edge's angle to its group's is that back: a sign.
-            let expected = part.apply(knot.fold_angles[leader.index()]);
-            let angle = member.apply(knot.fold_angles[edge]);
-            if (angle - expected).abs() > SAME_ANGLE {
+            let [expected, found] =
+                [(leader, part), (EdgeId::new(edge), member)].map(|(edge, part)| {
+                    let node = knot.node(edge);
+                    let rate = if path.uses_rates() { node.rate } else { 0.0 };
+                    [
+                        part.apply(node.angle),
+                        part.apply(rate),
+                        node.weight[0],
+                        node.weight[1],
+                    ]
+                });
+            let kinds = [
+                "turn to",
+                "turn at",
+                "have weights of",
+                "have weights that grow by",
+            ];
+            let pairs = expected.iter().zip(&found);
+            let differ = pairs.map(|(a, b)| (a - b).abs() > SAME_ANGLE);
+            if let Some(kind) = differ.into_iter().position(|differs| differs) {
+                let [a, b] = [expected, found].map(|values| {
+                    let value = values[kind];
+                    if kind < 2 { value.to_degrees() } else { value }
+                });
                 failures.push(format!(
-                    "knot {index}: edges {leader} and {edge} are in group {}, but turn by {} and \
-                     {} degrees, signs applied",
+                    "knot {index}: edges {leader} and {edge} are in group {}, but {} {a} and {b}{}, signs applied",
                     member.group.0,
-                    expected.to_degrees(),
-                    angle.to_degrees()
+                    kinds[kind],
+                    [" degrees", " degrees a second", "", " a second"][kind],
                 ));
                 return;
             }
@@ -239,28 +167,7 @@ fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
     }
 }
 
-fn check_steps(path: &PathFile, options: &CheckOptions, failures: &mut Vec<String>) {
-    let mut worst = (options.max_step + SAME_ANGLE, None);
-    for (index, pair) in path.knots.windows(2).enumerate() {
-        let angles = pair[0].fold_angles.iter().zip(&pair[1].fold_angles);
-        for (edge, (from, to)) in angles.enumerate() {
-            let step = (to - from).abs();
-            if step > worst.0 {
-                worst = (step, Some((index, edge)));
-            }
-        }
-    }
-    if let (step, Some((index, edge))) = worst {
-        failures.push(format!(
-            "edge {edge} turns by {:.3} degrees between knots {index} and {}: over {} degrees",
-            step.to_degrees(),
-            index + 1,
-            options.max_step.to_degrees()
-        ));
-    }
-}
-
-fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
+pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
     let mut worst: Option<(f64, String)> = None;
     for (index, (measured, knot)) in verdict.knots.iter().zip(&path.knots).enumerate() {
         let Rigidity {
@@ -299,29 +206,4 @@ fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict
         }
     }
     verdict.failures.extend(worst.map(|(_, text)| text));
-}
-
-fn check_crossings(path: &PathFile, verdict: &mut Verdict) {
-    let pattern = &path.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
-    let mut scene = CollisionScene::new(pattern);
-    for (index, knot) in path.knots.iter().enumerate() {
-        let map = FoldingMap::new(pattern, &tree, &crease_angles(pattern, knot));
-        let gap = verdict.knots[index].rigidity.gap;
-        if let Some(crossing) = scene.deepest_crossing(&map, gap) {
-            verdict.crossings.push(PathCrossing {
-                crossing,
-                between_knots: [index.saturating_sub(1), index],
-                at: if index == 0 { 0.0 } else { 1.0 },
-            });
-        }
-    }
-    if let Some(first) = verdict.crossings.first() {
-        let [a, b] = first.crossing.faces;
-        let depth = first.crossing.depth / pattern.median_edge();
-        verdict.failures.push(format!(
-            "knot {}: faces {a} and {b} pass through each other, {depth:.3e} median edges deep",
-            first.between_knots[1]
-        ));
-    }
 }

@@ -1,0 +1,291 @@
+//! How far at most a vertex fails to close anywhere between two knots: dense sampling with a margin.
+//!
+//! The path is cut in intervals, and the misclosure L - I of every vertex is sampled at the m zeros of the
+//! Chebyshev polynomial T_m in each: L as a product of matrices, with fold angles from the curves. Let p be
+//! the polynomial of degree n - 1 that interpolates L - I at the zeros of T_n. Its error is at most
+//! e = gₙ 2¹⁻ⁿ, where gₙ bounds the n-th derivative over n!, in units of the half width of the interval (see
+//! [`super::majorant`]). And a polynomial of degree n - 1 is nowhere larger than 1 / cos((n - 1) π / 2m) times
+//! the largest of its values at the m samples [EhlichZeller1964]. So with the largest sample r,
+//!
+//! ‖L - I‖ ≤ (r + e) / cos((n - 1) π / 2m) + e
+//!
+//! for every n up to m; the least of these counts. The larger the residual, the smaller the n that gives the
+//! least, and the nearer the bound to the sample; n = 1 is the margin of a Lipschitz constant. Intervals in
+//! which e is what counts are halved.
+//!
+//! [EhlichZeller1964]: H. Ehlich, K. Zeller, "Schwankung von Polynomen zwischen Gitterpunkten",
+//! Math. Zeitschrift 86.
+
+use core::f64::consts::{FRAC_PI_2, SQRT_2};
+
+use foldpath_core::{Curve, Spoke};
+use nalgebra::{Matrix3, Vector3};
+
+use super::count;
+use super::majorant::{ORDER, Series, exponential, of_angle};
+use super::motion::{Motion, SAME_SECTOR};
+use crate::pattern::{CreasePattern, VertexId};
+use crate::symmetry::ReducedStars;
+
+/// Samples an interval: for a sum of degree 20 the factor above is 2.6.
+const SAMPLES: usize = 24;
+/// Intervals are halved this often at most: a segment has 3,072 samples then.
+const HALVINGS: u32 = 7;
+/// Margins below this, or below the largest sample of the segment, are small enough.
+const MARGIN: f64 = 1e-11;
+
+/// Where a sheet fails to close.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Round a real vertex.
+    Vertex(VertexId),
+    /// Round a hole, by its number in [`CreasePattern::holes`].
+    Hole(usize),
+}
+
+impl Place {
+    /// In words.
+    #[must_use]
+    pub fn name(self, pattern: &CreasePattern) -> String {
+        match self {
+            Self::Vertex(vertex) => format!("vertex {vertex}"),
+            Self::Hole(hole) => {
+                let rim = pattern.holes()[hole].first();
+                format!(
+                    "the hole at vertex {}",
+                    rim.map_or(0, |passage| passage.at.0)
+                )
+            }
+        }
+    }
+}
+
+/// The closure residual of a segment, over all vertices and holes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentClosure {
+    /// Largest value met.
+    pub sampled: f64,
+    /// Where in the segment, from 0 to 1, it was met.
+    pub at: f64,
+    /// What fails to close by that.
+    pub open: Option<Place>,
+    /// No value is larger.
+    pub bound: f64,
+    /// What the bound is of: one of those that close worst.
+    pub place: Option<Place>,
+    /// Number of samples taken.
+    pub samples: usize,
+}
+
+/// Bounds the closure residuals of all segments. Where `decided`, a value, is sampled, bounds are not
+/// made finer. Cost: O(samples · distinct stars) a segment.
+pub(super) fn certify(
+    pattern: &CreasePattern,
+    motion: &Motion,
+    decided: f64,
+) -> Vec<SegmentClosure> {
+    let stars = ReducedStars::all(pattern, &motion.groups).essential();
+    let conditions = conditions(&stars);
+    let segments = motion.segments.iter();
+    segments
+        .map(|curves| {
+            let mut segment = Segment {
+                curves,
+                conditions: &conditions,
+                decided,
+                found: SegmentClosure {
+                    sampled: 0.0,
+                    at: 0.0,
+                    open: None,
+                    bound: 0.0,
+                    place: None,
+                    samples: 0,
+                },
+            };
+            let all: Vec<usize> = (0..conditions.len()).collect();
+            segment.refine(0.5, 0.5, &all, 0);
+            segment.found
+        })
+        .collect()
+}
+
+/// A vertex or a hole, and the creases met on the way round it.
+struct Condition<'a> {
+    place: Place,
+    spokes: &'a [Spoke<f64>],
+    /// Points of the creases round a hole; none round a vertex.
+    places: &'a [[f64; 2]],
+    /// How much larger than those of the rotation the derivatives of the residual are.
+    lever: f64,
+    /// By how much rounding, and stars taken for the same, may hide.
+    hidden: f64,
+}
+
+fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
+    // ‖·‖ of Frobenius is at most √3 times the operator norm, and the residual is that over √2.
+    let turn = 1.5_f64.sqrt();
+    let vertices = stars.vertices().iter().zip(stars.view().iter());
+    let vertices = vertices.map(|(&vertex, star)| {
+        let degree = count(star.spokes.len());
+        Condition {
+            place: Place::Vertex(vertex),
+            spokes: star.spokes,
+            places: &[],
+            lever: turn,
+            // Directions sum up sectors, and a turn by ρ about another axis differs by 2 |sin ρ/2| at most.
+            hidden: degree * (2.0 * degree * SAME_SECTOR + ROUNDINGS * f64::EPSILON),
+        }
+    });
+    let holes = stars.holes().iter().zip(stars.loops().iter());
+    let holes = holes.map(|(&hole, way)| {
+        // t = q₁ + Σ P (q_k - q_k-1) - P q, P the products of the first turns: the derivatives of each are
+        // bounded as those of all.
+        let points = || {
+            way.places
+                .iter()
+                .map(|&place| nalgebra::Vector2::from(place))
+        };
+        let steps = points().zip(points().skip(1)).map(|(a, b)| (b - a).norm());
+        let last = points().next_back().map_or(0.0, |q| q.norm());
+        Condition {
+            place: Place::Hole(hole),
+            spokes: way.spokes,
+            places: way.places,
+            lever: turn.max(steps.sum::<f64>() + last),
+            hidden: 2.0 * count(way.spokes.len()) * ROUNDINGS * f64::EPSILON,
+        }
+    });
+    vertices.chain(holes).collect()
+}
+
+/// Roundings a factor of the product: of sine and cosine of an angle near π, of an entry of the matrix, and
+/// of the product.
+const ROUNDINGS: f64 = 32.0;
+
+struct Segment<'a> {
+    curves: &'a [Curve<f64>],
+    conditions: &'a [Condition<'a>],
+    decided: f64,
+    found: SegmentClosure,
+}
+
+impl Segment<'_> {
+    /// Bounds the `open` conditions on the interval about `middle` of half width `half`.
+    fn refine(&mut self, middle: f64, half: f64, open: &[usize], halvings: u32) {
+        self.found.samples += SAMPLES;
+        let nodes = (0..SAMPLES).map(|k| middle - half * zero_of_chebyshev(k));
+        let turns: Vec<(f64, Vec<[f64; 2]>)> = nodes
+            .map(|s| {
+                let angles = self.curves.iter().map(|curve| curve.angle(s));
+                (s, angles.map(|angle| angle.sin_cos().into()).collect())
+            })
+            .collect();
+        let mut bounds = Vec::with_capacity(open.len());
+        let series: Vec<Series> = (self.curves.iter())
+            .map(|curve| of_angle(curve, middle, half))
+            .collect();
+        for &index in open {
+            let condition = &self.conditions[index];
+            let mut sampled = 0.0;
+            for (s, turns) in &turns {
+                let residual = condition.residual(turns);
+                if residual > sampled || residual.is_nan() {
+                    sampled = residual;
+                }
+                if residual > self.found.sampled || residual.is_nan() {
+                    (self.found.sampled, self.found.at) = (residual, *s);
+                    self.found.open = Some(condition.place);
+                }
+            }
+            bounds.push((index, condition.bound(sampled, &series)));
+        }
+        let sampled = self.found.sampled;
+        let enough = |index: usize| 2.0 * sampled + MARGIN + 4.0 * self.conditions[index].hidden;
+        let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
+        let (done, rest): (Vec<_>, Vec<_>) = bounds
+            .into_iter()
+            .partition(|&(index, bound)| give_up || bound <= enough(index));
+        for (index, bound) in done {
+            if bound > self.found.bound || bound.is_nan() {
+                self.found.bound = bound;
+                self.found.place = Some(self.conditions[index].place);
+            }
+        }
+        if rest.is_empty() {
+            return;
+        }
+        let rest: Vec<usize> = rest.into_iter().map(|(index, _)| index).collect();
+        let half = half / 2.0;
+        self.refine(middle - half, half, &rest, halvings + 1);
+        self.refine(middle + half, half, &rest, halvings + 1);
+    }
+}
+
+fn zero_of_chebyshev(k: usize) -> f64 {
+    ((2.0 * count(k) + 1.0) / count(SAMPLES) * FRAC_PI_2).cos()
+}
+
+impl Condition<'_> {
+    /// The residual for given sines and cosines of the group angles: ‖L - I‖ / √2 of the rotation, and round
+    /// a hole the translation if that is larger.
+    fn residual(&self, turns: &[[f64; 2]]) -> f64 {
+        let mut l = Matrix3::identity();
+        let mut moved = Vector3::zeros();
+        let mut places = self.places.iter();
+        for spoke in self.spokes {
+            let [sin, cos] = turns[spoke.group.index()];
+            let turn = turn(
+                spoke.direction,
+                if spoke.negative { -sin } else { sin },
+                cos,
+            );
+            if let Some(&[x, y]) = places.next() {
+                let place = Vector3::new(x, y, 0.0);
+                moved += l * (place - turn * place);
+            }
+            l *= turn;
+        }
+        let residual = (l - Matrix3::identity()).norm() / SQRT_2;
+        if moved.norm() > residual {
+            moved.norm()
+        } else {
+            residual
+        }
+    }
+
+    /// The least of the bounds, given the largest sample and the bounds on the derivatives of the groups.
+    fn bound(&self, sampled: f64, groups: &[Series]) -> f64 {
+        let mut sum = [0.0; ORDER + 1];
+        for spoke in self.spokes {
+            let of_group = &groups[spoke.group.index()];
+            sum.iter_mut().zip(of_group).for_each(|(sum, h)| *sum += h);
+        }
+        let sampled = sampled + self.hidden;
+        let derivatives = exponential(&sum);
+        let mut half_power = 2.0;
+        let bounds = (0..ORDER).map(|degree| {
+            half_power *= 0.5;
+            let error = self.lever * derivatives[degree + 1] * half_power;
+            let factor = (count(degree) / count(SAMPLES) * FRAC_PI_2).cos();
+            (sampled + error) / factor + error + self.hidden
+        });
+        bounds.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The turn about the direction (x, y) of the sheet by an angle with this sine and cosine (Rodrigues).
+fn turn([x, y]: [f64; 2], sin: f64, cos: f64) -> Matrix3<f64> {
+    let versine = 1.0 - cos;
+    let across = x * y * versine;
+    Matrix3::new(
+        cos + x * x * versine,
+        across,
+        y * sin,
+        across,
+        cos + y * y * versine,
+        -x * sin,
+        -y * sin,
+        x * sin,
+        cos,
+    )
+}

@@ -1,0 +1,153 @@
+//! Judges a path afresh: from the file alone, sharing no state with the planner.
+//!
+//! Closure is taken by folding matrices where the planner uses quaternions; shape by the folding map, and
+//! by the positions in the file where it has them. A path is more than its knots: the motion between
+//! them, as the file has it interpolated, is what is judged. Its closure is bounded everywhere, and with
+//! it the deformation of the sheet; letters and half turns are kept everywhere; shapes are sampled.
+
+mod between;
+mod closure;
+mod knots;
+mod majorant;
+mod motion;
+mod turns;
+
+pub use closure::{Place, SegmentClosure};
+pub use knots::{measure, positions};
+
+use motion::Motion;
+
+use crate::collision::Crossing;
+use crate::folding::Rigidity;
+use crate::formats::fold::PathFile;
+use crate::pattern::VertexId;
+
+/// Options of [`check`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckOptions {
+    /// Bound on deformation and gap, a fraction.
+    pub bound: f64,
+    /// Shapes looked at in each segment between its knots; with 0, knots alone are judged.
+    pub samples: usize,
+}
+
+impl Default for CheckOptions {
+    fn default() -> Self {
+        Self {
+            bound: 1e-3,
+            samples: 16,
+        }
+    }
+}
+
+/// Angles that differ by less, in radians, are the same: a hundred times what is lost between
+/// radians and the degrees of a file, a millionth of what can be seen.
+const SAME_ANGLE: f64 = 1e-9;
+/// A crossing and where on the path it was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathCrossing {
+    /// The deepest crossing there.
+    pub crossing: Crossing,
+    /// The knots between which it was found.
+    pub between_knots: [usize; 2],
+    /// Where between them, from 0 to 1.
+    pub at: f64,
+}
+
+/// What was measured at one knot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Deformation, and gap. Where the file has positions they count as one more opinion on where
+    /// each vertex is.
+    pub rigidity: Rigidity,
+    /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
+    pub closure: f64,
+    /// The vertex that closes worst.
+    pub vertex: Option<VertexId>,
+}
+
+/// A shape between two knots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The number of the knot before it.
+    pub segment: usize,
+    /// Where in the segment, from 0 to 1.
+    pub at: f64,
+    /// Deformation, gap and twist there.
+    pub rigidity: Rigidity,
+}
+
+/// The verdict on a path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// What is wrong, in words; the path holds if this is empty.
+    pub failures: Vec<String>,
+    /// What was measured at each knot.
+    pub knots: Vec<Measured>,
+    /// Shapes looked at between knots.
+    pub samples: Vec<Sample>,
+    /// The closure of each segment.
+    pub segments: Vec<SegmentClosure>,
+    /// No deformation of the whole motion is larger. `None` where that is not known: round holes, and
+    /// where closure is not bounded.
+    pub certified_deformation: Option<f64>,
+    /// Crossings found, one a segment at most: the deepest between its knots and at its end.
+    pub crossings: Vec<PathCrossing>,
+}
+
+impl Verdict {
+    /// Worst deformation and gap, at knots and between.
+    #[must_use]
+    pub fn rigidity(&self) -> Rigidity {
+        let samples = self.samples.iter().map(|sample| sample.rigidity);
+        let shapes = self.knots.iter().map(|knot| knot.rigidity).chain(samples);
+        shapes.fold(Rigidity::default(), Rigidity::worse)
+    }
+
+    /// Worst closure residual met, at knots and between.
+    #[must_use]
+    pub fn closure(&self) -> f64 {
+        let between = self.segments.iter().map(|segment| segment.sampled);
+        let residuals = self.knots.iter().map(|knot| knot.closure).chain(between);
+        residuals.fold(0.0, f64::max)
+    }
+
+    /// What no closure residual of the whole motion exceeds.
+    #[must_use]
+    pub fn closure_bound(&self) -> f64 {
+        let bounds = self.segments.iter().map(|segment| segment.bound);
+        bounds.fold(self.closure(), f64::max)
+    }
+}
+
+/// Judges a path.
+#[must_use]
+pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
+    let mut verdict = Verdict {
+        knots: measure(path),
+        ..Verdict::default()
+    };
+    knots::check_angles(path, &mut verdict.failures);
+    knots::check_groups(path, &mut verdict.failures);
+    knots::check_rigidity(path, options, &mut verdict);
+    let mut motion = Motion::of(path);
+    if options.samples == 0 {
+        motion.segments.clear();
+    }
+    if verdict.failures.is_empty() {
+        let wrong = turns::wrong_turn(&path.pattern, &motion);
+        verdict.failures.extend(wrong);
+    }
+    // Numbers that overflow have been found by now.
+    if motion.is_finite() {
+        between::check_closure(path, &motion, options, &mut verdict);
+        between::check_shapes(path, &motion, options, &mut verdict);
+    }
+    verdict
+}
+
+fn count(n: usize) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
+    let count = n as f64;
+    count
+}

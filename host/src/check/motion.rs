@@ -1,0 +1,88 @@
+//! The motion that a path file describes, creases that turn alike taken together.
+
+use std::collections::HashMap;
+
+use foldpath_core::{Curve, GroupId, Membership};
+
+use crate::formats::fold::PathFile;
+use crate::pattern::EdgeId;
+use crate::symmetry::CreaseGroups;
+
+/// Radians: sectors of stars that are equal but for the rounding of coordinates differ by less.
+pub(super) const SAME_SECTOR: f64 = 2e-14;
+
+/// The motion of all creases between knots.
+pub(super) struct Motion {
+    /// Creases whose numbers in the file are the same at all knots, or those with the other sign, bit by
+    /// bit: what the file says of groups is not used.
+    pub(super) groups: CreaseGroups,
+    /// For each group its first edge, whose sign is that of the group.
+    pub(super) leaders: Vec<EdgeId>,
+    /// For each segment the motion of each group.
+    pub(super) segments: Vec<Vec<Curve<f64>>>,
+}
+
+impl Motion {
+    /// Cost: O(knots · creases).
+    pub(super) fn of(path: &PathFile) -> Self {
+        let mut leaders: Vec<(EdgeId, bool)> = Vec::new();
+        let mut groups: HashMap<Vec<u64>, u32> = HashMap::new();
+        let mut numbers = Vec::with_capacity(4 * path.knots.len());
+        let creases = path.pattern.creases().iter().map(|&edge| {
+            let negative = numbers_of(path, edge, &mut numbers);
+            let group = groups.get(&numbers).copied().unwrap_or_else(|| {
+                let next = EdgeId::new(leaders.len()).0;
+                leaders.push((edge, negative));
+                groups.insert(numbers.clone(), next);
+                next
+            });
+            let group = GroupId(group);
+            let negative = negative != leaders[group.index()].1;
+            Membership { group, negative }
+        });
+        let memberships = creases.collect();
+        let leaders: Vec<EdgeId> = leaders.into_iter().map(|(edge, _)| edge).collect();
+        let segment = |index: usize| {
+            let curves = leaders.iter().filter_map(|&edge| path.curve(index, edge));
+            curves.collect()
+        };
+        let segments = (0..path.knots.len().saturating_sub(1))
+            .map(segment)
+            .collect();
+        Self {
+            groups: CreaseGroups::of_memberships(memberships, SAME_SECTOR / 4.0),
+            leaders,
+            segments,
+        }
+    }
+
+    /// Whether all numbers of all curves are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let finite = |cubic: &[f64; 4]| cubic.iter().all(|b| b.is_finite());
+        self.segments.iter().flatten().all(|curve| match curve {
+            Curve::Angle(angle) => finite(angle),
+            Curve::HalfAngle { cos, sin } => finite(cos) && finite(sin),
+        })
+    }
+
+    /// Fold angles of the creases in a segment at `s`, radians.
+    pub(super) fn angles(&self, segment: usize, s: f64) -> Vec<f64> {
+        let curves = self.segments[segment].iter();
+        self.groups
+            .expand(&curves.map(|curve| curve.angle(s)).collect::<Vec<_>>())
+    }
+}
+
+/// The bits of all that moves an edge, with the sign that makes the first that is not 0 positive; whether
+/// that is the other sign.
+fn numbers_of(path: &PathFile, edge: EdgeId, numbers: &mut Vec<u64>) -> bool {
+    let nodes = || path.knots.iter().map(|knot| knot.node(edge));
+    let turns = nodes().flat_map(|node| [node.angle, node.rate]);
+    let first = turns.clone().find(|turn| turn.abs() > 0.0);
+    let negative = first.is_some_and(|first| first < 0.0);
+    numbers.clear();
+    // 0 has two signs.
+    numbers.extend(turns.map(|turn| (if negative { -turn } else { turn } + 0.0).to_bits()));
+    numbers.extend(nodes().flat_map(|node| node.weight.map(f64::to_bits)));
+    negative
+}

@@ -1,0 +1,58 @@
+//! How far hinges turn between knots: against their letters, or beyond half a turn.
+
+use foldpath_core::Curve;
+
+use super::{SAME_ANGLE, motion::Motion};
+use crate::pattern::CreasePattern;
+
+/// The first hinge that turns the wrong way between two knots, in words.
+pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &Motion) -> Option<String> {
+    let segments = motion.segments.iter().enumerate();
+    let mut curves = segments.flat_map(|(segment, curves)| {
+        let leaders = curves.iter().zip(&motion.leaders);
+        leaders.map(move |(curve, &edge)| (segment, curve, edge))
+    });
+    curves.find_map(|(segment, curve, edge)| {
+        let letter = pattern.edge(edge).letter;
+        extremes(curve).into_iter().find_map(|s| {
+            let angle = curve.angle(s);
+            let wrong = if angle * letter.sign() < -SAME_ANGLE {
+                format!("is lettered {}, but turns to", letter.code())
+            } else if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
+                "turns beyond half a turn, to".into()
+            } else if angle.is_nan() {
+                "turns to".into()
+            } else {
+                return None;
+            };
+            let (next, degrees) = (segment + 1, angle.to_degrees());
+            Some(format!(
+                "between knots {segment} and {next}, at {s:.3}: edge {edge} {wrong} {degrees} degrees"
+            ))
+        })
+    })
+}
+
+/// Where in the segment the fold angle can be farthest from 0 on either side, but for rounding of the
+/// second order: where a cubic turns back. Of a homogeneous half angle (c, n), n changes its sign with
+/// the angle, and c where half a turn is passed.
+fn extremes(curve: &Curve<f64>) -> Vec<f64> {
+    let cubics = match curve {
+        Curve::Angle(angle) => [Some(angle), None],
+        Curve::HalfAngle { cos, sin } => [Some(cos), Some(sin)],
+    };
+    let turns = cubics.into_iter().flatten().flat_map(turning_points);
+    turns.chain([0.0, 1.0]).collect()
+}
+
+/// Zeros between 0 and 1 of the derivative of a cubic with these Bernstein coefficients.
+fn turning_points([a, b, c, d]: &[f64; 4]) -> impl Iterator<Item = f64> + use<> {
+    // The derivative over 3 is x (1 - s)² + 2 y s (1 - s) + z s².
+    let (x, y, z) = (b - a, c - b, d - c);
+    let (second, first) = (x - 2.0 * y + z, y - x);
+    let root = (first * first - second * x).max(0.0).sqrt();
+    // second s² + 2 first s + x, without cancellation.
+    let sum = -(first + root.copysign(first));
+    let zeros = [sum / second, x / sum];
+    zeros.into_iter().filter(|s| *s > 0.0 && *s < 1.0)
+}

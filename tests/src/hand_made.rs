@@ -1,0 +1,131 @@
+//! Small sheets whose paths are made by hand.
+
+use serde_json::{Value, json};
+
+/// A sheet and its hinges.
+pub struct HandMade {
+    vertices: Vec<[f64; 2]>,
+    edges: Vec<[usize; 2]>,
+    faces: Vec<Vec<usize>>,
+    /// Edges that turn, in the order in which paths name their angles.
+    hinges: Vec<usize>,
+}
+
+/// A knot of a path made by hand.
+pub struct HandKnot {
+    /// Seconds since the start.
+    pub time: f64,
+    /// Fold angle of each hinge, degrees.
+    pub angles: Vec<f64>,
+    /// Its rate, degrees per second.
+    pub rates: Vec<f64>,
+}
+
+impl HandMade {
+    /// A strip of three panels, the outer ones twice as long as the panel between is wide: folded to one
+    /// side they meet where cos(180 - rho) = 1/4.
+    #[must_use]
+    pub fn strip() -> Self {
+        let x = [-2.0, 0.0, 1.0, 3.0];
+        let sides = [[0, 4], [1, 5], [2, 6], [3, 7]];
+        let rims = (0..3).flat_map(|k| [[k, k + 1], [k + 4, k + 5]]);
+        Self {
+            vertices: [0.0, 1.0].iter().flat_map(|&y| x.map(|x| [x, y])).collect(),
+            edges: sides.into_iter().chain(rims).collect(),
+            faces: (0..3).map(|k| vec![k, k + 1, k + 5, k + 4]).collect(),
+            hinges: vec![1, 2],
+        }
+    }
+
+    /// Three panels round one vertex, of 70, 40 and 70 degrees: folded to one side the outer two meet
+    /// where cos(180 - rho) = tan 20 / tan 70.
+    #[must_use]
+    pub fn fan() -> Self {
+        let tips = [0.0_f64, 70.0, 110.0, 180.0].map(f64::to_radians);
+        let tips = tips.map(|tip| [tip.cos(), tip.sin()]);
+        Self {
+            vertices: [[0.0; 2]].into_iter().chain(tips).collect(),
+            edges: vec![[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4]],
+            faces: (1..4).map(|k| vec![0, k, k + 1]).collect(),
+            hinges: vec![1, 2],
+        }
+    }
+
+    /// Two rows of `cells` trapezoids about a straight spine y = 0, the creases across it leaning to and
+    /// fro by 60 degrees. Each vertex of the spine is flat-foldable, and the strip curls up as it folds.
+    /// The hinges: parts of the spine, then above it the creases across, then below.
+    #[must_use]
+    pub fn arch(cells: usize) -> Self {
+        let slope = 60_f64.to_radians().tan();
+        let lean = |k: usize| if k % 2 == 0 { 0.5 } else { -0.5 };
+        let row = |y: f64| {
+            let x = (0..=cells).zip((0..=cells).map(|k| 1.5 * k as f64));
+            x.map(move |(k, x)| [x + lean(k) * y.abs() * 2.0 / slope, y])
+        };
+        let n = cells + 1;
+        let across = |from: usize| (0..n).map(move |k| [n + k, from + k]);
+        let along = |from: usize| (0..cells).map(move |k| [from + k, from + k + 1]);
+        let edges: Vec<_> = (along(n).chain(across(2 * n)).chain(across(0)))
+            .chain(along(0))
+            .chain(along(2 * n))
+            .collect();
+        let quads = |low: usize| {
+            (0..cells).map(move |k| vec![low + k, low + k + 1, low + n + k + 1, low + n + k])
+        };
+        let spine = 0..cells;
+        let inner = |first: usize| first + 1..first + cells;
+        Self {
+            vertices: row(-1.0).chain(row(0.0)).chain(row(1.0)).collect(),
+            edges,
+            faces: quads(0).chain(quads(n)).collect(),
+            hinges: spine.chain(inner(cells)).chain(inner(cells + n)).collect(),
+        }
+    }
+
+    /// For each hinge of an arch the ratio of the tangent of its half angle to that of the creases across:
+    /// the spine's is -cos 60 times that of the vertex before it, which leans right, and +cos 60 of one that
+    /// leans left.
+    #[must_use]
+    pub fn arch_tangents(cells: usize) -> Vec<f64> {
+        let spine = (0..cells).map(|k| if k % 2 == 0 { -0.5 } else { 0.5 });
+        spine.chain(vec![1.0; 2 * (cells - 1)]).collect()
+    }
+
+    /// The path through these knots. Hinges have the letter U.
+    #[must_use]
+    pub fn path(&self, interpolation: &str, knots: &[HandKnot]) -> Value {
+        let spread = |of_hinges: &[f64]| {
+            let mut edges = vec![0.0; self.edges.len()];
+            let pairs = self.hinges.iter().zip(of_hinges);
+            pairs.for_each(|(&edge, &value)| edges[edge] = value);
+            edges
+        };
+        let frame = |knot: &HandKnot| {
+            json!({
+                "frame_classes": ["foldedForm"],
+                "frame_parent": 0,
+                "frame_inherit": true,
+                "foldpath:time": knot.time,
+                "edges_foldAngle": spread(&knot.angles),
+                "foldpath:edges_foldAngleRate": spread(&knot.rates),
+            })
+        };
+        let letter = |edge: usize| {
+            if self.hinges.contains(&edge) {
+                "U"
+            } else {
+                "B"
+            }
+        };
+        json!({
+            "file_spec": 1.2,
+            "frame_classes": ["creasePattern"],
+            "vertices_coords": self.vertices,
+            "edges_vertices": self.edges,
+            "edges_assignment": (0..self.edges.len()).map(letter).collect::<Vec<_>>(),
+            "faces_vertices": self.faces,
+            "foldpath:interpolation": interpolation,
+            "file_frames": knots.iter().map(frame).collect::<Vec<_>>(),
+        })
+    }
+}
