@@ -86,8 +86,8 @@ pub struct Plan {
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
-    /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
-    /// be; `None` where a hole adds conditions of its own.
+    /// How much larger than the closure residuals of its vertices and holes the errors of the whole
+    /// sheet can be; `None` where that is not known.
     pub amplification: Option<f64>,
     /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
     pub essential_tolerance: f64,
