@@ -212,7 +212,7 @@ fn summary(
         goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
     );
     let amplified = plan.amplification.map_or_else(
-        || "the sheet has holes".to_string(),
+        || "how errors grow over the sheet is not known".to_string(),
         |factor| format!("errors grow up to {factor:.3}-fold over the sheet"),
     );
     text += &format!(

@@ -95,8 +95,8 @@ pub struct Plan {
     pub certified_closure: Option<f64>,
     /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
     pub certified_deformation: Option<f64>,
-    /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
-    /// be; `None` where a hole adds conditions of its own.
+    /// How much larger than the closure residuals of its vertices and holes the errors of the whole
+    /// sheet can be; `None` where that is not known.
     pub amplification: Option<f64>,
     /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
     pub essential_tolerance: f64,
