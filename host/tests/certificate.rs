@@ -445,7 +445,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                 let x: Vec<f64> = curves.iter().map(|curve| curve.angle(s)).collect();
                 let angles = sheet.groups.expand(&x);
                 map.fold(&sheet.pattern, &tree, &angles);
-                worst = worst.worse(map.rigidity(&sheet.pattern, &tree, &angles));
+                worst = worst.worse(map.rigidity(&sheet.pattern, &tree));
             }
             for (bound, seen) in [
                 (bound.deformation, worst.deformation),

@@ -27,7 +27,7 @@ fn failures(path: &Value) -> Verdict {
 /// The path of a pattern with rates.
 fn planned(name: &str) -> Value {
     let options = PlanOptions {
-        interpolation: Interpolation::Hermite,
+        interpolation: Some(Interpolation::Hermite),
         ..PlanOptions::default()
     };
     serde_json::from_str(&Planned::new(name, &options).text()).unwrap()
