@@ -273,7 +273,7 @@ fn closure_of_random_stars_is_bounded_tightly() {
                 let seen = sampled(stars, &curves)[0];
                 assert!(bound >= seen, "{degree} {size:e}: {bound} below {seen}");
                 assert!(
-                    bound <= 2.0 * seen,
+                    bound <= 1.6 * seen,
                     "{degree} {size:e}: {bound} far above {seen}"
                 );
                 most = most.max(bound / seen);
@@ -283,7 +283,7 @@ fn closure_of_random_stars_is_bounded_tightly() {
         }
     }
     println!("most {most:.3}, mean {:.3}", sum / count);
-    assert!(sum / count < 1.2);
+    assert!(sum / count < 1.3);
 }
 
 /// A homogeneous half angle is the same at any scale, and a tiny motion is bounded like a large one.
@@ -479,7 +479,8 @@ fn loops_are_bounded_too() {
         for kind in KINDS {
             for size in [1e-4, 0.05, 0.3] {
                 let spokes = random_star(degree, &mut random);
-                let places: Vec<[f64; 2]> = spokes.iter().map(|s| s.direction).collect();
+                let mut place = |_| [noise(&mut random), noise(&mut random)];
+                let places: Vec<[f64; 2]> = (0..degree).map(&mut place).collect();
                 let curves: Vec<_> = (0..degree)
                     .map(|_| random_curve(kind, size, &mut random))
                     .collect();
@@ -495,13 +496,13 @@ fn loops_are_bounded_too() {
                     seen = [seen[0].max(residuals[0]), seen[1].max(residuals[1])];
                 }
                 for (bound, seen) in bound.into_iter().zip(seen) {
-                    let seen = seen.max(1e-13);
                     assert!(
                         bound >= seen,
                         "{degree} {kind:?} {size}: {bound} below {seen}"
                     );
+                    let seen = seen.max(1e-13);
                     assert!(
-                        bound <= 4.0 * seen,
+                        bound <= 2.0 * seen,
                         "{degree} {kind:?} {size}: {bound} above {seen}"
                     );
                     loosest = loosest.max(bound / seen);
