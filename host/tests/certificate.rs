@@ -4,7 +4,7 @@
 use foldpath::certificate::{SegmentCertifier, SheetCertifier, range, rate};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::{Miura, Waterbomb};
-use foldpath::pattern::CreasePattern;
+use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::{
     Curve, GroupId, Interpolation, LoopsView, Node, Spoke, StarsView, folding_matrix,
@@ -48,6 +48,16 @@ const WATERBOMB: [fn(f64) -> [f64; 2]; 4] = [
     |t| [3.0 * t + 4.0 * t.powi(3), 3.0 + 12.0 * t * t],
 ];
 
+fn miura(rows: usize, columns: usize) -> Drawing {
+    let sheet = Miura {
+        rows,
+        columns,
+        sector_angle: 60_f64.to_radians(),
+        fold: 0.5,
+    };
+    sheet.drawing().unwrap()
+}
+
 impl Sheet {
     fn new(
         name: &'static str,
@@ -86,14 +96,29 @@ impl Sheet {
     }
 
     fn miura(rows: usize, columns: usize) -> Self {
-        let sheet = Miura {
-            rows,
-            columns,
-            sector_angle: 60_f64.to_radians(),
-            fold: 0.5,
-        };
-        let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+        let pattern = CreasePattern::new(miura(rows, columns)).unwrap();
         Self::new("miura", pattern, &MIURA, 1.0)
+    }
+
+    /// The 5x5 Miura without the face in the middle.
+    fn with_a_hole() -> Self {
+        let sheet = Self::miura(5, 5);
+        let faces = sheet.pattern.faces().iter().enumerate();
+        let faces = faces.filter(|(index, _)| *index != 12);
+        let drawing = Drawing {
+            faces: Some(
+                faces
+                    .map(|(_, f)| f.iter().map(|v| v.index()).collect())
+                    .collect(),
+            ),
+            ..miura(5, 5)
+        };
+        Self::new(
+            "miura with a hole",
+            CreasePattern::new(drawing).unwrap(),
+            &MIURA,
+            1.0,
+        )
     }
 
     fn waterbomb(rows: usize, columns: usize) -> Self {
@@ -366,7 +391,7 @@ fn what_is_no_number_has_no_bound() {
     ] {
         let curves = [bad, sound[1]];
         let closure = certifier.closure(sheet.stars.view(), LoopsView::none(), &curves);
-        assert_eq!(closure.worst(), f64::INFINITY, "{bad:?}");
+        assert!(closure.worst() == f64::INFINITY, "{bad:?}");
         assert!(rate(&bad) == f64::INFINITY, "{bad:?}");
     }
 }
@@ -414,11 +439,14 @@ fn errors_of_the_folded_sheet_are_certified() {
         Sheet::miura(3, 3),
         Sheet::miura(11, 11),
         Sheet::miura(24, 24),
+        Sheet::with_a_hole(),
         Sheet::waterbomb(4, 6),
         Sheet::waterbomb(8, 10),
     ] {
         let tree = SpanningTree::from_central_face(&sheet.pattern);
         let all = ReducedStars::all(&sheet.pattern, &sheet.groups);
+        // Rounding of a loop's translation is bounded more coarsely.
+        let within = if all.loops().is_empty() { 1e3 } else { 1e4 };
         let mut closure = SegmentCertifier::default();
         let mut certifier = SheetCertifier::new(&sheet.pattern, &tree, &all).unwrap();
         let mut map = FoldingMap::new(
@@ -437,7 +465,7 @@ fn errors_of_the_folded_sheet_are_certified() {
         ] {
             let ends = [60_f64, 60.0 + degrees].map(f64::to_radians);
             let curves = sheet.curves(kind, ends, by_t);
-            let closed = closure.closure(sheet.stars.view(), LoopsView::none(), &curves);
+            let closed = closure.closure(sheet.stars.view(), sheet.stars.loops(), &curves);
             let bound = certifier.rigidity(&closed);
             let mut worst = foldpath::folding::Rigidity::default();
             for sample in 0..=200 {
@@ -458,7 +486,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                     sheet.name
                 );
                 assert!(
-                    bound <= 1000.0 * seen,
+                    bound <= within * seen,
                     "{} {kind:?}: {bound:e} far above {seen:e}",
                     sheet.name
                 );
