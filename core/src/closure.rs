@@ -23,12 +23,13 @@ use crate::{HalfAngle, Rotation, Scalar, StarView};
 #[inline]
 #[must_use]
 pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Rotation<T> {
-    star.spokes
-        .iter()
-        .filter_map(|s| Some((s, half_angles.get(s.group.index())?)))
-        .fold(Rotation::identity(), |product, (spoke, half)| {
-            cross(product, half.signed(spoke.negative), spoke.direction)
-        })
+    let mut product = Rotation::identity();
+    for spoke in star.spokes {
+        if let Some(half) = half_angles.get(spoke.group.index()) {
+            product = product.across_crease(half.signed(spoke.negative), spoke.direction);
+        }
+    }
+    product
 }
 
 /// The closure residual r (dimensionless, about radians): zero exactly where the star closes.
@@ -56,7 +57,7 @@ pub fn residual_and_jacobian<T: Scalar>(
         let half = half_angles.get(spoke.group.index())?.signed(spoke.negative);
         let [x, y] = spoke.direction;
         *column = product.rotate(&Vector3::new(x, y, T::zero()));
-        product = cross(product, half, spoke.direction);
+        product = product.across_crease(half, spoke.direction);
     }
     let Rotation { w, v } = positive(product);
     for (spoke, column) in star.spokes.iter().zip(columns) {
@@ -83,26 +84,6 @@ pub(crate) fn derivative<T: Scalar>(product: Rotation<T>, axis: &Vector3<T>) -> 
 pub fn half_angles<T: Scalar>(unknowns: &[T], out: &mut [HalfAngle<T>]) {
     for (half, &rho) in out.iter_mut().zip(unknowns) {
         *half = HalfAngle::of(rho);
-    }
-}
-
-/// `product` times the rotation about a crease: the general quaternion product without the terms
-/// of the axis' z, which is 0.
-#[inline]
-pub(crate) fn cross<T: Scalar>(
-    product: Rotation<T>,
-    HalfAngle { cos, sin }: HalfAngle<T>,
-    direction: [T; 2],
-) -> Rotation<T> {
-    let (x, y) = (sin * direction[0], sin * direction[1]);
-    let Rotation { w, v } = product;
-    Rotation {
-        w: w * cos - v.x * x - v.y * y,
-        v: Vector3::new(
-            v.x * cos + w * x - v.z * y,
-            v.y * cos + w * y + v.z * x,
-            v.z * cos + v.x * y - v.y * x,
-        ),
     }
 }
 

@@ -15,7 +15,7 @@
 
 use nalgebra::Vector3;
 
-use crate::closure::{cross, derivative, positive};
+use crate::closure::{derivative, positive};
 use crate::{HalfAngle, Rotation, Scalar, Spoke, StarsView};
 
 /// The creases that a way from face to face round a hole crosses, in order.
@@ -159,7 +159,7 @@ impl<T: Scalar> Motion<T> {
     /// On to the face behind a crease, whose line stays where it is.
     fn turn(&mut self, half: HalfAngle<T>, spoke: &Spoke<T>, place: &[T; 2]) {
         let before = self.apply(place);
-        self.turned = cross(self.turned, half, spoke.direction);
+        self.turned = self.turned.across_crease(half, spoke.direction);
         self.moved += before - self.apply(place);
     }
 }

@@ -41,6 +41,24 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
+    /// This rotation times that about a crease, see [`about_crease`](Self::about_crease): the general
+    /// product without the terms of the axis' z, which is 0.
+    #[inline]
+    #[must_use]
+    pub fn across_crease(self, half: HalfAngle<T>, direction: [T; 2]) -> Self {
+        let HalfAngle { cos, sin } = half;
+        let (x, y) = (sin * direction[0], sin * direction[1]);
+        let Self { w, v } = self;
+        Self {
+            w: w * cos - v.x * x - v.y * y,
+            v: Vector3::new(
+                v.x * cos + w * x - v.z * y,
+                v.y * cos + w * y + v.z * x,
+                v.z * cos + v.x * y - v.y * x,
+            ),
+        }
+    }
+
     /// Scaled back to length one, which repeated products lose by roundings.
     #[inline]
     #[must_use]
@@ -143,6 +161,8 @@ mod tests {
         let b = Rotation::about_crease(HalfAngle::of(-1.9), [-1.0, 0.0]);
         let difference = (a * b).matrix() - a.matrix() * b.matrix();
         assert!(difference.abs().max() < 1e-15);
+        let across = a.across_crease(HalfAngle::of(-1.9), [-1.0, 0.0]);
+        assert!((across.matrix() - a.matrix() * b.matrix()).abs().max() < 1e-15);
         let back = (a * b) * (a * b).inverse();
         assert!((back.w - 1.0).abs() < 1e-15 && back.v.norm() < 1e-15);
     }

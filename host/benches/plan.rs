@@ -53,9 +53,10 @@ fn without_collision(bencher: divan::Bencher<'_, '_>, name: &str) {
 fn stages() {
     println!("medians of 101 plans, milliseconds\n");
     println!(
-        "| sheet | hinges | unknowns | symmetry | solve | fold | collision | total | deformation |"
+        "| sheet | hinges | unknowns | knots | symmetry | solve | place | fold | collision | total | \
+         certified deformation |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for name in PATTERNS {
         let (pattern, goal) = read(name);
         let plans: Vec<Plan> = (0..101)
@@ -68,15 +69,22 @@ fn stages() {
             times[times.len() / 2].as_secs_f64() * 1e3
         };
         println!(
-            "| {name} | {} | {} | {:.3} ms | {:.3} ms | {:.2} ms | {:.2} ms | {:.2} ms | {:.1e} |",
+            "| {name} | {} | {} | {} | {:.3} ms | {:.3} ms | {:.3} ms | {:.2} ms | {:.2} ms | {:.2} ms | \
+             {:.1e} |",
             pattern.creases().len(),
             plans[0].unknowns,
+            plans[0].path.knots.len(),
             median(|p| p.times.symmetry),
             median(|p| p.times.solve),
+            median(|p| p.times.place),
             median(|p| p.times.fold),
             median(|p| p.times.collision),
-            median(|p| p.times.symmetry + p.times.solve + p.times.fold + p.times.collision),
-            plans[0].rigidity.deformation,
+            median(|p| p.times.symmetry
+                + p.times.solve
+                + p.times.place
+                + p.times.fold
+                + p.times.collision),
+            plans[0].certified_deformation.unwrap_or(f64::NAN),
         );
     }
 }

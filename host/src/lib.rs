@@ -38,12 +38,14 @@
 //! - **XiLien2015**: Z. Xi, J.-M. Lien, "Folding and unfolding origami tessellation by reusing
 //!   folding path", GMU-CS-TR-2015-2.
 
+pub mod certificate;
 pub mod check;
 pub mod cli;
 pub mod collision;
 pub mod folding;
 pub mod formats;
 pub mod generate;
+mod numbers;
 pub mod pattern;
 pub mod planner;
 pub mod ragged;

@@ -1,9 +1,11 @@
 //! The bound on errors of the whole sheet per closure residual holds, and is of use.
 
-use foldpath::folding::{Amplification, FoldingMap, SpanningTree};
+use foldpath::folding::{Amplification, FoldingMap, Holonomy, SpanningTree};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
-use foldpath::pattern::{CreasePattern, Drawing};
+use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, closure_of, plan};
+use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath_core::{HalfAngle, closure, hole, norm};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
@@ -52,7 +54,7 @@ fn fractions(pattern: &CreasePattern, angles: &[f64]) -> [f64; 3] {
     let factors = Amplification::new(pattern, &tree).unwrap();
     let known: Vec<_> = angles.iter().copied().map(Some).collect();
     let residual = closure_of(pattern, &known).unwrap();
-    let measured = FoldingMap::new(pattern, &tree, angles).rigidity(pattern, &tree, angles);
+    let measured = FoldingMap::new(pattern, &tree, angles).rigidity(pattern, &tree);
     [
         measured.gap / (factors.gap * residual),
         measured.deformation / (factors.deformation * residual),
@@ -146,20 +148,131 @@ fn factors_are_those_of_the_scaled_sheet() {
     }
 }
 
-/// A hole has conditions of its own, which no residual of a vertex bounds.
-#[test]
-fn a_sheet_with_a_hole_has_no_factor() {
-    let whole = CreasePattern::new(miura(5, 5)).unwrap();
-    let faces = whole.faces().iter().map(|f| f.iter().map(|v| v.index()));
-    let mut faces: Vec<Vec<usize>> = faces.map(Iterator::collect).collect();
-    faces.remove(12);
-    let drawing = Drawing {
-        faces: Some(faces),
-        ..miura(5, 5)
+/// The sheet without these faces, and cut between these neighbouring vertices.
+fn cut(sheet: &Drawing, faces: &[usize], ways: &[&[usize]]) -> Drawing {
+    let whole = CreasePattern::new(sheet.clone()).unwrap();
+    let cycles = whole.faces().iter().enumerate();
+    let kept = cycles.filter(|(index, _)| !faces.contains(index));
+    let kept = kept.map(|(_, f)| f.iter().map(|v| v.index()).collect());
+    let mut drawing = Drawing {
+        faces: Some(kept.collect()),
+        ..sheet.clone()
     };
-    let pattern = CreasePattern::new(drawing).unwrap();
+    for pair in ways.iter().flat_map(|way| way.windows(2)) {
+        let edge = drawing
+            .edges
+            .iter_mut()
+            .find(|edge| edge.ends == [pair[0], pair[1]] || edge.ends == [pair[1], pair[0]]);
+        edge.unwrap().letter = Letter::Cut;
+    }
+    drawing
+}
+
+/// A hole's residuals count like those of a vertex, and turn what hangs below it about a point within
+/// reach; each bound by the residual of every vertex and hole on its own holds too.
+#[test]
+fn errors_of_sheets_with_holes_are_bounded_too() {
+    let mut random = Pcg64::new(11, 3);
+    let (small, large, bombs) = (miura(5, 5), miura(11, 11), waterbomb(8, 10));
+    let ring = [6, 7, 8, 11, 12, 13, 16, 17, 18];
+    let strip: Vec<usize> = (36..43).collect();
+    let mut closest = [0.0_f64; 3];
+    for (name, drawing, holes) in [
+        ("a face missing", cut(&small, &[12], &[]), 1),
+        ("a ring", cut(&small, &ring, &[]), 1),
+        ("two holes side by side", cut(&large, &[48, 50], &[]), 2),
+        ("four holes", cut(&large, &[24, 30, 90, 96], &[]), 4),
+        ("a long hole", cut(&large, &strip, &[]), 1),
+        ("a cut", cut(&large, &[], &[&[52, 53, 54, 55, 56, 57]]), 1),
+        (
+            "cuts and holes",
+            cut(&large, &[12, 60, 108], &[&[88, 89, 90, 91]]),
+            4,
+        ),
+        ("waterbomb", cut(&bombs, &[30, 31, 50], &[]), 2),
+    ] {
+        let pattern = CreasePattern::new(drawing).unwrap();
+        assert_eq!(pattern.holes().len(), holes, "{name}");
+        let groups = CreaseGroups::trivial(&pattern);
+        let stars = ReducedStars::all(&pattern, &groups);
+        let tree = SpanningTree::from_central_face(&pattern);
+        let holonomy = Holonomy::new(&pattern, &tree).unwrap();
+        let factors = Amplification::new(&pattern, &tree).unwrap();
+        let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
+        let goals: Vec<f64> = goals.map(|goal| goal.unwrap_or(0.0)).collect();
+        let mut filled = [0.0_f64; 3];
+        for size in [1e-7, 1e-4, 1e-2, 0.3, 2.0] {
+            for _ in 0..20 {
+                let slope = [noise(&mut random), noise(&mut random)];
+                let local = noise(&mut random);
+                let creases = goals.iter().zip(pattern.creases()).map(|(goal, &id)| {
+                    let place = pattern.vertices()[pattern.edge(id).ends[0].index()];
+                    let sloping = (slope[0] * place.x + slope[1] * place.y) / 10.0;
+                    goal + size * (sloping + local * noise(&mut random))
+                });
+                let creases: Vec<f64> = creases.collect();
+                let known: Vec<_> = creases.iter().copied().map(Some).collect();
+                let x: Vec<f64> = groups
+                    .reduce(&known)
+                    .into_iter()
+                    .map(Option::unwrap)
+                    .collect();
+                let mut half_angles = vec![HalfAngle::default(); x.len()];
+                closure::half_angles(&x, &mut half_angles);
+                let mut vertices = vec![0.0; pattern.vertices().len()];
+                for (vertex, star) in stars.vertices().iter().zip(stars.view().iter()) {
+                    vertices[vertex.index()] = norm(&closure::residual(star, &half_angles));
+                }
+                let loops = stars.loops();
+                let loops = loops.iter().map(|l| hole::residuals(l, &half_angles));
+                let loops: Vec<_> = loops.map(|both| both.map(|part| norm(&part))).collect();
+                let map = FoldingMap::new(&pattern, &tree, &creases);
+                let measured = map.rigidity(&pattern, &tree, &creases);
+                let bound = holonomy.rigidity(&vertices, &loops);
+                let residual = vertices.iter().chain(loops.iter().flatten());
+                let residual = residual.copied().fold(0.0, f64::max);
+                let pairs = [
+                    (measured.gap, bound.gap, factors.gap),
+                    (measured.deformation, bound.deformation, factors.deformation),
+                    (measured.twist, bound.twist, factors.twist),
+                ];
+                for ((measured, bound, factor), filled) in pairs.into_iter().zip(&mut filled) {
+                    assert!(
+                        measured <= bound * (1.0 + 1e-5),
+                        "{name}: {measured} {bound}"
+                    );
+                    assert!(bound <= factor * residual * (1.0 + 1e-12), "{name}");
+                    *filled = filled.max(measured / bound);
+                }
+            }
+        }
+        println!("{name}: {factors:.1?}, filled {filled:.3?}");
+        for (closest, filled) in closest.iter_mut().zip(filled) {
+            *closest = closest.max(filled);
+        }
+    }
+    assert!(closest.iter().all(|filled| *filled > 0.2), "{closest:?}");
+}
+
+/// A ring of faces is one loop: the faces that no step joins are off by its residuals and nothing else.
+#[test]
+fn a_ring_misses_by_the_residuals_of_its_hole() {
+    let pattern = CreasePattern::new(cut(&miura(3, 3), &[4], &[])).unwrap();
     let tree = SpanningTree::from_central_face(&pattern);
-    assert_eq!(Amplification::new(&pattern, &tree), None);
+    let holonomy = Holonomy::new(&pattern, &tree).unwrap();
+    let vertices = vec![1.0; pattern.vertices().len()];
+    let (_, size) = pattern.hole_frame(0);
+    // Of a shift alone, and of a turn about a point at most half the way round and the size away from
+    // the rim, and one edge more from the border.
+    let shift = holonomy.rigidity(&vertices, &[[0.0, 0.1]]);
+    assert!((shift.gap - 0.1 * size).abs() < 1e-12, "{shift:?}");
+    assert!(shift.twist.abs() < 1e-12);
+    let turn = holonomy.rigidity(&vertices, &[[0.1, 0.0]]);
+    assert!(
+        (turn.gap - 0.1 * (2.0 + size + 1.0)).abs() < 1e-12,
+        "{turn:?}"
+    );
+    assert!((turn.twist - 0.1).abs() < 1e-12);
 }
 
 /// The essential tolerance is the bound over the amplification, and what is planned within it keeps

@@ -210,7 +210,7 @@ fn solved(pattern: &CreasePattern, with_loops: bool) -> (Outcome, f64) {
     let angles = groups.expand(&angles);
     let tree = SpanningTree::from_central_face(pattern);
     let map = FoldingMap::new(pattern, &tree, &angles);
-    (report.outcome, map.rigidity(pattern, &tree, &angles).gap)
+    (report.outcome, map.rigidity(pattern, &tree).gap)
 }
 
 /// Stars alone leave the sheet torn round the hole; with the loop it lands on a closed configuration.

@@ -44,7 +44,7 @@ fn scaled_to_goal(pattern: &CreasePattern) -> Rigidity {
     let goal = goal_angles(pattern);
     let steps = (0..=20).map(|step| {
         let angles: Vec<f64> = goal.iter().map(|g| g * f64::from(step) / 20.0).collect();
-        FoldingMap::new(pattern, &tree, &angles).rigidity(pattern, &tree, &angles)
+        FoldingMap::new(pattern, &tree, &angles).rigidity(pattern, &tree)
     });
     steps.fold(Rigidity::default(), Rigidity::worse)
 }
@@ -223,7 +223,7 @@ fn resch_closes_to_a_plane() {
         // Folded, the triangles between stars lie in one plane.
         let tree = SpanningTree::from_central_face(&sheet);
         let map = FoldingMap::new(&sheet, &tree, &goal);
-        let rigidity = map.rigidity(&sheet, &tree, &goal);
+        let rigidity = map.rigidity(&sheet, &tree);
         assert!(rigidity.gap < CLOSED, "{rigidity:?}");
         assert_eq!(outcomes(&sheet)[1], Outcome::Planned, "{rows} {columns}");
     }

@@ -16,10 +16,7 @@ fn verdict(path: &Value, options: &CheckOptions) -> Verdict {
 /// What is wrong with the whole motion, the knots alone being good.
 #[track_caller]
 fn failures(path: &Value) -> Verdict {
-    let knots_alone = CheckOptions {
-        samples: 0,
-        ..CheckOptions::default()
-    };
+    let knots_alone = CheckOptions::knots_alone(CheckOptions::default().bound);
     assert_eq!(verdict(path, &knots_alone).failures, [""; 0]);
     verdict(path, &CheckOptions::default())
 }
@@ -27,7 +24,7 @@ fn failures(path: &Value) -> Verdict {
 /// The path of a pattern with rates.
 fn planned(name: &str) -> Value {
     let options = PlanOptions {
-        interpolation: Interpolation::Hermite,
+        interpolation: Some(Interpolation::Hermite),
         ..PlanOptions::default()
     };
     serde_json::from_str(&Planned::new(name, &options).text()).unwrap()
@@ -308,7 +305,7 @@ fn deformation_is_certified_for_the_whole_motion() {
                 ..CheckOptions::default()
             },
         );
-        let certified = verdict.certified_deformation.unwrap();
+        let certified = verdict.certified().unwrap().deformation;
         let strain = |segment: usize, s: f64| {
             let folded = sheet.positions(&sheet.fold(&motion.angles(segment, s)));
             let edges = sheet.edges.iter().map(|&[a, b]| {

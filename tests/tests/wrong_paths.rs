@@ -18,7 +18,7 @@ const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 /// The planned path of a pattern.
 fn good(name: &str) -> Value {
     let options = PlanOptions {
-        interpolation: Interpolation::Hermite,
+        interpolation: Some(Interpolation::Hermite),
         ..PlanOptions::default()
     };
     let planned = Planned::new(name, &options);

@@ -23,7 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::count;
 use super::majorant::{ORDER, Series, exponential, of_angle};
-use super::motion::{Motion, SAME_SECTOR};
+use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, VertexId};
 use crate::symmetry::ReducedStars;
 
@@ -60,7 +60,7 @@ impl Place {
     }
 }
 
-/// The closure residual of a segment, over all vertices and holes.
+/// The closure residual of a segment, over all vertices and holes, and what it allows the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClosure {
     /// Largest value met.
@@ -75,38 +75,36 @@ pub struct SegmentClosure {
     pub place: Option<Place>,
     /// Number of samples taken.
     pub samples: usize,
+    /// Deformation, gap and twist of the whole sheet are nowhere larger. `None` where no bound is known.
+    pub rigidity: Option<Rigidity>,
 }
 
-/// Bounds the closure residuals of all segments. Where `decided`, a value, is sampled, bounds are not
-/// made finer. Cost: O(samples · distinct stars) a segment.
+/// Bounds the closure residuals of all stars and holes over a segment: those of stars, then those of holes.
+/// Where one that is larger than `decided` is sampled, bounds are not made finer. Cost: O(samples · stars).
 pub(super) fn certify(
-    pattern: &CreasePattern,
-    motion: &Motion,
+    stars: &ReducedStars,
+    curves: &[Curve<f64>],
     decided: f64,
-) -> Vec<SegmentClosure> {
-    let stars = ReducedStars::all(pattern, &motion.groups).essential();
-    let conditions = conditions(&stars);
-    let segments = motion.segments.iter();
-    segments
-        .map(|curves| {
-            let mut segment = Segment {
-                curves,
-                conditions: &conditions,
-                decided,
-                found: SegmentClosure {
-                    sampled: 0.0,
-                    at: 0.0,
-                    open: None,
-                    bound: 0.0,
-                    place: None,
-                    samples: 0,
-                },
-            };
-            let all: Vec<usize> = (0..conditions.len()).collect();
-            segment.refine(0.5, 0.5, &all, 0);
-            segment.found
-        })
-        .collect()
+) -> (SegmentClosure, Vec<f64>) {
+    let conditions = conditions(stars);
+    let all: Vec<usize> = (0..conditions.len()).collect();
+    let mut segment = Segment {
+        curves,
+        bounds: vec![0.0; conditions.len()],
+        conditions,
+        decided,
+        found: SegmentClosure {
+            sampled: 0.0,
+            at: 0.0,
+            open: None,
+            bound: 0.0,
+            place: None,
+            samples: 0,
+            rigidity: None,
+        },
+    };
+    segment.refine(0.5, 0.5, &all, 0);
+    (segment.found, segment.bounds)
 }
 
 /// A vertex or a hole, and the creases met on the way round it.
@@ -117,7 +115,7 @@ struct Condition<'a> {
     places: &'a [[f64; 2]],
     /// How much larger than those of the rotation the derivatives of the residual are.
     lever: f64,
-    /// By how much rounding, and stars taken for the same, may hide.
+    /// By how much rounding may hide.
     hidden: f64,
 }
 
@@ -125,16 +123,12 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
     // ‖·‖ of Frobenius is at most √3 times the operator norm, and the residual is that over √2.
     let turn = 1.5_f64.sqrt();
     let vertices = stars.vertices().iter().zip(stars.view().iter());
-    let vertices = vertices.map(|(&vertex, star)| {
-        let degree = count(star.spokes.len());
-        Condition {
-            place: Place::Vertex(vertex),
-            spokes: star.spokes,
-            places: &[],
-            lever: turn,
-            // Directions sum up sectors, and a turn by ρ about another axis differs by 2 |sin ρ/2| at most.
-            hidden: degree * (2.0 * degree * SAME_SECTOR + ROUNDINGS * f64::EPSILON),
-        }
+    let vertices = vertices.map(|(&vertex, star)| Condition {
+        place: Place::Vertex(vertex),
+        spokes: star.spokes,
+        places: &[],
+        lever: turn,
+        hidden: count(star.spokes.len()) * ROUNDINGS * f64::EPSILON,
     });
     let holes = stars.holes().iter().zip(stars.loops().iter());
     let holes = holes.map(|(&hole, way)| {
@@ -164,7 +158,8 @@ const ROUNDINGS: f64 = 32.0;
 
 struct Segment<'a> {
     curves: &'a [Curve<f64>],
-    conditions: &'a [Condition<'a>],
+    conditions: Vec<Condition<'a>>,
+    bounds: Vec<f64>,
     decided: f64,
     found: SegmentClosure,
 }
@@ -200,12 +195,13 @@ impl Segment<'_> {
             bounds.push((index, condition.bound(sampled, &series)));
         }
         let sampled = self.found.sampled;
-        let enough = |index: usize| 2.0 * sampled + MARGIN + 4.0 * self.conditions[index].hidden;
+        let enough = 2.0 * sampled + MARGIN;
         let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
             .into_iter()
-            .partition(|&(index, bound)| give_up || bound <= enough(index));
+            .partition(|&(_, bound)| give_up || bound <= enough);
         for (index, bound) in done {
+            self.bounds[index] = self.bounds[index].max(bound);
             if bound > self.found.bound || bound.is_nan() {
                 self.found.bound = bound;
                 self.found.place = Some(self.conditions[index].place);

@@ -21,7 +21,7 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
     let knots = path.knots.iter().map(|knot| {
         let angles = crease_angles(pattern, knot);
         map.fold(pattern, &tree, &angles);
-        let mut rigidity = map.rigidity(pattern, &tree, &angles);
+        let mut rigidity = map.rigidity(pattern, &tree);
         if let Some(written) = &knot.vertices {
             rigidity = rigidity.worse(Rigidity {
                 deformation: deformation(pattern, written),

@@ -214,9 +214,18 @@ pub(super) struct Plan {
     /// Motion between knots
     #[arg(long, value_enum, default_value_t)]
     pub(super) interpolation: Interpolation,
-    /// Speed of the fastest hinge, degrees per second
+    /// Speed that no hinge exceeds, degrees per second
     #[arg(long, default_value_t = 45.0, value_name = "DEG_PER_S")]
     pub(super) max_speed: f64,
+    /// Acceleration that no hinge exceeds, degrees per second squared; the path then begins and ends at rest
+    #[arg(long, value_name = "DEG_PER_S2")]
+    pub(super) max_accel: Option<f64>,
+    /// How time runs along the path
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) pace: Pace,
+    /// Knots that the path has at most
+    #[arg(long, value_name = "N")]
+    pub(super) max_knots: Option<usize>,
     /// What each knot stores
     #[arg(long, value_enum, default_value_t)]
     pub(super) frames: Frames,
@@ -269,11 +278,26 @@ pub(super) enum Switch {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(super) enum Interpolation {
-    /// The planner's choice: hermite
+    /// What needs the fewest knots
     #[default]
     Auto,
+    /// Cubic Hermite in the tangent of half the fold angle
+    HalfAngle,
+    /// Cubic Hermite in the fold angle
     Hermite,
+    /// Cubic Hermite in weighted cosine and sine of half the fold angle
+    Homogeneous,
+    /// Straight lines in the fold angle
     Linear,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Pace {
+    /// As fast as the limits of the hinges allow
+    #[default]
+    Optimal,
+    /// So that few knots suffice
+    Sparse,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -397,10 +421,15 @@ impl Plan {
             },
             collision: self.collision == Switch::On,
             interpolation: match self.interpolation {
-                Interpolation::Auto | Interpolation::Hermite => {
-                    foldpath_core::Interpolation::Hermite
-                }
-                Interpolation::Linear => foldpath_core::Interpolation::Linear,
+                Interpolation::Auto => None,
+                Interpolation::HalfAngle => Some(foldpath_core::Interpolation::HalfAngle),
+                Interpolation::Hermite => Some(foldpath_core::Interpolation::Hermite),
+                Interpolation::Homogeneous => Some(foldpath_core::Interpolation::Homogeneous),
+                Interpolation::Linear => Some(foldpath_core::Interpolation::Linear),
+            },
+            pace: match self.pace {
+                Pace::Optimal => planner::Timing::Optimal,
+                Pace::Sparse => planner::Timing::Sparse,
             },
             solver: match self.solver {
                 Solver::Lm => planner::Solver::LevenbergMarquardt,
@@ -416,6 +445,8 @@ impl Plan {
             },
             seed: self.seed,
             max_speed: self.max_speed.to_radians(),
+            max_acceleration: self.max_accel.map(f64::to_radians),
+            max_knots: self.max_knots,
             timeout,
             ..planner::PlanOptions::default()
         };

@@ -2,8 +2,8 @@
 
 use super::args::{Family, Generate, Size, TwistLetters};
 use super::{Answer, print};
-use crate::formats::fold::pattern_text;
-use crate::formats::write_whole;
+use crate::formats::fold::write_pattern;
+use crate::formats::write_whole_with;
 use crate::generate::{Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
 
 pub(super) fn run(args: &Generate) -> Answer {
@@ -83,7 +83,7 @@ pub(super) fn run(args: &Generate) -> Answer {
         }
     };
     let title = format!("{name} {rows}x{cols}");
-    write_whole(output, pattern_text(&title, &drawing).as_bytes())?;
+    write_whole_with(output, |out| write_pattern(&title, &drawing, out))?;
     print(&format!(
         "{title}: {} vertices, {} edges, written to {}\n",
         drawing.vertices.len(),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::args::{Frames, Plan, Switch};
 use super::{Answer, CliError, check_output, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal};
-use crate::formats::{read_pattern, write_whole};
+use crate::formats::{read_pattern, write_whole_with};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome};
 
@@ -63,6 +63,7 @@ struct CollisionJson {
 pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
     let mut options = args.options()?;
+    options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
     if let Some(output) = &args.output {
         check_output(&args.pattern, output)?;
     }
@@ -82,7 +83,7 @@ pub(super) fn run(args: &Plan) -> Answer {
             vertices: args.frames == Frames::Full,
             seed: args.seed,
         };
-        write_whole(output, writer.text(&plan.path).as_bytes())?;
+        write_whole_with(output, |out| writer.write(&plan.path, out))?;
     }
     let times = plan.times;
     let json = PlanJson {
@@ -96,7 +97,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         unknowns: plan.unknowns,
         knots: plan.path.knots.len(),
         max_deformation: plan.rigidity.deformation,
-        certified_deformation: None,
+        certified_deformation: plan.certified_deformation,
         max_closure: plan.max_closure,
         max_gap: plan.rigidity.gap,
         goal_error: plan.goal_error.to_degrees(),

@@ -1,10 +1,11 @@
 //! The folding map at one configuration, and how rigid the sheet is under it.
 
-use foldpath_core::{HalfAngle, Rotation};
+use foldpath_core::{HalfAngle, Membership, Rotation, closure};
 use nalgebra::{Vector2, Vector3};
 
 use super::tree::{SpanningTree, Step};
-use crate::pattern::{CreasePattern, VertexId};
+use crate::numbers::largest;
+use crate::pattern::{CreasePattern, FaceId, VertexId};
 
 /// Rigid motion of a face from the flat sheet (frame f) to space (frame w): x_w = r_wf x_f + p_w.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub struct Pose {
     pub r_wf: Rotation<f64>,
     /// Where the origin of the flat sheet goes.
     pub p_w: Vector3<f64>,
+    /// Where `r_wf` takes the axes of the flat sheet.
+    axes_w: [Vector3<f64>; 2],
 }
 
 impl Pose {
@@ -22,14 +25,36 @@ impl Pose {
         Self {
             r_wf: Rotation::identity(),
             p_w: Vector3::zeros(),
+            axes_w: [Vector3::x(), Vector3::y()],
         }
+    }
+
+    /// The flat sheet turned, and moved so that its point `pivot` comes to `pivot_w`.
+    #[inline]
+    #[must_use]
+    pub fn about(r_wf: Rotation<f64>, pivot: Vector2<f64>, pivot_w: Vector3<f64>) -> Self {
+        let Rotation { w, v } = r_wf;
+        let axes_w = [
+            Vector3::new(
+                1.0 - 2.0 * (v.y * v.y + v.z * v.z),
+                2.0 * (v.x * v.y + w * v.z),
+                2.0 * (v.x * v.z - w * v.y),
+            ),
+            Vector3::new(
+                2.0 * (v.x * v.y - w * v.z),
+                1.0 - 2.0 * (v.x * v.x + v.z * v.z),
+                2.0 * (v.y * v.z + w * v.x),
+            ),
+        ];
+        let p_w = pivot_w - axes_w[0] * pivot.x - axes_w[1] * pivot.y;
+        Self { r_wf, p_w, axes_w }
     }
 
     /// Where the point of the flat sheet goes.
     #[inline]
     #[must_use]
     pub fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
-        self.r_wf.rotate(&point.push(0.0)) + self.p_w
+        self.axes_w[0] * point.x + self.axes_w[1] * point.y + self.p_w
     }
 }
 
@@ -47,6 +72,12 @@ pub struct Rigidity {
 }
 
 impl Rigidity {
+    /// The largest of the three.
+    #[must_use]
+    pub fn worst(self) -> f64 {
+        larger(larger(self.deformation, self.gap), self.twist)
+    }
+
     /// The worse of both in each respect.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
@@ -67,8 +98,11 @@ fn larger(a: f64, b: f64) -> f64 {
 /// the next, so that a path allocates once.
 #[derive(Clone, Debug)]
 pub struct FoldingMap {
+    /// Of each crease.
+    half_angles: Vec<HalfAngle<f64>>,
     poses: Vec<Pose>,
     vertices: Vec<Vector3<f64>>,
+    struts: Vec<Strut>,
 }
 
 impl FoldingMap {
@@ -76,8 +110,13 @@ impl FoldingMap {
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree, fold_angles: &[f64]) -> Self {
         let mut map = Self {
+            half_angles: vec![HalfAngle::default(); pattern.creases().len()],
             poses: vec![Pose::identity(); tree.faces()],
             vertices: vec![Vector3::zeros(); pattern.vertices().len()],
+            struts: pattern
+                .struts()
+                .map(|ends| Strut::new(pattern, ends))
+                .collect(),
         };
         map.fold(pattern, tree, fold_angles);
         map
@@ -85,32 +124,60 @@ impl FoldingMap {
 
     /// Replaces this map by that at another configuration of the same sheet.
     pub fn fold(&mut self, pattern: &CreasePattern, tree: &SpanningTree, fold_angles: &[f64]) {
+        closure::half_angles(fold_angles, &mut self.half_angles);
+        self.place(pattern, tree);
+    }
+
+    /// The same where each crease has the angle (radians) of a group, up to its sign: one sine and cosine
+    /// a group.
+    pub fn fold_groups(
+        &mut self,
+        pattern: &CreasePattern,
+        tree: &SpanningTree,
+        memberships: &[Membership],
+        angles: &[f64],
+    ) {
+        let mut groups = vec![HalfAngle::default(); angles.len()];
+        closure::half_angles(angles, &mut groups);
+        for (half, membership) in self.half_angles.iter_mut().zip(memberships) {
+            *half = groups[membership.group.index()].signed(membership.negative);
+        }
+        self.place(pattern, tree);
+    }
+
+    /// Places faces and vertices by the half angles.
+    fn place(&mut self, pattern: &CreasePattern, tree: &SpanningTree) {
         for &root in tree.roots() {
             self.poses[root.index()] = Pose::identity();
         }
         for step in tree.steps() {
-            let parent = self.poses[step.parent.index()];
-            if step.crease.is_none() {
-                self.poses[step.face.index()] = parent;
-                continue;
-            }
-            let r_wf = (parent.r_wf * turn(step, fold_angles)).renormalised();
-            let pivot = step.pivot.push(0.0);
-            // The pivot stays where the parent takes it.
-            let p_w = parent.p_w + parent.r_wf.rotate(&pivot) - r_wf.rotate(&pivot);
-            self.poses[step.face.index()] = Pose { r_wf, p_w };
+            let parent = &self.poses[step.parent.index()];
+            let pose = match step.crease {
+                // The pivot stays where the parent takes it.
+                Some(_) => {
+                    let r_wf = self.beyond(step).renormalised();
+                    Pose::about(r_wf, step.pivot, parent.apply(step.pivot))
+                }
+                None => *parent,
+            };
+            self.poses[step.face.index()] = pose;
         }
-        for (vertex, (folded, faces)) in self
-            .vertices
-            .iter_mut()
-            .zip(pattern.corners().iter())
-            .enumerate()
-        {
-            let flat = pattern.vertices()[vertex];
+        let vertices = self.vertices.iter_mut().zip(pattern.vertices());
+        for ((folded, &flat), faces) in vertices.zip(pattern.corners().iter()) {
             *folded = match faces.first() {
                 Some(witness) => self.poses[witness.index()].apply(flat),
                 None => flat.push(0.0),
             };
+        }
+    }
+
+    /// Rotation of the face that a step reaches, by that of its parent and the step's fold angle.
+    #[inline]
+    fn beyond(&self, step: &Step) -> Rotation<f64> {
+        let r_wp = self.poses[step.parent.index()].r_wf;
+        match step.crease {
+            Some(crease) => r_wp.across_crease(self.half_angles[crease.index()], step.axis.into()),
+            None => r_wp,
         }
     }
 
@@ -132,65 +199,83 @@ impl FoldingMap {
         self.vertices[vertex.index()]
     }
 
-    /// How rigid the sheet is under this map, made with the same tree and fold angles. Cost:
-    /// O(edges + corners).
+    /// How rigid the sheet is under this map, made with the same tree. Cost: O(edges + corners).
     #[must_use]
-    pub fn rigidity(
-        &self,
-        pattern: &CreasePattern,
-        tree: &SpanningTree,
-        fold_angles: &[f64],
-    ) -> Rigidity {
+    pub fn rigidity(&self, pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
         let twists = tree.loops().iter().map(|step| {
-            let r_wa = self.poses[step.parent.index()].r_wf;
             let r_wb = self.poses[step.face.index()].r_wf;
-            let r_ab = turn(step, fold_angles);
-            2.0 * ((r_wa * r_ab).inverse() * r_wb).v.norm()
+            (self.beyond(step).inverse() * r_wb).v.norm_squared()
         });
         Rigidity {
-            deformation: deformation(pattern, &self.vertices),
+            deformation: strain(self.struts.iter().copied(), &self.vertices),
             gap: self.gap(pattern),
-            twist: twists.fold(0.0, larger),
+            twist: 2.0 * largest(twists).sqrt(),
         }
     }
 
     fn gap(&self, pattern: &CreasePattern) -> f64 {
         let mut positions = Vec::new();
-        let mut widest = 0.0_f64;
-        for (vertex, faces) in pattern.corners().iter().enumerate() {
-            let flat = pattern.vertices()[vertex];
-            let folded = self.vertices[vertex];
-            positions.clear();
-            positions.extend(faces.iter().map(|f| self.poses[f.index()].apply(flat)));
-            let reach = positions.iter().map(|p| (p - folded).norm());
+        // The square of the widest distance so far.
+        let mut widest = 0.0;
+        let vertices = pattern.vertices().iter().zip(&self.vertices);
+        for ((&flat, folded), faces) in vertices.zip(pattern.corners().iter()) {
+            // The first face is where the folded position comes from.
+            let others = faces.get(1..).unwrap_or_default();
+            let at = |face: &FaceId| self.poses[face.index()].apply(flat);
+            let mut reach = 0.0;
+            for face in others {
+                reach = largest([reach, (at(face) - folded).norm_squared()]);
+            }
             // No two are farther apart than twice the reach from the first.
-            if 2.0 * reach.fold(0.0, larger) <= widest {
+            if 4.0 * reach <= widest {
                 continue;
             }
+            widest = largest([widest, reach]);
+            positions.clear();
+            positions.extend(others.iter().map(at));
             for (index, a) in positions.iter().enumerate() {
-                let distances = positions[..index].iter().map(|b| (a - b).norm());
-                widest = distances.fold(widest, larger);
+                for b in &positions[..index] {
+                    widest = largest([widest, (a - b).norm_squared()]);
+                }
             }
         }
-        widest / pattern.median_edge()
+        widest.sqrt() / pattern.median_edge()
     }
-}
-
-/// Rotation of a step: that of the face it reaches as seen from its parent.
-fn turn(step: &Step, fold_angles: &[f64]) -> Rotation<f64> {
-    let Some(crease) = step.crease else {
-        return Rotation::identity();
-    };
-    let half = HalfAngle::of(fold_angles[crease.index()]);
-    Rotation::about_crease(half, [step.axis.x, step.axis.y])
 }
 
 /// Largest relative change of length of an edge or virtual edge, for given folded positions.
 #[must_use]
 pub fn deformation(pattern: &CreasePattern, vertices: &[Vector3<f64>]) -> f64 {
-    let strain = |ends: [VertexId; 2]| {
+    strain(
+        pattern.struts().map(|ends| Strut::new(pattern, ends)),
+        vertices,
+    )
+}
+
+/// Two vertices that panels hold at their distance.
+#[derive(Clone, Copy, Debug)]
+struct Strut {
+    ends: [VertexId; 2],
+    /// The square of that distance.
+    square: f64,
+}
+
+impl Strut {
+    fn new(pattern: &CreasePattern, ends: [VertexId; 2]) -> Self {
+        let [a, b] = ends.map(|end| pattern.vertices()[end.index()]);
+        let square = (b - a).norm_squared();
+        Self { ends, square }
+    }
+}
+
+fn strain(struts: impl Iterator<Item = Strut>, vertices: &[Vector3<f64>]) -> f64 {
+    // The least and the greatest square of a distance over that in the flat sheet.
+    let (mut least, mut greatest) = (1.0, 1.0);
+    for Strut { ends, square } in struts {
         let [a, b] = ends.map(|end| vertices[end.index()]);
-        ((b - a).norm() / pattern.length(ends) - 1.0).abs()
-    };
-    pattern.struts().map(strain).fold(0.0, larger)
+        let ratio = (b - a).norm_squared() / square;
+        greatest = largest([greatest, ratio]);
+        least = f64::min(least, ratio);
+    }
+    larger(greatest.sqrt() - 1.0, 1.0 - least.sqrt())
 }

@@ -10,7 +10,7 @@ mod svg;
 use std::path::Path;
 
 pub use error::FileError;
-pub use output::write_whole;
+pub use output::{write_whole, write_whole_with};
 
 /// Reads a crease pattern of whatever format the name's ending says: `.svg`, `.cp`, and FOLD for all
 /// others.

@@ -1,35 +1,51 @@
 //! Writing files whole or not at all.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::FileError;
 
-/// Writes `content` to `path`, which never holds a part of it: the file is written beside it under
-/// another name and then renamed. What stands behind a link is replaced, not the link; a pipe or a
-/// device is written to.
+/// Bytes handed to the system at once.
+const BUFFER: usize = 1 << 18;
+
+/// Writes `content` to `path`, as [`write_whole_with`] does.
 ///
 /// # Errors
 /// If the system refuses.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let failed = |error: std::io::Error| FileError::Io {
+    write_whole_with(path, |out| out.write_all(content))
+}
+
+/// Writes what `content` says to `path`, which never holds a part of it: the file is written beside it
+/// under another name and then renamed. What stands behind a link is replaced, not the link; a pipe or
+/// a device is written to.
+///
+/// # Errors
+/// If the system refuses, or `content` fails.
+pub fn write_whole_with(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> Result<(), FileError> {
+    let failed = |error: io::Error| FileError::Io {
         path: path.to_path_buf(),
         // The kind alone: the error itself names the temporary file.
         source: error.kind().into(),
     };
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     if std::fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
-        return std::fs::write(&target, content).map_err(failed);
+        let write = || fill(&File::create(&target)?, content);
+        return write().map_err(failed);
     }
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let write = || {
-        let mut file = tempfile::Builder::new()
+        let file = tempfile::Builder::new()
             .prefix(".foldpath-")
             .tempfile_in(folder)?;
-        file.write_all(content)?;
+        fill(file.as_file(), content)?;
         #[cfg(unix)]
         {
             // A temporary file is private to its owner; a result is as public as any other file.
@@ -41,4 +57,13 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
         Ok(())
     };
     write().map_err(failed)
+}
+
+fn fill(
+    file: &File,
+    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, file);
+    content(&mut out)?;
+    out.flush()
 }

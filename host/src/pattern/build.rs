@@ -9,7 +9,9 @@ use super::model::{CreasePattern, Edge};
 use super::split::{EdgeFaces, split};
 use super::trace::{area, edge_between};
 use super::triangulate::triangulate;
-use super::{CreaseId, Drawing, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace};
+use super::{
+    CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
+};
 use crate::ragged::{Ragged, group_by_key};
 
 impl CreasePattern {
@@ -61,7 +63,12 @@ impl CreasePattern {
             .collect();
         let middle = lengths.len() / 2;
         let median_edge = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let along = |e: &DrawnEdge| {
+            let [a, b] = e.ends.map(|end| drawing.vertices[end]);
+            (b - a).normalize()
+        };
         let mut pattern = Self {
+            directions: drawing.edges.iter().map(along).collect(),
             vertices: drawing.vertices,
             edges,
             faces: faces

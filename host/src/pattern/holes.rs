@@ -17,6 +17,21 @@ pub struct Passage {
 }
 
 impl CreasePattern {
+    /// Middle of a hole, and the largest distance from there to a vertex of the way round it: the unit
+    /// of the loop's residual of translation.
+    ///
+    /// # Panics
+    /// If there is no hole of that number.
+    #[must_use]
+    pub fn hole_frame(&self, hole: usize) -> (Vector2<f64>, f64) {
+        let way = &self.holes[hole];
+        let place = |passage: &Passage| self.vertices[passage.at.index()];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
+        let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
+        (middle, from_middle.fold(f64::MIN_POSITIVE, f64::max))
+    }
+
     /// For each hole the way round it through the faces that touch its rim; a cut inside the sheet is a
     /// hole too. Cost: linear, and next to nothing without holes.
     pub(super) fn find_holes(&self) -> Ragged<Passage> {

@@ -43,6 +43,8 @@ impl Edge {
 pub struct CreasePattern {
     pub(super) vertices: Vec<Vector2<f64>>,
     pub(super) edges: Vec<Edge>,
+    /// Of each edge from its first end to its second, of length one.
+    pub(super) directions: Vec<Vector2<f64>>,
     pub(super) faces: Ragged<VertexId>,
     pub(super) creases: Vec<EdgeId>,
     pub(super) stars: Ragged<EdgeId>,
@@ -176,8 +178,12 @@ impl CreasePattern {
     /// Unit direction from `vertex` along `edge` in the flat sheet.
     #[must_use]
     pub fn direction(&self, edge: EdgeId, vertex: VertexId) -> Vector2<f64> {
-        let other = self.edge(edge).other_end(vertex);
-        (self.vertices[other.index()] - self.vertices[vertex.index()]).normalize()
+        let direction = self.directions[edge.index()];
+        if self.edge(edge).ends[0] == vertex {
+            direction
+        } else {
+            -direction
+        }
     }
 
     /// Number of sheets: parts that no chain of faces joins.

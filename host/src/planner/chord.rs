@@ -123,7 +123,6 @@ mod tests {
     use crate::generate::Miura;
     use crate::pattern::CreasePattern;
     use crate::planner::Goal;
-    use crate::planner::solver::max_closure;
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
     /// What the chord method does so far from a closed Miura sheet, and the angles before and after.
@@ -160,7 +159,7 @@ mod tests {
             &mut workspace,
         )
         .unwrap();
-        let residual = max_closure(&stars, &after);
+        let residual = stars.largest_residual(&after);
         (chord, before, after, residual)
     }
 

@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 
 use super::follow::{cosine, max_norm};
 use super::reduction::Reduction;
-use super::solver::{ClosureSolver, Work, max_closure};
+use super::solver::{ClosureSolver, Work};
 use super::{PlanOptions, Vertices};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::symmetry::CreaseGroups;
@@ -210,7 +210,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
             pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));
         let departure = Departure {
             against: against.map(|(_, &edge)| edge).collect(),
-            closure: max_closure(&reduction.all, &x),
+            closure: reduction.all.largest_residual(&x),
             fold_angles: groups.expand(&x),
         };
         if departure.against.is_empty() {

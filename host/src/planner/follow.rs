@@ -502,18 +502,36 @@ fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
 
 /// Direction in which the motion leaves the flat sheet, given a configuration near flat on it: the
 /// limit of secants, as no derivative tells one motion from the others there.
+///
+/// The mirror image of a motion at the flat sheet is a motion, so secants have even powers of their
+/// length alone: their limit is extrapolated as in Romberg's method. Shorter secants would be rounding.
 pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
-    // Quartered five times: 10 degrees become 2e-4 rad, where secant and tangent differ by 1e-7.
-    let mut secant = near.to_vec();
-    for _ in 0..5 {
-        let mut closer: Vec<f64> = secant.iter().map(|a| a / 4.0).collect();
-        if !solver.closes(&mut closer) || cosine(&closer, &secant) < 0.9 {
+    let mut closed = near.to_vec();
+    let mut limit: Vec<Vec<f64>> = vec![unit(near)];
+    for _ in 1..SECANTS {
+        let mut closer: Vec<f64> = closed.iter().map(|a| a / 4.0).collect();
+        if !solver.closes(&mut closer) || cosine(&closer, &closed) < 0.9 {
             break;
         }
-        secant = closer;
+        let mut row = vec![unit(&closer)];
+        let mut ratio = 1.0;
+        for before in &limit {
+            ratio *= 16.0;
+            let finer = row.last().unwrap_or(before);
+            let pairs = finer.iter().zip(before);
+            row.push(pairs.map(|(f, b)| f + (f - b) / (ratio - 1.0)).collect());
+        }
+        (limit, closed) = (row, closer);
     }
-    let length = norm(&secant);
-    secant.iter().map(|a| a / length).collect()
+    unit(limit.last().map_or(near, |limit| limit))
+}
+
+/// Secants from which the tangent at flat is extrapolated.
+const SECANTS: usize = 4;
+
+fn unit(x: &[f64]) -> Vec<f64> {
+    let length = norm(x);
+    x.iter().map(|a| a / length).collect()
 }
 
 pub(super) fn norm(x: &[f64]) -> f64 {

@@ -23,6 +23,8 @@ pub(super) struct Judge<'a> {
     tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
+    /// Whether judged knots keep the folded positions of the vertices.
+    pub(super) keep_vertices: bool,
     /// Time spent folding and measuring.
     pub(super) fold: Duration,
     /// Time spent looking for crossings.
@@ -47,6 +49,7 @@ impl<'a> Judge<'a> {
             tree,
             map,
             scene,
+            keep_vertices: false,
             fold,
             collision: start.elapsed(),
         }
@@ -59,16 +62,19 @@ impl<'a> Judge<'a> {
         knot.closure = self.reduction.closure(&knot.angles).max(rigidity.twist);
         knot.deformation = rigidity.deformation;
         knot.gap = rigidity.gap;
-        knot.vertices = self.map.vertices().to_vec();
+        if self.keep_vertices {
+            knot.vertices = self.map.vertices().to_vec();
+        }
         self.fold += start.elapsed();
         self.crossing(rigidity.gap)
     }
 
     /// Folds the sheet and measures it.
     fn place(&mut self, angles: &[f64]) -> Rigidity {
-        let creases = self.reduction.groups.expand(angles);
-        self.map.fold(self.pattern, self.tree, &creases);
-        self.map.rigidity(self.pattern, self.tree, &creases)
+        let memberships = self.reduction.groups.memberships();
+        let map = &mut self.map;
+        map.fold_groups(self.pattern, self.tree, memberships, angles);
+        map.rigidity(self.pattern, self.tree)
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
@@ -120,25 +126,28 @@ impl<'a> Judge<'a> {
             .unwrap_or_default()
     }
 
-    /// Worst deformation and gap of the essential crease pattern over all knots, and its number of
-    /// faces.
-    pub(super) fn essential(&mut self, knots: &[Knot]) -> (Rigidity, usize) {
+    /// Worst deformation and gap of the essential crease pattern over some configurations, and its number
+    /// of faces.
+    pub(super) fn essential<'k>(
+        &mut self,
+        configurations: impl Iterator<Item = &'k [f64]>,
+    ) -> (Rigidity, usize) {
         let start = Instant::now();
         let groups = &self.reduction.groups;
-        let Ok((part, creases)) = essential_pattern(self.pattern, groups) else {
+        let Ok((part, creases)) = essential_pattern(self.pattern, &self.reduction.all) else {
             return (Rigidity::default(), 0);
         };
         let tree = SpanningTree::from_central_face(&part);
         let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
         let mut worst = Rigidity::default();
-        for knot in knots {
+        for angles in configurations {
             let angle = |crease| {
                 let membership = groups.of(crease);
-                membership.apply(knot.angles[membership.group.index()])
+                membership.apply(angles[membership.group.index()])
             };
             let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
             map.fold(&part, &tree, &angles);
-            worst = worst.worse(map.rigidity(&part, &tree, &angles));
+            worst = worst.worse(map.rigidity(&part, &tree));
         }
         self.fold += start.elapsed();
         (worst, part.faces().len())

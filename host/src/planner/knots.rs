@@ -3,8 +3,6 @@
 use foldpath_core::{Interpolation, Membership};
 use nalgebra::Vector3;
 
-use super::follow::Waypoint;
-
 /// One stored configuration of a path, with what was measured there on the whole sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knot {
@@ -14,8 +12,8 @@ pub struct Knot {
     pub angles: Vec<f64>,
     /// Rate of each group, radians per second.
     pub rates: Vec<f64>,
-    /// Weight of the homogeneous half angle of each group and its rate per second; empty unless the
-    /// path is interpolated so.
+    /// Weight of each group's homogeneous half angle and its rate per second; empty unless the
+    /// interpolation is homogeneous.
     pub weights: Vec<[f64; 2]>,
     /// Folded positions of the vertices; empty if they were not kept.
     pub vertices: Vec<Vector3<f64>>,
@@ -36,46 +34,4 @@ pub struct Path {
     pub interpolation: Interpolation,
     /// The knots, in the order of time.
     pub knots: Vec<Knot>,
-}
-
-/// Knots with times, of waypoints from flat to goal: the Euclidean length of the path in group angles is
-/// its parameter, so that every hinge moves smoothly, and the fastest hinge of all knots moves at
-/// `max_speed` (radians per second).
-pub(super) fn timed(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
-    let entries = waypoints.iter().flat_map(|w| &w.tangent);
-    let fastest = entries.fold(0.0, |max, t| f64::max(max, t.abs()));
-    let speed = if fastest > 0.0 {
-        max_speed / fastest
-    } else {
-        max_speed
-    };
-    let mut knots: Vec<Knot> = Vec::with_capacity(waypoints.len());
-    let mut length = 0.0;
-    let mut before: Option<&Waypoint> = None;
-    for waypoint in waypoints {
-        length += before.map_or(0.0, |before| arc_length(before, waypoint));
-        before = Some(waypoint);
-        knots.push(Knot {
-            time: length / speed,
-            angles: waypoint.angles.clone(),
-            rates: waypoint.tangent.iter().map(|t| t * speed).collect(),
-            ..Knot::default()
-        });
-    }
-    knots
-}
-
-/// Length of the path between two waypoints: that of the circular arc with their chord whose ends
-/// enclose the angle of their tangents, fourth order in the chord.
-fn arc_length(from: &Waypoint, to: &Waypoint) -> f64 {
-    let squares = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-    let chord = squares(&from.angles, &to.angles).sqrt();
-    // The tangents have length 1: their difference is twice the sine of half the angle. At a corner, where
-    // one is zero, that makes 60 degrees and 5 % more length, which a start from rest takes.
-    let sine = (squares(&from.tangent, &to.tangent).sqrt() / 2.0).min(1.0);
-    if sine > 0.0 {
-        chord * sine.asin() / sine
-    } else {
-        chord
-    }
 }

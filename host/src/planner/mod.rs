@@ -7,22 +7,29 @@
 
 mod attempt;
 mod chord;
+mod course;
 mod depart;
 mod follow;
 mod goal;
 mod judge;
 mod knots;
 mod options;
+mod overshoot;
+mod place;
 mod plan;
 mod reduction;
 mod search;
 mod solver;
 mod sparse;
+pub mod timing;
 
 pub use depart::{Departure, leave_flat};
 pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Knot, Path};
-pub use options::{HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Vertices};
+pub use options::{
+    HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Timing, Vertices,
+};
+pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};
 pub use reduction::closure_of;

@@ -48,6 +48,16 @@ pub enum Search {
     Random,
 }
 
+/// How time runs along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Timing {
+    /// As fast as the limits of the hinges allow.
+    #[default]
+    Optimal,
+    /// So that few knots suffice: in proportion to the tangent of one hinge's half angle, or to the way.
+    Sparse,
+}
+
 /// Fold angles that a hinge may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeLimit {
@@ -70,8 +80,10 @@ pub struct PlanOptions {
     pub vertices: Vertices,
     /// Whether to look for faces that pass through each other.
     pub collision: bool,
-    /// How the motion between knots is made.
-    pub interpolation: Interpolation,
+    /// How the motion between knots is made; `None` for what needs the fewest knots.
+    pub interpolation: Option<Interpolation>,
+    /// How time runs along the path.
+    pub pace: Timing,
     /// Which solver to use.
     pub solver: Solver,
     /// How to look for the path.
@@ -82,12 +94,19 @@ pub struct PlanOptions {
     pub seed: u64,
     /// Hinges that may not turn as far as touching themselves.
     pub limits: Vec<HingeLimit>,
-    /// No hinge turns by more than this from one knot to the next, radians.
+    /// No hinge turns by more than this in a step of the solver, radians.
     pub max_step: f64,
-    /// Speed of the fastest hinge, radians per second.
+    /// Speed that no hinge exceeds, radians per second.
     pub max_speed: f64,
+    /// Acceleration that no hinge exceeds, radians per second squared. With one the path begins and ends at
+    /// rest.
+    pub max_acceleration: Option<f64>,
+    /// Knots that the path has at most.
+    pub max_knots: Option<usize>,
     /// Time after which planning stops; none by default.
     pub timeout: Option<Duration>,
+    /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
+    pub keep_vertices: bool,
 }
 
 impl Default for PlanOptions {
@@ -97,7 +116,8 @@ impl Default for PlanOptions {
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
             collision: true,
-            interpolation: Interpolation::default(),
+            interpolation: None,
+            pace: Timing::default(),
             solver: Solver::default(),
             search: Search::default(),
             objective: Objective::default(),
@@ -105,7 +125,10 @@ impl Default for PlanOptions {
             limits: Vec::new(),
             max_step: 10_f64.to_radians(),
             max_speed: 45_f64.to_radians(),
+            max_acceleration: None,
+            max_knots: None,
             timeout: None,
+            keep_vertices: true,
         }
     }
 }
@@ -172,6 +195,7 @@ impl PlanOptions {
         }
         positive("max_step", self.max_step)?;
         positive("max_speed", self.max_speed)?;
+        positive("max_acceleration", self.max_acceleration.unwrap_or(1.0))?;
         if self.max_speed < SLOWEST {
             return Err(OptionsError {
                 option: "max_speed",

@@ -4,12 +4,15 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::attempt::{Attempt, End, Reach, straight};
-use super::follow::{Stop, largest, max_norm, way_to};
+use super::course::Course;
+use super::follow::{Stop, Waypoint, largest, max_norm, way_to};
 use super::judge::Judge;
-use super::knots::{Knot, Path, timed};
+use super::knots::{Knot, Path};
+use super::place::{Placed, Terms, place};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
 use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions, Symmetry};
+use crate::certificate::SheetCertifier;
 use crate::collision::{CollisionCounts, Crossing};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -55,6 +58,8 @@ pub struct Times {
     pub symmetry: Duration,
     /// Following the path in group angles.
     pub solve: Duration,
+    /// Placing knots on it and certifying the motion between them.
+    pub place: Duration,
     /// Folding the whole sheet at every knot and measuring it.
     pub fold: Duration,
     /// Looking for crossings at every knot.
@@ -78,6 +83,8 @@ pub struct Plan {
     pub essential_vertices: usize,
     /// Unknowns that the solver worked on.
     pub unknowns: usize,
+    /// Closed configurations that the path was followed through, before knots were placed.
+    pub waypoints: usize,
     /// Worst deformation and gap over all knots.
     pub rigidity: Rigidity,
     /// Worst deformation and gap of the essential crease pattern over all knots.
@@ -86,6 +93,10 @@ pub struct Plan {
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
+    /// Bound on the closure residual of every real vertex and hole over the whole motion.
+    pub certified_closure: Option<f64>,
+    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
+    pub certified_deformation: Option<f64>,
     /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
     /// be; `None` where a hole adds conditions of its own.
     pub amplification: Option<f64>,
@@ -247,7 +258,6 @@ impl<'a> Planning<'a> {
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
         self.plan.path.memberships = reduction.groups.memberships().to_vec();
-        self.plan.path.interpolation = self.options.interpolation;
     }
 
     fn conclude(mut self, mut attempt: Attempt, symmetric: Option<Reduction>) -> Plan {
@@ -285,8 +295,12 @@ impl<'a> Planning<'a> {
             }
             End::NotClosed { .. } => return self.not_closed(attempt, symmetric),
         };
-        let knots = timed(&attempt.waypoints, self.options.max_speed);
-        let mut plan = self.judge(&attempt.reduction, attempt.accepted, knots, attempt.reached);
+        let mut plan = self.judge(
+            &attempt.reduction,
+            attempt.accepted,
+            &attempt.waypoints,
+            attempt.reached,
+        );
         if plan.outcome == Outcome::Planned {
             (plan.outcome, plan.reason) = (outcome, reason);
         }
@@ -424,12 +438,9 @@ impl<'a> Planning<'a> {
         {
             return None;
         }
-        let knots = timed(
-            &straight(reduction, &goal, self.options),
-            self.options.max_speed,
-        );
+        let waypoints = straight(reduction, &goal, self.options);
         let mut judge = Judge::new(self.pattern, reduction, false);
-        let (essential, _) = judge.essential(&knots);
+        let (essential, _) = judge.essential(waypoints.iter().map(|w| w.angles.as_slice()));
         if !(essential.deformation <= self.options.bound && essential.gap <= self.options.bound) {
             return None;
         }
@@ -454,23 +465,62 @@ impl<'a> Planning<'a> {
             ..*self
         };
         let accepted = self.options.bound;
-        let plan = torn.judge(reduction, accepted, knots.clone(), 1.0);
+        let plan = torn.judge(reduction, accepted, &waypoints, 1.0);
         if plan.outcome != Outcome::Planned || !self.options.collision {
             return Some(plan);
         }
-        Some(planning.judge(reduction, accepted, knots, 1.0))
+        Some(planning.judge(reduction, accepted, &waypoints, 1.0))
     }
 
-    /// Reuses the path, which reaches that part of the goal, on the whole sheet: judges it at every knot.
+    /// Places knots on the course through the waypoints, and certifies the motion between them.
+    fn place(
+        &mut self,
+        reduction: &Reduction,
+        accepted: f64,
+        waypoints: &[Waypoint],
+    ) -> Option<Placed> {
+        let start = Instant::now();
+        let (_, signs) = reduction.asked(self.goal);
+        let limits = reduction.orthant(&signs);
+        let mut solver = reduction.solver(self.options, accepted);
+        solver.set_limits(limits.clone());
+        let exact = waypoints
+            .iter()
+            .all(|waypoint| reduction.essential_closure(&waypoint.angles) <= CLOSED);
+        let terms = Terms {
+            stars: &reduction.essential,
+            closure: exact.then(|| reduction.accepted(self.options)),
+            limits: &limits,
+            speed: self.options.max_speed,
+            acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
+            most: self.options.max_knots.unwrap_or(MOST_KNOTS),
+        };
+        let course = Course::new(waypoints);
+        let placed = place(&course, &terms, &mut solver, self.options);
+        self.plan.times.place += start.elapsed();
+        placed
+    }
+
+    /// Reuses the path, which reaches that part of the goal, on the whole sheet: judges it at every knot
+    /// and between them.
     fn judge(
         mut self,
         reduction: &Reduction,
         accepted: f64,
-        mut knots: Vec<Knot>,
+        waypoints: &[Waypoint],
         reached: f64,
     ) -> Plan {
         self.plan.reached = reached;
+        self.plan.waypoints = waypoints.len();
+        let Some(placed) = self.place(reduction, accepted, waypoints) else {
+            self.plan.reached = 0.0;
+            return self.unplaced();
+        };
+        self.plan.path.interpolation = placed.interpolation;
+        self.certify(reduction, &placed);
+        let mut knots = placed.knots;
         let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
+        judge.keep_vertices = self.options.keep_vertices;
         let mut crossed = None;
         for (index, knot) in knots.iter_mut().enumerate() {
             if self.is_late() {
@@ -495,9 +545,33 @@ impl<'a> Planning<'a> {
                 return self.end(Outcome::Crossing(crossing), reason);
             }
         }
-        (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(&knots);
+        (self.plan.essential_rigidity, self.plan.essential_faces) =
+            judge.essential(knots.iter().map(|knot| knot.angles.as_slice()));
         self.note(&judge, knots);
         self.judge_rigidity()
+    }
+
+    /// Takes the bounds on closure to bounds on the whole sheet.
+    fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
+        let start = Instant::now();
+        let closure = placed.closure();
+        self.plan.certified_closure = Some(closure.worst());
+        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
+        self.plan.certified_deformation = sheet.map(|mut sheet| {
+            let bounds = sheet.rigidity(&closure);
+            bounds.deformation.max(bounds.gap)
+        });
+        self.plan.times.place += start.elapsed();
+    }
+
+    /// No knots could be placed.
+    fn unplaced(self) -> Plan {
+        if self.is_late() {
+            return self.end(Outcome::Timeout, "out of time while placing knots".into());
+        }
+        let most = self.options.max_knots.unwrap_or(MOST_KNOTS);
+        let reason = format!("the bound needs more than {most} knots with this interpolation");
+        self.end(Outcome::Partial, reason)
     }
 
     /// Ends the path before the first crossing, which is between the last of `knots` and the first
@@ -613,6 +687,8 @@ impl<'a> Planning<'a> {
     }
 }
 
+/// Knots of a path at most.
+const MOST_KNOTS: usize = 20_000;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
 /// Radians: a step that shows which vertex stands in the way.

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use std::time::Instant;
 
 use super::follow::{approach, same_signs};
-use super::solver::{ClosureSolver, Work, max_closure};
+use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
@@ -155,9 +155,14 @@ impl Reduction {
         }
     }
 
+    /// Largest closure residual of the essential conditions.
+    pub(super) fn essential_closure(&self, angles: &[f64]) -> f64 {
+        self.essential.largest_residual(angles)
+    }
+
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
-        max_closure(&self.all, angles)
+        self.all.largest_residual(angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.
@@ -275,5 +280,5 @@ pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Optio
         .into_iter()
         .collect::<Option<Vec<f64>>>()?;
     let stars = ReducedStars::all(pattern, &groups);
-    Some(max_closure(&stars, &angles))
+    Some(stars.largest_residual(&angles))
 }

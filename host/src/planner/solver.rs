@@ -373,9 +373,3 @@ impl Equations {
         }
     }
 }
-
-/// Largest closure residual of the stars and loops at the group angles `x`.
-pub(super) fn max_closure(reduced: &ReducedStars, x: &[f64]) -> f64 {
-    let residuals = reduced.residuals(x).into_iter();
-    residuals.fold(0.0, |max, r| if r > max || r.is_nan() { r } else { max })
-}

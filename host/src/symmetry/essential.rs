@@ -1,11 +1,13 @@
 //! Essential vertices: one real vertex for every distinct closure condition.
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
+use std::sync::OnceLock;
 
-use foldpath_core::{HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
-use nalgebra::Vector2;
+use foldpath_core::{HalfAngle, LoopsView, Spoke, StarView, StarsView, closure, hole};
+use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
+use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
 };
@@ -14,9 +16,6 @@ use crate::ragged::Ragged;
 /// Sector angles this close, in tolerances of the groups, are the same: both stars may be off a third
 /// one by as much, and each sector has two sides.
 const SAME_ANGLE: f64 = 4.0;
-
-/// Radians: a direction and itself, rounded, enclose no more.
-const ROUNDING: f64 = 1e-9;
 
 /// Stars of real vertices, and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
@@ -31,6 +30,8 @@ pub struct ReducedStars {
     unknowns: usize,
     /// Sector angles this close, in radians, are the same.
     same_angle: f64,
+    /// For each star the first one with the same closure condition, once somebody asked.
+    conditions: OnceLock<Vec<usize>>,
 }
 
 impl ReducedStars {
@@ -45,6 +46,7 @@ impl ReducedStars {
             places: Vec::new(),
             unknowns: groups.len(),
             same_angle: SAME_ANGLE * groups.tolerance(),
+            conditions: OnceLock::new(),
         };
         for hole in 0..pattern.holes().len() {
             stars.add_loop(pattern, groups, hole);
@@ -108,6 +110,7 @@ impl ReducedStars {
             places: self.places.clone(),
             unknowns: self.unknowns,
             same_angle: self.same_angle,
+            conditions: OnceLock::new(),
         };
         for (index, &first) in self.conditions().iter().enumerate() {
             if first == index {
@@ -118,24 +121,53 @@ impl ReducedStars {
         essential
     }
 
-    /// For each star the first one with the same closure condition.
-    fn conditions(&self) -> Vec<usize> {
-        let mut firsts: HashMap<Vec<u32>, Vec<usize>> = HashMap::new();
-        let stars = self.spokes.iter().enumerate();
-        stars
-            .map(|(index, star)| {
-                let mut key: Vec<u32> = star.iter().map(|s| s.group.0).collect();
-                key.sort_unstable();
-                let alike = firsts.entry(key).or_default();
-                let same =
-                    |&&other: &&usize| same_condition(&self.spokes[other], star, self.same_angle);
-                let first = alike.iter().find(same).copied().unwrap_or(index);
-                if first == index {
-                    alike.push(index);
+    /// For each star the one of [`essential`](Self::essential) that stands for it, and by how much their
+    /// residuals may differ at any angles: stars that count as the same are so up to roundings, or up to
+    /// the roughness of the sheet.
+    #[must_use]
+    pub fn represented(&self) -> Vec<(usize, f64)> {
+        let mut place = vec![0; self.vertices.len()];
+        let mut count = 0;
+        let conditions = self.conditions().iter().enumerate();
+        let stars = conditions.map(|(index, &first)| {
+            if first == index {
+                place[index] = count;
+                count += 1;
+                return (place[index], 0.0);
+            }
+            let (from, to) = (&self.spokes[first], &self.spokes[index]);
+            let image = same_condition(from, to, self.same_angle);
+            let off = image.map_or(f64::INFINITY, |image| difference(from, to, image));
+            (place[first], off)
+        });
+        stars.collect()
+    }
+
+    /// For each star the first one with the same closure condition. Cost: linear in the spokes.
+    fn conditions(&self) -> &[usize] {
+        self.conditions.get_or_init(|| {
+            // The first stars of their conditions, in chains of those with the same groups.
+            let mut heads: HashMap<u64, usize> = HashMap::new();
+            let mut next = vec![None; self.spokes.len()];
+            let stars = self.spokes.iter().enumerate();
+            let first = stars.map(|(index, star)| {
+                let head = heads.entry(groups_key(star));
+                let mut link = Some(*head.or_insert(index)).filter(|head| *head != index);
+                let mut last = index;
+                while let Some(other) = link {
+                    if same_condition(&self.spokes[other], star, self.same_angle).is_some() {
+                        return other;
+                    }
+                    last = other;
+                    link = next[other];
                 }
-                first
-            })
-            .collect()
+                if last != index {
+                    next[last] = Some(index);
+                }
+                index
+            });
+            first.collect()
+        })
     }
 
     /// Residuals of all stars, then of all loops, at the group angles `x` (radians): norms of a star's
@@ -144,18 +176,32 @@ impl ReducedStars {
     pub fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
         closure::half_angles(x, &mut half_angles);
-        let of = |stars: StarsView<'_, f64>| -> Vec<f64> {
-            let stars = stars.iter();
-            stars
-                .map(|star| norm(&closure::residual(star, &half_angles)))
-                .collect()
-        };
-        let (stars, loops) = (of(self.view()), self.loops());
-        let loops = loops.iter().map(|l| hole::residuals(l, &half_angles));
-        let loops: Vec<f64> = loops
-            .map(|[turn, shift]| norm(&turn).max(norm(&shift)))
-            .collect();
-        stars.into_iter().chain(loops).collect()
+        self.squares(&half_angles).map(f64::sqrt).collect()
+    }
+
+    /// The largest of the [`residuals`](Self::residuals), 0 for none; NaN if one is.
+    #[must_use]
+    pub fn largest_residual(&self, x: &[f64]) -> f64 {
+        let mut half_angles = vec![HalfAngle::default(); x.len()];
+        closure::half_angles(x, &mut half_angles);
+        largest(self.squares(&half_angles)).sqrt()
+    }
+
+    /// Squares of the residuals.
+    fn squares(&self, half_angles: &[HalfAngle<f64>]) -> impl Iterator<Item = f64> {
+        let stars = self.spokes.iter().map(|spokes| StarView { spokes });
+        let stars = stars.map(|star| closure::residual(star, half_angles).norm_squared());
+        let loops = self.loops().iter().map(|cycle| {
+            let parts = hole::residuals(cycle, half_angles);
+            largest(parts.iter().map(Vector3::norm_squared))
+        });
+        stars.chain(loops)
+    }
+
+    /// Whether there is no condition.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.spokes.is_empty() && self.loops.is_empty()
     }
 
     /// The vertices, in the order of the stars.
@@ -192,60 +238,91 @@ impl ReducedStars {
     }
 }
 
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> bool {
-    let n = a.len();
-    let matches = |first: usize, mirrored: bool, flipped: bool| {
-        let image = |k: usize| {
-            if mirrored {
-                (first + n - k % n) % n
-            } else {
-                (first + k) % n
-            }
-        };
-        (0..n).all(|k| {
-            let (from, to) = (&a[k], &b[image(k)]);
-            let sector = angle(from.direction, a[(k + 1) % n].direction);
-            let image_sector = if mirrored {
-                angle(b[image(k + 1)].direction, to.direction)
-            } else {
-                angle(to.direction, b[image(k + 1)].direction)
-            };
-            from.group == to.group
-                && (from.negative == to.negative) != flipped
-                && (sector - image_sector).abs() <= same_angle
-        })
-    };
-    let both = [false, true];
-    n == b.len()
-        && (0..n).any(|first| {
-            both.iter()
-                .any(|&m| both.iter().any(|&f| matches(first, m, f)))
-        })
+/// A number that stars with the same groups share, whatever their order, and others hardly ever do.
+fn groups_key(star: &[Spoke<f64>]) -> u64 {
+    // Digits of the golden ratio and of the root of 2 mix bits well.
+    let mixed = star.iter().map(|spoke| {
+        let bits = (u64::from(spoke.group.0) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (bits ^ (bits >> 32)).wrapping_mul(0x6a09_e667_f3bc_c909)
+    });
+    mixed.fold(0, u64::wrapping_add)
 }
 
-/// Angle from one direction to another, counter-clockwise, in 0..2π.
-fn angle(from: [f64; 2], to: [f64; 2]) -> f64 {
-    let (from, to) = (Vector2::from(from), Vector2::from(to));
-    let angle = from.perp(&to).atan2(from.dot(&to));
-    if angle < -ROUNDING {
-        angle + core::f64::consts::TAU
-    } else {
-        angle
+/// How the spokes of a star lie on those of another.
+#[derive(Clone, Copy)]
+struct Image {
+    /// The spoke on which the first one lies.
+    first: usize,
+    mirrored: bool,
+}
+
+impl Image {
+    /// The spoke of `star` on which spoke `k` lies.
+    fn of<'s>(&self, k: usize, star: &'s [Spoke<f64>]) -> &'s Spoke<f64> {
+        let n = star.len();
+        &star[(self.first + if self.mirrored { n - k % n } else { k }) % n]
     }
 }
 
+/// How star `a` lies on star `b`, if both are the same condition.
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<Image> {
+    let n = a.len();
+    let matches = |image: &Image, flipped: bool| {
+        let same_crease = |k: usize| {
+            let (from, to) = (&a[k], image.of(k, b));
+            from.group == to.group && (from.negative == to.negative) != flipped
+        };
+        let same_sector = |k: usize| {
+            let [from, to] = [image.of(k, b), image.of(k + 1, b)];
+            let image = if image.mirrored {
+                sector(to, from)
+            } else {
+                sector(from, to)
+            };
+            let difference = sector(&a[k], &a[(k + 1) % n]) - image;
+            difference.norm_squared() <= same_angle * same_angle
+        };
+        (0..n).all(same_crease) && (0..n).all(same_sector)
+    };
+    let both = [false, true];
+    let images = (0..n).flat_map(|first| both.map(|mirrored| Image { first, mirrored }));
+    let mut images = images.filter(|_| n == b.len());
+    images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
+}
+
+/// How far the residuals of two stars may differ of which one lies on the other.
+fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: Image) -> f64 {
+    let turned = |[x, y]: [f64; 2]| Vector2::new(x, if image.mirrored { -y } else { y });
+    let from = turned(a[0].direction);
+    let to = Vector2::from(image.of(0, b).direction);
+    let (cos, sin) = (from.dot(&to), from.perp(&to));
+    let off = a.iter().enumerate().map(|(k, spoke)| {
+        let a = turned(spoke.direction);
+        let laid = Vector2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y);
+        (laid - Vector2::from(image.of(k, b).direction)).norm() + 8.0 * f64::EPSILON
+    });
+    // A crease off by an angle takes the residual along by twice that at most.
+    2.0 * off.sum::<f64>()
+}
+
+/// Cosine and sine of the angle from one direction to another, counter-clockwise. Two angles differ by
+/// the distance of these, as far as they are small.
+fn sector(from: &Spoke<f64>, to: &Spoke<f64>) -> Vector2<f64> {
+    let [from, to] = [from, to].map(|spoke| Vector2::from(spoke.direction));
+    Vector2::new(from.dot(&to), from.perp(&to))
+}
+
 /// The essential crease pattern: a small part of the sheet, without holes at its vertices, in which
-/// a vertex for each essential condition is real. Returned with the creases of the whole sheet that
-/// its creases are.
+/// a vertex for each essential condition of `all` its stars is real. Returned with the creases of the
+/// whole sheet that its creases are.
 ///
 /// # Errors
 /// Never for a valid pattern; the error of the part that could not be cut out.
 pub fn essential_pattern(
     pattern: &CreasePattern,
-    groups: &CreaseGroups,
+    all: &ReducedStars,
 ) -> Result<(CreasePattern, Vec<CreaseId>), PatternError> {
-    let all = ReducedStars::all(pattern, groups);
-    let mut faces = essential_faces(pattern, &all);
+    let mut faces = essential_faces(pattern, all);
     // Two faces that meet in a point: the part grows until none do.
     while let Some(vertex) = meeting_point(pattern, &faces) {
         faces.extend(&pattern.corners()[vertex.index()]);
@@ -274,10 +351,11 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
         return (0..pattern.faces().len().min(1)).map(FaceId::new).collect();
     };
     let mut condition_at = vec![None; pattern.vertices().len()];
-    for (vertex, &condition) in all.vertices.iter().zip(&conditions) {
+    for (vertex, &condition) in all.vertices.iter().zip(conditions) {
         condition_at[vertex.index()] = Some(condition);
     }
-    let mut missing: HashSet<usize> = conditions.into_iter().collect();
+    let first = |index: &usize| conditions[*index] == *index;
+    let mut missing: HashSet<usize> = (0..conditions.len()).filter(first).collect();
     let mut faces = BTreeSet::new();
     let mut taken = vec![false; pattern.vertices().len()];
     let mut before = vec![None; pattern.vertices().len()];
@@ -332,8 +410,11 @@ fn cut_out(pattern: &CreasePattern, faces: &BTreeSet<FaceId>) -> Result<Part, Pa
         .iter()
         .map(|v| pattern.vertices()[v.index()])
         .collect();
+    let round = |vertex: &VertexId| pattern.stars()[vertex.index()].iter().copied();
+    let edges: BTreeSet<_> = vertices.iter().flat_map(round).collect();
     let mut creases = Vec::new();
-    for edge in pattern.edges() {
+    for edge in edges {
+        let edge = pattern.edge(edge);
         let sides = edge.faces.iter().flatten().filter(|f| faces.contains(f));
         let sides = sides.count();
         let ends = edge.ends.map(|end| new_vertex[end.index()]);

@@ -11,4 +11,4 @@ mod write;
 
 pub use animation::{PathFile, PathKnot, read_path};
 pub use pattern::{PatternFile, read_goal, read_pattern};
-pub use write::{PathWriter, pattern_text};
+pub use write::{PathWriter, pattern_text, write_pattern};

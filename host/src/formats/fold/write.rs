@@ -2,38 +2,67 @@
 //!
 //! One key, and in paths one frame, a line: large files stay readable and differ line by line.
 
-use foldpath_core::Interpolation;
-use serde::Serialize;
+use std::io::{self, Write};
+
+use serde::{Serialize, Serializer};
 
 use super::animation::interpolation_name;
-use crate::pattern::{CreasePattern, Drawing};
-use crate::planner::Path;
+use crate::pattern::{CreasePattern, Drawing, Edge};
+use crate::planner::{Knot, Path};
 
-/// Keys and values of a FOLD object, in order.
-#[derive(Default)]
-struct Object(Vec<String>);
+/// Writes keys and values of a FOLD object, in order.
+struct Object<'a, W: Write> {
+    out: &'a mut W,
+    /// What stands before the next key.
+    before: &'static str,
+    between: &'static str,
+}
 
-impl Object {
-    fn set(&mut self, key: &str, value: &(impl Serialize + ?Sized)) -> &mut Self {
-        // Numbers, strings and lists of them: nothing that JSON cannot hold.
-        let value = serde_json::to_string(value).unwrap_or_else(|_| "null".into());
-        self.0.push(format!("\"{key}\":{value}"));
-        self
+impl<'a, W: Write> Object<'a, W> {
+    fn new(out: &'a mut W, between: &'static str) -> Self {
+        Self {
+            out,
+            before: "",
+            between,
+        }
     }
 
-    fn set_lines(&mut self, key: &str, lines: &[String]) -> &mut Self {
-        self.0
-            .push(format!("\"{key}\":[\n{}\n]", lines.join(",\n")));
-        self
+    fn key(&mut self, key: &str) -> io::Result<&mut W> {
+        write!(self.out, "{}\"{key}\":", self.before)?;
+        self.before = self.between;
+        Ok(self.out)
     }
 
-    fn text(&self) -> String {
-        format!("{{\n{}\n}}\n", self.0.join(",\n"))
+    fn set(&mut self, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {
+        Ok(serde_json::to_writer(self.key(key)?, value)?)
     }
 
-    fn line(&self) -> String {
-        format!("{{{}}}", self.0.join(","))
+    fn list(
+        &mut self,
+        key: &str,
+        items: impl IntoIterator<Item = impl Serialize>,
+    ) -> io::Result<()> {
+        let mut json = serde_json::Serializer::new(self.key(key)?);
+        Ok(json.collect_seq(items)?)
     }
+}
+
+/// A file of one object, one key a line.
+fn file<W: Write>(
+    out: &mut W,
+    keys: impl FnOnce(&mut Object<'_, W>) -> io::Result<()>,
+) -> io::Result<()> {
+    out.write_all(b"{\n")?;
+    keys(&mut Object::new(out, ",\n"))?;
+    out.write_all(b"\n}\n")
+}
+
+/// What `write` writes.
+fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
+    let mut text = Vec::new();
+    // Memory refuses nothing, and JSON is UTF-8.
+    let _complete = write(&mut text);
+    String::from_utf8(text).unwrap_or_default()
 }
 
 /// Radians as the number of degrees that is written: 180 for π, and no negative zero.
@@ -44,29 +73,34 @@ fn degrees(radians: f64) -> f64 {
 /// A crease pattern with its goal angles as a FOLD file.
 #[must_use]
 pub fn pattern_text(title: &str, drawing: &Drawing) -> String {
-    let mut file = Object::default();
-    header(&mut file, title, "singleModel");
-    let vertices: Vec<[f64; 2]> = drawing.vertices.iter().map(|&v| v.into()).collect();
-    let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|e| e.ends).collect();
-    let letters: Vec<char> = drawing.edges.iter().map(|e| e.letter.code()).collect();
-    let goals = drawing.edges.iter().map(|e| e.goal.map_or(0.0, degrees));
-    file.set("vertices_coords", &vertices)
-        .set("edges_vertices", &edges)
-        .set("edges_assignment", &letters)
-        .set("edges_foldAngle", &goals.collect::<Vec<_>>());
-    file.text()
+    text(|out| write_pattern(title, drawing, out))
 }
 
-fn header(file: &mut Object, title: &str, class: &str) {
-    file.set("file_spec", &1.2)
-        .set(
-            "file_creator",
-            concat!("foldpath ", env!("CARGO_PKG_VERSION")),
-        )
-        .set("file_classes", &[class])
-        .set("file_title", title)
-        .set("frame_classes", &["creasePattern"])
-        .set("frame_attributes", &["2D"]);
+/// Writes a crease pattern with its goal angles as a FOLD file.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_pattern(title: &str, drawing: &Drawing, out: &mut impl Write) -> io::Result<()> {
+    let vertices = drawing.vertices.iter().map(|v| [v.x, v.y]);
+    let edges = || drawing.edges.iter();
+    let goals = edges().map(|e| e.goal.map_or(0.0, degrees));
+    file(out, |file| {
+        header(file, title, "singleModel")?;
+        file.list("vertices_coords", vertices)?;
+        file.list("edges_vertices", edges().map(|e| e.ends))?;
+        file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
+        file.list("edges_foldAngle", goals)
+    })
+}
+
+fn header(file: &mut Object<'_, impl Write>, title: &str, class: &str) -> io::Result<()> {
+    let creator = concat!("foldpath ", env!("CARGO_PKG_VERSION"));
+    file.set("file_spec", &1.2)?;
+    file.set("file_creator", creator)?;
+    file.set("file_classes", &[class])?;
+    file.set("file_title", title)?;
+    file.set("frame_classes", &["creasePattern"])?;
+    file.set("frame_attributes", &["2D"])
 }
 
 /// Writes paths of one sheet.
@@ -85,86 +119,104 @@ impl PathWriter<'_> {
     /// The path as a FOLD animation.
     #[must_use]
     pub fn text(&self, path: &Path) -> String {
-        let pattern = self.pattern;
-        let mut file = Object::default();
-        header(&mut file, self.title, "animation");
-        let vertices: Vec<[f64; 2]> = pattern.vertices().iter().map(|&v| v.into()).collect();
-        let edges = pattern.edges();
-        let ends: Vec<[u32; 2]> = edges.iter().map(|e| e.ends.map(|v| v.0)).collect();
-        let letters: Vec<char> = edges.iter().map(|e| e.letter.code()).collect();
-        let faces = pattern.faces().iter();
-        let faces: Vec<Vec<u32>> = faces.map(|f| f.iter().map(|v| v.0).collect()).collect();
-        let membership = edges
-            .iter()
-            .map(|e| Some(path.memberships[e.crease?.index()]));
-        let groups = membership.clone().map(|m| m.map(|m| m.group.0));
-        let signs = membership.map(|m| m.map_or(0, |m| if m.negative { -1 } else { 1 }));
-        file.set("vertices_coords", &vertices)
-            .set("edges_vertices", &ends)
-            .set("edges_assignment", &letters)
-            .set("faces_vertices", &faces)
-            .set(
+        text(|out| self.write(path, out))
+    }
+
+    /// Writes the path as a FOLD animation.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, path: &Path, out: &mut impl Write) -> io::Result<()> {
+        let edges = || self.pattern.edges().iter();
+        let vertices = self.pattern.vertices().iter().map(|v| [v.x, v.y]);
+        let faces = self.pattern.faces().iter();
+        let faces = faces.map(|f| f.iter().map(|v| v.0).collect::<Vec<_>>());
+        let membership = |e: &Edge| Some(path.memberships[e.crease?.index()]);
+        let groups = edges().map(|e| membership(e).map(|m| m.group.0));
+        let signs = edges().map(|e| membership(e).map_or(0, |m| if m.negative { -1 } else { 1 }));
+        let turns: Vec<usize> = edges()
+            .map(|e| membership(e).map_or(0, |m| 1 + 2 * m.group.index() + usize::from(m.negative)))
+            .collect();
+        file(out, |file| {
+            header(file, self.title, "animation")?;
+            file.list("vertices_coords", vertices)?;
+            file.list("edges_vertices", edges().map(|e| e.ends.map(|v| v.0)))?;
+            file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
+            file.list("faces_vertices", faces)?;
+            file.set(
                 "foldpath:interpolation",
                 interpolation_name(path.interpolation),
-            )
-            .set("foldpath:edges_group", &groups.collect::<Vec<_>>())
-            .set("foldpath:edges_sign", &signs.collect::<Vec<_>>())
-            .set("foldpath:seed", &self.seed);
-        let frames: Vec<String> = path
-            .knots
-            .iter()
-            .map(|knot| self.frame(path, knot))
-            .collect();
-        file.set_lines("file_frames", &frames);
-        file.text()
-    }
-
-    fn frame(&self, path: &Path, knot: &crate::planner::Knot) -> String {
-        let spread = |groups: &[f64]| -> Vec<f64> {
-            let edges = self.pattern.edges().iter();
-            edges
-                .map(|edge| {
-                    let crease = edge.crease.map(|crease| path.memberships[crease.index()]);
-                    degrees(crease.map_or(0.0, |m| m.apply(groups[m.group.index()])))
-                })
-                .collect()
-        };
-        let mut frame = Object::default();
-        frame
-            .set("frame_classes", &["foldedForm"])
-            .set("frame_attributes", &["3D"])
-            .set("frame_parent", &0)
-            .set("frame_inherit", &true)
-            .set("foldpath:time", &knot.time);
-        if self.vertices {
-            let vertices: Vec<[f64; 3]> = knot.vertices.iter().map(|&v| v.into()).collect();
-            frame.set("vertices_coords", &vertices);
-        }
-        frame
-            .set("edges_foldAngle", &spread(&knot.angles))
-            .set("foldpath:edges_foldAngleRate", &spread(&knot.rates));
-        if path.interpolation == Interpolation::Homogeneous {
-            let [weights, rates] = [0, 1].map(|part| self.weights(path, knot, part));
-            frame
-                .set("foldpath:edges_weight", &weights)
-                .set("foldpath:edges_weightRate", &rates);
-        }
-        frame
-            .set("foldpath:deformation", &knot.deformation)
-            .set("foldpath:gap", &knot.gap)
-            .set("foldpath:closure", &knot.closure)
-            .set("foldpath:clearance", &None::<f64>);
-        frame.line()
-    }
-
-    /// For each edge its weight (part 0) or the rate of that (part 1); `None` where it is no hinge.
-    fn weights(&self, path: &Path, knot: &crate::planner::Knot, part: usize) -> Vec<Option<f64>> {
-        let edges = self.pattern.edges().iter();
-        edges
-            .map(|edge| {
-                let group = path.memberships[edge.crease?.index()].group;
-                Some(knot.weights.get(group.index())?[part])
+            )?;
+            file.list("foldpath:edges_group", groups)?;
+            file.list("foldpath:edges_sign", signs)?;
+            file.set("foldpath:seed", &self.seed)?;
+            let out = file.key("file_frames")?;
+            let mut before = "[\n{";
+            for knot in &path.knots {
+                out.write_all(before.as_bytes())?;
+                before = "},\n{";
+                self.frame(knot, &turns, &mut Object::new(out, ","))?;
+            }
+            out.write_all(if path.knots.is_empty() {
+                b"[\n\n]"
+            } else {
+                b"}\n]"
             })
-            .collect()
+        })
     }
+
+    fn frame(
+        &self,
+        knot: &Knot,
+        turns: &[usize],
+        frame: &mut Object<'_, impl Write>,
+    ) -> io::Result<()> {
+        frame.set("frame_classes", &["foldedForm"])?;
+        frame.set("frame_attributes", &["3D"])?;
+        frame.set("frame_parent", &0)?;
+        frame.set("frame_inherit", &true)?;
+        frame.set("foldpath:time", &knot.time)?;
+        if self.vertices {
+            let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
+            frame.list("vertices_coords", vertices)?;
+        }
+        spread(frame, "edges_foldAngle", &knot.angles, turns)?;
+        spread(frame, "foldpath:edges_foldAngleRate", &knot.rates, turns)?;
+        if !knot.weights.is_empty() {
+            let weights = |part: usize| {
+                let groups = turns
+                    .iter()
+                    .map(|turn| turn.checked_sub(1).map(|turn| turn / 2));
+                groups.map(move |group| Some(knot.weights.get(group?)?[part]))
+            };
+            frame.list("foldpath:edges_weight", weights(0))?;
+            frame.list("foldpath:edges_weightRate", weights(1))?;
+        }
+        frame.set("foldpath:deformation", &knot.deformation)?;
+        frame.set("foldpath:gap", &knot.gap)?;
+        frame.set("foldpath:closure", &knot.closure)?;
+        frame.set("foldpath:clearance", &None::<f64>)
+    }
+}
+
+/// A value of each group as one of each edge, in degrees. `turns` says for each edge what it has: the
+/// first of none, then for each group the value and its opposite. Each is made a text only once.
+fn spread(
+    frame: &mut Object<'_, impl Write>,
+    key: &str,
+    groups: &[f64],
+    turns: &[usize],
+) -> io::Result<()> {
+    let values = groups.iter().flat_map(|&value| [value, -value]);
+    let texts = [0.0].into_iter().chain(values);
+    let texts: Vec<_> = texts
+        .map(|value| serde_json::to_string(&degrees(value)).map(|text| format!(",{text}")))
+        .collect::<Result<_, _>>()?;
+    let out = frame.key(key)?;
+    out.write_all(b"[")?;
+    for (index, &turn) in turns.iter().enumerate() {
+        // No comma before the first.
+        out.write_all(&texts[turn].as_bytes()[usize::from(index == 0)..])?;
+    }
+    out.write_all(b"]")
 }

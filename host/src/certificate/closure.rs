@@ -1,0 +1,280 @@
+//! Bounds on the closure residuals of stars and loops over a whole segment.
+//!
+//! Round a vertex the quaternions c + n (cos α, sin α, 0) are multiplied, with (c, n) either the half
+//! angle (cos ρ/2, sin ρ/2) of a cubic ρ, or cubics themselves. Either way their product is an analytic
+//! function of s without any pole, and as a complex matrix each is of norm max |c ± n i|, which the
+//! Chebyshev coefficients of the cubics bound on an ellipse. So [`chebyshev`](super::chebyshev) gives a bound on the vector
+//! part V from its values at some points. The residual is 2 |V| over the norm of the product, of which
+//! the least is known. Where weights vary much over a segment, or angles turn far, it is halved.
+//!
+//! The translation of a loop is a sum of differences of places rotated by products of the same
+//! quaternions, of twice the degree: the rest is the same.
+
+use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
+
+use super::bernstein::Piece;
+use super::chebyshev::{Points, RADII, Radius, radii};
+
+/// The error of the polynomials where it can be had: below all roundings.
+const ERROR: f64 = 1e-16;
+/// A part of the segment is halved while a bound is this many times what was seen in the segment.
+const LOOSE: f64 = 2.0;
+/// Below this it is not: this is rounding.
+const ROUNDING: f64 = 5e-14;
+/// Parts are no shorter than 2^-8 of the segment.
+const HALVINGS: u8 = 8;
+/// Roundings of a product of two quaternions, in ε: each of its components sums four products of at
+/// most four roundings each, half of ε; the norm of |c|, |x|, |y| is at most √3.
+const PRODUCT: f64 = 3.5;
+/// Rounding counts twice: in the values here, and for those who evaluate the same motion.
+const TWICE: f64 = 2.0;
+
+/// Bounds over a segment; infinite where nothing can be said, as of curves that are not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closure<'a> {
+    /// For each star on the norm of its residual r.
+    pub stars: &'a [f64],
+    /// For each loop on the norms of the residuals of its rotation and of its translation.
+    pub loops: &'a [[f64; 2]],
+}
+
+impl Closure<'_> {
+    /// The largest of all.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        let loops = self.loops.iter().flatten();
+        self.stars.iter().chain(loops).copied().fold(0.0, f64::max)
+    }
+}
+
+/// One residual over a part of the segment.
+#[derive(Clone, Copy, Debug)]
+struct Condition {
+    /// ln M for each ellipse.
+    growth: [f64; RADII],
+    /// Bound on the error of a value by rounding.
+    rounding: f64,
+    /// Largest residual seen, and largest product of one and of the norms of its quaternions.
+    seen: f64,
+    largest: f64,
+}
+
+/// Memory for certificates of one segment after the other.
+#[derive(Clone, Debug)]
+pub struct SegmentCertifier {
+    radii: [Radius; RADII],
+    points: [Points; 6],
+    pieces: Vec<Piece>,
+    half_angles: Vec<HalfAngle<f64>>,
+    sizes: Vec<f64>,
+    conditions: Vec<Condition>,
+    open: Vec<(u8, u32)>,
+    stars: Vec<f64>,
+    loops: Vec<[f64; 2]>,
+}
+
+impl Default for SegmentCertifier {
+    fn default() -> Self {
+        Self {
+            radii: radii(),
+            points: Points::all(),
+            pieces: Vec::new(),
+            half_angles: Vec::new(),
+            sizes: Vec::new(),
+            conditions: Vec::new(),
+            open: Vec::new(),
+            stars: Vec::new(),
+            loops: Vec::new(),
+        }
+    }
+}
+
+impl SegmentCertifier {
+    /// Bounds on the residuals of all stars and loops while each group turns along its curve; a spoke
+    /// whose group has none stays flat.
+    ///
+    /// Cost: 9 to 49 evaluations, times the number of parts that the segment is halved into: 1 where no
+    /// angle turns by more than about ten degrees, at most 256. Allocates only while it meets larger
+    /// sheets than before.
+    pub fn closure(
+        &mut self,
+        stars: StarsView<'_, f64>,
+        loops: LoopsView<'_, f64>,
+        curves: &[Curve<f64>],
+    ) -> Closure<'_> {
+        self.stars.clear();
+        self.stars.resize(stars.len(), 0.0);
+        self.loops.clear();
+        self.loops.resize(loops.len(), [0.0; 2]);
+        self.open.clear();
+        self.open.push((0, 0));
+        // Of rotations, and of translations.
+        let mut seen = [0.0; 2];
+        while let Some((depth, index)) = self.open.pop() {
+            let length = 1.0 / f64::from(1_u32 << depth);
+            let part = [f64::from(index), f64::from(index + 1)].map(|end| end * length);
+            self.prepare(stars, loops, curves, part);
+            let points = self.enough_points();
+            let known = self.pieces.iter().all(|piece| piece.least > 0.0);
+            if known {
+                self.evaluate(stars, loops, curves, part, points);
+            }
+            if depth == HALVINGS || known && self.is_tight(points, &mut seen) {
+                self.accept(points);
+            } else {
+                let halves = [(depth + 1, 2 * index + 1), (depth + 1, 2 * index)];
+                self.open.extend(halves);
+            }
+        }
+        Closure {
+            stars: &self.stars,
+            loops: &self.loops,
+        }
+    }
+
+    /// What is known of curves and conditions without evaluating any.
+    fn prepare(
+        &mut self,
+        stars: StarsView<'_, f64>,
+        loops: LoopsView<'_, f64>,
+        curves: &[Curve<f64>],
+        part: [f64; 2],
+    ) {
+        let piece = |curve| Piece::new(curve, part, &self.radii);
+        self.pieces.clear();
+        self.pieces.extend(curves.iter().map(piece));
+        let pieces = &self.pieces;
+        let rotations = stars.iter().map(|star| rotation(star.spokes, pieces));
+        let both = loops.iter().flat_map(|cycle| {
+            let turn = rotation(cycle.spokes, pieces);
+            [turn, translation(&turn, cycle.places)]
+        });
+        self.conditions.clear();
+        self.conditions.extend(rotations.chain(both));
+    }
+
+    /// The fewest points that serve every condition, or the most there are.
+    fn enough_points(&self) -> usize {
+        let enough = |points: &Points| {
+            let mut errors = self.conditions.iter();
+            errors.all(|c| points.error(&self.radii, &c.growth) <= ERROR)
+        };
+        let last = self.points.len() - 1;
+        self.points.iter().position(enough).unwrap_or(last)
+    }
+
+    /// Residuals at the points.
+    fn evaluate(
+        &mut self,
+        stars: StarsView<'_, f64>,
+        loops: LoopsView<'_, f64>,
+        curves: &[Curve<f64>],
+        [from, to]: [f64; 2],
+        points: usize,
+    ) {
+        let mut conditions = core::mem::take(&mut self.conditions);
+        for at in &self.points[points].at {
+            let s = from + (to - from) * at;
+            self.half_angles.clear();
+            self.sizes.clear();
+            for (piece, curve) in self.pieces.iter().zip(curves) {
+                let (half, size) = piece.sample(curve, s);
+                self.half_angles.push(half);
+                self.sizes.push(size);
+            }
+            let half_angles = &self.half_angles;
+            let size = |spokes: &[Spoke<f64>]| -> f64 {
+                let sizes = spokes
+                    .iter()
+                    .filter_map(|spoke| self.sizes.get(spoke.group.index()));
+                sizes.product()
+            };
+            let (rotations, both) = conditions.split_at_mut(stars.len());
+            for (star, condition) in stars.iter().zip(rotations) {
+                let residual = norm(&closure::residual(star, half_angles));
+                condition.see(residual, size(star.spokes));
+            }
+            for (cycle, both) in loops.iter().zip(both.chunks_exact_mut(2)) {
+                let size = size(cycle.spokes);
+                let residuals = hole::residuals(cycle, half_angles);
+                both[0].see(norm(&residuals[0]), size);
+                both[1].see(norm(&residuals[1]), size * size);
+            }
+        }
+        self.conditions = conditions;
+    }
+
+    /// Whether every bound is near what was `seen` in the segment, of rotations and of translations.
+    fn is_tight(&self, points: usize, seen: &mut [f64; 2]) -> bool {
+        let kind = |index: usize| {
+            usize::from(index >= self.stars.len() && (index - self.stars.len()) % 2 == 1)
+        };
+        let conditions = || self.conditions.iter().enumerate();
+        for (index, condition) in conditions() {
+            let seen = &mut seen[kind(index)];
+            *seen = seen.max(condition.seen);
+        }
+        conditions().all(|(index, condition)| {
+            let bound =
+                self.points[points].bound(&self.radii, &condition.growth, condition.largest);
+            bound <= (LOOSE * seen[kind(index)]).max(ROUNDING)
+        })
+    }
+
+    /// Takes the bounds over a part into those over the segment.
+    fn accept(&mut self, points: usize) {
+        let points = &self.points[points];
+        let all = self.stars.iter_mut().chain(self.loops.iter_mut().flatten());
+        for (worst, condition) in all.zip(&self.conditions) {
+            *worst = worst.max(points.bound(&self.radii, &condition.growth, condition.largest));
+        }
+    }
+}
+
+impl Condition {
+    /// Takes in a value at one of the points, where the norms of the quaternions, each over its least,
+    /// have the product `size`.
+    fn see(&mut self, residual: f64, size: f64) {
+        let residual = residual + self.rounding;
+        self.seen = self.seen.max(residual);
+        self.largest = self.largest.max(residual * size);
+    }
+}
+
+/// What is known of the rotation of a star or a loop.
+fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
+    let mut growth = [core::f64::consts::LN_2; RADII];
+    let mut rounding = 0.0;
+    for spoke in spokes {
+        let Some(piece) = pieces.get(spoke.group.index()) else {
+            continue;
+        };
+        for (sum, growth) in growth.iter_mut().zip(piece.growth) {
+            *sum += growth;
+        }
+        let [x, y] = spoke.direction;
+        rounding += piece.rounding + PRODUCT * f64::EPSILON + (x * x + y * y - 1.0).abs();
+    }
+    Condition {
+        growth,
+        // r is twice the vector part.
+        rounding: TWICE * 2.0 * rounding,
+        seen: 0.0,
+        largest: 0.0,
+    }
+}
+
+/// What is known of the translation of the loop that turns like this.
+fn translation(turn: &Condition, places: &[[f64; 2]]) -> Condition {
+    let reach: f64 = places.iter().map(|[x, y]| x.hypot(*y)).sum();
+    // Two rotated places a spoke, each by quaternions on both sides.
+    let growth = |growth: f64| 2.0 * (growth - core::f64::consts::LN_2) + (2.0 * reach).ln();
+    // A rotated place is off by twice the error of the quaternion, and each sum by a rounding or two of
+    // all before.
+    let sums = TWICE * (24.0 + 4.0 * places.iter().map(|_| 1.0).sum::<f64>()) * f64::EPSILON;
+    Condition {
+        growth: turn.growth.map(growth),
+        rounding: reach * (2.0 * turn.rounding + sums),
+        ..*turn
+    }
+}

@@ -1,0 +1,16 @@
+//! Rigorous bounds on what happens between two knots: closure residuals of vertices and of loops round
+//! holes over a whole segment, fold angles and rates; and by them deformation, gap and twist of the whole
+//! sheet.
+//!
+//! Everything is proved of the exact motion of the given curves, roundings on the way included, and of
+//! that motion evaluated in `f64` by other means.
+
+mod bernstein;
+mod chebyshev;
+mod closure;
+mod range;
+mod sheet;
+
+pub use closure::{Closure, SegmentCertifier};
+pub use range::{range, rate};
+pub use sheet::SheetCertifier;

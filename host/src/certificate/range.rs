@@ -1,0 +1,124 @@
+//! Bounds on a fold angle and on its rate over a segment.
+
+use foldpath_core::Curve;
+
+use super::bernstein::{least, lost, restrict, sizes};
+
+/// Bounds are this near to values, in radians or parts of the largest coefficient.
+const NEAR: f64 = 1e-12;
+/// Parts are no shorter than 2^-24 of the segment: bounds close in with the square of the length.
+const HALVINGS: u8 = 24;
+/// Parts looked at: a few for each halving and extreme are enough for any sound curve.
+const BUDGET: usize = 512;
+/// Parts, of 1, over which rates are bounded each on its own.
+const PARTS: u8 = 8;
+
+/// Bounds on the fold angle (radians) over the segment, 1e-12 from its least and its largest value; these
+/// themselves where they are at the ends. Infinite where the curve is not finite.
+#[must_use]
+pub fn range(curve: &Curve<f64>) -> [f64; 2] {
+    let ends = [curve.angle(0.0), curve.angle(1.0)];
+    let mut seen = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    let mut range = seen;
+    let mut open = vec![(0_u8, 0_u32)];
+    let mut budget = BUDGET;
+    while let Some((depth, index)) = open.pop() {
+        let part = part(depth, index);
+        let Some((hull, near)) = hull(curve, part) else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        if hull[0] >= seen[0] && hull[1] <= seen[1] {
+            continue;
+        }
+        budget = budget.saturating_sub(1);
+        let tight = hull[0] >= seen[0] - near && hull[1] <= seen[1] + near;
+        if tight || depth == HALVINGS || budget == 0 {
+            range = [range[0].min(hull[0] - near), range[1].max(hull[1] + near)];
+        } else {
+            let middle = curve.angle((part[0] + part[1]) / 2.0);
+            seen = [seen[0].min(middle), seen[1].max(middle)];
+            open.extend([(depth + 1, 2 * index + 1), (depth + 1, 2 * index)]);
+        }
+    }
+    [range[0].min(seen[0]), range[1].max(seen[1])]
+}
+
+/// A part of the segment that was halved so many times.
+fn part(depth: u8, index: u32) -> [f64; 2] {
+    let length = 1.0 / f64::from(1_u32 << depth);
+    [f64::from(index), f64::from(index + 1)].map(|end| end * length)
+}
+
+/// The angles of all control points over a part, and how near they have to be to values; `None` where
+/// they are no numbers.
+fn hull(curve: &Curve<f64>, part: [f64; 2]) -> Option<([f64; 2], f64)> {
+    let (angles, near) = match curve {
+        Curve::Angle(angle) => (restrict(angle, part), NEAR * (1.0 + sizes(angle)[0])),
+        Curve::HalfAngle { cos, sin } => {
+            let (cos, sin) = (restrict(cos, part), restrict(sin, part));
+            if cos.iter().any(|c| *c < 0.0) {
+                // Points on both sides of the pole: no number is left out.
+                let all = 2.0 * core::f64::consts::PI;
+                ([-all, all, -all, all], NEAR)
+            } else {
+                let angle = |k: usize| 2.0 * sin[k].atan2(cos[k]);
+                (
+                    [0, 1, 2, 3].map(angle),
+                    NEAR * (1.0 + core::f64::consts::PI),
+                )
+            }
+        }
+    };
+    let finite = angles.iter().all(|angle| angle.is_finite());
+    let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    finite.then_some(([low, high], near))
+}
+
+/// Bound on |dρ/ds| (radians) over the segment. Infinite where the curve is not finite, or weights vanish.
+#[must_use]
+pub fn rate(curve: &Curve<f64>) -> f64 {
+    let parts = (0..PARTS).map(|index| [index, index + 1].map(|k| f64::from(k) / f64::from(PARTS)));
+    let rates = parts.map(|part| rate_over(curve, part) * f64::from(PARTS));
+    let worst = rates.fold(
+        0.0,
+        |worst: f64, rate| {
+            if rate <= worst { worst } else { rate }
+        },
+    );
+    if worst.is_finite() {
+        worst
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Bound on the derivative by the parameter of a part, which is 1 long.
+fn rate_over(curve: &Curve<f64>, part: [f64; 2]) -> f64 {
+    match curve {
+        Curve::Angle(angle) => {
+            let [size, _] = sizes(angle);
+            3.0 * (sizes(&restrict(angle, part))[1] + lost(size))
+        }
+        Curve::HalfAngle { cos, sin } => {
+            let size = sizes(cos)[0].hypot(sizes(sin)[0]);
+            let (cos, sin) = (restrict(cos, part), restrict(sin, part));
+            let least = least(&cos, &sin) - lost(size);
+            if least <= 0.0 || least.is_nan() {
+                return f64::INFINITY;
+            }
+            // Bernstein coefficients of (c n' - n c') / 3, times the binomials of degree 5.
+            let mut turn = [0.0_f64; 6];
+            for (i, chosen) in [1.0, 3.0, 3.0, 1.0].into_iter().enumerate() {
+                for (j, of_two) in [1.0, 2.0, 1.0].into_iter().enumerate() {
+                    let cross = cos[i] * (sin[j + 1] - sin[j]) - sin[i] * (cos[j + 1] - cos[j]);
+                    turn[i + j] += chosen * of_two * cross;
+                }
+            }
+            let binomials = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+            let turn = turn.iter().zip(binomials).map(|(t, b)| t.abs() / b);
+            let turn = turn.fold(0.0, f64::max) + 4.0 * size * lost(size);
+            6.0 * turn / (least * least)
+        }
+    }
+}

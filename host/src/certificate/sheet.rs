@@ -1,0 +1,60 @@
+//! Bounds on the errors of the whole sheet over a segment.
+
+use super::Closure;
+use crate::folding::{Holonomy, Rigidity, SpanningTree, rounding};
+use crate::pattern::{CreasePattern, VertexId};
+use crate::symmetry::ReducedStars;
+
+/// Takes bounds on the closure of the essential vertices to bounds on deformation, gap and twist of a whole
+/// sheet, as [`FoldingMap::rigidity`](crate::folding::FoldingMap::rigidity) measures them.
+#[derive(Clone, Debug)]
+pub struct SheetCertifier {
+    holonomy: Holonomy,
+    /// What rounding adds.
+    rounding: Rigidity,
+    /// Each vertex with a condition, the essential star that stands for it, and what they may differ by.
+    stars: Vec<(VertexId, usize, f64)>,
+    /// The hole of each loop.
+    holes: Vec<usize>,
+    vertex_bounds: Vec<f64>,
+    hole_bounds: Vec<[f64; 2]>,
+}
+
+impl SheetCertifier {
+    /// Of a sheet folded along this tree, with the stars and loops of all its vertices and holes. `None`
+    /// as of [`Holonomy::new`].
+    #[must_use]
+    pub fn new(pattern: &CreasePattern, tree: &SpanningTree, all: &ReducedStars) -> Option<Self> {
+        let stars = all.vertices().iter().zip(all.represented());
+        Some(Self {
+            holonomy: Holonomy::new(pattern, tree)?,
+            rounding: rounding(pattern, tree),
+            stars: stars.map(|(&v, (star, off))| (v, star, off)).collect(),
+            holes: all.holes().to_vec(),
+            vertex_bounds: vec![0.0; pattern.vertices().len()],
+            hole_bounds: vec![[0.0; 2]; pattern.holes().len()],
+        })
+    }
+
+    /// Bounds on deformation, gap and twist over a segment on which the stars of
+    /// [`ReducedStars::essential`] and the loops close to within `closure`. Infinite if an essential star or
+    /// a loop is missing. Cost: linear in the size of the sheet.
+    pub fn rigidity(&mut self, closure: &Closure<'_>) -> Rigidity {
+        for &(vertex, star, off) in &self.stars {
+            let bound = closure.stars.get(star).copied();
+            self.vertex_bounds[vertex.index()] = bound.unwrap_or(f64::INFINITY) + off;
+        }
+        for (index, &hole) in self.holes.iter().enumerate() {
+            let bound = closure.loops.get(index).copied();
+            self.hole_bounds[hole] = bound.unwrap_or([f64::INFINITY; 2]);
+        }
+        let bound = self
+            .holonomy
+            .rigidity(&self.vertex_bounds, &self.hole_bounds);
+        Rigidity {
+            deformation: bound.deformation + self.rounding.deformation,
+            gap: bound.gap + self.rounding.gap,
+            twist: bound.twist + self.rounding.twist,
+        }
+    }
+}

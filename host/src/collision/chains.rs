@@ -1,0 +1,247 @@
+//! The creases between two faces of a sheet, along a shortest chain of faces.
+
+use std::collections::VecDeque;
+
+use foldpath_core::Membership;
+use nalgebra::Vector2;
+
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
+use crate::ragged::Ragged;
+
+/// Creases whose directions differ by no more, in radians, are parallel: what they are off moves points a
+/// thousand edges away by less than counts as a crossing.
+const PARALLEL: f64 = 1e-10;
+
+/// A crease of a chain, or two that turn by opposite angles about parallel lines: what is beyond both
+/// then does not turn, but moves round on a circle as wide as they are apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    pub(super) group: u32,
+    /// Twice the same for a crease alone.
+    pub(super) creases: [CreaseId; 2],
+}
+
+/// A chain: its single creases in order, and its pairs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chain {
+    start: usize,
+    pairs: usize,
+    end: usize,
+}
+
+/// A crease as a chain crosses it.
+#[derive(Clone, Copy, Debug)]
+struct Crossed {
+    crease: CreaseId,
+    member: Membership,
+    /// Direction with the face beyond to its left.
+    axis: Vector2<f64>,
+}
+
+impl Crossed {
+    /// Whether a later crease of a chain turns what is beyond it back.
+    fn undone_by(&self, later: &Self) -> bool {
+        let (along, across) = (self.axis.dot(&later.axis), self.axis.perp(&later.axis));
+        let opposite = (self.member.negative != later.member.negative) == (along > 0.0);
+        self.member.group == later.member.group && across.abs() <= PARALLEL && opposite
+    }
+}
+
+/// Chains, one behind the other in one list.
+#[derive(Clone, Debug)]
+pub(super) struct Chains {
+    neighbours: Ragged<(FaceId, EdgeId)>,
+    /// For each edge its direction.
+    directions: Vec<Vector2<f64>>,
+    memberships: Vec<Membership>,
+    links: Vec<Link>,
+    /// For each face, once it was asked for, the steps from it to all others; none on large sheets.
+    known: Vec<Vec<u32>>,
+    searched: Search,
+    crossed: Vec<Crossed>,
+    way: Vec<(EdgeId, FaceId)>,
+}
+
+/// Sheets of more faces keep no steps from each face to each other: 2^24 numbers.
+const MANY: usize = 1 << 12;
+
+/// A search that passes from face to face.
+#[derive(Clone, Debug, Default)]
+struct Search {
+    /// Steps to each face found; [`u32::MAX`] for the others.
+    steps: Vec<u32>,
+    /// The faces found.
+    open: VecDeque<FaceId>,
+    found: Vec<FaceId>,
+}
+
+impl Search {
+    fn forget(&mut self, faces: usize) {
+        self.steps.resize(faces, u32::MAX);
+        for face in self.found.drain(..) {
+            self.steps[face.index()] = u32::MAX;
+        }
+        self.open.clear();
+    }
+
+    fn reach(&mut self, face: FaceId, steps: u32) {
+        if self.steps[face.index()] == u32::MAX {
+            self.steps[face.index()] = steps;
+            self.found.push(face);
+            self.open.push_back(face);
+        }
+    }
+}
+
+impl Chains {
+    pub(super) fn new(pattern: &CreasePattern, memberships: &[Membership]) -> Self {
+        let direction = |index: usize| {
+            let edge = EdgeId::new(index);
+            pattern.direction(edge, pattern.edge(edge).ends[0])
+        };
+        Self {
+            neighbours: pattern.neighbours(),
+            directions: (0..pattern.edges().len()).map(direction).collect(),
+            memberships: memberships.to_vec(),
+            links: Vec::new(),
+            known: vec![Vec::new(); pattern.faces().len()],
+            searched: Search::default(),
+            crossed: Vec::new(),
+            way: Vec::new(),
+        }
+    }
+
+    /// Length of the list of links.
+    pub(super) fn len(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Forgets all links of the list behind this length.
+    pub(super) fn truncate(&mut self, len: usize) {
+        self.links.truncate(len);
+    }
+
+    /// The single creases of a chain in order.
+    pub(super) fn singles(&self, chain: &Chain) -> &[Link] {
+        &self.links[chain.start..chain.pairs]
+    }
+
+    /// The pairs of a chain.
+    pub(super) fn pairs(&self, chain: &Chain) -> &[Link] {
+        &self.links[chain.pairs..chain.end]
+    }
+
+    /// A shortest chain from a face to another of the same sheet, with few bends; round a vertex, if one
+    /// is given. Cost: O(faces not farther away).
+    pub(super) fn find(
+        &mut self,
+        pattern: &CreasePattern,
+        [from, to]: [FaceId; 2],
+        round: Option<VertexId>,
+    ) -> Option<Chain> {
+        let whole = round.is_none() && self.known.len() <= MANY;
+        if !whole || self.known[to.index()].is_empty() {
+            self.search(pattern, to, round, (!whole).then_some(from));
+            if whole {
+                self.known[to.index()] = self.searched.steps.clone();
+            }
+        }
+        let steps = if whole {
+            &self.known[to.index()]
+        } else {
+            &self.searched.steps
+        };
+        if steps[from.index()] == u32::MAX {
+            return None;
+        }
+        let start = self.links.len();
+        let mut way = core::mem::take(&mut self.way);
+        let (mut face, mut heading) = (from, Vector2::zeros());
+        self.crossed.clear();
+        while face != to {
+            let ahead = self.neighbours[face.index()].iter().copied();
+            let ahead = ahead.filter(|&(next, edge)| {
+                steps[next.index()] < steps[face.index()] && ends_at(pattern, edge, round)
+            });
+            let bend = |edge: EdgeId| self.directions[edge.index()].perp(&heading).abs();
+            let (next, edge) = ahead.min_by(|a, b| bend(a.1).total_cmp(&bend(b.1)))?;
+            heading = self.directions[edge.index()];
+            way.push((edge, next));
+            face = next;
+        }
+        for &(edge, beyond) in &way {
+            self.cross(pattern, edge, beyond);
+        }
+        way.clear();
+        self.way = way;
+        let pairs = self.links.len();
+        // Those left single come before the pairs.
+        let singles = self.crossed.iter().map(|crossed| Link {
+            group: crossed.member.group.0,
+            creases: [crossed.crease; 2],
+        });
+        self.links.extend(singles);
+        self.links[start..].rotate_left(pairs - start);
+        Some(Chain {
+            start,
+            pairs: self.links.len() - (pairs - start),
+            end: self.links.len(),
+        })
+    }
+
+    /// Finds the steps to `to` from all faces round a vertex or everywhere: to all, or up to one.
+    fn search(
+        &mut self,
+        pattern: &CreasePattern,
+        to: FaceId,
+        round: Option<VertexId>,
+        from: Option<FaceId>,
+    ) {
+        let search = &mut self.searched;
+        search.forget(self.known.len());
+        search.reach(to, 0);
+        while let Some(face) = search.open.pop_front() {
+            let steps = search.steps[face.index()] + 1;
+            if from.is_some_and(|from| search.steps[from.index()] < steps) {
+                return;
+            }
+            for &(beyond, edge) in &self.neighbours[face.index()] {
+                if ends_at(pattern, edge, round) {
+                    search.reach(beyond, steps);
+                }
+            }
+        }
+    }
+
+    /// Goes across an edge to the face beyond.
+    fn cross(&mut self, pattern: &CreasePattern, edge: EdgeId, beyond: FaceId) {
+        let Some(crease) = pattern.edge(edge).crease else {
+            return;
+        };
+        let Some(&member) = self.memberships.get(crease.index()) else {
+            return;
+        };
+        let left = pattern.edge(edge).faces[0] == Some(beyond);
+        let direction = self.directions[edge.index()];
+        let crossed = Crossed {
+            crease,
+            member,
+            axis: if left { direction } else { -direction },
+        };
+        match self.crossed.last() {
+            Some(last) if last.undone_by(&crossed) => {
+                self.links.push(Link {
+                    group: member.group.0,
+                    creases: [last.crease, crease],
+                });
+                self.crossed.pop();
+            }
+            _ => self.crossed.push(crossed),
+        }
+    }
+}
+
+/// Whether an edge ends at a vertex, if one is given.
+fn ends_at(pattern: &CreasePattern, edge: EdgeId, vertex: Option<VertexId>) -> bool {
+    vertex.is_none_or(|vertex| pattern.edge(edge).ends.contains(&vertex))
+}

@@ -1,0 +1,205 @@
+//! Clusters of pieces that hang together, and clusters of clusters.
+//!
+//! Made once from the flat sheet; what changes along a motion are the spheres round them.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::pieces::Pieces;
+use crate::pattern::FaceId;
+
+/// A sphere in space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sphere {
+    pub(super) center: Vector3<f64>,
+    pub(super) radius: f64,
+}
+
+impl Sphere {
+    /// The smallest sphere round two.
+    pub(super) fn round(self, other: Self) -> Self {
+        let between = other.center - self.center;
+        let distance = between.norm();
+        if distance + other.radius <= self.radius {
+            return self;
+        }
+        if distance + self.radius <= other.radius {
+            return other;
+        }
+        let radius = (distance + self.radius + other.radius) / 2.0;
+        Self {
+            center: self.center + between * ((radius - self.radius) / distance),
+            radius,
+        }
+    }
+
+    /// The distance between two spheres, below 0 where they overlap.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        (other.center - self.center).norm() - self.radius - other.radius
+    }
+}
+
+/// A piece, or a cluster of two others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// The two clusters; `None` for a piece, which has the number of its node.
+    pub(super) children: Option<[u32; 2]>,
+    /// Number of pieces.
+    pub(super) pieces: u32,
+    /// A face in the middle, that of one of the children.
+    pub(super) face: FaceId,
+}
+
+/// The clusters of a sheet; pieces come first, children before parents.
+#[derive(Clone, Debug)]
+pub(super) struct Hierarchy {
+    pub(super) nodes: Vec<Node>,
+    /// The cluster of each sheet.
+    pub(super) roots: Vec<u32>,
+    /// For each piece a circle round it in the flat sheet.
+    pub(super) circles: Vec<(Vector2<f64>, f64)>,
+}
+
+impl Hierarchy {
+    /// Joins the smallest neighbours first, level by level. Cost: O(pieces log pieces), if none has very
+    /// many neighbours.
+    pub(super) fn new(pieces: &Pieces) -> Self {
+        let leaf = |piece: &super::pieces::Piece| Node {
+            children: None,
+            pieces: 1,
+            face: piece.face,
+        };
+        let circle = |piece: &super::pieces::Piece| circle(&pieces.flat[piece.corners()]);
+        let circles: Vec<_> = pieces.list.iter().map(circle).collect();
+        let faces = pieces.list.last().map_or(0, |piece| piece.face.index() + 1);
+        let mut face_centers = vec![Vector2::zeros(); faces];
+        for (piece, (center, _)) in pieces.list.iter().zip(&circles) {
+            face_centers[piece.face.index()] = *center;
+        }
+        let mut builder = Builder {
+            pieces,
+            members: (0..).take(pieces.list.len()).map(|k| vec![k]).collect(),
+            cluster: (0..).take(pieces.list.len()).collect(),
+            hierarchy: Self {
+                nodes: pieces.list.iter().map(leaf).collect(),
+                roots: Vec::new(),
+                circles,
+            },
+            face_centers,
+        };
+        builder.join();
+        builder.hierarchy
+    }
+}
+
+struct Builder<'a> {
+    pieces: &'a Pieces,
+    hierarchy: Hierarchy,
+    /// For each node its pieces, while nothing holds it.
+    members: Vec<Vec<u32>>,
+    /// For each piece the node that nothing holds yet.
+    cluster: Vec<u32>,
+    /// For each face the middle of one of its pieces.
+    face_centers: Vec<Vector2<f64>>,
+}
+
+impl Builder<'_> {
+    fn join(&mut self) {
+        let mut open: Vec<u32> = (0..).take(self.members.len()).collect();
+        while !open.is_empty() {
+            let (mut next, mut fresh) = (Vec::new(), self.hierarchy.nodes.len());
+            open.sort_by_key(|&node| self.hierarchy.nodes[node as usize].pieces);
+            for node in open {
+                // It may have been joined already.
+                if self.members[node as usize].is_empty() {
+                    continue;
+                }
+                match self.partner(node, fresh) {
+                    Some(partner) => self.merge(node, partner),
+                    None => self.hierarchy.roots.push(node),
+                }
+            }
+            while fresh < self.members.len() {
+                if !self.members[fresh].is_empty() {
+                    next.push(FaceId::new(fresh).0);
+                }
+                fresh += 1;
+            }
+            open = next;
+        }
+    }
+
+    /// The neighbour with which a cluster makes the smallest circle; one not yet joined on this level, if
+    /// there is one.
+    fn partner(&self, node: u32, fresh: usize) -> Option<u32> {
+        let members = &self.members[node as usize];
+        let joints = members
+            .iter()
+            .flat_map(|&p| &self.pieces.joints[p as usize]);
+        let others = joints.map(|joint| self.cluster[joint.piece as usize]);
+        let size = |other: u32| {
+            let both = [node, other].map(|n| self.center(n));
+            (other as usize >= fresh, (both[0] - both[1]).norm())
+        };
+        let others = others.filter(|&other| other != node);
+        others.min_by(|&a, &b| {
+            let (a, b) = (size(a), size(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        })
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a mean")]
+    fn center(&self, node: u32) -> Vector2<f64> {
+        let members = &self.members[node as usize];
+        let centers = members
+            .iter()
+            .map(|&p| self.hierarchy.circles[p as usize].0);
+        centers.sum::<Vector2<f64>>() / members.len() as f64
+    }
+
+    fn merge(&mut self, a: u32, b: u32) {
+        let node = FaceId::new(self.members.len()).0;
+        let mut members = core::mem::take(&mut self.members[a as usize]);
+        members.append(&mut self.members[b as usize]);
+        for &piece in &members {
+            self.cluster[piece as usize] = node;
+        }
+        let count = members.len();
+        self.members.push(members);
+        let center = self.center(node);
+        let [face, other] = [a, b].map(|child| self.hierarchy.nodes[child as usize].face);
+        let away = |face: FaceId| (self.face_centers[face.index()] - center).norm();
+        self.hierarchy.nodes.push(Node {
+            children: Some([a, b]),
+            pieces: FaceId::new(count).0,
+            face: if away(other) < away(face) {
+                other
+            } else {
+                face
+            },
+        });
+    }
+}
+
+/// Corners of a face up to which a good circle is looked for.
+const FEW_CORNERS: usize = 8;
+
+/// A circle round some points: round the middle of two of them or of all, the smallest.
+fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
+    let few = &points[..if points.len() > FEW_CORNERS {
+        0
+    } else {
+        points.len()
+    }];
+    let pairs = few
+        .iter()
+        .flat_map(|a| few.iter().map(move |b| (a + b) / 2.0));
+    #[allow(clippy::cast_precision_loss, reason = "a mean")]
+    let mean = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let reach = |center: Vector2<f64>| {
+        let away = points.iter().map(|p| (p - center).norm());
+        away.fold(0.0, f64::max)
+    };
+    let candidates = pairs.chain([mean]).map(|center| (center, reach(center)));
+    let least = candidates.min_by(|a, b| a.1.total_cmp(&b.1));
+    least.unwrap_or((mean, 0.0))
+}

@@ -1,0 +1,220 @@
+//! The motion of a sheet: segments of curves, one a crease group, and how much they vary from one time to
+//! another.
+//!
+//! Times are ticks, 2^36 a segment, so that halves of steps are times too, without rounding.
+
+use foldpath_core::{Curve, HalfAngle};
+
+use super::variation::Variation;
+
+/// log2 of the ticks of a segment.
+const TICKS: u32 = 36;
+/// Times at which variation is tabulated: about so many in all, a power of two a segment.
+const TABULATED: usize = 128;
+/// Numbers tabulated at most, unless one time a segment makes more.
+const MOST_TABULATED: usize = 1 << 16;
+/// Places of a step's length that the next time may have: looks at different pairs then coincide.
+const PLACES: u64 = 4;
+
+/// A time: segments, in units of 2^-36.
+pub(super) type Tick = u64;
+
+/// How far the points of two bodies may come closer for each radian that crease groups vary.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Levers {
+    per_group: Vec<f64>,
+    touched: Vec<u32>,
+    /// For each radian that the group varies which varies most.
+    pub(super) any: f64,
+}
+
+impl Levers {
+    pub(super) fn new(groups: usize) -> Self {
+        Self {
+            per_group: vec![0.0; groups],
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        for &group in &self.touched {
+            self.per_group[group as usize] = 0.0;
+        }
+        self.touched.clear();
+        self.any = 0.0;
+    }
+
+    pub(super) fn add(&mut self, group: u32, lever: f64) {
+        let sum = &mut self.per_group[group as usize];
+        if *sum <= 0.0 {
+            self.touched.push(group);
+        }
+        *sum += lever;
+    }
+
+    fn sum(&self, mut varied: impl FnMut(usize) -> f64) -> f64 {
+        let groups = self.touched.iter().map(|&group| group as usize);
+        groups.map(|g| self.per_group[g] * varied(g)).sum()
+    }
+}
+
+/// Segments of curves with their variation.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    segments: usize,
+    groups: usize,
+    /// For each segment and group its curve, with its variation.
+    variations: Vec<Variation>,
+    /// Ticks from one tabulated time to the next.
+    stride: Tick,
+    /// For each tabulated time and group the variation since the beginning, radians.
+    table: Vec<f64>,
+    /// For each tabulated time, the sum over the steps to it of what the group varies that varies most.
+    clock: Vec<f64>,
+}
+
+impl Motion {
+    /// `segments` hold a curve for each group; groups without one stay flat. Cost: O(groups x
+    /// segments), and that of some ten thousand angles at most.
+    pub(super) fn new(segments: &[Vec<Curve<f64>>], groups: usize) -> Self {
+        const FLAT: Curve<f64> = Curve::Angle([0.0; 4]);
+        let curve = |segment: &Vec<Curve<f64>>, group| segment.get(group).copied().unwrap_or(FLAT);
+        let all = segments.iter().flat_map(|segment| {
+            (0..groups).map(move |group| Variation::new(curve(segment, group)))
+        });
+        let count = segments.len().max(1);
+        let most = (MOST_TABULATED / (groups.max(1) * count)).min(TABULATED.div_ceil(count));
+        let per_segment = 1_u32 << most.max(1).ilog2();
+        let mut motion = Self {
+            segments: segments.len(),
+            groups,
+            variations: all.collect(),
+            stride: (1 << TICKS) / u64::from(per_segment),
+            table: vec![0.0; groups],
+            clock: vec![0.0],
+        };
+        for segment in 0..segments.len() {
+            motion.tabulate(segment, per_segment);
+        }
+        motion
+    }
+
+    fn tabulate(&mut self, segment: usize, per_segment: u32) {
+        let start = self.table.len() - self.groups;
+        for step in 1..=per_segment {
+            let s = f64::from(step) / f64::from(per_segment);
+            let mut most = 0.0_f64;
+            for group in 0..self.groups {
+                let until = self.variations[segment * self.groups + group].until(s);
+                let varied = self.table[start + group] + until;
+                most = most.max(varied - self.table[self.table.len() - self.groups]);
+                self.table.push(varied);
+            }
+            let before = self.clock.last().copied().unwrap_or_default();
+            self.clock.push(before + most);
+        }
+    }
+
+    /// Whether all variation is known.
+    pub(super) fn is_finite(&self) -> bool {
+        self.table.iter().all(|varied| varied.is_finite())
+    }
+
+    /// The last time.
+    pub(super) fn end(&self) -> Tick {
+        (self.segments as Tick) << TICKS
+    }
+
+    /// Segment and place in it, 0 to 1.
+    pub(super) fn place(&self, tick: Tick) -> (usize, f64) {
+        let segment = usize::try_from(tick >> TICKS).unwrap_or(usize::MAX);
+        let segment = segment.min(self.segments.saturating_sub(1));
+        let rest = tick - ((segment as Tick) << TICKS);
+        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
+        (segment, rest as f64 / (1_u64 << TICKS) as f64)
+    }
+
+    /// Half the angle of a group.
+    pub(super) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
+        let (segment, s) = self.place(tick);
+        let variation = self.variations.get(segment * self.groups + group);
+        variation.map_or_else(HalfAngle::default, |v| v.curve().half_angle(s))
+    }
+
+    /// The first tabulated time after `tick`.
+    pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
+        ((tick / self.stride + 1) * self.stride).min(self.end())
+    }
+
+    fn index(&self, tick: Tick) -> usize {
+        usize::try_from(tick / self.stride).unwrap_or(usize::MAX)
+    }
+
+    /// How far points may have come since the beginning of the motion; their difference between two
+    /// times is no less than they have.
+    pub(super) fn moved(&self, levers: &Levers, tick: Tick) -> f64 {
+        if tick.is_multiple_of(self.stride) {
+            return self.moved_tabulated(levers, self.index(tick));
+        }
+        let (segment, s) = self.place(tick);
+        let start = segment * self.index(1 << TICKS) * self.groups;
+        levers.sum(|group| {
+            let until = self.variations[segment * self.groups + group].until(s);
+            self.table[start + group] + until
+        })
+    }
+
+    fn moved_tabulated(&self, levers: &Levers, index: usize) -> f64 {
+        let row = &self.table[index * self.groups..];
+        levers.sum(|group| row[group]) + levers.any * self.clock[index]
+    }
+
+    /// The last tabulated time until which points come no farther than `allowance` from where they are
+    /// at `from`, if one comes after that.
+    pub(super) fn tabulated_until(
+        &self,
+        levers: &Levers,
+        from: Tick,
+        allowance: f64,
+    ) -> Option<Tick> {
+        let limit = self.moved(levers, from) + allowance;
+        let (mut low, mut high) = (self.index(from), self.clock.len());
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if self.moved_tabulated(levers, middle) <= limit {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let until = low as Tick * self.stride;
+        (until > from).then_some(until)
+    }
+
+    /// A time after `from` until which points come no farther than `allowance`: within a factor the last
+    /// one before the next tabulated time, and at least one tick later.
+    pub(super) fn until(&self, levers: &Levers, from: Tick, allowance: f64) -> Tick {
+        let (start, next) = (self.moved(levers, from), self.next_tabulated(from));
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a first guess, put right below"
+        )]
+        let guess = (allowance / (self.moved(levers, next) - start) * (next - from) as f64) as u64;
+        let mut unit = 1 << guess.clamp(1, self.stride).ilog2();
+        loop {
+            let places = (1..=PLACES).rev().map(|k| (from / unit + k) * unit);
+            let reached = places
+                .filter(|&tick| tick < next)
+                .find(|&tick| self.moved(levers, tick) - start <= allowance);
+            if let Some(tick) = reached {
+                return tick;
+            }
+            if unit == 1 {
+                return from + 1;
+            }
+            unit = (unit / 4).max(1);
+        }
+    }
+}

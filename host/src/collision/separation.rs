@@ -1,0 +1,134 @@
+//! How far apart two convex flat polygons are: in space, and as sectors round a corner that they share.
+
+use nalgebra::Vector3;
+
+use super::crossing::ConvexPiece;
+
+/// The distance between two pieces; 0 if they meet.
+///
+/// Where they do not meet, two sides are nearest to each other, or a corner of one to the inside of the
+/// other. Cost: O(product of corners).
+#[must_use]
+pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
+    let nearest = sides_to_inside(a, b).min(sides_to_inside(b, a));
+    if nearest <= 0.0 {
+        return 0.0;
+    }
+    let mut squared = nearest * nearest;
+    for [from, to] in sides(a) {
+        for [start, end] in sides(b) {
+            squared = squared.min(segments_squared([from, to], [start, end]));
+        }
+    }
+    squared.sqrt()
+}
+
+/// The distance of the corners of `a` from the inside of `b`, seen along the normal of `b`: infinite
+/// where none lies over it, 0 where a side of `a` passes through `b`.
+fn sides_to_inside(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
+    let offset = b.normal.dot(&b.corners[0]);
+    let mut nearest = f64::INFINITY;
+    let last = a.corners.len() - 1;
+    let mut from = (&a.corners[last], b.normal.dot(&a.corners[last]) - offset);
+    for corner in a.corners {
+        let height = b.normal.dot(corner) - offset;
+        if height.abs() < nearest && inside(b, corner) {
+            nearest = height.abs();
+        }
+        if (from.1 < 0.0) != (height < 0.0) {
+            let through = from.0 + (corner - from.0) * (from.1 / (from.1 - height));
+            if inside(b, &through) {
+                return 0.0;
+            }
+        }
+        from = (corner, height);
+    }
+    nearest
+}
+
+/// Whether a point lies over or under a piece.
+fn inside(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> bool {
+    sides(piece).all(|[from, to]| (to - from).cross(&(point - from)).dot(&piece.normal) >= 0.0)
+}
+
+fn sides<'a>(piece: &ConvexPiece<'a>) -> impl Iterator<Item = [&'a Vector3<f64>; 2]> {
+    let corners = piece.corners;
+    let next = corners.iter().skip(1).chain(corners.first());
+    corners.iter().zip(next).map(|(from, to)| [from, to])
+}
+
+/// Squared distance of two segments.
+///
+/// Implements `ClosestPtSegmentSegment` of C. Ericson, "Real-time collision detection", 2005, 5.1.9.
+fn segments_squared(a: [&Vector3<f64>; 2], b: [&Vector3<f64>; 2]) -> f64 {
+    let (along_a, along_b, between) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
+    let (aa, bb) = (along_a.norm_squared(), along_b.norm_squared());
+    let (ab, a_between) = (along_a.dot(&along_b), along_a.dot(&between));
+    let b_between = along_b.dot(&between);
+    let area = aa * bb - ab * ab;
+    let mut s = if area > 0.0 {
+        ((ab * b_between - a_between * bb) / area).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let mut t = (ab * s + b_between) / bb;
+    if !(0.0..=1.0).contains(&t) {
+        t = t.clamp(0.0, 1.0);
+        s = ((t * ab - a_between) / aa).clamp(0.0, 1.0);
+    }
+    (between + along_a * s - along_b * t).norm_squared()
+}
+
+/// The corner of a convex piece at a vertex, as an arc on the unit sphere round it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sector {
+    /// Unit directions of the sides, counter-clockwise, at most half a turn apart.
+    pub(super) sides: [Vector3<f64>; 2],
+    /// Unit normal.
+    pub(super) normal: Vector3<f64>,
+}
+
+impl Sector {
+    /// The corner of a piece of that position among its corners.
+    pub(super) fn of(piece: &ConvexPiece<'_>, corner: usize) -> Self {
+        let (count, apex) = (piece.corners.len(), piece.corners[corner]);
+        let [next, previous] = [corner + 1, corner + count - 1].map(|k| piece.corners[k % count]);
+        Self {
+            sides: [next, previous].map(|end| (end - apex).normalize()),
+            normal: piece.normal,
+        }
+    }
+
+    /// Whether a direction lies over or under the sector.
+    fn holds(&self, direction: &Vector3<f64>) -> bool {
+        let [right, left] = &self.sides;
+        right.cross(direction).dot(&self.normal) >= 0.0
+            && direction.cross(left).dot(&self.normal) >= 0.0
+    }
+
+    /// No more than the angle between a unit direction and the sector: its sine or its chord.
+    fn below_angle(&self, direction: &Vector3<f64>) -> f64 {
+        if self.holds(direction) {
+            return self.normal.dot(direction).abs();
+        }
+        let [right, left] = self.sides.map(|side| (side - direction).norm());
+        right.min(left)
+    }
+
+    /// No more than the angle (radians) between two sectors of the same apex; 0 if they meet elsewhere.
+    pub(super) fn separation(&self, other: &Self) -> f64 {
+        let common = self.normal.cross(&other.normal);
+        if [common, -common]
+            .iter()
+            .any(|line| self.holds(line) && other.holds(line))
+            && common.norm() > 0.0
+        {
+            return 0.0;
+        }
+        let [a, b] = [
+            self.sides.map(|side| other.below_angle(&side)),
+            other.sides.map(|side| self.below_angle(&side)),
+        ];
+        a[0].min(a[1]).min(b[0].min(b[1]))
+    }
+}

@@ -1,0 +1,347 @@
+//! The folded sheet at one time, made piece by piece as it is asked for.
+
+use foldpath_core::{HalfAngle, Membership, Rotation};
+use nalgebra::{Vector2, Vector3};
+
+use super::chains::Link;
+use super::hierarchy::{Hierarchy, Sphere};
+use super::motion::{Motion, Tick};
+use super::pieces::{Pieces, Placed};
+use crate::folding::SpanningTree;
+use crate::pattern::{CreaseId, CreasePattern, FaceId};
+
+/// Things that hold for one time only.
+#[derive(Clone, Debug)]
+struct Fresh<T> {
+    items: Vec<T>,
+    times: Vec<Tick>,
+}
+
+impl<T: Clone> Fresh<T> {
+    fn new(count: usize, item: T) -> Self {
+        Self {
+            items: vec![item; count],
+            times: vec![Tick::MAX; count],
+        }
+    }
+
+    fn get(&self, index: usize, time: Tick) -> Option<&T> {
+        (self.times[index] == time).then(|| &self.items[index])
+    }
+
+    fn forget(&mut self) {
+        self.times.fill(Tick::MAX);
+    }
+
+    fn set(&mut self, index: usize, time: Tick, item: T) {
+        self.items[index] = item;
+        self.times[index] = time;
+    }
+}
+
+/// A face's frame (f) in space (w).
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    r_wf: Rotation<f64>,
+    /// Axes, and the origin of the flat sheet.
+    x_w: Vector3<f64>,
+    y_w: Vector3<f64>,
+    p_w: Vector3<f64>,
+}
+
+impl Frame {
+    /// The frame that takes a point of the flat sheet to a place.
+    fn new(r_wf: Rotation<f64>, from: Vector2<f64>, to: Vector3<f64>) -> Self {
+        let (x_w, y_w) = (r_wf.rotate(&Vector3::x()), r_wf.rotate(&Vector3::y()));
+        Self {
+            r_wf,
+            x_w,
+            y_w,
+            p_w: to - x_w * from.x - y_w * from.y,
+        }
+    }
+
+    fn turn(&self, direction: Vector2<f64>) -> Vector3<f64> {
+        self.x_w * direction.x + self.y_w * direction.y
+    }
+
+    fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
+        self.turn(point) + self.p_w
+    }
+}
+
+/// How a face is reached from another.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    parent: FaceId,
+    crease: Option<Membership>,
+    pivot: Vector2<f64>,
+    axis: Vector2<f64>,
+}
+
+/// The line of a crease in the flat sheet, and a face that it is a side of.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    face: FaceId,
+    point: Vector2<f64>,
+    direction: Vector2<f64>,
+}
+
+/// The line of a crease in space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    point: Vector3<f64>,
+    direction: Vector3<f64>,
+}
+
+impl Axis {
+    /// The distance of a point from the line.
+    pub(super) fn distance(&self, point: &Vector3<f64>) -> f64 {
+        (point - self.point).cross(&self.direction).norm()
+    }
+}
+
+/// A sheet that is folded at one time after the other.
+#[derive(Clone, Debug)]
+pub(super) struct Sheet {
+    pub(super) time: Tick,
+    /// For each face but the roots.
+    reached: Vec<Option<Reached>>,
+    lines: Vec<Line>,
+    half_angles: Fresh<HalfAngle<f64>>,
+    frames: Fresh<Frame>,
+    axes: Fresh<Axis>,
+    spheres: Fresh<Sphere>,
+    spreads: Fresh<f64>,
+    /// Times at which pieces were placed.
+    placed: Vec<Tick>,
+    folded: Vec<Vector3<f64>>,
+    normals: Vec<Vector3<f64>>,
+    way: Vec<(FaceId, Reached)>,
+    open: Vec<u32>,
+}
+
+impl Sheet {
+    pub(super) fn new(
+        pattern: &CreasePattern,
+        memberships: &[Membership],
+        groups: usize,
+        pieces: &Pieces,
+        hierarchy: &Hierarchy,
+    ) -> Self {
+        let tree = SpanningTree::from_central_face(pattern);
+        let mut reached = vec![None; tree.faces()];
+        for step in tree.steps() {
+            let membership = step.crease.and_then(|c| memberships.get(c.index()));
+            reached[step.face.index()] = Some(Reached {
+                parent: step.parent,
+                crease: membership.copied(),
+                pivot: step.pivot,
+                axis: step.axis,
+            });
+        }
+        let lines = pattern.creases().iter().map(|&id| {
+            let edge = pattern.edge(id);
+            Line {
+                face: edge.faces[0].unwrap_or_default(),
+                point: pattern.vertices()[edge.ends[0].index()],
+                direction: pattern.direction(id, edge.ends[0]),
+            }
+        });
+        let zero = Vector3::zeros();
+        let frame = Frame::new(Rotation::identity(), Vector2::zeros(), zero);
+        let axis = Axis {
+            point: zero,
+            direction: zero,
+        };
+        let sphere = Sphere {
+            center: zero,
+            radius: 0.0,
+        };
+        Self {
+            time: 0,
+            lines: lines.collect(),
+            half_angles: Fresh::new(groups, HalfAngle::default()),
+            frames: Fresh::new(reached.len(), frame),
+            axes: Fresh::new(pattern.creases().len(), axis),
+            spheres: Fresh::new(hierarchy.nodes.len(), sphere),
+            spreads: Fresh::new(hierarchy.nodes.len(), 0.0),
+            placed: vec![Tick::MAX; pieces.list.len()],
+            folded: vec![zero; pieces.flat.len()],
+            normals: vec![zero; pieces.list.len()],
+            way: Vec::new(),
+            open: Vec::new(),
+            reached,
+        }
+    }
+
+    /// Forgets all that was made, as for another motion.
+    pub(super) fn forget(&mut self) {
+        self.half_angles.forget();
+        self.frames.forget();
+        self.axes.forget();
+        self.spheres.forget();
+        self.spreads.forget();
+        self.placed.fill(Tick::MAX);
+    }
+
+    /// The radius of the sphere last made round a cluster.
+    pub(super) fn radius(&self, node: u32) -> f64 {
+        self.spheres.items[node as usize].radius
+    }
+
+    /// Places of corners that were put.
+    pub(super) fn corners(&self, range: core::ops::Range<usize>) -> &[Vector3<f64>] {
+        &self.folded[range]
+    }
+
+    fn half_angle(&mut self, motion: &Motion, member: Membership) -> HalfAngle<f64> {
+        let (group, time) = (member.group.index(), self.time);
+        let half = self.half_angles.get(group, time).copied();
+        let half = half.unwrap_or_else(|| {
+            let half = motion.half_angle(group, time);
+            self.half_angles.set(group, time, half);
+            half
+        });
+        half.signed(member.negative)
+    }
+
+    fn frame(&mut self, motion: &Motion, face: FaceId) -> Frame {
+        if let Some(frame) = self.frames.get(face.index(), self.time) {
+            return *frame;
+        }
+        let mut way = core::mem::take(&mut self.way);
+        let mut at = face;
+        let mut frame = loop {
+            if let Some(frame) = self.frames.get(at.index(), self.time) {
+                break *frame;
+            }
+            let Some(reached) = self.reached[at.index()] else {
+                let root = Frame::new(Rotation::identity(), Vector2::zeros(), Vector3::zeros());
+                self.frames.set(at.index(), self.time, root);
+                break root;
+            };
+            way.push((at, reached));
+            at = reached.parent;
+        };
+        while let Some((face, reached)) = way.pop() {
+            if let Some(member) = reached.crease {
+                let half = self.half_angle(motion, member);
+                let turn = Rotation::about_crease(half, [reached.axis.x, reached.axis.y]);
+                let pivot = reached.pivot;
+                frame = Frame::new(frame.r_wf * turn, pivot, frame.apply(pivot));
+            }
+            self.frames.set(face.index(), self.time, frame);
+        }
+        self.way = way;
+        frame
+    }
+
+    /// The line of a crease.
+    pub(super) fn axis(&mut self, motion: &Motion, crease: CreaseId) -> Axis {
+        if let Some(axis) = self.axes.get(crease.index(), self.time) {
+            return *axis;
+        }
+        let line = self.lines[crease.index()];
+        let frame = self.frame(motion, line.face);
+        let axis = Axis {
+            point: frame.apply(line.point),
+            direction: frame.turn(line.direction),
+        };
+        self.axes.set(crease.index(), self.time, axis);
+        axis
+    }
+
+    /// How far the lines of a pair of creases are apart.
+    pub(super) fn width(&mut self, motion: &Motion, link: &Link) -> f64 {
+        let [a, b] = link.creases.map(|crease| self.axis(motion, crease));
+        a.distance(&b.point)
+    }
+
+    /// What was noted as the spread of a cluster at this time.
+    pub(super) fn spread_of(&self, node: u32) -> Option<f64> {
+        self.spreads.get(node as usize, self.time).copied()
+    }
+
+    /// Notes the spread of a cluster.
+    pub(super) fn set_spread(&mut self, node: u32, spread: f64) {
+        self.spreads.set(node as usize, self.time, spread);
+    }
+
+    /// A sphere round a cluster.
+    pub(super) fn sphere(
+        &mut self,
+        motion: &Motion,
+        pieces: &Pieces,
+        hierarchy: &Hierarchy,
+        node: u32,
+    ) -> Sphere {
+        let mut open = core::mem::take(&mut self.open);
+        open.push(node);
+        while let Some(&node) = open.last() {
+            let index = node as usize;
+            if let Some(sphere) = self.sphere_of(motion, pieces, hierarchy, node, &mut open) {
+                self.spheres.set(index, self.time, sphere);
+                open.pop();
+            }
+        }
+        self.open = open;
+        self.spheres.items[node as usize]
+    }
+
+    /// The sphere of a cluster; without those of its children, none, but the children are then `open`.
+    fn sphere_of(
+        &mut self,
+        motion: &Motion,
+        pieces: &Pieces,
+        hierarchy: &Hierarchy,
+        node: u32,
+        open: &mut Vec<u32>,
+    ) -> Option<Sphere> {
+        if let Some(sphere) = self.spheres.get(node as usize, self.time) {
+            return Some(*sphere);
+        }
+        let Some(children) = hierarchy.nodes[node as usize].children else {
+            let frame = self.frame(motion, pieces.list[node as usize].face);
+            let (center, radius) = hierarchy.circles[node as usize];
+            return Some(Sphere {
+                center: frame.apply(center),
+                radius,
+            });
+        };
+        let spheres = children.map(|child| self.spheres.get(child as usize, self.time).copied());
+        let [Some(a), Some(b)] = spheres else {
+            open.extend(children);
+            return None;
+        };
+        Some(a.round(b))
+    }
+
+    /// Puts a piece, and with `joined` those that a side joins to it, in their places.
+    pub(super) fn put(&mut self, motion: &Motion, pieces: &Pieces, piece: u32, joined: bool) {
+        if joined {
+            for joint in &pieces.joints[piece as usize] {
+                self.put(motion, pieces, joint.piece, false);
+            }
+        }
+        if self.placed[piece as usize] == self.time {
+            return;
+        }
+        self.placed[piece as usize] = self.time;
+        let part = pieces.list[piece as usize];
+        let frame = self.frame(motion, part.face);
+        self.normals[piece as usize] = frame.x_w.cross(&frame.y_w);
+        for corner in part.corners() {
+            self.folded[corner] = frame.apply(pieces.flat[corner]);
+        }
+    }
+
+    /// The pieces put in their places.
+    pub(super) fn placed<'a>(&'a self, pieces: &'a Pieces) -> Placed<'a> {
+        Placed {
+            pieces,
+            folded: &self.folded,
+            normals: &self.normals,
+        }
+    }
+}

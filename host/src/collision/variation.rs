@@ -1,0 +1,237 @@
+//! How much fold angles vary along a motion.
+//!
+//! The total variation of a curve bounds what it may do between two places, whatever it does there. A
+//! curve is cut where the Bernstein coefficients of its derivative do not all have one sign, until they
+//! do; what is left after some cuts is bounded by its greatest rate.
+
+use foldpath_core::Curve;
+
+/// Cuts of a curve that is not seen to be monotone.
+const CUTS: u32 = 8;
+
+/// A part of a segment from `start` on.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    start: f64,
+    /// Variation of the segment up to here, radians.
+    before: f64,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// Monotone from this angle on.
+    Monotone(f64),
+    /// Of no greater rate than this.
+    Rate(f64),
+}
+
+/// The variation of one fold angle over one segment, or a little more than that.
+#[derive(Clone, Debug)]
+pub(super) struct Variation {
+    curve: Curve<f64>,
+    parts: Vec<Part>,
+}
+
+impl Variation {
+    pub(super) fn new(curve: Curve<f64>) -> Self {
+        let mut variation = Self {
+            curve,
+            parts: Vec::with_capacity(1),
+        };
+        variation.add(&Rates::of(&curve), [0.0, 1.0], 0.0, CUTS);
+        variation
+    }
+
+    pub(super) fn curve(&self) -> &Curve<f64> {
+        &self.curve
+    }
+
+    /// Adds the parts of a stretch, and returns the variation up to its end.
+    fn add(&mut self, rates: &Rates, [start, end]: [f64; 2], before: f64, cuts: u32) -> f64 {
+        let [from, to] = [start, end].map(|s| self.curve.angle(s));
+        let (kind, varied) = if rates.monotone() {
+            (Kind::Monotone(from), (to - from).abs())
+        } else if cuts == 0 {
+            let rate = rates.greatest() / (end - start);
+            (Kind::Rate(rate), rates.greatest())
+        } else {
+            let middle = (start + end) / 2.0;
+            let [left, right] = rates.halves();
+            let before = self.add(&left, [start, middle], before, cuts - 1);
+            return self.add(&right, [middle, end], before, cuts - 1);
+        };
+        self.parts.push(Part {
+            start,
+            before,
+            kind,
+        });
+        before + varied
+    }
+
+    /// Radians varied from the beginning of the segment to `s`: never less between two places than the
+    /// angle does between them.
+    pub(super) fn until(&self, s: f64) -> f64 {
+        let after = self.parts.partition_point(|part| part.start <= s);
+        let Some(part) = self.parts.get(after.saturating_sub(1)) else {
+            return f64::INFINITY;
+        };
+        part.before
+            + match part.kind {
+                Kind::Monotone(from) => (self.curve.angle(s) - from).abs(),
+                Kind::Rate(rate) => rate * (s - part.start),
+            }
+    }
+}
+
+/// Bernstein coefficients of the rate over a stretch, per length of the stretch: numerator and
+/// denominator.
+#[derive(Clone, Copy, Debug)]
+enum Rates {
+    Angle([f64; 4]),
+    HalfAngle([[f64; 4]; 2]),
+}
+
+impl Rates {
+    fn of(curve: &Curve<f64>) -> Self {
+        match curve {
+            Curve::Angle(angle) => Self::Angle(*angle),
+            Curve::HalfAngle { cos, sin } => Self::HalfAngle([*cos, *sin]),
+        }
+    }
+
+    fn halves(&self) -> [Self; 2] {
+        match self {
+            Self::Angle(angle) => halves(angle).map(Self::Angle),
+            Self::HalfAngle([cos, sin]) => {
+                let ([c0, c1], [n0, n1]) = (halves(cos), halves(sin));
+                [Self::HalfAngle([c0, n0]), Self::HalfAngle([c1, n1])]
+            }
+        }
+    }
+
+    /// Coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
+    fn numerator(&self) -> [f64; 6] {
+        match self {
+            Self::Angle(angle) => {
+                let [a, b, c] = slopes(angle);
+                [a, a, b, b, c, c]
+            }
+            Self::HalfAngle([cos, sin]) => {
+                let (with_cos, with_sin) = (product(cos, &slopes(sin)), product(sin, &slopes(cos)));
+                core::array::from_fn(|k| with_cos[k] - with_sin[k])
+            }
+        }
+    }
+
+    fn monotone(&self) -> bool {
+        let numerator = self.numerator();
+        numerator.iter().all(|&b| b >= 0.0) || numerator.iter().all(|&b| b <= 0.0)
+    }
+
+    /// No less than the greatest absolute rate.
+    fn greatest(&self) -> f64 {
+        let most = self
+            .numerator()
+            .iter()
+            .fold(0.0, |most, b| b.abs().max(most));
+        match self {
+            Self::Angle(_) => most,
+            Self::HalfAngle([cos, sin]) => {
+                let (c, n) = (square(cos), square(sin));
+                let least = c.iter().zip(&n).map(|(c, n)| c + n);
+                let least = least.fold(f64::INFINITY, f64::min);
+                if least > 0.0 {
+                    2.0 * most / least
+                } else {
+                    f64::INFINITY
+                }
+            }
+        }
+    }
+}
+
+/// Both halves of a cubic, by de Casteljau's algorithm.
+fn halves([a, b, c, d]: &[f64; 4]) -> [[f64; 4]; 2] {
+    let middle = |a: f64, b: f64| (a + b) / 2.0;
+    let (ab, bc, cd) = (middle(*a, *b), middle(*b, *c), middle(*c, *d));
+    let (abc, bcd) = (middle(ab, bc), middle(bc, cd));
+    let center = middle(abc, bcd);
+    [[*a, ab, abc, center], [center, bcd, cd, *d]]
+}
+
+/// Coefficients of the derivative of a cubic.
+fn slopes(b: &[f64; 4]) -> [f64; 3] {
+    core::array::from_fn(|k| 3.0 * (b[k + 1] - b[k]))
+}
+
+/// Coefficients of a cubic times a quadratic.
+fn product(a: &[f64; 4], b: &[f64; 3]) -> [f64; 6] {
+    let (cubic, quadratic) = ([1.0, 3.0, 3.0, 1.0], [1.0, 2.0, 1.0]);
+    let quintic = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+    let mut product = [0.0; 6];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            product[i + j] += cubic[i] * quadratic[j] / quintic[i + j] * a * b;
+        }
+    }
+    product
+}
+
+/// Coefficients of the square of a cubic.
+fn square(a: &[f64; 4]) -> [f64; 7] {
+    let cubic = [1.0, 3.0, 3.0, 1.0];
+    let sextic = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
+    let mut square = [0.0; 7];
+    for i in 0..4 {
+        for j in 0..4 {
+            square[i + j] += cubic[i] * cubic[j] / sextic[i + j] * a[i] * a[j];
+        }
+    }
+    square
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foldpath_core::{Interpolation, Node};
+
+    #[test]
+    fn no_two_samples_differ_by_more_than_the_variation_between_them() {
+        let curves = [
+            Curve::Angle([0.0, 1.0, -1.0, 0.3]),
+            Curve::Angle([0.1, 0.2, 0.4, 0.4]),
+            Curve::HalfAngle {
+                cos: [1.0, 0.4, 0.3, 0.2],
+                sin: [0.0, 1.2, -0.6, 0.7],
+            },
+            Curve::between(
+                Interpolation::Homogeneous,
+                1.0,
+                Node {
+                    angle: 0.0,
+                    rate: 2.0,
+                    weight: [1.0, -1.0],
+                },
+                Node {
+                    angle: core::f64::consts::PI,
+                    rate: 1.0,
+                    weight: [0.5, 0.0],
+                },
+            ),
+        ];
+        for curve in curves {
+            let variation = Variation::new(curve);
+            let (mut sum, mut angle) = (0.0, curve.angle(0.0));
+            for k in 1..=1000 {
+                let [s0, s] = [k - 1, k].map(|k| f64::from(k) / 1000.0);
+                let step = (curve.angle(s) - angle).abs();
+                let bound = variation.until(s) - variation.until(s0);
+                assert!(step <= bound + 1e-14, "{curve:?} at {s}: {step} > {bound}");
+                (sum, angle) = (sum + step, curve.angle(s));
+            }
+            // And not much more: the parts that are not monotone are short.
+            assert!(variation.until(1.0) < 1.02 * sum, "{curve:?}");
+        }
+    }
+}

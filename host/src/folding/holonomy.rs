@@ -1,0 +1,184 @@
+//! Errors of the whole folded sheet from the closure residuals of its vertices and holes.
+
+use std::collections::VecDeque;
+
+use super::map::Rigidity;
+use super::tree::SpanningTree;
+use crate::pattern::{CreasePattern, VertexId};
+use crate::ragged::{Ragged, group_by_key};
+
+/// The vertices and holes enclosed by each loop of faces that the spanning tree closes.
+///
+/// Faces that a step of the spanning tree joins fit. Those at an edge that no step crosses are
+/// joined the long way round, a loop of faces; what they miss each other by is the composition of the
+/// misclosures of the real vertices and holes inside the loop. A misclosure with residual r of a vertex
+/// is a turn about an axis through it, and moves a point at distance d from it by at most |r| d; that of
+/// a hole moves one at distance d from the hole's middle by at most |r| d + |t|, with t the residual of
+/// translation times the size of the loop. Isometries composed move a point by no more than the sum.
+///
+/// The edges that no step crosses form a forest if every hole is drawn together to one point of it: each
+/// tree hangs on one vertex of the outer border, and what is inside the loop of an edge is what is
+/// below it. In the folded sheet a vertex u below p is no farther from p than the flat way along the
+/// forest, `way(u, p)`, is long, which stays inside the loop: so this holds for sheets of any outline.
+/// Where the way meets a hole it goes on along the rim, from one vertex of it to the next as they lie in
+/// the face between: by half the way round it at most, as the other vertices can be left to the other
+/// side. The middle of the hole is at most half the way round and the size of the loop away.
+///
+/// Round a vertex p one can go from any of its faces to any other without crossing the edge on which p
+/// itself hangs. So the positions that faces give p differ by at most T(p) = Σ |r(u)| `way(u, p)` over
+/// all u below p, holes likewise; a vertex by which a hole hangs has everything below it that the hole
+/// has. That gives the gap, max T over the median edge; the deformation, as both ends of an edge may be
+/// off, max (T(a) + T(b)) / |ab|; and the twist, Σ |r| of all that is below an edge.
+#[derive(Clone, Debug)]
+pub struct Holonomy {
+    /// What hangs, each before what is below it.
+    hanging: Vec<Hanging>,
+    holes: Vec<Hole>,
+    rims: Ragged<VertexId>,
+    vertices: usize,
+    median_edge: f64,
+    struts: Vec<([VertexId; 2], f64)>,
+}
+
+/// An edge of the forest.
+#[derive(Clone, Copy, Debug)]
+struct Hanging {
+    vertex: VertexId,
+    /// The hole on whose rim the vertex is.
+    hole: Option<usize>,
+    on: VertexId,
+    length: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Hole {
+    /// Half the way round it.
+    half_way: f64,
+    /// The unit of its residual of translation: the largest distance from its middle to its rim.
+    size: f64,
+}
+
+impl Holonomy {
+    /// Of a sheet folded along this tree. `None` if what no step crosses is no such forest, as of no
+    /// pattern known. Cost: linear.
+    #[must_use]
+    pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
+        let vertices = pattern.vertices().len();
+        let edges = tree.loops().iter().map(|step| pattern.edge(step.edge).ends);
+        let pairs: Vec<_> = edges
+            .flat_map(|[a, b]| [(a.index(), b), (b.index(), a)])
+            .collect();
+        let uncrossed = group_by_key(vertices, &pairs);
+        let ways = pattern.holes().iter();
+        let rims: Ragged<VertexId> = ways
+            .map(|way| {
+                let mut rim: Vec<_> = way.iter().map(|passage| passage.at).collect();
+                rim.dedup();
+                rim
+            })
+            .collect();
+        let mut hole_at = vec![None; vertices];
+        for (hole, rim) in rims.iter().enumerate() {
+            for vertex in rim {
+                hole_at[vertex.index()] = Some(hole);
+            }
+        }
+
+        let outer = |v: &VertexId| !pattern.is_real(*v) && hole_at[v.index()].is_none();
+        let mut open: VecDeque<_> = (0..vertices).map(VertexId::new).filter(outer).collect();
+        let mut above: Vec<Option<VertexId>> = vec![None; vertices];
+        let mut hangs = vec![false; rims.len()];
+        let mut hanging: Vec<Hanging> = Vec::with_capacity(tree.loops().len());
+        while let Some(on) = open.pop_front() {
+            for &vertex in &uncrossed[on.index()] {
+                if above[on.index()] == Some(vertex) {
+                    continue;
+                }
+                let hole = hole_at[vertex.index()];
+                let met = hole.map_or(above[vertex.index()].is_some(), |hole| hangs[hole]);
+                if met || outer(&vertex) {
+                    return None;
+                }
+                above[vertex.index()] = Some(on);
+                let length = pattern.length([vertex, on]);
+                hanging.push(Hanging {
+                    vertex,
+                    hole,
+                    on,
+                    length,
+                });
+                if let Some(hole) = hole {
+                    hangs[hole] = true;
+                    open.extend(&rims[hole]);
+                } else {
+                    open.push_back(vertex);
+                }
+            }
+        }
+        let holes = rims.iter().enumerate().map(|(hole, rim)| {
+            let next = rim.iter().cycle().skip(1);
+            let steps = rim.iter().zip(next).map(|(&a, &b)| pattern.length([a, b]));
+            Hole {
+                half_way: steps.sum::<f64>() / 2.0,
+                size: pattern.hole_frame(hole).1,
+            }
+        });
+        let holes = holes.collect();
+        (hanging.len() == tree.loops().len()).then(|| Self {
+            hanging,
+            holes,
+            rims,
+            vertices,
+            median_edge: pattern.median_edge(),
+            struts: pattern
+                .struts()
+                .map(|ends| (ends, pattern.length(ends)))
+                .collect(),
+        })
+    }
+
+    /// Bounds on gap, deformation and twist by residuals: of each vertex |r|, 0 where it has none, and of
+    /// each hole those of rotation and of translation. Cost: linear.
+    ///
+    /// # Panics
+    /// If a vertex or a hole has no entry.
+    #[must_use]
+    pub fn rigidity(&self, vertices: &[f64], holes: &[[f64; 2]]) -> Rigidity {
+        // Of all below a vertex: the sum of |r|, and T.
+        let mut below = vec![0.0; self.vertices];
+        let mut moved = vec![0.0; self.vertices];
+        let mut twist = 0.0_f64;
+        for &Hanging {
+            vertex,
+            hole,
+            on,
+            length,
+        } in self.hanging.iter().rev()
+        {
+            let turned = if let Some(hole) = hole {
+                let Hole { half_way, size } = self.holes[hole];
+                let [turn, shift] = holes[hole];
+                let rim = || self.rims[hole].iter();
+                let others: f64 = rim().map(|v| below[v.index()]).sum();
+                let ways: f64 = rim().map(|v| moved[v.index()]).sum();
+                moved[vertex.index()] =
+                    ways + others * half_way + turn * (half_way + size) + shift * size;
+                others + turn
+            } else {
+                below[vertex.index()] + vertices[vertex.index()]
+            };
+            twist = twist.max(turned);
+            below[on.index()] += turned;
+            moved[on.index()] += moved[vertex.index()] + turned * length;
+        }
+        let strain = |(ends, length): &([VertexId; 2], f64)| {
+            let [a, b] = ends.map(|end| moved[end.index()]);
+            (a + b) / length
+        };
+        Rigidity {
+            deformation: self.struts.iter().map(strain).fold(0.0, f64::max),
+            gap: moved.iter().copied().fold(0.0, f64::max) / self.median_edge,
+            twist,
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The path as geometry: configurations as a function of the way travelled, whatever the time.
+
+use foldpath_core::{Curve, Interpolation, Node};
+
+use super::follow::{Waypoint, max_difference, norm};
+use super::place::Terms;
+use super::solver::ClosureSolver;
+use super::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
+
+/// Waypoints, and the Euclidean length of the way in group angles to each.
+pub(super) struct Course<'a> {
+    waypoints: &'a [Waypoint],
+    ways: Vec<f64>,
+}
+
+/// A configuration on the course.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Site {
+    /// Way from the start.
+    pub(super) way: f64,
+    /// Group angles, radians.
+    pub(super) angles: Vec<f64>,
+    /// Derivative of the angles by the way.
+    pub(super) tangent: Vec<f64>,
+}
+
+/// A prediction farther from closing than this part of the distance between its waypoints is none.
+const ASTRAY: f64 = 0.1;
+
+impl<'a> Course<'a> {
+    pub(super) fn new(waypoints: &'a [Waypoint]) -> Self {
+        let mut way = 0.0;
+        let pairs = waypoints.windows(2);
+        let ways = pairs.map(|pair| {
+            way += arc_length(&pair[0], &pair[1]);
+            way
+        });
+        Self {
+            ways: waypoints
+                .first()
+                .map(|_| 0.0)
+                .into_iter()
+                .chain(ways)
+                .collect(),
+            waypoints,
+        }
+    }
+
+    /// Places of the waypoints.
+    pub(super) fn ways(&self) -> &[f64] {
+        &self.ways
+    }
+
+    /// The waypoint of that number.
+    pub(super) fn site(&self, index: usize) -> Site {
+        Site {
+            way: self.ways[index],
+            angles: self.waypoints[index].angles.clone(),
+            tangent: self.waypoints[index].tangent.clone(),
+        }
+    }
+
+    /// The waypoint between two places that is nearest to their middle.
+    pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<Site> {
+        let middle = (from + to) / 2.0;
+        let first = self.ways.partition_point(|way| *way <= from);
+        let end = self.ways.partition_point(|way| *way < to);
+        let distance = |index: &usize| (self.ways[*index] - middle).abs();
+        let nearest = (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some(self.site(nearest))
+    }
+
+    /// For each group its curve between the waypoints of that number and the next, of the way.
+    fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
+        let [from, to] = [&self.waypoints[segment], &self.waypoints[segment + 1]];
+        let span = self.ways[segment + 1] - self.ways[segment];
+        let node = |waypoint: &Waypoint, group: usize| Node {
+            angle: waypoint.angles[group],
+            rate: waypoint.tangent[group],
+            weight: [1.0, 0.0],
+        };
+        (0..from.angles.len()).map(move |group| {
+            let (from, to) = (node(from, group), node(to, group));
+            Curve::between(Interpolation::Hermite, span, from, to)
+        })
+    }
+
+    /// The fastest motion along the course: `parts` places of each segment are looked at.
+    pub(super) fn fastest(&self, parts: usize, terms: &Terms<'_>) -> Result<Law, TimingError> {
+        let (mut ways, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
+        for segment in 0..self.ways.len().saturating_sub(1) {
+            let span = self.ways[segment + 1] - self.ways[segment];
+            let curves: Vec<Curve<f64>> = self.curves(segment).collect();
+            // Both ends: second derivatives jump at waypoints.
+            for part in 0..=parts {
+                #[allow(clippy::cast_precision_loss, reason = "few parts")]
+                let s = part as f64 / parts as f64;
+                ways.push(self.ways[segment] + s * span);
+                for curve in &curves {
+                    let [once, twice] = curve.derivatives(s);
+                    first.push(once / span);
+                    second.push(twice / (span * span));
+                }
+            }
+        }
+        let groups = self.waypoints.first().map_or(0, |w| w.angles.len());
+        let path = SampledPath {
+            parameters: &ways,
+            first: &first,
+            second: &second,
+        };
+        let limits = RateLimits {
+            speeds: &vec![terms.speed; groups],
+            accelerations: &vec![terms.acceleration; groups],
+        };
+        let rests = Rests {
+            start: true,
+            end: true,
+            corners: &[],
+        };
+        Law::time_optimal(path, limits, rests)
+    }
+
+    /// The closed configuration at a place, if one is found where it is predicted.
+    pub(super) fn closed(&self, solver: &mut ClosureSolver<'_>, way: f64) -> Option<Site> {
+        let after = self.ways.partition_point(|known| *known <= way);
+        let segment = after.checked_sub(1)?.min(self.ways.len().checked_sub(2)?);
+        let span = self.ways[segment + 1] - self.ways[segment];
+        let s = (way - self.ways[segment]) / span;
+        let curves = self.curves(segment);
+        let (predicted, mut tangent): (Vec<f64>, Vec<f64>) = curves
+            .map(|curve| (curve.angle(s), curve.derivatives(s)[0] / span))
+            .unzip();
+        let mut angles = predicted.clone();
+        let near =
+            solver.closes(&mut angles) && max_difference(&angles, &predicted) <= ASTRAY * span;
+        if !near {
+            return None;
+        }
+        let size = norm(&tangent);
+        solver.project_on_motions(&angles, &mut tangent)?;
+        let projected = norm(&tangent);
+        (projected >= size / 2.0).then(|| {
+            for entry in &mut tangent {
+                *entry *= size / projected;
+            }
+            Site {
+                way,
+                angles,
+                tangent,
+            }
+        })
+    }
+}
+
+/// Length of the path between two waypoints: that of the circular arc with their chord whose ends
+/// enclose the angle of their tangents, fourth order in the chord.
+fn arc_length(from: &Waypoint, to: &Waypoint) -> f64 {
+    let squares = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    let chord = squares(&from.angles, &to.angles).sqrt();
+    // The tangents have length 1: their difference is twice the sine of half the angle. At a corner, where
+    // one is zero, that makes 60 degrees and 5 % more length, which a start from rest takes.
+    let sine = (squares(&from.tangent, &to.tangent).sqrt() / 2.0).min(1.0);
+    if sine > 0.0 {
+        chord * sine.asin() / sine
+    } else {
+        chord
+    }
+}

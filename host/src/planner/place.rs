@@ -1,0 +1,471 @@
+//! From a course to knots: as few as the bound on closure between them, the speed and the acceleration
+//! of the hinges allow.
+
+use core::f64::consts::PI;
+
+use foldpath_core::{Curve, Interpolation, Node};
+
+use super::course::{Course, Site};
+use super::follow::max_norm;
+use super::knots::Knot;
+use super::options::{PlanOptions, Timing};
+use super::overshoot::peaks;
+use super::solver::ClosureSolver;
+use super::timing::Law;
+use crate::certificate::{Closure, SegmentCertifier, range};
+use crate::symmetry::ReducedStars;
+
+/// What the motion between knots has to keep.
+pub(super) struct Terms<'a> {
+    /// One star for each distinct closure condition, and the loops round holes.
+    pub(super) stars: &'a ReducedStars,
+    /// Largest closure residual; `None` where the waypoints themselves do not close. Then all of them are
+    /// knots.
+    pub(super) closure: Option<f64>,
+    /// Lower and upper bound of each group angle, radians.
+    pub(super) limits: &'a [(f64, f64)],
+    /// Largest speed of a hinge, radians per second.
+    pub(super) speed: f64,
+    /// Largest acceleration of a hinge, radians per second squared; infinite for any.
+    pub(super) acceleration: f64,
+    /// Knots beyond which to give up.
+    pub(super) most: usize,
+}
+
+/// How time runs along the course.
+enum Pace {
+    /// As fast as speed and acceleration of the hinges allow.
+    Optimal(Law),
+    /// In proportion to the angle of this group.
+    Angle(usize),
+    /// In proportion to the tangent of half the angle of this group.
+    HalfAngle(usize),
+    /// In proportion to the way in group angles.
+    Way,
+}
+
+impl Pace {
+    /// Time at a place, and the speed there: way per time.
+    fn at(&self, site: &Site) -> [f64; 2] {
+        match self {
+            Self::Optimal(law) => [law.time_at(site.way), law.speed_at(site.way)],
+            Self::Angle(lead) => [site.angles[*lead].abs(), 1.0 / site.tangent[*lead].abs()],
+            Self::HalfAngle(lead) => {
+                let tangent = (site.angles[*lead] / 2.0).tan();
+                let rate = site.tangent[*lead] * (1.0 + tangent * tangent) / 2.0;
+                [tangent.abs(), 1.0 / rate.abs()]
+            }
+            Self::Way => [site.way, 1.0],
+        }
+    }
+}
+
+/// Knots, what they are joined by, and what is certain of the motion.
+pub(super) struct Placed {
+    pub(super) interpolation: Interpolation,
+    pub(super) knots: Vec<Knot>,
+    /// Bound on the closure residual of each star over the whole motion.
+    pub(super) stars: Vec<f64>,
+    /// Of the rotation and the translation of each loop.
+    pub(super) loops: Vec<[f64; 2]>,
+}
+
+impl Placed {
+    /// Bounds on the closure over the whole motion.
+    pub(super) fn closure(&self) -> Closure<'_> {
+        Closure {
+            stars: &self.stars,
+            loops: &self.loops,
+        }
+    }
+
+    /// Seconds from the first knot to the last.
+    fn duration(&self) -> f64 {
+        self.knots.last().map_or(0.0, |last| last.time)
+    }
+}
+
+/// The knots of a course: with the interpolation asked for, or that which needs the fewest. Homogeneous half
+/// angles, which other programs do not know, only where they save most. `None` if none does with the most
+/// allowed.
+pub(super) fn place(
+    course: &Course<'_>,
+    terms: &Terms<'_>,
+    solver: &mut ClosureSolver<'_>,
+    options: &PlanOptions,
+) -> Option<Placed> {
+    let mut placer = Placer {
+        course,
+        terms,
+        solver,
+        most: terms.most,
+        certifier: SegmentCertifier::default(),
+        found: Vec::new(),
+        curves: Vec::new(),
+    };
+    if course.ways().len() < 2 {
+        return placer.alone();
+    }
+    let all = [
+        Interpolation::HalfAngle,
+        Interpolation::Hermite,
+        Interpolation::Homogeneous,
+    ];
+    let kinds = match &options.interpolation {
+        Some(kind) => core::slice::from_ref(kind),
+        // Nothing to close: hinges turn evenly.
+        None if terms.stars.is_empty() => &all[1..2],
+        None => &all,
+    };
+    let mut best: Option<Placed> = None;
+    for &kind in kinds {
+        let certain = |placed: &Placed| {
+            terms
+                .closure
+                .is_none_or(|most| placed.closure().worst() <= most)
+        };
+        if let Some(best) = best.as_ref().filter(|best| certain(best)) {
+            if best.knots.len() <= FEW {
+                break;
+            }
+            placer.most = match kind {
+                Interpolation::Homogeneous => best.knots.len() / WORTH,
+                _ => best.knots.len() - 1,
+            };
+        }
+        for pace in paces(course, kind, terms, options) {
+            let Some(placed) = placer.place(kind, &pace) else {
+                continue;
+            };
+            let better = best.as_ref().is_none_or(|best| {
+                let rank = |placed: &Placed| (!certain(placed), placed.knots.len());
+                let order = rank(&placed).cmp(&rank(best));
+                order
+                    .then(placed.duration().total_cmp(&best.duration()))
+                    .is_lt()
+            });
+            if better {
+                placer.most = placer.most.min(placed.knots.len());
+                best = Some(placed);
+            }
+        }
+    }
+    best
+}
+
+/// Ways to let time run that suit an interpolation.
+fn paces(
+    course: &Course<'_>,
+    kind: Interpolation,
+    terms: &Terms<'_>,
+    options: &PlanOptions,
+) -> Vec<Pace> {
+    let groups = course.site(0).angles.len();
+    let parts = (GRID / groups.max(1)).clamp(1, PARTS);
+    match (options.pace, kind) {
+        (Timing::Optimal, _) => match course.fastest(parts, terms) {
+            Ok(law) => vec![Pace::Optimal(law)],
+            Err(_) => vec![Pace::Way],
+        },
+        (Timing::Sparse, Interpolation::HalfAngle) => {
+            (0..groups.min(LEADS)).map(Pace::HalfAngle).collect()
+        }
+        (Timing::Sparse, Interpolation::Homogeneous) => {
+            let leads = 0..groups.min(LEADS);
+            let angles = leads.clone().map(Pace::Angle);
+            angles.chain(leads.map(Pace::HalfAngle)).collect()
+        }
+        (Timing::Sparse, _) => vec![Pace::Way],
+    }
+}
+
+/// Knots that are few.
+const FEW: usize = 12;
+/// Factor in knots for which homogeneous half angles are worth it.
+const WORTH: usize = 4;
+/// Places between two waypoints at which the fastest motion is looked at, at most.
+const PARTS: usize = 8;
+/// Entries of all groups between two waypoints beyond which it is looked at in fewer places.
+const GRID: usize = 4096;
+/// Groups that are tried as the one whose half angle time goes by.
+const LEADS: usize = 8;
+
+/// Places knots on a course.
+struct Placer<'a, 's> {
+    course: &'a Course<'a>,
+    terms: &'a Terms<'a>,
+    solver: &'a mut ClosureSolver<'s>,
+    /// Knots beyond which to give up.
+    most: usize,
+    certifier: SegmentCertifier,
+    /// Configurations found on the course apart from its waypoints.
+    found: Vec<Site>,
+    curves: Vec<Curve<f64>>,
+}
+
+/// Part by which a hinge may exceed its limits before the time is stretched in the end.
+const HASTE: f64 = 0.02;
+/// Part of the largest distance of two waypoints below which no knot is put between two others.
+const NARROWEST: f64 = 1.0 / 256.0;
+/// Radians: a hinge this far beyond its limit is at it.
+const AT_LIMIT: f64 = 1e-9;
+
+impl Placer<'_, '_> {
+    /// The only configuration of a course that goes nowhere.
+    fn alone(&mut self) -> Option<Placed> {
+        let first = self.course.ways().first().map(|_| self.course.site(0))?;
+        Some(Placed {
+            interpolation: Interpolation::Hermite,
+            knots: vec![Knot {
+                rates: vec![0.0; first.angles.len()],
+                angles: first.angles,
+                ..Knot::default()
+            }],
+            stars: vec![0.0; self.terms.stars.vertices().len()],
+            loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
+        })
+    }
+
+    /// The fewest knots found with this interpolation and pace. What cannot be kept with knots as dense as
+    /// they get is said by the bound on closure. `None` if that takes too many, or the interpolation does
+    /// not pass where the course does.
+    fn place(&mut self, kind: Interpolation, pace: &Pace) -> Option<Placed> {
+        let maker = Maker::new(self.course, kind, pace);
+        let last = self.course.ways().len().checked_sub(1)?;
+        let mut sites = vec![self.course.site(0)];
+        let mut open = vec![self.course.site(last)];
+        if self.terms.closure.is_none() {
+            open.extend((1..last).rev().map(|index| self.course.site(index)));
+            sites.extend(open.drain(..).rev());
+            return self.knots(&maker, &sites);
+        }
+        // Where accelerations jump, knots are needed first of all.
+        if let (Pace::Optimal(law), true) = (pace, self.terms.acceleration.is_finite()) {
+            let switches = law.switches().iter().rev().map(|k| law.parameters()[*k]);
+            let (start, end) = (sites[0].way, open[0].way);
+            let inner = switches.filter(|way| *way > start && *way < end);
+            open.extend(inner.filter_map(|way| self.site_at(way)));
+        }
+        while let (Some(from), Some(to)) = (sites.last(), open.last()) {
+            let (from, to) = (from.clone(), to.clone());
+            if self.fits(&maker, &from, &to)? {
+                sites.extend(open.pop());
+            } else if let Some(between) = self.between(&from, &to) {
+                open.push(between);
+            } else {
+                sites.extend(open.pop());
+            }
+            if sites.len() + open.len() > self.most {
+                return None;
+            }
+        }
+        self.thin(&maker, &mut sites)?;
+        self.knots(&maker, &sites)
+    }
+
+    /// Takes knots away while what is left keeps the terms.
+    fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
+        let mut index = 1;
+        while index + 1 < sites.len() {
+            if self.fits(maker, &sites[index - 1], &sites[index + 1])? {
+                sites.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+        Some(())
+    }
+
+    /// Whether the motion between two places keeps the terms.
+    fn fits(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<bool> {
+        let span = maker.curves(from, to, &mut self.curves)?;
+        let terms = self.terms;
+        let within = self.curves.iter().zip(terms.limits).all(|(curve, limit)| {
+            let [lower, upper] = range(curve);
+            lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
+        });
+        let paced = matches!(maker.pace, Pace::Optimal(_));
+        if !within || paced && self.haste(maker.kind, span) > 1.0 + HASTE {
+            return Some(false);
+        }
+        Some(
+            terms
+                .closure
+                .is_none_or(|most| self.closure().worst() <= most),
+        )
+    }
+
+    /// Bounds on the closure over the present curves.
+    fn closure(&mut self) -> Closure<'_> {
+        let stars = self.terms.stars;
+        let (stars, loops) = (stars.view(), stars.loops());
+        self.certifier.closure(stars, loops, &self.curves)
+    }
+
+    /// How much too fast the hinges of the present curves are: the factor by which time has to be
+    /// stretched.
+    fn haste(&self, kind: Interpolation, span: f64) -> f64 {
+        haste(&self.curves, kind, span, self.terms)
+    }
+
+    /// A configuration between two.
+    fn between(&mut self, from: &Site, to: &Site) -> Option<Site> {
+        if let Some(site) = self.course.waypoint_between(from.way, to.way) {
+            return Some(site);
+        }
+        let ways = self.course.ways();
+        let widest = ways
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .fold(0.0, f64::max);
+        if to.way - from.way <= NARROWEST * widest {
+            return None;
+        }
+        self.site_at((from.way + to.way) / 2.0)
+    }
+
+    /// The configuration at a place.
+    fn site_at(&mut self, way: f64) -> Option<Site> {
+        let known = self
+            .found
+            .iter()
+            .find(|site| site.way.to_bits() == way.to_bits());
+        if let Some(site) = known {
+            return Some(site.clone());
+        }
+        let site = self.course.closed(self.solver, way)?;
+        self.found.push(site.clone());
+        Some(site)
+    }
+
+    /// The knots at these places, with the time stretched so that no hinge is too fast.
+    fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
+        let mut stars = vec![0.0; self.terms.stars.vertices().len()];
+        let mut loops = vec![[0.0; 2]; self.terms.stars.holes().len()];
+        let mut stretch = 0.0;
+        for pair in sites.windows(2) {
+            let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
+            let closure = self.closure();
+            let worse = |worst: &mut f64, bound: &f64| *worst = worst.max(*bound);
+            stars
+                .iter_mut()
+                .zip(closure.stars)
+                .for_each(|(a, b)| worse(a, b));
+            let both = loops
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(closure.loops.as_flattened());
+            both.for_each(|(a, b)| worse(a, b));
+            stretch = f64::max(stretch, self.haste(maker.kind, span));
+        }
+        let start = maker.pace.at(&sites[0])[0];
+        let knots = sites.iter().map(|site| {
+            let nodes: Vec<Node<f64>> = maker.nodes(site).collect();
+            let homogeneous = maker.kind == Interpolation::Homogeneous;
+            let weights = nodes.iter().filter(|_| homogeneous);
+            Knot {
+                time: (maker.pace.at(site)[0] - start) * stretch,
+                angles: site.angles.clone(),
+                rates: nodes.iter().map(|node| node.rate / stretch).collect(),
+                weights: weights
+                    .map(|node| [node.weight[0], node.weight[1] / stretch])
+                    .collect(),
+                ..Knot::default()
+            }
+        });
+        Some(Placed {
+            interpolation: maker.kind,
+            knots: knots.collect(),
+            stars,
+            loops,
+        })
+    }
+}
+
+/// How much too fast hinges are on a segment of that duration: by the factor that time has to be
+/// stretched.
+fn haste(curves: &[Curve<f64>], kind: Interpolation, span: f64, terms: &Terms<'_>) -> f64 {
+    let most = curves.iter().map(peaks).fold([0.0; 2], |most, peaks| {
+        [0, 1].map(|k| f64::max(most[k], peaks[k]))
+    });
+    let speed = most[0] / (span * terms.speed);
+    if kind == Interpolation::Linear {
+        return speed;
+    }
+    speed.max((most[1] / (span * span * terms.acceleration)).sqrt())
+}
+
+/// Makes the curves between places.
+struct Maker<'a> {
+    kind: Interpolation,
+    pace: &'a Pace,
+    /// The group whose half angle's cosine all share, for homogeneous ones; none for tangents.
+    lead: Option<usize>,
+}
+
+impl<'a> Maker<'a> {
+    fn new(course: &Course<'_>, kind: Interpolation, pace: &'a Pace) -> Self {
+        let last = course.site(course.ways().len() - 1);
+        let widest = |group: &usize| last.angles[*group].abs();
+        let lead = match pace {
+            Pace::Angle(lead) => Some(*lead),
+            Pace::HalfAngle(_) => None,
+            _ => (0..last.angles.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))),
+        };
+        Self { kind, pace, lead }
+    }
+
+    /// The curves between two places, and the time between them. `None` if one is not on its curve.
+    fn curves(&self, from: &Site, to: &Site, curves: &mut Vec<Curve<f64>>) -> Option<f64> {
+        let span = self.pace.at(to)[0] - self.pace.at(from)[0];
+        curves.clear();
+        let nodes = self.nodes(from).zip(self.nodes(to));
+        curves.extend(nodes.map(|(from, to)| Curve::between(self.kind, span, from, to)));
+        let passes = span > 0.0
+            && [from, to]
+                .into_iter()
+                .all(|site| self.kind != Interpolation::HalfAngle || max_norm(&site.angles) < PI);
+        passes.then_some(span)
+    }
+
+    /// One node a group.
+    fn nodes<'n>(&'n self, site: &'n Site) -> impl Iterator<Item = Node<f64>> + 'n {
+        let speed = self.pace.at(site)[1];
+        (0..site.angles.len()).map(move |group| Node {
+            angle: site.angles[group],
+            rate: site.tangent[group] * speed,
+            weight: if self.kind == Interpolation::Homogeneous {
+                self.weight(site, group, speed)
+            } else {
+                [1.0, 0.0]
+            },
+        })
+    }
+
+    /// Weight of a homogeneous half angle and its rate. The cosines of all groups are the same function of
+    /// time, that of the lead: then groups whose tangents of half angles keep their ratio move exactly.
+    fn weight(&self, site: &Site, group: usize, speed: f64) -> [f64; 2] {
+        let (sin, cos) = (site.angles[group] / 2.0).sin_cos();
+        let turn = site.tangent[group] * speed / 2.0;
+        let (lead_cos, lead_rate) = match self.lead {
+            Some(lead) => {
+                let (sin, cos) = (site.angles[lead] / 2.0).sin_cos();
+                (cos, -sin * site.tangent[lead] * speed / 2.0)
+            }
+            None => (1.0, 0.0),
+        };
+        if cos.abs() < FOLDED_FLAT || lead_cos.abs() < FOLDED_FLAT {
+            // Both cosines vanish: their ratio is that of the rates.
+            let ratio = self
+                .lead
+                .map_or(1.0, |lead| (site.tangent[lead] / site.tangent[group]).abs());
+            let sound = ratio.is_finite() && ratio > 0.0;
+            return [if sound { ratio } else { 1.0 }, 0.0];
+        }
+        let weight = lead_cos / cos;
+        [weight, (lead_rate + weight * turn * sin) / cos]
+    }
+}
+
+/// Cosine of half an angle that is half a turn.
+const FOLDED_FLAT: f64 = 1e-6;
