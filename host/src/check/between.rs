@@ -1,6 +1,8 @@
 //! The motion between knots, judged as one.
 
-use super::closure::{Place, SegmentClosure, certify};
+use foldpath_core::Curve;
+
+use super::closure::{Effort, Place, SegmentClosure, certify};
 use super::knots::crease_angles;
 use super::motion::Motion;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
@@ -9,6 +11,9 @@ use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdi
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
 use crate::symmetry::ReducedStars;
+
+/// Looks at pairs of faces that a path is worth of which it is known that it fails: its motion may be absurd.
+const ENOUGH_LOOKS: u64 = 200_000;
 
 /// Closure between knots, and with it the deformation of the whole sheet, by the most that it adds up to.
 pub(super) fn check_closure(
@@ -22,8 +27,8 @@ pub(super) fn check_closure(
     let all = ReducedStars::all(pattern, &motion.groups);
     let essential = all.essential();
     let mut sheet = SheetCertifier::new(pattern, &tree, &all);
-    let segments = motion.segments.iter().map(|curves| {
-        let (mut segment, bounds) = certify(&essential, curves, options.bound);
+    let mut bound = |curves: &[Curve<f64>], effort: &Effort| {
+        let (mut segment, bounds) = certify(&essential, curves, effort, options.bound);
         let (stars, holes) = bounds.split_at(essential.vertices().len());
         let loops: Vec<_> = holes.iter().map(|&bound| [bound; 2]).collect();
         let closure = Closure {
@@ -33,36 +38,47 @@ pub(super) fn check_closure(
         let rigidity = sheet.as_mut().map(|sheet| sheet.rigidity(&closure));
         segment.rigidity = rigidity.filter(|r| r.worst().is_finite());
         segment
+    };
+    let segments = motion.segments.iter().map(|curves| {
+        let rough = bound(curves, &Effort::ROUGH);
+        if rough.error() <= options.bound || rough.sampled > options.bound {
+            rough
+        } else {
+            bound(curves, &Effort::FINE)
+        }
     });
     verdict.segments = segments.collect();
     verdict.failures.extend(uncertified(path, options, verdict));
 }
 
-/// What breaks the bound most, or may do so for all that is known, in words.
+/// What breaks the bound most, or else may do so for all that is known, in words.
 fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
     let name = |place: Option<Place>| place.map_or_else(String::new, |at| at.name(&path.pattern));
-    let error = |segment: &SegmentClosure| match segment.rigidity {
-        Some(rigidity) => rigidity.worst().max(segment.bound),
-        None => segment.bound,
+    let worst = |value: fn(&SegmentClosure) -> f64| {
+        let segments = verdict.segments.iter().enumerate();
+        let order = move |a: &(_, &SegmentClosure), b: &(_, &SegmentClosure)| {
+            value(a.1).total_cmp(&value(b.1))
+        };
+        segments.max_by(order)
     };
-    let bound = options.bound;
-    let errors = verdict.segments.iter().map(error).enumerate();
-    let (index, error) = errors.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    if error <= bound {
-        return None;
+    let (bound, knots) = (options.bound, |index| {
+        format!("between knots {index} and {}", index + 1)
+    });
+    let (index, open) = worst(|segment| segment.sampled)?;
+    if open.sampled > bound || open.sampled.is_nan() {
+        let (at, vertex, sampled) = (open.at, name(open.open), open.sampled);
+        return Some(format!(
+            "{}, at {at:.3}: {vertex} fails to close by {sampled:.3e}, over the bound {bound:.3e}",
+            knots(index)
+        ));
     }
-    let segment = &verdict.segments[index];
-    let knots = format!("between knots {index} and {}", index + 1);
-    Some(if segment.sampled <= bound {
-        let (vertex, most) = (name(segment.place), segment.bound);
+    let (index, segment) = worst(SegmentClosure::error)?;
+    let (vertex, most, error) = (name(segment.place), segment.bound, segment.error());
+    (error > bound).then(|| {
         format!(
-            "not certified: {knots}, {vertex} fails to close by up to {most:.3e}, and the sheet may \
-             deform or tear by {error:.3e}, over the bound {bound:.3e}"
-        )
-    } else {
-        let (at, vertex, sampled) = (segment.at, name(segment.open), segment.sampled);
-        format!(
-            "{knots}, at {at:.3}: {vertex} fails to close by {sampled:.3e}, over the bound {bound:.3e}"
+            "not certified: {}, {vertex} fails to close by up to {most:.3e}, and the sheet may deform or \
+             tear by {error:.3e}, over the bound {bound:.3e}",
+            knots(index)
         )
     })
 }
@@ -77,10 +93,14 @@ pub(super) fn check_crossings(
     let pattern = &path.pattern;
     let certified = verdict.certified().map(|most| most.gap);
     let certified = certified.filter(|gap| *gap <= options.bound);
-    let options = SweepOptions {
+    let mut options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
         ..SweepOptions::default()
     };
+    let failed = !verdict.failures.is_empty();
+    if failed {
+        options.max_looks = options.max_looks.min(ENOUGH_LOOKS);
+    }
     let mut sweep = Sweep::new(pattern, motion.groups.memberships(), options);
     match sweep.sweep(&motion.segments) {
         SweepVerdict::Free(clearance) => {
@@ -91,6 +111,7 @@ pub(super) fn check_crossings(
             between_knots: [at.segment, at.segment + 1],
             at: at.s,
         }),
+        SweepVerdict::Undecided { .. } if failed => {}
         SweepVerdict::Undecided { faces, at } => {
             let pair = faces.map_or_else(String::new, |[a, b]| format!(": faces {a} and {b}"));
             verdict.failures.push(format!(

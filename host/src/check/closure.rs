@@ -27,11 +27,31 @@ use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, VertexId};
 use crate::symmetry::ReducedStars;
 
-/// Samples an interval: for a sum of degree 20 the factor above is 2.6.
-const SAMPLES: usize = 24;
-/// Intervals are halved this often at most: a segment has 3,072 samples then.
+/// How close to what is sampled a bound is to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// An interval: m above.
+    samples: usize,
+    /// Bounds are good enough at this many times the largest sample of the segment.
+    loose: f64,
+}
+
+impl Effort {
+    /// At degree 19 the factor above is 3.1.
+    pub(super) const ROUGH: Self = Self {
+        samples: 24,
+        loose: 2.0,
+    };
+    /// At degree 8, 1.005.
+    pub(super) const FINE: Self = Self {
+        samples: 128,
+        loose: 1.01,
+    };
+}
+
+/// Intervals are halved this often at most.
 const HALVINGS: u32 = 7;
-/// Margins below this, or below the largest sample of the segment, are small enough.
+/// Margins below this are small enough.
 const MARGIN: f64 = 1e-11;
 
 /// Where a sheet fails to close.
@@ -79,11 +99,21 @@ pub struct SegmentClosure {
     pub rigidity: Option<Rigidity>,
 }
 
+impl SegmentClosure {
+    /// The largest of all bounds.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        let sheet = self.rigidity.map_or(0.0, Rigidity::worst);
+        sheet.max(self.bound)
+    }
+}
+
 /// Bounds the closure residuals of all stars and holes over a segment: those of stars, then those of holes.
 /// Where one that is larger than `decided` is sampled, bounds are not made finer. Cost: O(samples · stars).
 pub(super) fn certify(
     stars: &ReducedStars,
     curves: &[Curve<f64>],
+    effort: &Effort,
     decided: f64,
 ) -> (SegmentClosure, Vec<f64>) {
     let conditions = conditions(stars);
@@ -92,6 +122,7 @@ pub(super) fn certify(
         curves,
         bounds: vec![0.0; conditions.len()],
         conditions,
+        effort,
         decided,
         found: SegmentClosure {
             sampled: 0.0,
@@ -160,6 +191,7 @@ struct Segment<'a> {
     curves: &'a [Curve<f64>],
     conditions: Vec<Condition<'a>>,
     bounds: Vec<f64>,
+    effort: &'a Effort,
     decided: f64,
     found: SegmentClosure,
 }
@@ -167,8 +199,9 @@ struct Segment<'a> {
 impl Segment<'_> {
     /// Bounds the `open` conditions on the interval about `middle` of half width `half`.
     fn refine(&mut self, middle: f64, half: f64, open: &[usize], halvings: u32) {
-        self.found.samples += SAMPLES;
-        let nodes = (0..SAMPLES).map(|k| middle - half * zero_of_chebyshev(k));
+        let samples = self.effort.samples;
+        self.found.samples += samples;
+        let nodes = (0..samples).map(|k| middle - half * zero_of_chebyshev(k, samples));
         let turns: Vec<(f64, Vec<[f64; 2]>)> = nodes
             .map(|s| {
                 let angles = self.curves.iter().map(|curve| curve.angle(s));
@@ -192,10 +225,10 @@ impl Segment<'_> {
                     self.found.open = Some(condition.place);
                 }
             }
-            bounds.push((index, condition.bound(sampled, &series)));
+            bounds.push((index, condition.bound(samples, sampled, &series)));
         }
         let sampled = self.found.sampled;
-        let enough = 2.0 * sampled + MARGIN;
+        let enough = self.effort.loose * sampled + MARGIN;
         let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
             .into_iter()
@@ -217,8 +250,9 @@ impl Segment<'_> {
     }
 }
 
-fn zero_of_chebyshev(k: usize) -> f64 {
-    ((2.0 * count(k) + 1.0) / count(SAMPLES) * FRAC_PI_2).cos()
+/// Zero k of the Chebyshev polynomial of degree `of`.
+fn zero_of_chebyshev(k: usize, of: usize) -> f64 {
+    ((2.0 * count(k) + 1.0) / count(of) * FRAC_PI_2).cos()
 }
 
 impl Condition<'_> {
@@ -249,8 +283,9 @@ impl Condition<'_> {
         }
     }
 
-    /// The least of the bounds, given the largest sample and the bounds on the derivatives of the groups.
-    fn bound(&self, sampled: f64, groups: &[Series]) -> f64 {
+    /// The least of the bounds, given the number of samples, the largest of them, and the bounds on the
+    /// derivatives of the groups.
+    fn bound(&self, samples: usize, sampled: f64, groups: &[Series]) -> f64 {
         let mut sum = [0.0; ORDER + 1];
         for spoke in self.spokes {
             let of_group = &groups[spoke.group.index()];
@@ -262,7 +297,7 @@ impl Condition<'_> {
         let bounds = (0..ORDER).map(|degree| {
             half_power *= 0.5;
             let error = self.lever * derivatives[degree + 1] * half_power;
-            let factor = (count(degree) / count(SAMPLES) * FRAC_PI_2).cos();
+            let factor = (count(degree) / count(samples) * FRAC_PI_2).cos();
             (sampled + error) / factor + error + self.hidden
         });
         bounds.fold(f64::INFINITY, f64::min)
