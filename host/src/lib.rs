@@ -11,7 +11,8 @@
 //!    [`foldpath_core`]'s solvers, and reuses it on the whole sheet.
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
 //!    looks for faces that pass through each other.
-//! 5. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it.
+//! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
+//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -35,6 +36,9 @@
 //!
 //! # References
 //!
+//! - **EhlichZeller1964**: H. Ehlich, K. Zeller, "Schwankung von Polynomen zwischen Gitterpunkten", Math.
+//!   Zeitschrift 86.
+//! - **Trefethen2013**: L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM.
 //! - **XiLien2015**: Z. Xi, J.-M. Lien, "Folding and unfolding origami tessellation by reusing
 //!   folding path", GMU-CS-TR-2015-2.
 

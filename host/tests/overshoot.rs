@@ -1,6 +1,7 @@
 //! How near to its limits a trajectory runs, against closed forms and differences of sampled angles.
 
 use foldpath::planner::Overshoot;
+use foldpath::planner::timing::{Law, RateLimits, Rests, SampledPath};
 use foldpath_core::Interpolation;
 use foldpath_core::trajectory::TrajectoryView;
 
@@ -35,7 +36,7 @@ fn a_straight_line_in_the_tangent_of_the_half_angle() {
     let used = Overshoot::of(view.unwrap(), &[1.0], &[1.0]);
     near(used.speed, 2.0 * k / time, 1e-14);
     let most = 9.0 * k * k / (4.0 * 3.0_f64.sqrt());
-    near(used.acceleration, most / (time * time), 1e-9);
+    near(used.acceleration, most / (time * time), 1e-12);
 }
 
 const TIMES: [f64; 4] = [0.0, 0.7, 1.0, 2.5];
@@ -111,4 +112,64 @@ fn what_does_not_move_uses_nothing() {
     let still = TrajectoryView::new(Interpolation::HalfAngle, 1, &times, &angles, &rates, &[]);
     let used = Overshoot::of(still.unwrap(), &[1.0], &[f64::INFINITY]);
     assert!(used.stretch() <= 1e-15);
+}
+
+/// A Miura fold's pair of angles, with derivatives by the first.
+fn miura(sigma: f64) -> [[f64; 2]; 3] {
+    let k = 0.3;
+    let tan = (sigma / 2.0).tan();
+    let (sec, below) = (1.0 + tan * tan, 1.0 + k * k * tan * tan);
+    let second = k * sec * tan / below - k.powi(3) * tan * (sec / below).powi(2);
+    [
+        [sigma, 2.0 * (k * tan).atan()],
+        [1.0, k * sec / below],
+        [0.0, second],
+    ]
+}
+
+#[test]
+fn knots_where_the_law_switches_keep_the_limits() {
+    let (speeds, accelerations) = ([1.0, 0.5], [3.0, 3.0]);
+    let parameters: Vec<f64> = (0..=2000).map(|k| 2.8 * f64::from(k) / 2000.0).collect();
+    let row = |order: usize| {
+        parameters
+            .iter()
+            .flat_map(move |&sigma| miura(sigma)[order])
+            .collect()
+    };
+    let (first, second): (Vec<f64>, Vec<f64>) = (row(1), row(2));
+    let path = SampledPath {
+        parameters: &parameters,
+        first: &first,
+        second: &second,
+    };
+    let limits = RateLimits {
+        speeds: &speeds,
+        accelerations: &accelerations,
+    };
+    let rests = Rests {
+        start: true,
+        end: true,
+        corners: &[],
+    };
+    let law = Law::time_optimal(path, limits, rests).unwrap();
+    let used = |times: &[f64]| {
+        let at = |&time: &f64| {
+            let sigma = law.sigma_at(time);
+            let [angles, first, _] = miura(sigma);
+            (angles, first.map(|d| d * law.speed_at(sigma)))
+        };
+        let (angles, rates): (Vec<_>, Vec<_>) = times.iter().map(at).unzip();
+        let (angles, rates) = (angles.concat(), rates.concat());
+        let view = TrajectoryView::new(Interpolation::Hermite, 2, times, &angles, &rates, &[]);
+        Overshoot::of(view.unwrap(), &speeds, &accelerations)
+    };
+    let even: Vec<f64> = (0..=20)
+        .map(|k| law.duration() * f64::from(k) / 20.0)
+        .collect();
+    let mut placed = even.clone();
+    placed.extend(law.switches().iter().map(|&k| law.times()[k]));
+    placed.sort_by(f64::total_cmp);
+    assert!(used(&even).acceleration > 1.2);
+    assert!(used(&placed).stretch() <= 1.01, "{:?}", used(&placed));
 }

@@ -546,3 +546,35 @@ fn what_is_no_motion_is_said() {
     let two = Case::new(&[1.0], &[1.0]).piece(0.0, 1.0, 1, &straight);
     assert_eq!(two.law(AT_REST).unwrap_err(), TimingError::Coarse(0));
 }
+
+#[test]
+fn numbers_of_any_size_are_no_panic() {
+    let mut random = Pcg64::seed_from_u64(7);
+    let mut any = |scale: i32| {
+        let exponent = f64::from(random.next_u32() % 601) - 300.0;
+        let sign = [0.0, 1.0, -1.0, 1.0][random.next_u32() as usize % 4];
+        sign * 10_f64.powf(exponent * f64::from(scale) / 100.0)
+    };
+    let mut laws = 0;
+    for round in 0..4000 {
+        let scale = [1, 10, 100][round % 3];
+        let mut case = Case::new(
+            &[any(scale).abs(), any(scale).abs()],
+            &[any(scale).abs(), any(scale).abs()],
+        );
+        case.parameters = (0..7).map(|_| any(scale)).collect();
+        case.parameters.sort_by(f64::total_cmp);
+        case.first = (0..14).map(|_| any(scale)).collect();
+        case.second = (0..14).map(|_| any(scale)).collect();
+        let Ok(law) = case.law(AT_REST) else {
+            continue;
+        };
+        laws += 1;
+        assert!(law.duration().is_finite() && law.duration() >= 0.0);
+        assert!(law.speeds().all(|v| v.is_finite()));
+        let sigma = law.sigma_at(0.4 * law.duration());
+        assert!(sigma >= case.parameters[0] && sigma <= case.parameters[6]);
+        assert!(!law.time_at(sigma).is_nan() && !law.speed_at(sigma).is_nan());
+    }
+    assert!(laws > 300, "{laws}");
+}

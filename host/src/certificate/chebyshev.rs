@@ -1,11 +1,11 @@
 //! The largest value of an analytic function over an interval, from its values at Chebyshev points.
 //!
 //! A polynomial p of degree n has |p| ≤ max |p(x_j)| / cos(nπ/2m) over -1..1 for the m + 1 points
-//! x_j = cos(jπ/m), m > n (Ehlich and Zeller 1964): a trigonometric polynomial of degree n falls off
+//! x_j = cos(jπ/m), m > n [EhlichZeller1964](crate#references): a trigonometric polynomial of degree n falls off
 //! from its largest value no faster than cos nθ does, and no θ is farther than π/2m from a point.
 //!
 //! A function f with |f| ≤ M inside the Bernstein ellipse of radius ρ is such a polynomial but for
-//! E = 2 M ρ^-n / (ρ - 1) (Trefethen, Approximation Theory and Approximation Practice, theorem 8.2), so
+//! E = 2 M ρ^-n / (ρ - 1) ([Trefethen2013](crate#references), theorem 8.2), so
 //! that |f| ≤ (max |f(x_j)| + E) / cos(nπ/2m) + E. Both hold for every component along a direction of
 //! a vector, and so for its norm.
 

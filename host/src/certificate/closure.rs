@@ -3,9 +3,10 @@
 //! Round a vertex the quaternions c + n (cos α, sin α, 0) are multiplied, with (c, n) either the half
 //! angle (cos ρ/2, sin ρ/2) of a cubic ρ, or cubics themselves. Either way their product is an analytic
 //! function of s without any pole, and as a complex matrix each is of norm max |c ± n i|, which the
-//! Chebyshev coefficients of the cubics bound on an ellipse. So [`chebyshev`](super::chebyshev) gives a bound on the vector
-//! part V from its values at some points. The residual is 2 |V| over the norm of the product, of which
-//! the least is known. Where weights vary much over a segment, or angles turn far, it is halved.
+//! Chebyshev coefficients of the cubics bound on an ellipse. So [`chebyshev`](super::chebyshev) gives a
+//! bound on the vector part V from its values at some points. The residual is 2 |V| over the norm of the
+//! product, of which the least is known. Where weights vary much over a segment, or angles turn far, the
+//! segment is halved.
 //!
 //! The translation of a loop is a sum of differences of places rotated by products of the same
 //! quaternions, of twice the degree: the rest is the same.
@@ -237,7 +238,12 @@ impl Condition {
     fn see(&mut self, residual: f64, size: f64) {
         let residual = residual + self.rounding;
         self.seen = self.seen.max(residual);
-        self.largest = self.largest.max(residual * size);
+        let weighted = residual * size;
+        self.largest = if weighted.is_nan() {
+            f64::INFINITY
+        } else {
+            self.largest.max(weighted)
+        };
     }
 }
 

@@ -99,7 +99,7 @@ fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
         parts += &count(holes, "hole");
     }
     let amplification = info.amplification.map_or_else(
-        || "unknown: the sheet has holes".to_string(),
+        || "unknown".to_string(),
         |factor| format!("{factor:.4}: errors of the sheet per closure residual of a vertex"),
     );
     format!(

@@ -58,6 +58,7 @@ struct CollisionJson {
     skipped_symmetry: u64,
     skipped_motion: u64,
     skipped_bounds: u64,
+    skipped_edges: u64,
 }
 
 pub(super) fn run(args: &Plan) -> Answer {
@@ -101,7 +102,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         max_closure: plan.max_closure,
         max_gap: plan.rigidity.gap,
         goal_error: plan.goal_error.to_degrees(),
-        min_clearance: None,
+        min_clearance: plan.clearance.map(|clearance| clearance.distance),
         time: TimeJson {
             write: write_start.elapsed().as_secs_f64(),
             total: start.elapsed().as_secs_f64(),
@@ -118,9 +119,10 @@ pub(super) fn run(args: &Plan) -> Answer {
         collision: CollisionJson {
             pairs: plan.collision.pairs,
             tested: plan.collision.tested,
-            skipped_symmetry: 0,
-            skipped_motion: 0,
+            skipped_symmetry: plan.collision.skipped_symmetry,
+            skipped_motion: plan.collision.skipped_motion,
             skipped_bounds: plan.collision.skipped_bounds,
+            skipped_edges: plan.collision.skipped_edges,
         },
         seed: args.seed,
     };
@@ -210,7 +212,7 @@ fn summary(
         goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
     );
     let amplified = plan.amplification.map_or_else(
-        || "the sheet has holes".to_string(),
+        || "how errors grow over the sheet is not known".to_string(),
         |factor| format!("errors grow up to {factor:.3}-fold over the sheet"),
     );
     text += &format!(
@@ -238,7 +240,7 @@ fn summary(
     text += &match args.collision {
         Switch::Off => "  crossings    not looked for\n".to_string(),
         Switch::On => format!(
-            "  crossings    {} pairs of faces over all knots, {} tested\n",
+            "  crossings    {} pairs of faces over the motion, {} tested\n",
             json.collision.pairs, json.collision.tested
         ),
     };

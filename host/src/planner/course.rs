@@ -85,6 +85,62 @@ impl<'a> Course<'a> {
         })
     }
 
+    /// How much of the way lies before a configuration on the course, 0 to 1.
+    pub(super) fn part(&self, angles: &[f64]) -> f64 {
+        let along = |pair: &[Waypoint]| {
+            let [from, to] = [&pair[0].angles, &pair[1].angles];
+            let (mut dot, mut square) = (0.0, 0.0);
+            for ((a, b), x) in from.iter().zip(to).zip(angles) {
+                dot += (x - a) * (b - a);
+                square += (b - a) * (b - a);
+            }
+            let s = if square > 0.0 {
+                (dot / square).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let mixed = from.iter().zip(to).zip(angles);
+            let off = mixed.map(|((a, b), x)| (a + s * (b - a) - x).powi(2));
+            (off.sum::<f64>(), s)
+        };
+        let segments = self.waypoints.windows(2).map(along).enumerate();
+        let nearest = segments.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        match (nearest, self.ways.last()) {
+            (Some((segment, (_, s))), Some(whole)) if *whole > 0.0 => {
+                let span = self.ways[segment + 1] - self.ways[segment];
+                (self.ways[segment] + s * span) / whole
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The waypoints before a configuration near the end of the course, and it, closed.
+    pub(super) fn cut(
+        &self,
+        solver: &mut ClosureSolver<'_>,
+        mut end: Vec<f64>,
+    ) -> Option<Vec<Waypoint>> {
+        let last = self.waypoints.last()?;
+        if !solver.closes(&mut end) {
+            return None;
+        }
+        let short = max_difference(&end, &last.angles);
+        let before = |w: &&Waypoint| max_difference(&w.angles, &last.angles) > short;
+        let mut waypoints: Vec<Waypoint> =
+            self.waypoints.iter().take_while(before).cloned().collect();
+        let mut tangent = last.tangent.clone();
+        solver.project_on_motions(&end, &mut tangent)?;
+        let length = norm(&tangent);
+        if waypoints.is_empty() || length <= 0.0 {
+            return None;
+        }
+        waypoints.push(Waypoint {
+            angles: end,
+            tangent: tangent.iter().map(|entry| entry / length).collect(),
+        });
+        Some(waypoints)
+    }
+
     /// The fastest motion along the course: `parts` places of each segment are looked at.
     pub(super) fn fastest(&self, parts: usize, terms: &Terms<'_>) -> Result<Law, TimingError> {
         let (mut ways, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());

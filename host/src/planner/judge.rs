@@ -3,18 +3,12 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::Goal;
 use super::knots::Knot;
 use super::reduction::Reduction;
-use super::solver::ClosureSolver;
-use crate::collision::{CollisionCounts, CollisionScene, Crossing};
+use crate::collision::{CollisionScene, Crossing};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::CreasePattern;
 use crate::symmetry::essential_pattern;
-
-/// Halvings of a step in search of the first crossing in it: thirty of ten degrees are far below what
-/// the crossing tolerance resolves.
-const HALVINGS: usize = 30;
 
 /// A whole sheet that is folded at one configuration after the other.
 pub(super) struct Judge<'a> {
@@ -85,45 +79,6 @@ impl<'a> Judge<'a> {
             .and_then(|scene| scene.deepest_crossing(&self.map, gap));
         self.collision += start.elapsed();
         crossing
-    }
-
-    /// The last configuration free of crossings between a knot that is and one that is not, and how
-    /// far it is between them, from 0 to 1.
-    pub(super) fn last_free(
-        &mut self,
-        solver: &mut ClosureSolver<'_>,
-        from: &Knot,
-        to: &Knot,
-    ) -> (f64, Vec<f64>) {
-        let (mut free, mut crossed) = ((0.0, from.angles.clone()), 1.0);
-        for _ in 0..HALVINGS {
-            let s = (free.0 + crossed) / 2.0;
-            let between = from.angles.iter().zip(&to.angles);
-            let mut angles: Vec<f64> = between.map(|(a, b)| a + s * (b - a)).collect();
-            if !solver.closes(&mut angles) {
-                break;
-            }
-            let gap = self.place(&angles).gap;
-            if self.crossing(gap).is_some() {
-                crossed = s;
-            } else {
-                free = (s, angles);
-            }
-        }
-        free
-    }
-
-    /// Largest difference, over all creases, of a configuration from a goal, radians.
-    pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
-        self.reduction.distance(angles, goal)
-    }
-
-    /// What the search for crossings looked at.
-    pub(super) fn counts(&self) -> CollisionCounts {
-        self.scene
-            .as_ref()
-            .map(CollisionScene::counts)
-            .unwrap_or_default()
     }
 
     /// Worst deformation and gap of the essential crease pattern over some configurations, and its number

@@ -1,6 +1,6 @@
 //! Paths: configurations of the whole sheet with times and rates.
 
-use foldpath_core::{Interpolation, Membership};
+use foldpath_core::{Curve, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
 /// One stored configuration of a path, with what was measured there on the whole sheet.
@@ -34,4 +34,33 @@ pub struct Path {
     pub interpolation: Interpolation,
     /// The knots, in the order of time.
     pub knots: Vec<Knot>,
+}
+
+impl Path {
+    /// For each segment between two knots the motion of each group.
+    #[must_use]
+    pub fn curves(&self) -> Vec<Vec<Curve<f64>>> {
+        let segments = self.knots.windows(2);
+        segments
+            .map(|pair| {
+                let span = pair[1].time - pair[0].time;
+                let groups = 0..pair[0].angles.len();
+                let curve = |group| {
+                    let [from, to] = [0, 1].map(|end| pair[end].node(group));
+                    Curve::between(self.interpolation, span, from, to)
+                };
+                groups.map(curve).collect()
+            })
+            .collect()
+    }
+}
+
+impl Knot {
+    fn node(&self, group: usize) -> Node<f64> {
+        Node {
+            angle: self.angles[group],
+            rate: self.rates[group],
+            weight: self.weights.get(group).copied().unwrap_or([1.0, 0.0]),
+        }
+    }
 }

@@ -100,7 +100,7 @@ pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
 
 /// Intervals between the places at which a curve is sampled.
 const INTERVALS: u32 = 16;
-/// Parabolas drawn through a peak: three leave 1e-7 of a second derivative, five 1e-10.
+/// Parabolas drawn through a peak: three leave 1e-7 of a second derivative, five 1e-12.
 const PARABOLAS: u32 = 5;
 
 #[allow(clippy::cast_precision_loss, reason = "at most 16")]

@@ -4,16 +4,14 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::attempt::{Attempt, End, Reach, straight};
-use super::course::Course;
-use super::follow::{Stop, Waypoint, largest, max_norm, way_to};
+use super::follow::{Stop, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
-use super::place::{Placed, Terms, place};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
-use super::solver::{ClosureSolver, Work};
+use super::reuse::Found;
+use super::solver::Work;
 use super::{Goal, PlanOptions, Symmetry};
-use crate::certificate::SheetCertifier;
-use crate::collision::{CollisionCounts, Crossing};
+use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::symmetry::CreaseGroups;
@@ -97,8 +95,8 @@ pub struct Plan {
     pub certified_closure: Option<f64>,
     /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
     pub certified_deformation: Option<f64>,
-    /// How much larger than the closure residuals of its vertices the errors of the whole sheet can
-    /// be; `None` where a hole adds conditions of its own.
+    /// How much larger than the closure residuals of its vertices and holes the errors of the whole
+    /// sheet can be; `None` where that is not known.
     pub amplification: Option<f64>,
     /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
     pub essential_tolerance: f64,
@@ -111,7 +109,10 @@ pub struct Plan {
     /// Evaluations of the closure conditions by the solver.
     pub evaluations: u64,
     /// What the search for crossings looked at.
-    pub collision: CollisionCounts,
+    pub collision: SweepCounts,
+    /// Smallest distance of two faces that share no vertex over the whole motion, if crossings were looked
+    /// for and nothing crosses.
+    pub clearance: Option<Clearance>,
     /// Time spent.
     pub times: Times,
     /// What the user should know, in words.
@@ -126,12 +127,12 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
     Planning::new(pattern, goal, options).run()
 }
 
-struct Planning<'a> {
-    pattern: &'a CreasePattern,
-    goal: &'a Goal,
-    options: &'a PlanOptions,
-    deadline: Option<Instant>,
-    plan: Plan,
+pub(super) struct Planning<'a> {
+    pub(super) pattern: &'a CreasePattern,
+    pub(super) goal: &'a Goal,
+    pub(super) options: &'a PlanOptions,
+    pub(super) deadline: Option<Instant>,
+    pub(super) plan: Plan,
 }
 
 impl<'a> Planning<'a> {
@@ -147,7 +148,7 @@ impl<'a> Planning<'a> {
         }
     }
 
-    fn is_late(&self) -> bool {
+    pub(super) fn is_late(&self) -> bool {
         self.deadline
             .is_some_and(|deadline| Instant::now() >= deadline)
     }
@@ -295,12 +296,13 @@ impl<'a> Planning<'a> {
             }
             End::NotClosed { .. } => return self.not_closed(attempt, symmetric),
         };
-        let mut plan = self.judge(
-            &attempt.reduction,
-            attempt.accepted,
-            &attempt.waypoints,
-            attempt.reached,
-        );
+        let found = Found {
+            waypoints: &attempt.waypoints,
+            accepted: attempt.accepted,
+            reached: attempt.reached,
+            retreats: self.plan.goal_closure > CLOSED,
+        };
+        let mut plan = self.judge(&attempt.reduction, &found);
         if plan.outcome == Outcome::Planned {
             (plan.outcome, plan.reason) = (outcome, reason);
         }
@@ -369,7 +371,7 @@ impl<'a> Planning<'a> {
         self.end(Outcome::GoalNotClosed, reason)
     }
 
-    fn end(mut self, outcome: Outcome, reason: String) -> Plan {
+    pub(super) fn end(mut self, outcome: Outcome, reason: String) -> Plan {
         self.plan.outcome = outcome;
         self.plan.reason = Some(reason);
         self.plan
@@ -454,243 +456,16 @@ impl<'a> Planning<'a> {
             "no exact motion leads to the goal; the sheet is taken there straight, deforming"
                 .into(),
         );
-        // Whether faces of a torn sheet cross means nothing.
-        let blind = PlanOptions {
-            collision: false,
-            ..self.options.clone()
+        let found = Found {
+            waypoints: &waypoints,
+            accepted: self.options.bound,
+            reached: 1.0,
+            retreats: false,
         };
-        let torn = Planning {
-            options: &blind,
-            plan: planning.plan.clone(),
-            ..*self
-        };
-        let accepted = self.options.bound;
-        let plan = torn.judge(reduction, accepted, &waypoints, 1.0);
-        if plan.outcome != Outcome::Planned || !self.options.collision {
-            return Some(plan);
-        }
-        Some(planning.judge(reduction, accepted, &waypoints, 1.0))
-    }
-
-    /// Places knots on the course through the waypoints, and certifies the motion between them.
-    fn place(
-        &mut self,
-        reduction: &Reduction,
-        accepted: f64,
-        waypoints: &[Waypoint],
-    ) -> Option<Placed> {
-        let start = Instant::now();
-        let (_, signs) = reduction.asked(self.goal);
-        let limits = reduction.orthant(&signs);
-        let mut solver = reduction.solver(self.options, accepted);
-        solver.set_limits(limits.clone());
-        let exact = waypoints
-            .iter()
-            .all(|waypoint| reduction.essential_closure(&waypoint.angles) <= CLOSED);
-        let terms = Terms {
-            stars: &reduction.essential,
-            closure: exact.then(|| reduction.accepted(self.options)),
-            limits: &limits,
-            speed: self.options.max_speed,
-            acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
-            most: self.options.max_knots.unwrap_or(MOST_KNOTS),
-        };
-        let course = Course::new(waypoints);
-        let placed = place(&course, &terms, &mut solver, self.options);
-        self.plan.times.place += start.elapsed();
-        placed
-    }
-
-    /// Reuses the path, which reaches that part of the goal, on the whole sheet: judges it at every knot
-    /// and between them.
-    fn judge(
-        mut self,
-        reduction: &Reduction,
-        accepted: f64,
-        waypoints: &[Waypoint],
-        reached: f64,
-    ) -> Plan {
-        self.plan.reached = reached;
-        self.plan.waypoints = waypoints.len();
-        let Some(placed) = self.place(reduction, accepted, waypoints) else {
-            self.plan.reached = 0.0;
-            return self.unplaced();
-        };
-        self.plan.path.interpolation = placed.interpolation;
-        self.certify(reduction, &placed);
-        let mut knots = placed.knots;
-        let mut judge = Judge::new(self.pattern, reduction, self.options.collision);
-        judge.keep_vertices = self.options.keep_vertices;
-        let mut crossed = None;
-        for (index, knot) in knots.iter_mut().enumerate() {
-            if self.is_late() {
-                self.plan.reached = 0.0;
-                let reason = format!("out of time while judging knot {index}");
-                knots.truncate(index);
-                self.note(&judge, knots);
-                return self.end(Outcome::Timeout, reason);
-            }
-            if let Some(crossing) = judge.judge(knot) {
-                crossed = Some((index, crossing));
-                break;
-            }
-        }
-        if let Some((index, crossing)) = crossed {
-            let refused = knots.split_off(index);
-            let mut solver = reduction.solver(self.options, accepted);
-            if let Some(reason) =
-                self.stop_before(&mut judge, &mut solver, &mut knots, &refused, crossing)
-            {
-                self.note(&judge, knots);
-                return self.end(Outcome::Crossing(crossing), reason);
-            }
-        }
-        (self.plan.essential_rigidity, self.plan.essential_faces) =
-            judge.essential(knots.iter().map(|knot| knot.angles.as_slice()));
-        self.note(&judge, knots);
-        self.judge_rigidity()
-    }
-
-    /// Takes the bounds on closure to bounds on the whole sheet.
-    fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
-        let start = Instant::now();
-        let closure = placed.closure();
-        self.plan.certified_closure = Some(closure.worst());
-        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
-        self.plan.certified_deformation = sheet.map(|mut sheet| {
-            let bounds = sheet.rigidity(&closure);
-            bounds.deformation.max(bounds.gap)
-        });
-        self.plan.times.place += start.elapsed();
-    }
-
-    /// No knots could be placed.
-    fn unplaced(self) -> Plan {
-        if self.is_late() {
-            return self.end(Outcome::Timeout, "out of time while placing knots".into());
-        }
-        let most = self.options.max_knots.unwrap_or(MOST_KNOTS);
-        let reason = format!("the bound needs more than {most} knots with this interpolation");
-        self.end(Outcome::Partial, reason)
-    }
-
-    /// Ends the path before the first crossing, which is between the last of `knots` and the first
-    /// of those `refused`. An inexact goal near that is reached all the same; otherwise says why it
-    /// is not.
-    fn stop_before(
-        &mut self,
-        judge: &mut Judge<'_>,
-        solver: &mut ClosureSolver<'_>,
-        knots: &mut Vec<Knot>,
-        refused: &[Knot],
-        crossing: Crossing,
-    ) -> Option<String> {
-        let (Some(to), Some(goal)) = (refused.first(), refused.last()) else {
-            return None;
-        };
-        let (time, angles, rates) = knots.last().map_or_else(
-            || (0.0, to.angles.clone(), to.rates.clone()),
-            |from| {
-                let (s, angles) = judge.last_free(solver, from, to);
-                let rates = from.rates.iter().zip(&to.rates);
-                let rates = rates.map(|(a, b)| a + s * (b - a)).collect();
-                (from.time + s * (to.time - from.time), angles, rates)
-            },
-        );
-        self.plan.goal_error = judge.distance(&angles, self.goal);
-        let whole = self.plan.reached;
-        self.plan.reached *= if goal.time > 0.0 {
-            time / goal.time
-        } else {
-            0.0
-        };
-        let [a, b] = crossing.faces;
-        let reason = format!(
-            "faces {a} and {b} pass through each other beyond {:.2} % of the path (at knot {}: {:.1e} \
-             median edges deep)",
-            100.0 * self.plan.reached,
-            knots.len(),
-            crossing.depth / self.pattern.median_edge()
-        );
-        let differences = goal.angles.iter().zip(&angles).map(|(a, b)| (a - b).abs());
-        let short = differences.fold(0.0, f64::max);
-        if self.plan.goal_closure <= CLOSED || short > RETREAT || knots.is_empty() {
-            return Some(reason);
-        }
-        self.plan.notes.push(format!(
-            "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} \
-             degrees before",
-            self.plan.goal_closure,
-            short.to_degrees(),
-        ));
-        self.plan.reached = whole;
-        if knots.last().is_some_and(|knot| knot.time < time) {
-            let mut last = Knot {
-                time,
-                angles,
-                rates,
-                ..Knot::default()
-            };
-            if judge.judge(&mut last).is_none() {
-                knots.push(last);
-            }
-        }
-        None
-    }
-
-    /// Notes what was measured at the knots, and keeps them.
-    fn note(&mut self, judge: &Judge<'_>, knots: Vec<Knot>) {
-        self.plan.collision = judge.counts();
-        self.plan.times.fold = judge.fold;
-        self.plan.times.collision = judge.collision;
-        for knot in &knots {
-            self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
-                deformation: knot.deformation,
-                gap: knot.gap,
-                twist: knot.closure,
-            });
-            self.plan.max_closure = self.plan.max_closure.max(knot.closure);
-        }
-        self.plan.path.knots = knots;
-    }
-
-    fn judge_rigidity(mut self) -> Plan {
-        let bound = self.options.bound;
-        let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
-        let within = [whole.deformation, whole.gap, self.plan.max_closure];
-        if within.iter().all(|value| *value <= bound) {
-            return self.plan;
-        }
-        let knots = &self.plan.path.knots;
-        let torn = |knot: &Knot| {
-            let within = [knot.deformation, knot.gap, knot.closure];
-            !within.iter().all(|value| *value <= bound)
-        };
-        let good = knots.iter().take_while(|knot| !torn(knot)).last();
-        if let (Some(good), Some(last)) = (good, knots.last()) {
-            self.plan.reached *= if last.time > 0.0 {
-                good.time / last.time
-            } else {
-                0.0
-            };
-        }
-        let reason = format!(
-            "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {:.3e}, over the bound \
-             {bound:.3e}; its essential crease pattern by {:.3e} with gaps of {:.3e}",
-            whole.deformation,
-            whole.gap,
-            self.plan.max_closure,
-            essential.deformation,
-            essential.gap
-        );
-        self.end(Outcome::NotRigidlyFoldable, reason)
+        Some(planning.judge(reduction, &found))
     }
 }
 
-/// Knots of a path at most.
-const MOST_KNOTS: usize = 20_000;
-/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
-const RETREAT: f64 = 0.02;
 /// Radians: a step that shows which vertex stands in the way.
 const PROBE: f64 = 0.1;
 /// Radians: goal angles of one crease group are the same.

@@ -143,7 +143,7 @@ impl Reduction {
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
-        // Round a hole nothing is known for certain: each vertex may add to the next.
+        // Where nothing is known for certain, each vertex may add to the next.
         (options.bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
     }
 

@@ -180,17 +180,12 @@ impl PathWriter<'_> {
             let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
             frame.list("vertices_coords", vertices)?;
         }
-        spread(frame, "edges_foldAngle", &knot.angles, turns)?;
-        spread(frame, "foldpath:edges_foldAngleRate", &knot.rates, turns)?;
+        spread_angles(frame, "edges_foldAngle", &knot.angles, turns)?;
+        spread_angles(frame, "foldpath:edges_foldAngleRate", &knot.rates, turns)?;
         if !knot.weights.is_empty() {
-            let weights = |part: usize| {
-                let groups = turns
-                    .iter()
-                    .map(|turn| turn.checked_sub(1).map(|turn| turn / 2));
-                groups.map(move |group| Some(knot.weights.get(group?)?[part]))
-            };
-            frame.list("foldpath:edges_weight", weights(0))?;
-            frame.list("foldpath:edges_weightRate", weights(1))?;
+            let part = |part: usize| knot.weights.iter().map(move |weight| weight[part]);
+            spread_numbers(frame, "foldpath:edges_weight", part(0), turns)?;
+            spread_numbers(frame, "foldpath:edges_weightRate", part(1), turns)?;
         }
         frame.set("foldpath:deformation", &knot.deformation)?;
         frame.set("foldpath:gap", &knot.gap)?;
@@ -199,18 +194,39 @@ impl PathWriter<'_> {
     }
 }
 
-/// A value of each group as one of each edge, in degrees. `turns` says for each edge what it has: the
-/// first of none, then for each group the value and its opposite. Each is made a text only once.
-fn spread(
+/// An angle or rate of each group (radians) as one of each edge, in degrees.
+fn spread_angles(
     frame: &mut Object<'_, impl Write>,
     key: &str,
     groups: &[f64],
     turns: &[usize],
 ) -> io::Result<()> {
-    let values = groups.iter().flat_map(|&value| [value, -value]);
-    let texts = [0.0].into_iter().chain(values);
-    let texts: Vec<_> = texts
-        .map(|value| serde_json::to_string(&degrees(value)).map(|text| format!(",{text}")))
+    let both = groups.iter().flat_map(|&value| [value, -value]);
+    let values = [0.0].into_iter().chain(both).map(degrees);
+    spread(frame, key, values.map(Some), turns)
+}
+
+/// A number of each group, whatever its sign, as one of each edge; null where there is none.
+fn spread_numbers(
+    frame: &mut Object<'_, impl Write>,
+    key: &str,
+    groups: impl Iterator<Item = f64>,
+    turns: &[usize],
+) -> io::Result<()> {
+    let values = groups.flat_map(|value| [Some(value); 2]);
+    spread(frame, key, [None].into_iter().chain(values), turns)
+}
+
+/// One of the values for each edge. `turns` says for each which: the first where there is no group, then two
+/// for each group, of which the second is of edges that turn the other way. Each is made a text only once.
+fn spread(
+    frame: &mut Object<'_, impl Write>,
+    key: &str,
+    values: impl Iterator<Item = Option<f64>>,
+    turns: &[usize],
+) -> io::Result<()> {
+    let texts: Vec<_> = values
+        .map(|value| serde_json::to_string(&value).map(|text| format!(",{text}")))
         .collect::<Result<_, _>>()?;
     let out = frame.key(key)?;
     out.write_all(b"[")?;

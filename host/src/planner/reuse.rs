@@ -1,0 +1,289 @@
+//! Reusing a path found on few unknowns on the whole sheet: knots are placed on it, and the whole motion is
+//! certified and judged.
+
+use std::time::Instant;
+
+use super::course::Course;
+use super::follow::{Waypoint, max_difference};
+use super::judge::Judge;
+use super::knots::Knot;
+use super::place::{Placed, Terms, place};
+use super::plan::{Outcome, Plan, Planning};
+use super::reduction::{CLOSED, Reduction};
+use crate::certificate::SheetCertifier;
+use crate::collision::{Crossing, Sweep, SweepOptions, SweepVerdict};
+use crate::folding::Rigidity;
+
+/// Knots of a path at most.
+const MOST_KNOTS: usize = 20_000;
+/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
+const RETREAT: f64 = 0.02;
+
+/// A path to reuse.
+pub(super) struct Found<'a> {
+    /// From flat.
+    pub(super) waypoints: &'a [Waypoint],
+    /// Closure residual that counts as closed although it can be made no smaller.
+    pub(super) accepted: f64,
+    /// How much of the way to the goal it is.
+    pub(super) reached: f64,
+    /// Whether it may stop a little short of its end so that nothing crosses.
+    pub(super) retreats: bool,
+}
+
+impl Planning<'_> {
+    /// Reuses a path on the whole sheet and judges it there.
+    pub(super) fn judge(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
+        self.plan.reached = found.reached;
+        self.plan.waypoints = found.waypoints.len();
+        let course = Course::new(found.waypoints);
+        let Some(mut placed) = self.place(reduction, found, &course) else {
+            self.plan.reached = 0.0;
+            return self.unplaced();
+        };
+        self.certify(reduction, &placed);
+        let mut judge = Judge::new(self.pattern, reduction, false);
+        judge.keep_vertices = self.options.keep_vertices;
+        for index in 0..placed.knots.len() {
+            if self.is_late() {
+                self.plan.reached = 0.0;
+                placed.knots.truncate(index);
+                self.keep(&judge, placed);
+                return self.end(
+                    Outcome::Timeout,
+                    format!("out of time while judging knot {index}"),
+                );
+            }
+            judge.judge(&mut placed.knots[index]);
+        }
+        let knots = placed.knots.iter();
+        (self.plan.essential_rigidity, self.plan.essential_faces) =
+            judge.essential(knots.map(|knot| knot.angles.as_slice()));
+        self.keep(&judge, placed);
+        let torn = self.torn();
+        if self.options.collision && torn.is_none() {
+            return self.sweep(reduction, found, &course);
+        }
+        match torn {
+            Some(reason) => self.end(Outcome::NotRigidlyFoldable, reason),
+            None => self.plan,
+        }
+    }
+
+    /// Places knots on the course, certified between them.
+    fn place(
+        &mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course<'_>,
+    ) -> Option<Placed> {
+        let start = Instant::now();
+        let (_, signs) = reduction.asked(self.goal);
+        let limits = reduction.orthant(&signs);
+        let mut solver = reduction.solver(self.options, found.accepted);
+        solver.set_limits(limits.clone());
+        let closes = |waypoint: &Waypoint| reduction.essential_closure(&waypoint.angles) <= CLOSED;
+        let exact = found.waypoints.iter().all(closes);
+        let terms = Terms {
+            stars: &reduction.essential,
+            closure: exact.then(|| reduction.accepted(self.options)),
+            limits: &limits,
+            speed: self.options.max_speed,
+            acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
+            most: self.options.max_knots.unwrap_or(MOST_KNOTS),
+        };
+        let placed = place(course, &terms, &mut solver, self.options);
+        self.plan.times.place += start.elapsed();
+        placed
+    }
+
+    /// No knots could be placed.
+    fn unplaced(self) -> Plan {
+        if self.is_late() {
+            return self.end(Outcome::Timeout, "out of time while placing knots".into());
+        }
+        let most = self.options.max_knots.unwrap_or(MOST_KNOTS);
+        let reason = format!("the bound needs more than {most} knots with this interpolation");
+        self.end(Outcome::Partial, reason)
+    }
+
+    /// Takes the bounds on closure to bounds on the whole sheet.
+    fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
+        let start = Instant::now();
+        let closure = placed.closure();
+        self.plan.certified_closure = Some(closure.worst());
+        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
+        self.plan.certified_deformation = sheet.map(|mut sheet| {
+            let bounds = sheet.rigidity(&closure);
+            bounds.deformation.max(bounds.gap)
+        });
+        self.plan.times.place += start.elapsed();
+    }
+
+    /// Keeps the knots, and what was measured at them.
+    fn keep(&mut self, judge: &Judge<'_>, placed: Placed) {
+        self.plan.times.fold += judge.fold;
+        for knot in &placed.knots {
+            self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
+                deformation: knot.deformation,
+                gap: knot.gap,
+                twist: knot.closure,
+            });
+            self.plan.max_closure = self.plan.max_closure.max(knot.closure);
+        }
+        self.plan.path.interpolation = placed.interpolation;
+        self.plan.path.knots = placed.knots;
+    }
+
+    /// Looks for crossings anywhere on the motion, and ends the path before the first.
+    fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course<'_>) -> Plan {
+        let start = Instant::now();
+        let certified = self.plan.certified_deformation.unwrap_or(0.0);
+        let options = SweepOptions {
+            gap: certified.max(self.plan.rigidity.gap),
+            deadline: self.deadline,
+            ..SweepOptions::default()
+        };
+        let memberships = reduction.groups.memberships();
+        let mut sweep = Sweep::new(self.pattern, memberships, options);
+        let curves = self.plan.path.curves();
+        let verdict = sweep.sweep(&curves);
+        self.plan.collision = sweep.counts();
+        self.plan.times.collision += start.elapsed();
+        match verdict {
+            SweepVerdict::Free(clearance) => {
+                self.plan.clearance = clearance;
+                self.plan
+            }
+            SweepVerdict::Undecided { .. } if self.is_late() => {
+                self.plan.reached = 0.0;
+                let reason = "out of time while looking for crossings".into();
+                self.end(Outcome::Timeout, reason)
+            }
+            SweepVerdict::Undecided { faces, at } => {
+                let faces = faces.map_or(String::new(), |[a, b]| format!(" of faces {a} and {b}"));
+                self.plan.notes.push(format!(
+                    "crossings are not decided: the search gave up at the pair{faces} between knots {} \
+                     and {}",
+                    at.segment,
+                    at.segment + 1
+                ));
+                self.plan
+            }
+            SweepVerdict::Crossing {
+                crossing,
+                last_free,
+                ..
+            } => {
+                let free: Option<Vec<f64>> = last_free.map(|place| {
+                    let curves = curves[place.segment].iter();
+                    curves.map(|curve| curve.angle(place.s)).collect()
+                });
+                let segment = last_free.map_or(0, |place| place.segment);
+                self.crossed(
+                    reduction,
+                    found,
+                    course,
+                    Crossed {
+                        crossing,
+                        segment,
+                        free,
+                    },
+                )
+            }
+        }
+    }
+
+    /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says
+    /// why it is not.
+    fn crossed(
+        mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course<'_>,
+        crossed: Crossed,
+    ) -> Plan {
+        let Crossed {
+            crossing,
+            segment,
+            free,
+        } = crossed;
+        let [a, b] = crossing.faces;
+        let part = free.as_ref().map_or(0.0, |free| course.part(free));
+        let reason = format!(
+            "faces {a} and {b} pass through each other beyond {:.2} % of the path (between knots {segment} \
+             and {}: {:.1e} median edges deep)",
+            100.0 * found.reached * part,
+            segment + 1,
+            crossing.depth / self.pattern.median_edge()
+        );
+        let goal = found.waypoints.last().map_or(&[][..], |last| &last.angles);
+        let short = free
+            .as_ref()
+            .map_or(f64::INFINITY, |free| max_difference(free, goal));
+        if let Some(free) = free.filter(|_| found.retreats && short <= RETREAT)
+            && let Some(waypoints) =
+                course.cut(&mut reduction.solver(self.options, found.accepted), free)
+        {
+            self.plan.notes.push(format!(
+                "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} \
+                 degrees before",
+                self.plan.goal_closure,
+                short.to_degrees(),
+            ));
+            let end = waypoints.last().map_or(&[][..], |last| &last.angles);
+            self.plan.goal_error = reduction.distance(end, self.goal);
+            self.plan.rigidity = Rigidity::default();
+            let shorter = Found {
+                waypoints: &waypoints,
+                retreats: false,
+                ..*found
+            };
+            return self.judge(reduction, &shorter);
+        }
+        self.plan.reached = found.reached * part;
+        self.plan.path.knots.truncate(segment + 1);
+        self.end(Outcome::Crossing(crossing), reason)
+    }
+
+    /// Why the sheet does not keep the bound at its knots, if so.
+    fn torn(&mut self) -> Option<String> {
+        let bound = self.options.bound;
+        let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
+        let within = [whole.deformation, whole.gap, self.plan.max_closure];
+        if within.iter().all(|value| *value <= bound) {
+            return None;
+        }
+        let knots = &self.plan.path.knots;
+        let torn = |knot: &Knot| {
+            let within = [knot.deformation, knot.gap, knot.closure];
+            !within.iter().all(|value| *value <= bound)
+        };
+        let good = knots.iter().take_while(|knot| !torn(knot)).last();
+        if let (Some(good), Some(last)) = (good, knots.last()) {
+            self.plan.reached *= if last.time > 0.0 {
+                good.time / last.time
+            } else {
+                0.0
+            };
+        }
+        Some(format!(
+            "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {:.3e}, over the bound \
+             {bound:.3e}; its essential crease pattern by {:.3e} with gaps of {:.3e}",
+            whole.deformation,
+            whole.gap,
+            self.plan.max_closure,
+            essential.deformation,
+            essential.gap
+        ))
+    }
+}
+
+/// Where a path has to end.
+struct Crossed {
+    crossing: Crossing,
+    /// The segment it ends in.
+    segment: usize,
+    /// The last group angles free of crossings, if any are.
+    free: Option<Vec<f64>>,
+}
