@@ -1,15 +1,19 @@
 //! The motion between knots, judged as one.
 
-use super::closure::{Place, certify};
+use foldpath_core::Curve;
+
+use super::closure::{Effort, Place, SegmentClosure, certify};
 use super::knots::crease_angles;
 use super::motion::Motion;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
-use crate::collision::{CollisionScene, Crossing};
-use crate::folding::{Amplification, FoldingMap, Rigidity, SpanningTree};
+use crate::certificate::{Closure, SheetCertifier};
+use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
+use crate::symmetry::ReducedStars;
 
-/// Roundings that each face adds to the positions of those behind it.
-const ROUNDINGS: f64 = 16.0;
+/// Looks at pairs of faces that a path is worth of which it is known that it fails: its motion may be absurd.
+const ENOUGH_LOOKS: u64 = 200_000;
 
 /// Closure between knots, and with it the deformation of the whole sheet, by the most that it adds up to.
 pub(super) fn check_closure(
@@ -20,39 +24,109 @@ pub(super) fn check_closure(
 ) {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
-    let factors = Amplification::new(pattern, &tree);
-    let worst = factors.map_or(1.0, |factors| factors.worst());
-    verdict.segments = certify(pattern, motion, options.bound / worst);
-    let rounding = ROUNDINGS * f64::EPSILON * count(pattern.faces().len());
-    let closure = verdict.closure_bound();
-    verdict.certified_deformation = factors
-        .map(|factors| factors.deformation * closure + rounding)
-        .filter(|deformation| deformation.is_finite());
-
-    let segments = verdict.segments.iter().enumerate();
-    let Some((index, segment)) = segments.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound)) else {
-        return;
+    let all = ReducedStars::all(pattern, &motion.groups);
+    let essential = all.essential();
+    let mut sheet = SheetCertifier::new(pattern, &tree, &all);
+    let mut bound = |curves: &[Curve<f64>], effort: &Effort| {
+        let (mut segment, bounds) = certify(&essential, curves, effort, options.bound);
+        let (stars, holes) = bounds.split_at(essential.vertices().len());
+        let loops: Vec<_> = holes.iter().map(|&bound| [bound; 2]).collect();
+        let closure = Closure {
+            stars,
+            loops: &loops,
+        };
+        let rigidity = sheet.as_mut().map(|sheet| sheet.rigidity(&closure));
+        segment.rigidity = rigidity.filter(|r| r.worst().is_finite());
+        segment
     };
-    let (bound, error) = (options.bound, worst * segment.bound + rounding);
-    if error <= bound {
-        return;
-    }
-    let name = |place: Option<Place>| place.map_or_else(String::new, |place| place.name(pattern));
-    let knots = format!("between knots {index} and {}", index + 1);
-    verdict.failures.push(if segment.sampled <= bound {
-        let vertex = name(segment.place);
-        let most = segment.bound;
-        format!(
-            "not certified: {knots}, {vertex} fails to close by up to {most:.3e}, by which the sheet \
-             may deform or tear by {error:.3e}, over the bound {bound:.3e}"
-        )
-    } else {
-        let (at, vertex, sampled) = (segment.at, name(segment.open), segment.sampled);
-        format!("{knots}, at {at:.3}: {vertex} fails to close by {sampled:.3e}, over the bound {bound:.3e}")
+    let segments = motion.segments.iter().map(|curves| {
+        let rough = bound(curves, &Effort::ROUGH);
+        if rough.error() <= options.bound || rough.sampled > options.bound {
+            rough
+        } else {
+            bound(curves, &Effort::FINE)
+        }
     });
+    verdict.segments = segments.collect();
+    verdict.failures.extend(uncertified(path, options, verdict));
 }
 
-/// Shapes at knots and between: whether the sheet deforms there, and faces pass through each other.
+/// What breaks the bound most, or else may do so for all that is known, in words.
+fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
+    let name = |place: Option<Place>| place.map_or_else(String::new, |at| at.name(&path.pattern));
+    let worst = |value: fn(&SegmentClosure) -> f64| {
+        let segments = verdict.segments.iter().enumerate();
+        let order = move |a: &(_, &SegmentClosure), b: &(_, &SegmentClosure)| {
+            value(a.1).total_cmp(&value(b.1))
+        };
+        segments.max_by(order)
+    };
+    let (bound, knots) = (options.bound, |index| {
+        format!("between knots {index} and {}", index + 1)
+    });
+    let (index, open) = worst(|segment| segment.sampled)?;
+    if open.sampled > bound || open.sampled.is_nan() {
+        let (at, vertex, sampled) = (open.at, name(open.open), open.sampled);
+        return Some(format!(
+            "{}, at {at:.3}: {vertex} fails to close by {sampled:.3e}, over the bound {bound:.3e}",
+            knots(index)
+        ));
+    }
+    let (index, segment) = worst(SegmentClosure::error)?;
+    let (vertex, most, error) = (name(segment.place), segment.bound, segment.error());
+    (error > bound).then(|| {
+        format!(
+            "not certified: {}, {vertex} fails to close by up to {most:.3e}, and the sheet may deform or \
+             tear by {error:.3e}, over the bound {bound:.3e}",
+            knots(index)
+        )
+    })
+}
+
+/// Faces that pass through each other anywhere on the motion: the first that do.
+pub(super) fn check_crossings(
+    path: &PathFile,
+    motion: &Motion,
+    options: &CheckOptions,
+    verdict: &mut Verdict,
+) {
+    let pattern = &path.pattern;
+    let certified = verdict.certified().map(|most| most.gap);
+    let certified = certified.filter(|gap| *gap <= options.bound);
+    let mut options = SweepOptions {
+        gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
+        ..SweepOptions::default()
+    };
+    let failed = !verdict.failures.is_empty();
+    if failed {
+        options.max_looks = options.max_looks.min(ENOUGH_LOOKS);
+    }
+    let mut sweep = Sweep::new(pattern, motion.groups.memberships(), options);
+    match sweep.sweep(&motion.segments) {
+        SweepVerdict::Free(clearance) => {
+            verdict.min_clearance = clearance.map(|clearance| clearance.distance);
+        }
+        SweepVerdict::Crossing { crossing, at, .. } => verdict.crossings.push(PathCrossing {
+            crossing,
+            between_knots: [at.segment, at.segment + 1],
+            at: at.s,
+        }),
+        SweepVerdict::Undecided { .. } if failed => {}
+        SweepVerdict::Undecided { faces, at } => {
+            let pair = faces.map_or_else(String::new, |[a, b]| format!(": faces {a} and {b}"));
+            verdict.failures.push(format!(
+                "not certified: between knots {} and {}, at {:.3}, whether faces pass through each other \
+                 takes too long to tell{pair}",
+                at.segment,
+                at.segment + 1,
+                at.s
+            ));
+        }
+    }
+}
+
+/// Shapes at knots and between: whether the sheet deforms there, and, unless that is swept, whether faces
+/// pass through each other.
 pub(super) fn check_shapes(
     path: &PathFile,
     motion: &Motion,
@@ -62,7 +136,7 @@ pub(super) fn check_shapes(
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
-    let mut scene = CollisionScene::new(pattern);
+    let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     for (index, knot) in path.knots.iter().enumerate() {
         let segment = index.checked_sub(1).filter(|_| options.samples > 0);
         let inside = segment.into_iter().flat_map(|_| places(options.samples));
@@ -82,7 +156,8 @@ pub(super) fn check_shapes(
                 at,
                 rigidity,
             }));
-            let found = scene.deepest_crossing(&map, rigidity.gap);
+            let found = scene.as_mut();
+            let found = found.and_then(|scene| scene.deepest_crossing(&map, rigidity.gap));
             if let Some(found) = found.filter(|f| deepest.is_none_or(|d| d.depth < f.depth)) {
                 (deepest, place) = (Some(found), at);
             }
@@ -129,13 +204,13 @@ fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<String> {
 }
 
 /// The first crossing, in words.
-fn first_crossing(path: &PathFile, verdict: &Verdict) -> Option<String> {
+pub(super) fn first_crossing(path: &PathFile, verdict: &Verdict) -> Option<String> {
     let first = verdict.crossings.first()?;
     let ([before, knot], at) = (first.between_knots, first.at);
     let place = if at > 0.0 && at < 1.0 {
         format!("between knots {before} and {knot}, at {at:.3}")
     } else {
-        format!("knot {knot}")
+        format!("knot {}", if at > 0.0 { knot } else { before })
     };
     let [a, b] = first.crossing.faces;
     let depth = first.crossing.depth / path.pattern.median_edge();

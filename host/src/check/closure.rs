@@ -23,15 +23,35 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::count;
 use super::majorant::{ORDER, Series, exponential, of_angle};
-use super::motion::{Motion, SAME_SECTOR};
+use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, VertexId};
 use crate::symmetry::ReducedStars;
 
-/// Samples an interval: for a sum of degree 20 the factor above is 2.6.
-const SAMPLES: usize = 24;
-/// Intervals are halved this often at most: a segment has 3,072 samples then.
+/// How close to what is sampled a bound is to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// An interval: m above.
+    samples: usize,
+    /// Bounds are good enough at this many times the largest sample of the segment.
+    loose: f64,
+}
+
+impl Effort {
+    /// At degree 19 the factor above is 3.1.
+    pub(super) const ROUGH: Self = Self {
+        samples: 24,
+        loose: 2.0,
+    };
+    /// At degree 8, 1.005.
+    pub(super) const FINE: Self = Self {
+        samples: 128,
+        loose: 1.01,
+    };
+}
+
+/// Intervals are halved this often at most.
 const HALVINGS: u32 = 7;
-/// Margins below this, or below the largest sample of the segment, are small enough.
+/// Margins below this are small enough.
 const MARGIN: f64 = 1e-11;
 
 /// Where a sheet fails to close.
@@ -60,7 +80,7 @@ impl Place {
     }
 }
 
-/// The closure residual of a segment, over all vertices and holes.
+/// The closure residual of a segment, over all vertices and holes, and what it allows the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClosure {
     /// Largest value met.
@@ -75,38 +95,47 @@ pub struct SegmentClosure {
     pub place: Option<Place>,
     /// Number of samples taken.
     pub samples: usize,
+    /// Deformation, gap and twist of the whole sheet are nowhere larger. `None` where no bound is known.
+    pub rigidity: Option<Rigidity>,
 }
 
-/// Bounds the closure residuals of all segments. Where `decided`, a value, is sampled, bounds are not
-/// made finer. Cost: O(samples · distinct stars) a segment.
+impl SegmentClosure {
+    /// The largest of all bounds.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        let sheet = self.rigidity.map_or(0.0, Rigidity::worst);
+        sheet.max(self.bound)
+    }
+}
+
+/// Bounds the closure residuals of all stars and holes over a segment: those of stars, then those of holes.
+/// Where one that is larger than `decided` is sampled, bounds are not made finer. Cost: O(samples · stars).
 pub(super) fn certify(
-    pattern: &CreasePattern,
-    motion: &Motion,
+    stars: &ReducedStars,
+    curves: &[Curve<f64>],
+    effort: &Effort,
     decided: f64,
-) -> Vec<SegmentClosure> {
-    let stars = ReducedStars::all(pattern, &motion.groups).essential();
-    let conditions = conditions(&stars);
-    let segments = motion.segments.iter();
-    segments
-        .map(|curves| {
-            let mut segment = Segment {
-                curves,
-                conditions: &conditions,
-                decided,
-                found: SegmentClosure {
-                    sampled: 0.0,
-                    at: 0.0,
-                    open: None,
-                    bound: 0.0,
-                    place: None,
-                    samples: 0,
-                },
-            };
-            let all: Vec<usize> = (0..conditions.len()).collect();
-            segment.refine(0.5, 0.5, &all, 0);
-            segment.found
-        })
-        .collect()
+) -> (SegmentClosure, Vec<f64>) {
+    let conditions = conditions(stars);
+    let all: Vec<usize> = (0..conditions.len()).collect();
+    let mut segment = Segment {
+        curves,
+        bounds: vec![0.0; conditions.len()],
+        conditions,
+        effort,
+        decided,
+        found: SegmentClosure {
+            sampled: 0.0,
+            at: 0.0,
+            open: None,
+            bound: 0.0,
+            place: None,
+            samples: 0,
+            rigidity: None,
+        },
+    };
+    segment.refine(0.5, 0.5, &all, 0);
+    (segment.found, segment.bounds)
 }
 
 /// A vertex or a hole, and the creases met on the way round it.
@@ -117,7 +146,7 @@ struct Condition<'a> {
     places: &'a [[f64; 2]],
     /// How much larger than those of the rotation the derivatives of the residual are.
     lever: f64,
-    /// By how much rounding, and stars taken for the same, may hide.
+    /// By how much rounding may hide.
     hidden: f64,
 }
 
@@ -125,16 +154,12 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
     // ‖·‖ of Frobenius is at most √3 times the operator norm, and the residual is that over √2.
     let turn = 1.5_f64.sqrt();
     let vertices = stars.vertices().iter().zip(stars.view().iter());
-    let vertices = vertices.map(|(&vertex, star)| {
-        let degree = count(star.spokes.len());
-        Condition {
-            place: Place::Vertex(vertex),
-            spokes: star.spokes,
-            places: &[],
-            lever: turn,
-            // Directions sum up sectors, and a turn by ρ about another axis differs by 2 |sin ρ/2| at most.
-            hidden: degree * (2.0 * degree * SAME_SECTOR + ROUNDINGS * f64::EPSILON),
-        }
+    let vertices = vertices.map(|(&vertex, star)| Condition {
+        place: Place::Vertex(vertex),
+        spokes: star.spokes,
+        places: &[],
+        lever: turn,
+        hidden: count(star.spokes.len()) * ROUNDINGS * f64::EPSILON,
     });
     let holes = stars.holes().iter().zip(stars.loops().iter());
     let holes = holes.map(|(&hole, way)| {
@@ -164,7 +189,9 @@ const ROUNDINGS: f64 = 32.0;
 
 struct Segment<'a> {
     curves: &'a [Curve<f64>],
-    conditions: &'a [Condition<'a>],
+    conditions: Vec<Condition<'a>>,
+    bounds: Vec<f64>,
+    effort: &'a Effort,
     decided: f64,
     found: SegmentClosure,
 }
@@ -172,8 +199,9 @@ struct Segment<'a> {
 impl Segment<'_> {
     /// Bounds the `open` conditions on the interval about `middle` of half width `half`.
     fn refine(&mut self, middle: f64, half: f64, open: &[usize], halvings: u32) {
-        self.found.samples += SAMPLES;
-        let nodes = (0..SAMPLES).map(|k| middle - half * zero_of_chebyshev(k));
+        let samples = self.effort.samples;
+        self.found.samples += samples;
+        let nodes = (0..samples).map(|k| middle - half * zero_of_chebyshev(k, samples));
         let turns: Vec<(f64, Vec<[f64; 2]>)> = nodes
             .map(|s| {
                 let angles = self.curves.iter().map(|curve| curve.angle(s));
@@ -197,15 +225,16 @@ impl Segment<'_> {
                     self.found.open = Some(condition.place);
                 }
             }
-            bounds.push((index, condition.bound(sampled, &series)));
+            bounds.push((index, condition.bound(samples, sampled, &series)));
         }
         let sampled = self.found.sampled;
-        let enough = |index: usize| 2.0 * sampled + MARGIN + 4.0 * self.conditions[index].hidden;
+        let enough = self.effort.loose * sampled + MARGIN;
         let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
             .into_iter()
-            .partition(|&(index, bound)| give_up || bound <= enough(index));
+            .partition(|&(_, bound)| give_up || bound <= enough);
         for (index, bound) in done {
+            self.bounds[index] = self.bounds[index].max(bound);
             if bound > self.found.bound || bound.is_nan() {
                 self.found.bound = bound;
                 self.found.place = Some(self.conditions[index].place);
@@ -221,8 +250,9 @@ impl Segment<'_> {
     }
 }
 
-fn zero_of_chebyshev(k: usize) -> f64 {
-    ((2.0 * count(k) + 1.0) / count(SAMPLES) * FRAC_PI_2).cos()
+/// Zero k of the Chebyshev polynomial of degree `of`.
+fn zero_of_chebyshev(k: usize, of: usize) -> f64 {
+    ((2.0 * count(k) + 1.0) / count(of) * FRAC_PI_2).cos()
 }
 
 impl Condition<'_> {
@@ -253,8 +283,9 @@ impl Condition<'_> {
         }
     }
 
-    /// The least of the bounds, given the largest sample and the bounds on the derivatives of the groups.
-    fn bound(&self, sampled: f64, groups: &[Series]) -> f64 {
+    /// The least of the bounds, given the number of samples, the largest of them, and the bounds on the
+    /// derivatives of the groups.
+    fn bound(&self, samples: usize, sampled: f64, groups: &[Series]) -> f64 {
         let mut sum = [0.0; ORDER + 1];
         for spoke in self.spokes {
             let of_group = &groups[spoke.group.index()];
@@ -266,7 +297,7 @@ impl Condition<'_> {
         let bounds = (0..ORDER).map(|degree| {
             half_power *= 0.5;
             let error = self.lever * derivatives[degree + 1] * half_power;
-            let factor = (count(degree) / count(SAMPLES) * FRAC_PI_2).cos();
+            let factor = (count(degree) / count(samples) * FRAC_PI_2).cos();
             (sampled + error) / factor + error + self.hidden
         });
         bounds.fold(f64::INFINITY, f64::min)

@@ -29,6 +29,20 @@ pub struct CheckOptions {
     pub bound: f64,
     /// Shapes looked at in each segment between its knots; with 0, knots alone are judged.
     pub samples: usize,
+    /// Whether crossings are sought anywhere on the motion, not only in these shapes and at knots.
+    pub sweep: bool,
+}
+
+impl CheckOptions {
+    /// Judges knots alone.
+    #[must_use]
+    pub fn knots_alone(bound: f64) -> Self {
+        Self {
+            bound,
+            samples: 0,
+            sweep: false,
+        }
+    }
 }
 
 impl Default for CheckOptions {
@@ -36,6 +50,7 @@ impl Default for CheckOptions {
         Self {
             bound: 1e-3,
             samples: 16,
+            sweep: true,
         }
     }
 }
@@ -88,11 +103,10 @@ pub struct Verdict {
     pub samples: Vec<Sample>,
     /// The closure of each segment.
     pub segments: Vec<SegmentClosure>,
-    /// No deformation of the whole motion is larger. `None` where that is not known: round holes, and
-    /// where closure is not bounded.
-    pub certified_deformation: Option<f64>,
-    /// Crossings found, one a segment at most: the deepest between its knots and at its end.
+    /// Crossings found: the first of the motion, or, of samples, the deepest of each segment.
     pub crossings: Vec<PathCrossing>,
+    /// Smallest distance met between faces that share no vertex, in units of the sheet.
+    pub min_clearance: Option<f64>,
 }
 
 impl Verdict {
@@ -118,6 +132,15 @@ impl Verdict {
         let bounds = self.segments.iter().map(|segment| segment.bound);
         bounds.fold(self.closure(), f64::max)
     }
+
+    /// What no deformation, gap or twist of the whole motion exceeds; `None` where that is not known.
+    #[must_use]
+    pub fn certified(&self) -> Option<Rigidity> {
+        let mut segments = self.segments.iter();
+        segments.try_fold(self.rigidity(), |worst, segment| {
+            Some(worst.worse(segment.rigidity?))
+        })
+    }
 }
 
 /// Judges a path.
@@ -131,9 +154,13 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
     knots::check_groups(path, &mut verdict.failures);
     knots::check_rigidity(path, options, &mut verdict);
     let mut motion = Motion::of(path);
-    if options.samples == 0 {
+    if options.samples == 0 && !options.sweep {
         motion.segments.clear();
     }
+    let options = &CheckOptions {
+        sweep: options.sweep && !motion.segments.is_empty(),
+        ..*options
+    };
     if verdict.failures.is_empty() {
         let wrong = turns::wrong_turn(&path.pattern, &motion);
         verdict.failures.extend(wrong);
@@ -142,6 +169,11 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
     if motion.is_finite() {
         between::check_closure(path, &motion, options, &mut verdict);
         between::check_shapes(path, &motion, options, &mut verdict);
+        if options.sweep {
+            between::check_crossings(path, &motion, options, &mut verdict);
+        }
+        let crossing = between::first_crossing(path, &verdict);
+        verdict.failures.extend(crossing);
     }
     verdict
 }

@@ -8,8 +8,9 @@ use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
 use crate::symmetry::CreaseGroups;
 
-/// Radians: sectors of stars that are equal but for the rounding of coordinates differ by less.
-pub(super) const SAME_SECTOR: f64 = 2e-14;
+/// Radians: sectors of stars that are equal but for the rounding of coordinates differ by less. By how much
+/// they do is added to bounds.
+const SAME_SECTOR: f64 = 1e-13;
 
 /// The motion of all creases between knots.
 pub(super) struct Motion {

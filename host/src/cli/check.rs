@@ -58,9 +58,9 @@ pub(super) fn run(args: &Check) -> Answer {
         max_deformation: rigidity.deformation,
         max_gap: rigidity.gap,
         max_closure: verdict.closure(),
-        certified_deformation: verdict.certified_deformation,
+        certified_deformation: verdict.certified().map(|most| most.deformation),
         crossings: crossings.collect(),
-        min_clearance: None,
+        min_clearance: verdict.min_clearance,
     };
     if args.report.json {
         print_json(&json)?;

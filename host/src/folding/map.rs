@@ -72,6 +72,12 @@ pub struct Rigidity {
 }
 
 impl Rigidity {
+    /// The largest of the three.
+    #[must_use]
+    pub fn worst(self) -> f64 {
+        larger(larger(self.deformation, self.gap), self.twist)
+    }
+
     /// The worse of both in each respect.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
