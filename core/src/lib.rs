@@ -80,6 +80,7 @@
 #![deny(clippy::indexing_slicing)]
 
 pub mod closure;
+mod curve;
 mod dense;
 mod folding_matrix;
 pub mod gradient;
@@ -94,6 +95,7 @@ mod scalar;
 mod star;
 pub mod trajectory;
 
+pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};

@@ -1,12 +1,10 @@
 //! Trajectories: group angles and their rates at knots, and the motion between them.
-//!
-//! Between knots the motion is the cubic Hermite curve through angles and rates, fourth order in
-//! the distance of the knots.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::Scalar;
+use crate::curve::{Curve, Interpolation, Node};
 
 /// One stored configuration of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +15,42 @@ pub struct Knot<'a, T> {
     pub angles: &'a [T],
     /// Rate of each group, radians per second.
     pub rates: &'a [T],
+    /// Weight of each group's homogeneous half angle and its rate per second; empty unless the
+    /// interpolation is [`Interpolation::Homogeneous`].
+    pub weights: &'a [[T; 2]],
+}
+
+impl<T: Scalar> Knot<'_, T> {
+    /// What the curves of one group are made of.
+    fn node(&self, group: usize) -> Option<Node<T>> {
+        Some(Node {
+            angle: *self.angles.get(group)?,
+            rate: *self.rates.get(group)?,
+            weight: self.weights.get(group).copied().unwrap_or_default(),
+        })
+    }
+
+    /// Why this knot, of that number, cannot be part of a trajectory.
+    fn problem(&self, index: usize, kind: Interpolation, groups: usize) -> Option<TrajectoryError> {
+        let homogeneous = kind == Interpolation::Homogeneous;
+        let weights = if homogeneous { groups } else { 0 };
+        let widths = [self.angles.len(), self.rates.len(), self.weights.len()];
+        let finite = |values: &[T]| values.iter().all(|v| v.is_finite());
+        let finite = self.time.is_finite() && finite(self.angles) && finite(self.rates);
+        let pole = |angle: &T| angle.abs() >= T::PI;
+        let sound = |[w, rate]: &[T; 2]| *w > T::zero() && w.is_finite() && rate.is_finite();
+        if widths != [groups, groups, weights] {
+            Some(TrajectoryError::Width(index))
+        } else if !finite {
+            Some(TrajectoryError::NotFinite(index))
+        } else if kind == Interpolation::HalfAngle && self.angles.iter().any(pole) {
+            Some(TrajectoryError::HalfTurn(index))
+        } else if !self.weights.iter().all(sound) {
+            Some(TrajectoryError::Weight(index))
+        } else {
+            None
+        }
+    }
 }
 
 /// Why a trajectory cannot be built.
@@ -28,6 +62,10 @@ pub enum TrajectoryError {
     Order(usize),
     /// The knot of this number holds an infinity or a NaN.
     NotFinite(usize),
+    /// The knot of this number holds half a turn, where tan ρ/2 is infinite.
+    HalfTurn(usize),
+    /// The knot of this number holds a weight that is not a number above 0.
+    Weight(usize),
     /// The storage is full at the knot of this number.
     Capacity(usize),
 }
@@ -35,9 +73,15 @@ pub enum TrajectoryError {
 impl core::fmt::Display for TrajectoryError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Width(knot) => write!(f, "knot {knot}: expected an angle and a rate per group"),
+            Self::Width(knot) => write!(
+                f,
+                "knot {knot}: expected an angle and a rate per group, and a weight where the \
+                 interpolation has weights"
+            ),
             Self::Order(knot) => write!(f, "knot {knot}: expected a later time than before"),
             Self::NotFinite(knot) => write!(f, "knot {knot}: expected finite numbers"),
+            Self::HalfTurn(knot) => write!(f, "knot {knot}: expected angles below half a turn"),
+            Self::Weight(knot) => write!(f, "knot {knot}: expected weights above 0"),
             Self::Capacity(knot) => write!(f, "knot {knot}: the trajectory's storage is full"),
         }
     }
@@ -48,39 +92,54 @@ impl core::error::Error for TrajectoryError {}
 /// A trajectory in borrowed arrays: knot k of n groups has angles and rates k·n .. (k+1)·n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryView<'a, T> {
+    interpolation: Interpolation,
     groups: usize,
     times: &'a [T],
     angles: &'a [T],
     rates: &'a [T],
+    weights: &'a [[T; 2]],
 }
 
 impl<'a, T: Scalar> TrajectoryView<'a, T> {
-    /// A view of `groups` group angles and rates at each of `times`, checked.
+    /// A view of `groups` group angles and rates at each of `times`, checked. `weights` is empty
+    /// unless the interpolation is [`Interpolation::Homogeneous`].
     ///
     /// # Errors
-    /// If a knot has not its numbers, holds one that is not finite, or is not later than the last.
+    /// If a knot has not its numbers, holds one that is not finite or not in its range, or is not
+    /// later than the last.
     pub fn new(
+        interpolation: Interpolation,
         groups: usize,
         times: &'a [T],
         angles: &'a [T],
         rates: &'a [T],
+        weights: &'a [[T; 2]],
     ) -> Result<Self, TrajectoryError> {
         let view = Self {
+            interpolation,
             groups,
             times,
             angles,
             rates,
+            weights,
         };
         let values = times.len().checked_mul(groups);
-        if values != Some(angles.len()) || values != Some(rates.len()) {
+        let weighted = if interpolation == Interpolation::Homogeneous {
+            values
+        } else {
+            Some(0)
+        };
+        if values != Some(angles.len())
+            || values != Some(rates.len())
+            || weighted != Some(weights.len())
+        {
             let whole = angles.len().min(rates.len()) / groups.max(1);
             return Err(TrajectoryError::Width(whole.min(times.len())));
         }
         for (index, &time) in times.iter().enumerate() {
             let knot = view.knot(index).ok_or(TrajectoryError::Width(index))?;
-            let finite = |values: &[T]| values.iter().all(|v| v.is_finite());
-            if !(time.is_finite() && finite(knot.angles) && finite(knot.rates)) {
-                return Err(TrajectoryError::NotFinite(index));
+            if let Some(problem) = knot.problem(index, interpolation, groups) {
+                return Err(problem);
             }
             let earlier = index.checked_sub(1).and_then(|i| times.get(i));
             if earlier.is_some_and(|&earlier| earlier >= time) {
@@ -88,6 +147,12 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
             }
         }
         Ok(view)
+    }
+
+    /// How the motion between knots is made.
+    #[must_use]
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
     }
 
     /// Number of group angles in a knot.
@@ -116,61 +181,75 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         Some(Knot {
             time: *self.times.get(index)?,
             angles: self.angles.get(range.clone())?,
-            rates: self.rates.get(range)?,
+            rates: self.rates.get(range.clone())?,
+            weights: self.weights.get(range).unwrap_or(&[]),
         })
+    }
+
+    /// The motion of a group between knot number `segment` and the next; its parameter runs from 0 at
+    /// the one to 1 at the other, in proportion to time.
+    #[must_use]
+    pub fn curve(&self, segment: usize, group: usize) -> Option<Curve<T>> {
+        let from = self.knot(segment)?;
+        let to = self.knot(segment.checked_add(1)?)?;
+        let nodes = (from.node(group)?, to.node(group)?);
+        let span = to.time - from.time;
+        Some(Curve::between(self.interpolation, span, nodes.0, nodes.1))
     }
 
     /// Group angles (radians) at `time` (seconds): those of the first or last knot outside the
     /// trajectory, nothing for an empty one.
     ///
-    /// Cost: a binary search and 8 multiplications a group.
+    /// Cost: a binary search and a cubic a group, with sine, cosine and arc tangent for half angles.
     pub fn sample(&self, time: T, angles: &mut [T]) {
+        self.at(
+            time,
+            angles,
+            |knot| knot.angles,
+            |curve, s, _| curve.angle(s),
+        );
+    }
+
+    /// Group rates (radians per second) at `time` (seconds), from its right; those of the first or
+    /// last knot outside the trajectory.
+    pub fn sample_rates(&self, time: T, rates: &mut [T]) {
+        let rate = |curve: Curve<T>, s, span| {
+            let [rate, _] = curve.derivatives(s);
+            rate / span
+        };
+        self.at(time, rates, |knot| knot.rates, rate);
+    }
+
+    /// Writes a number per group: of the nearest knot outside the trajectory and at its end, else of
+    /// the group's curve, the place on it and the segment's duration.
+    fn at(
+        &self,
+        time: T,
+        values: &mut [T],
+        outside: impl Fn(Knot<'a, T>) -> &'a [T],
+        inside: impl Fn(Curve<T>, T, T) -> T,
+    ) {
         let after = self.times.partition_point(|&knot| knot <= time);
-        let Some(to) = self.knot(after) else {
-            if let Some(last) = after.checked_sub(1).and_then(|i| self.knot(i)) {
-                copy(last.angles, angles);
+        let before = after.checked_sub(1).and_then(|i| self.knot(i));
+        match (before, self.knot(after)) {
+            (Some(from), Some(to)) => {
+                let span = to.time - from.time;
+                let s = (time - from.time) / span;
+                for (group, value) in values.iter_mut().enumerate() {
+                    let (Some(from), Some(to)) = (from.node(group), to.node(group)) else {
+                        break;
+                    };
+                    let curve = Curve::between(self.interpolation, span, from, to);
+                    *value = inside(curve, s, span);
+                }
             }
-            return;
-        };
-        let Some(from) = after.checked_sub(1).and_then(|i| self.knot(i)) else {
-            copy(to.angles, angles);
-            return;
-        };
-        let span = to.time - from.time;
-        let basis = HermiteBasis::at((time - from.time) / span, span);
-        let ends = from.angles.iter().zip(from.rates);
-        let ends = ends.zip(to.angles.iter().zip(to.rates));
-        for (((p0, m0), (p1, m1)), angle) in ends.zip(angles) {
-            *angle = basis.combine([*p0, *m0, *p1, *m1]);
+            (Some(knot), None) | (None, Some(knot)) => {
+                for (from, to) in outside(knot).iter().zip(values) {
+                    *to = *from;
+                }
+            }
+            (None, None) => {}
         }
-    }
-}
-
-fn copy<T: Copy>(from: &[T], to: &mut [T]) {
-    for (from, to) in from.iter().zip(to) {
-        *to = *from;
-    }
-}
-
-/// Weights of the two angles and two rates of a cubic Hermite segment.
-struct HermiteBasis<T>([T; 4]);
-
-impl<T: Scalar> HermiteBasis<T> {
-    /// At the fraction `s` in 0..1 of a segment of `span` seconds.
-    fn at(s: T, span: T) -> Self {
-        let rest = T::one() - s;
-        let double = T::TWO * s;
-        Self([
-            (T::one() + double) * rest * rest,
-            s * rest * rest * span,
-            s * s * (T::TWO + T::one() - double),
-            -s * s * rest * span,
-        ])
-    }
-
-    fn combine(&self, [p0, m0, p1, m1]: [T; 4]) -> T {
-        let [a, b, c, d] = self.0;
-        a * p0 + b * m0 + c * p1 + d * m1
     }
 }
 
@@ -180,21 +259,25 @@ impl<T: Scalar> HermiteBasis<T> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "", try_from = "Unchecked<T, KNOTS, VALUES>")]
 pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize> {
+    interpolation: Interpolation,
     groups: u16,
     times: Vec<T, KNOTS>,
     angles: Vec<T, VALUES>,
     rates: Vec<T, VALUES>,
+    weights: Vec<[T; 2], VALUES>,
 }
 
 impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VALUES> {
     /// An empty trajectory of `groups` group angles.
     #[must_use]
-    pub const fn new(groups: u16) -> Self {
+    pub const fn new(interpolation: Interpolation, groups: u16) -> Self {
         Self {
+            interpolation,
             groups,
             times: Vec::new(),
             angles: Vec::new(),
             rates: Vec::new(),
+            weights: Vec::new(),
         }
     }
 
@@ -205,12 +288,8 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
     pub fn push(&mut self, knot: Knot<'_, T>) -> Result<(), TrajectoryError> {
         let index = self.times.len();
         let width = usize::from(self.groups);
-        if knot.angles.len() != width || knot.rates.len() != width {
-            return Err(TrajectoryError::Width(index));
-        }
-        let finite = |values: &[T]| values.iter().all(|v| v.is_finite());
-        if !(knot.time.is_finite() && finite(knot.angles) && finite(knot.rates)) {
-            return Err(TrajectoryError::NotFinite(index));
+        if let Some(problem) = knot.problem(index, self.interpolation, width) {
+            return Err(problem);
         }
         if self.times.last().is_some_and(|&last| last >= knot.time) {
             return Err(TrajectoryError::Order(index));
@@ -221,17 +300,20 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
         }
         let full = |_| TrajectoryError::Capacity(index);
         self.angles.extend_from_slice(knot.angles).map_err(full)?;
-        self.rates.extend_from_slice(knot.rates).map_err(full)
+        self.rates.extend_from_slice(knot.rates).map_err(full)?;
+        self.weights.extend_from_slice(knot.weights).map_err(full)
     }
 
     /// The trajectory as a view.
     #[must_use]
     pub fn view(&self) -> TrajectoryView<'_, T> {
         TrajectoryView {
+            interpolation: self.interpolation,
             groups: usize::from(self.groups),
             times: &self.times,
             angles: &self.angles,
             rates: &self.rates,
+            weights: &self.weights,
         }
     }
 }
@@ -240,10 +322,12 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
 #[derive(Deserialize)]
 #[serde(bound = "")]
 struct Unchecked<T: Scalar, const KNOTS: usize, const VALUES: usize> {
+    interpolation: Interpolation,
     groups: u16,
     times: Vec<T, KNOTS>,
     angles: Vec<T, VALUES>,
     rates: Vec<T, VALUES>,
+    weights: Vec<[T; 2], VALUES>,
 }
 
 impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Unchecked<T, KNOTS, VALUES>>
@@ -253,17 +337,22 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Unchecked<T, KN
 
     fn try_from(arrived: Unchecked<T, KNOTS, VALUES>) -> Result<Self, TrajectoryError> {
         let Unchecked {
+            interpolation,
             groups,
             times,
             angles,
             rates,
+            weights,
         } = arrived;
-        TrajectoryView::new(usize::from(groups), &times, &angles, &rates)?;
+        let width = usize::from(groups);
+        TrajectoryView::new(interpolation, width, &times, &angles, &rates, &weights)?;
         Ok(Self {
+            interpolation,
             groups,
             times,
             angles,
             rates,
+            weights,
         })
     }
 }

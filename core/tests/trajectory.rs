@@ -3,8 +3,9 @@
 mod common;
 
 use common::{cast, rng, uniform};
-use foldpath_core::Scalar;
+use foldpath_core::Interpolation::Hermite;
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryError, TrajectoryView};
+use foldpath_core::{Curve, Interpolation, Node, Scalar};
 
 /// A polynomial of degree 3 and its derivative, at `t`.
 fn cubic([a, b, c, d]: [f64; 4], t: f64) -> (f64, f64) {
@@ -22,7 +23,7 @@ fn reproduces_cubics<T: Scalar>() {
         let angles: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.0)).collect();
         let rates: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.1)).collect();
         let times: [T; 5] = cast(times);
-        let view = TrajectoryView::new(2, &times, &angles, &rates).unwrap();
+        let view = TrajectoryView::new(Hermite, 2, &times, &angles, &rates, &[]).unwrap();
         for t in (0..=96).map(|step| -1.0 + f64::from(step) / 32.0) {
             let mut sampled = [T::zero(); 2];
             view.sample(T::lit(t), &mut sampled);
@@ -50,7 +51,7 @@ const RATES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 
 #[test]
 fn times_outside_get_the_nearest_knot() {
-    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
     for (time, knot) in [
         (-1e9, 0),
         (0.999, 0),
@@ -68,19 +69,20 @@ fn times_outside_get_the_nearest_knot() {
         );
     }
     let mut untouched = [7.0];
-    let empty = TrajectoryView::<f64>::new(1, &[], &[], &[]).unwrap();
+    let empty = TrajectoryView::<f64>::new(Hermite, 1, &[], &[], &[], &[]).unwrap();
     empty.sample(0.0, &mut untouched);
     assert_eq!(untouched.map(f64::to_bits), [7_f64.to_bits()]);
 }
 
 #[test]
 fn a_view_lists_its_knots() {
-    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
     assert_eq!((view.len(), view.groups(), view.is_empty()), (2, 2, false));
     let second = Knot {
         time: 2.0,
         angles: &[0.3, 0.4],
         rates: &[3.0, 4.0],
+        weights: &[],
     };
     assert_eq!(view.knot(1), Some(second));
     assert_eq!(view.knot(2), None);
@@ -90,7 +92,7 @@ fn a_view_lists_its_knots() {
 #[test]
 fn a_view_refuses_bad_knots() {
     let error = |times: [f64; 2], angles: &[f64], rates: &[f64]| {
-        TrajectoryView::new(2, &times, angles, rates).unwrap_err()
+        TrajectoryView::new(Hermite, 2, &times, angles, rates, &[]).unwrap_err()
     };
     assert_eq!(
         error(TIMES, &ANGLES[..3], &RATES),
@@ -131,12 +133,13 @@ fn knot<'a>(time: f64, angles: &'a [f64], rates: &'a [f64]) -> Knot<'a, f64> {
         time,
         angles,
         rates,
+        weights: &[],
     }
 }
 
 /// Two knots of two groups, in room for `KNOTS` knots and `VALUES` angles.
 fn two_knots<const KNOTS: usize, const VALUES: usize>() -> Trajectory<f64, KNOTS, VALUES> {
-    let mut trajectory = Trajectory::new(2);
+    let mut trajectory = Trajectory::new(Hermite, 2);
     for (index, time) in TIMES.into_iter().enumerate() {
         let range = 2 * index..2 * index + 2;
         let knot = knot(time, &ANGLES[range.clone()], &RATES[range]);
@@ -148,7 +151,7 @@ fn two_knots<const KNOTS: usize, const VALUES: usize>() -> Trajectory<f64, KNOTS
 #[test]
 fn pushed_knots_are_in_the_view() {
     let trajectory = two_knots::<2, 4>();
-    let view = TrajectoryView::new(2, &TIMES, &ANGLES, &RATES).unwrap();
+    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
     assert_eq!(trajectory.view(), view);
 }
 
@@ -196,11 +199,139 @@ fn postcard_brings_back_the_same_trajectory() {
     let bytes = postcard::to_slice(&trajectory, &mut buffer).unwrap();
     let back: Trajectory<f64, 4, 8> = postcard::from_bytes(bytes).unwrap();
     assert_eq!(back, trajectory);
-    // The last byte is the top of the last rate: an exponent of ones is no number.
+    // Before the count of weights lies the top of the last rate: an exponent of ones is no number.
     let mut spoilt = bytes.to_vec();
-    let end = spoilt.len();
-    spoilt[end - 2..].fill(0xff);
+    let end = spoilt.len() - 1;
+    spoilt[end - 2..end].fill(0xff);
     assert!(postcard::from_bytes::<Trajectory<f64, 4, 8>>(&spoilt).is_err());
     let too_small = postcard::from_bytes::<Trajectory<f64, 1, 8>>(bytes);
     assert!(too_small.is_err());
+}
+
+/// A weighted knot of one group.
+fn node(angle: f64, rate: f64, weight: [f64; 2]) -> Node<f64> {
+    Node {
+        angle,
+        rate,
+        weight,
+    }
+}
+
+const KINDS: [Interpolation; 4] = [
+    Interpolation::Linear,
+    Interpolation::Hermite,
+    Interpolation::HalfAngle,
+    Interpolation::Homogeneous,
+];
+
+#[test]
+fn curves_pass_through_their_knots_with_their_rates() {
+    let mut rng = rng(52);
+    let mut draw = |most: f64| uniform(&mut rng, -most, most);
+    for _ in 0..1000 {
+        let span = 1.5 + draw(1.0);
+        let nodes = [(); 2].map(|()| node(draw(2.5), draw(1.0), [1.5 + draw(1.0), draw(0.3)]));
+        for kind in KINDS {
+            let curve = Curve::between(kind, span, nodes[0], nodes[1]);
+            for (s, node) in [(0.0, nodes[0]), (1.0, nodes[1])] {
+                assert!((curve.angle(s) - node.angle).abs() < 1e-14, "{kind:?}");
+                let slope = if kind == Interpolation::Linear {
+                    nodes[1].angle - nodes[0].angle
+                } else {
+                    node.rate * span
+                };
+                assert!((curve.derivatives(s)[0] - slope).abs() < 1e-12, "{kind:?}");
+                let half = curve.half_angle(s);
+                assert!((half.cos - (node.angle / 2.0).cos()).abs() < 1e-14);
+                assert!((half.sin - (node.angle / 2.0).sin()).abs() < 1e-14);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_the_angle() {
+    let mut rng = rng(53);
+    let mut draw = |most: f64| uniform(&mut rng, -most, most);
+    let h = 1e-4;
+    for _ in 0..200 {
+        let nodes = [(); 2].map(|()| node(draw(2.0), draw(1.0), [1.5 + draw(0.5), draw(0.3)]));
+        let s = 0.5 + draw(0.4);
+        for kind in KINDS {
+            let curve = Curve::between(kind, 0.7, nodes[0], nodes[1]);
+            let [before, here, after] = [s - h, s, s + h].map(|s| curve.angle(s));
+            let [first, second] = curve.derivatives(s);
+            let size = 1.0 + first.abs() + second.abs();
+            assert!(((after - before) / (2.0 * h) - first).abs() < 1e-4 * size);
+            let bend = (after - 2.0 * here + before) / (h * h);
+            assert!((bend - second).abs() < 1e-4 * size, "{kind:?}");
+        }
+    }
+}
+
+#[test]
+fn one_homogeneous_segment_folds_a_miura_flat() {
+    // c = 1 - s, n = k s from flat to half a turn, k = 1 for the one group and cos 60 degrees for
+    // the other: then tan ρ₁/2 = cos 60 tan ρ₀/2 all along.
+    let curve = |k: f64| {
+        let flat = node(0.0, 2.0 * k, [1.0, -1.0]);
+        let folded = node(core::f64::consts::PI, 2.0 / k, [k, k]);
+        Curve::between(Interpolation::Homogeneous, 1.0, flat, folded)
+    };
+    let (zigzag, straight) = (curve(1.0), curve(0.5));
+    for s in (0..=100).map(|k| f64::from(k) / 100.0) {
+        let [zigzag, straight] = [zigzag, straight].map(|curve| curve.half_angle(s));
+        let open = zigzag.cos * straight.sin - 0.5 * zigzag.sin * straight.cos;
+        assert!(open.abs() < 1e-15, "{open:e} at {s}");
+    }
+    assert!((zigzag.angle(1.0) - core::f64::consts::PI).abs() < 1e-15);
+}
+
+#[test]
+fn a_view_refuses_what_its_interpolation_cannot_pass_through() {
+    let (times, rates) = ([0.0, 1.0], [0.0; 2]);
+    let view = |kind, angles: &[f64; 2], weights: &[[f64; 2]]| {
+        TrajectoryView::new(kind, 1, &times, angles, &rates, weights).map(|_| ())
+    };
+    let half_turn = [0.0, core::f64::consts::PI];
+    let half_angle = Interpolation::HalfAngle;
+    assert_eq!(
+        view(half_angle, &half_turn, &[]),
+        Err(TrajectoryError::HalfTurn(1))
+    );
+    assert_eq!(view(Hermite, &half_turn, &[]), Ok(()));
+    let homogeneous = Interpolation::Homogeneous;
+    assert_eq!(view(homogeneous, &half_turn, &[[1.0, 0.0]; 2]), Ok(()));
+    assert_eq!(
+        view(homogeneous, &half_turn, &[[1.0, 0.0], [0.0, 1.0]]),
+        Err(TrajectoryError::Weight(1))
+    );
+    for (kind, weights) in [(homogeneous, 0), (Hermite, 2)] {
+        let weights = &[[1.0, 0.0]; 2][..weights];
+        assert!(matches!(
+            view(kind, &half_turn, weights),
+            Err(TrajectoryError::Width(_))
+        ));
+    }
+}
+
+#[test]
+fn rates_are_sampled_per_second() {
+    let (times, angles, rates) = ([1.0, 3.0], [0.0, 1.0], [0.25, 0.75]);
+    let view = TrajectoryView::new(Hermite, 1, &times, &angles, &rates, &[]).unwrap();
+    let rate = |time| {
+        let mut rate = [0.0];
+        view.sample_rates(time, &mut rate);
+        rate[0]
+    };
+    let angle = |time| {
+        let mut angle = [0.0];
+        view.sample(time, &mut angle);
+        angle[0]
+    };
+    assert!((rate(0.0) - 0.25).abs() < 1e-15 && (rate(4.0) - 0.75).abs() < 1e-15);
+    for time in [1.0, 1.5, 2.0, 2.9] {
+        let slope = (angle(time + 1e-6) - angle(time)) / 1e-6;
+        assert!((rate(time) - slope).abs() < 1e-5);
+    }
 }

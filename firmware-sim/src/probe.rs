@@ -8,7 +8,7 @@ use core::fmt::Write;
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
 use foldpath_core::{
-    DenseNormalEquations, GroupId, HalfAngle, Objective, Spoke, StarsView, gradient,
+    DenseNormalEquations, GroupId, HalfAngle, Interpolation, Objective, Spoke, StarsView, gradient,
     levenberg_marquardt,
 };
 use nalgebra::Vector3;
@@ -145,7 +145,10 @@ fn follow(
     let mut workspace = [0.0; 3 * GROUPS];
     let (limits, options) = (Limits::HalfTurn, Options::default());
 
-    let mut path = Path::new(u16::try_from(n).map_err(|_| Failure::Size)?);
+    let mut path = Path::new(
+        Interpolation::Hermite,
+        u16::try_from(n).map_err(|_| Failure::Size)?,
+    );
     for step in 0..=STEPS {
         if step > 0 {
             for (angle, rate) in angles.iter_mut().zip(&*rates) {
@@ -180,6 +183,7 @@ fn follow(
             time: f32::from(step) * STEP,
             angles,
             rates,
+            weights: &[],
         };
         path.push(knot).map_err(|_| Failure::Knot)?;
     }

@@ -4,6 +4,7 @@
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, VertexId};
 use foldpath::planner::{Goal, Outcome, Path, PlanOptions, plan};
+use foldpath_core::Interpolation;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_tests::closed_form::{self, miura_straight, yoshimura_diagonal};
 use foldpath_tests::worst;
@@ -175,7 +176,9 @@ impl Planned {
         let angles: Vec<f64> = knots.iter().flat_map(|knot| knot.angles.clone()).collect();
         let rates: Vec<f64> = knots.iter().flat_map(|knot| knot.rates.clone()).collect();
         let groups = knots[0].angles.len();
-        let trajectory = TrajectoryView::new(groups, &times, &angles, &rates).unwrap();
+        let trajectory =
+            TrajectoryView::new(Interpolation::Hermite, groups, &times, &angles, &rates, &[])
+                .unwrap();
         let mut sample = vec![0.0; groups];
         let points = times.windows(2).flat_map(|pair| {
             let [from, to] = [pair[0], pair[1]];

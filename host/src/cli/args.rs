@@ -397,8 +397,10 @@ impl Plan {
             },
             collision: self.collision == Switch::On,
             interpolation: match self.interpolation {
-                Interpolation::Auto | Interpolation::Hermite => planner::Interpolation::Hermite,
-                Interpolation::Linear => planner::Interpolation::Linear,
+                Interpolation::Auto | Interpolation::Hermite => {
+                    foldpath_core::Interpolation::Hermite
+                }
+                Interpolation::Linear => foldpath_core::Interpolation::Linear,
             },
             solver: match self.solver {
                 Solver::Lm => planner::Solver::LevenbergMarquardt,

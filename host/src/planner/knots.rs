@@ -1,30 +1,9 @@
 //! Paths: configurations of the whole sheet with times and rates.
 
-use foldpath_core::Membership;
+use foldpath_core::{Interpolation, Membership};
 use nalgebra::Vector3;
 
 use super::follow::Waypoint;
-
-/// How the motion between two knots is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Cubic Hermite in the fold angle, with the rates of the knots.
-    #[default]
-    Hermite,
-    /// Straight lines in the fold angle.
-    Linear,
-}
-
-impl Interpolation {
-    /// Its name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hermite => "hermite",
-            Self::Linear => "linear",
-        }
-    }
-}
 
 /// One stored configuration of a path, with what was measured there on the whole sheet.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -22,7 +22,7 @@ mod sparse;
 pub use depart::{Departure, leave_flat};
 pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
-pub use knots::{Interpolation, Knot, Path};
+pub use knots::{Knot, Path};
 pub use options::{HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Vertices};
 pub use plan::{Outcome, Plan, Times, plan};
 pub use reduction::closure_of;

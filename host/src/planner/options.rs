@@ -3,10 +3,9 @@
 use core::f64::consts::PI;
 use core::time::Duration;
 
-use foldpath_core::Objective;
+use foldpath_core::{Interpolation, Objective};
 use thiserror::Error;
 
-use super::Interpolation;
 use crate::pattern::CreaseId;
 
 /// Whether to look for crease groups.

@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use foldpath_core::{GroupId, Membership};
+use foldpath_core::{GroupId, Interpolation, Membership};
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame};
 use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
-use crate::planner::Interpolation;
 
 /// A path as a file has it.
 #[derive(Clone, Debug)]
@@ -98,14 +97,30 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     })
 }
 
+/// The name of an interpolation in files.
+pub(super) fn interpolation_name(kind: Interpolation) -> &'static str {
+    match kind {
+        Interpolation::Linear => "linear",
+        Interpolation::Hermite => "hermite",
+        Interpolation::HalfAngle => "half-angle",
+        Interpolation::Homogeneous => "homogeneous",
+    }
+}
+
 fn interpolation(key: &Frame<'_>) -> Result<Interpolation, FileError> {
     let Some(name) = key.own("foldpath:interpolation") else {
         return Ok(Interpolation::Linear);
     };
-    let known = [Interpolation::Hermite, Interpolation::Linear];
+    let known = [
+        Interpolation::Hermite,
+        Interpolation::HalfAngle,
+        Interpolation::Linear,
+    ];
     let text = name.text()?;
-    let found = known.into_iter().find(|kind| kind.name() == text);
-    found.ok_or_else(|| name.expected("\"hermite\" or \"linear\""))
+    let found = known
+        .into_iter()
+        .find(|kind| interpolation_name(*kind) == text);
+    found.ok_or_else(|| name.expected("\"hermite\", \"half-angle\" or \"linear\""))
 }
 
 /// For each edge its crease group and sign; empty if the file does not say.

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 
 use serde::{Serialize, Serializer};
 
+use super::animation::interpolation_name;
 use crate::pattern::{CreasePattern, Drawing, Edge};
 use crate::planner::{Knot, Path};
 
@@ -142,7 +143,10 @@ impl PathWriter<'_> {
             file.list("edges_vertices", edges().map(|e| e.ends.map(|v| v.0)))?;
             file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
             file.list("faces_vertices", faces)?;
-            file.set("foldpath:interpolation", path.interpolation.name())?;
+            file.set(
+                "foldpath:interpolation",
+                interpolation_name(path.interpolation),
+            )?;
             file.list("foldpath:edges_group", groups)?;
             file.list("foldpath:edges_sign", signs)?;
             file.set("foldpath:seed", &self.seed)?;

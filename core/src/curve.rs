@@ -1,0 +1,178 @@
+//! The motion of one fold angle between two knots.
+//!
+//! A segment of a trajectory is a cubic: of the fold angle itself, or of the pair (c, n) proportional
+//! to (cos ρ/2, sin ρ/2), the *homogeneous half angle*. In the latter the closure of a vertex is a
+//! polynomial of the path parameter, since each factor of its quaternion product is, and half a turn
+//! is no pole. Flat-foldable degree-4 vertices move with tangents of half angles that keep their
+//! ratios, so one such segment is their whole motion, without error.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{HalfAngle, Scalar};
+
+/// How the motion between two knots is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interpolation {
+    /// Straight lines in the fold angle.
+    Linear,
+    /// Cubic Hermite in the fold angle, with the rates of the knots.
+    #[default]
+    Hermite,
+    /// Cubic Hermite in tan ρ/2, with the rates that follow from those of the knots. Angles stay
+    /// below half a turn.
+    HalfAngle,
+    /// Cubic Hermite in w (cos ρ/2, sin ρ/2), with weights w above 0 at the knots and their rates.
+    Homogeneous,
+}
+
+/// One group at one knot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node<T> {
+    /// Fold angle ρ, radians.
+    pub angle: T,
+    /// Its rate, radians per unit of the parameter.
+    pub rate: T,
+    /// Weight of the homogeneous half angle and its rate; only [`Interpolation::Homogeneous`] reads them.
+    pub weight: [T; 2],
+}
+
+/// The motion of one fold angle over a segment with parameter s from 0 to 1: cubics by their Bernstein
+/// coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve<T> {
+    /// Of the fold angle, radians.
+    Angle([T; 4]),
+    /// Of two numbers proportional to the cosine and the sine of half the fold angle. The first is
+    /// nowhere negative, and both together nowhere 0, while weights are sound.
+    HalfAngle {
+        /// Proportional to cos ρ/2.
+        cos: [T; 4],
+        /// Proportional to sin ρ/2.
+        sin: [T; 4],
+    },
+}
+
+impl<T: Scalar> Curve<T> {
+    /// The segment between two knots `span` units of the parameter apart.
+    #[must_use]
+    pub fn between(kind: Interpolation, span: T, from: Node<T>, to: Node<T>) -> Self {
+        let cubic = |p: [T; 2], m: [T; 2]| hermite(p, [m[0] * span, m[1] * span]);
+        match kind {
+            Interpolation::Linear => {
+                let slope = to.angle - from.angle;
+                Self::Angle(hermite([from.angle, to.angle], [slope, slope]))
+            }
+            Interpolation::Hermite => {
+                Self::Angle(cubic([from.angle, to.angle], [from.rate, to.rate]))
+            }
+            Interpolation::HalfAngle => {
+                let [from, to] = [from, to].map(|node| tangent(node.angle, node.rate));
+                Self::HalfAngle {
+                    cos: [T::one(); 4],
+                    sin: cubic([from[0], to[0]], [from[1], to[1]]),
+                }
+            }
+            Interpolation::Homogeneous => {
+                let [from, to] = [from, to].map(homogeneous);
+                let part = |k: usize| -> [T; 4] {
+                    let pick =
+                        |node: &[[T; 2]; 2]| node.get(k).copied().unwrap_or_else(|| [T::zero(); 2]);
+                    let (from, to) = (pick(&from), pick(&to));
+                    cubic([from[0], to[0]], [from[1], to[1]])
+                };
+                Self::HalfAngle {
+                    cos: part(0),
+                    sin: part(1),
+                }
+            }
+        }
+    }
+
+    /// Fold angle (radians) at `s`.
+    #[must_use]
+    pub fn angle(&self, s: T) -> T {
+        match self {
+            Self::Angle(angle) => value(angle, s),
+            Self::HalfAngle { cos, sin } => T::TWO * value(sin, s).atan2(value(cos, s)),
+        }
+    }
+
+    /// First and second derivative of the fold angle by s (radians) at `s`.
+    #[must_use]
+    pub fn derivatives(&self, s: T) -> [T; 2] {
+        match self {
+            Self::Angle(angle) => {
+                let [_, first, second] = jet(angle, s);
+                [first, second]
+            }
+            Self::HalfAngle { cos, sin } => {
+                let ([c, c1, c2], [n, n1, n2]) = (jet(cos, s), jet(sin, s));
+                let square = c * c + n * n;
+                let turn = (c * n1 - n * c1) / square;
+                let grow = (c * c1 + n * n1) / square;
+                [
+                    T::TWO * turn,
+                    T::TWO * ((c * n2 - n * c2) / square - T::TWO * turn * grow),
+                ]
+            }
+        }
+    }
+
+    /// Cosine and sine of half the fold angle at `s`.
+    #[must_use]
+    pub fn half_angle(&self, s: T) -> HalfAngle<T> {
+        match self {
+            Self::Angle(angle) => HalfAngle::of(value(angle, s)),
+            Self::HalfAngle { cos, sin } => {
+                let (cos, sin) = (value(cos, s), value(sin, s));
+                let scale = T::one() / (cos * cos + sin * sin).sqrt();
+                HalfAngle {
+                    cos: cos * scale,
+                    sin: sin * scale,
+                }
+            }
+        }
+    }
+}
+
+/// Tangent of half an angle, and its rate.
+fn tangent<T: Scalar>(angle: T, rate: T) -> [T; 2] {
+    let HalfAngle { cos, sin } = HalfAngle::of(angle);
+    let tangent = sin / cos;
+    [tangent, rate * T::HALF * (T::one() + tangent * tangent)]
+}
+
+/// For c and for n of a homogeneous half angle: the value and its rate.
+fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
+    let HalfAngle { cos, sin } = HalfAngle::of(node.angle);
+    let ([weight, grow], turn) = (node.weight, node.rate * T::HALF);
+    [
+        [weight * cos, grow * cos - weight * turn * sin],
+        [weight * sin, grow * sin + weight * turn * cos],
+    ]
+}
+
+/// Bernstein coefficients of the cubic with values `p` and derivatives `m` at 0 and 1.
+fn hermite<T: Scalar>(p: [T; 2], m: [T; 2]) -> [T; 4] {
+    let third = T::one() / (T::TWO + T::one());
+    [p[0], p[0] + m[0] * third, p[1] - m[1] * third, p[1]]
+}
+
+/// The cubic at `s`.
+fn value<T: Scalar>(b: &[T; 4], s: T) -> T {
+    let [value, ..] = jet(b, s);
+    value
+}
+
+/// The cubic and its first two derivatives at `s`, by de Casteljau's algorithm.
+fn jet<T: Scalar>([a, b, c, d]: &[T; 4], s: T) -> [T; 3] {
+    let mix = |a: T, b: T| a + (b - a) * s;
+    let (ab, bc, cd) = (mix(*a, *b), mix(*b, *c), mix(*c, *d));
+    let (abc, bcd) = (mix(ab, bc), mix(bc, cd));
+    let three = T::TWO + T::one();
+    [
+        mix(abc, bcd),
+        three * (bcd - abc),
+        three * T::TWO * (cd - bc - (bc - ab)),
+    ]
+}
