@@ -5,7 +5,7 @@ use std::path::Path;
 use foldpath_core::{GroupId, Interpolation, Membership};
 use nalgebra::Vector3;
 
-use super::document::{Document, Frame};
+use super::document::{Document, Frame, Located};
 use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -63,16 +63,16 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     let document = Document::read(path)?;
     let key = document.key_frame();
     let pattern = pattern_of(&document, &key, goals(&key)?)?;
-    let frames = document.frame_count()?;
-    if frames == 0 {
+    let frames = document.frames()?;
+    if frames.len() == 0 {
         return Err(document.expected(
             "file_frames".into(),
             "at least one knot (of a path; `foldpath plan` makes one of a crease pattern)",
             "none",
         ));
     }
-    let knots: Vec<PathKnot> = (0..frames)
-        .map(|index| knot(&document.frame(index)?, index, &pattern.pattern))
+    let knots: Vec<PathKnot> = (0..frames.len())
+        .map(|index| knot(&frames.get(index)?, index, &pattern.pattern))
         .collect::<Result<_, _>>()?;
     for (index, pair) in knots.windows(2).enumerate() {
         if pair[0].time >= pair[1].time {
@@ -156,10 +156,10 @@ fn members(key: &Frame<'_>, edges: usize) -> Result<Vec<Option<Membership>>, Fil
 
 fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<PathKnot, FileError> {
     let edges = pattern.edges().len();
-    let own = |key: &str| frame.own(key);
+    let own = |key: &'static str| frame.own(key);
     let list = frame.own("edges_foldAngle");
     let list = list.map_or_else(|| frame.require("edges_foldAngle"), Ok)?;
-    let radians = |entry: super::document::Located<'_>| entry.number().map(f64::to_radians);
+    let radians = |entry: Located<'_>| entry.number().map(f64::to_radians);
     let fold_angles = list
         .entries_of(edges, "edge")?
         .map(radians)
@@ -171,7 +171,7 @@ fn knot(frame: &Frame<'_>, index: usize, pattern: &CreasePattern) -> Result<Path
         }
         None => None,
     };
-    let number = |key: &str| {
+    let number = |key: &'static str| {
         own(key)
             .filter(|v| !v.is_null())
             .map(|v| v.number())
