@@ -50,10 +50,8 @@ impl Amplification {
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
         let vertices = pattern.vertices();
         let edges = tree.loops().iter().map(|step| pattern.edge(step.edge).ends);
-        let pairs: Vec<_> = edges
-            .flat_map(|[a, b]| [(a.index(), b), (b.index(), a)])
-            .collect();
-        let uncrossed = group_by_key(vertices.len(), &pairs);
+        let pairs = edges.flat_map(|[a, b]| [(a.index(), b), (b.index(), a)]);
+        let uncrossed = group_by_key(vertices.len(), pairs);
 
         // The vertex that each hangs on; those of the border hang on none.
         let mut above: Vec<Option<VertexId>> = vec![None; vertices.len()];
