@@ -274,11 +274,6 @@ pub(super) const SAME: f64 = 1e-7;
 /// crease has none.
 #[must_use]
 pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
-    let groups = CreaseGroups::trivial(pattern);
-    let angles = groups
-        .reduce(fold_angles)
-        .into_iter()
-        .collect::<Option<Vec<f64>>>()?;
-    let stars = ReducedStars::all(pattern, &groups);
-    Some(stars.largest_residual(&angles))
+    let angles = fold_angles.iter().copied().collect::<Option<Vec<f64>>>()?;
+    Some(ReducedStars::of_creases(pattern).largest_residual(&angles))
 }
