@@ -138,13 +138,17 @@ impl Reduction {
         })
     }
 
-    /// The essential tolerance: closure residual that no vertex may exceed. If all did reach it, the
-    /// whole sheet would still keep the bound.
+    /// The essential tolerance: closure residual that no vertex may exceed.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
+        self.tolerance(options.bound)
+    }
+
+    /// Closure residual that all vertices may reach while the whole sheet keeps a bound.
+    pub(super) fn tolerance(&self, bound: f64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
         // Where nothing is known for certain, each vertex may add to the next.
-        (options.bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
+        (bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
     }
 
     /// The stars to solve.
