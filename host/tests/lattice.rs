@@ -1,7 +1,7 @@
 //! The lattice of a tessellation, and the folded sheet by one cell of it, against the whole sheet.
 
+use core::f64::consts::PI;
 use std::collections::{HashMap, HashSet};
-use std::f64::consts::PI;
 
 use foldpath::folding::{FoldingMap, LatticeMotion, SpanningTree};
 use foldpath::generate::{Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
@@ -620,7 +620,7 @@ fn gap_and_drift_are_bounds() {
                 let drift = before.drift(&changes);
                 let corners = |motion: &LatticeMotion, cell| {
                     let mut all = Vec::new();
-                    for orbit in 0..sheet.lattice.orbits().len() as u32 {
+                    for orbit in (0..).take(sheet.lattice.orbits().len()) {
                         let pose = motion.pose(orbit, cell);
                         all.extend(motion.corners(orbit).iter().map(|&c| pose.apply(c)));
                     }

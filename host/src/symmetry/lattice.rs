@@ -20,7 +20,9 @@ use crate::ragged::{Ragged, group_by_key};
 /// from A + t as B does as seen from A, whatever the group angles. In other words: with `pose` taking flat
 /// points to folded ones, the rigid motion S that takes pose(A)(x) to pose(A + t)(x + t) is the same for
 /// all faces that such chains join. Nothing else is asked of the step: what faces without an image do,
-/// or parts of the sheet that no chain joins, is left open, and these have orbits of their own.
+/// or parts of the sheet that no chain joins, is left open, and these have orbits of their own. Only a
+/// face cut at the border that hangs on one of the same orbit as another, along the same hinge, moves as
+/// that does.
 ///
 /// With two steps, some face A has A + t₁, A + t₂ and A + t₁ + t₂ in the sheet. Wherever the sheet
 /// closes, both ways to the last say that S₁ and S₂ commute, so that any way from a face to its image
@@ -76,8 +78,8 @@ pub struct Link {
 }
 
 impl Lattice {
-    /// The lattice of one sheet with these crease groups; `None` if no step is found, or there are
-    /// several sheets. Cost: about linear.
+    /// The lattice of one sheet with these crease groups; `None` if no step is found that leaves at most
+    /// half as many orbits as faces, or there are several sheets. Cost: about linear.
     #[must_use]
     pub fn find(pattern: &CreasePattern, memberships: &[Membership]) -> Option<Self> {
         if pattern.sheets() != 1 {
@@ -93,10 +95,11 @@ impl Lattice {
         let seed = sheet.seed(CENTRE)?;
         let mut survey = Survey::new(&sheet, &steps);
         survey.walk(seed);
-        survey.into_lattice()
+        let lattice = survey.into_lattice()?;
+        (2 * lattice.orbits.len() <= lattice.places.len()).then_some(lattice)
     }
 
-    /// The steps, shortest first where nothing speaks against it: one or two.
+    /// One or two steps, which lead to the cells [1, 0] and [0, 1].
     #[must_use]
     pub fn steps(&self) -> &[Vector2<f64>] {
         &self.steps

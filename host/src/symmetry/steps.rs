@@ -28,8 +28,8 @@ pub(super) struct Side {
     pub(super) face: u32,
     /// The same side as one of the face beyond.
     twin: u32,
-    /// Group and sign of the hinge in one number; 0 where the side stays flat.
-    hinge: u32,
+    /// Group and sign of the hinge; `None` where the side stays flat.
+    hinge: Option<Membership>,
     pub(super) edge: EdgeId,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Sheet<'a> {
         let none = Side {
             face: NONE,
             twin: 0,
-            hinge: 0,
+            hinge: None,
             edge: EdgeId(0),
         };
         let mut sheet = Self {
@@ -84,11 +84,8 @@ impl<'a> Sheet<'a> {
                 continue;
             };
             let hinge = match edge.crease {
-                Some(crease) => {
-                    let membership = memberships.get(crease.index())?;
-                    1 + 2 * membership.group.0 + u32::from(membership.negative)
-                }
-                None => 0,
+                Some(crease) => Some(*memberships.get(crease.index())?),
+                None => None,
             };
             let [a, b] = edge.ends;
             let ours = sheet.side_between(left, [a, b])?;
@@ -320,11 +317,9 @@ impl<'a> Sheet<'a> {
         let degree = self.degree(other.face);
         let [of_face, of_image] =
             [side, other].map(|side| side.twin as usize - self.start(side.face));
-        // Faces of different degrees are no image of each other, whatever the turn.
-        let turn = match of_image.checked_sub(of_face) {
-            Some(turn) => turn,
-            None => (of_image + degree).saturating_sub(of_face),
-        };
+        let back = || (of_image + degree).saturating_sub(of_face);
+        // Of different degrees they are no image of each other, whatever the turn.
+        let turn = of_image.checked_sub(of_face).unwrap_or_else(back);
         Pair {
             face: side.face,
             image: other.face,
