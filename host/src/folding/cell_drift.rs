@@ -121,3 +121,49 @@ impl Way {
         count * self.shift + self.turn * (count * distance + reaches)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::map::Pose;
+    use super::*;
+    use foldpath_core::Rotation;
+
+    /// A step over hinges through the origin and beside it, each once there and once back, so that from
+    /// flat nothing is of first order: two turns commute but for their product.
+    #[test]
+    fn what_is_of_second_order_is_bounded() {
+        let (x, y) = (Vector3::x(), Vector3::y());
+        let pivots = [Vector3::zeros(), x * 0.3, y * 0.2, Vector3::zeros()];
+        for beside in [0.0, 1.0] {
+            let hinge = |k: usize| PlacedHinge {
+                group: Some(k % 2),
+                pivot: pivots[k] * beside,
+                axis: [x, y, -x, -y][k],
+            };
+            let chain = [0, 1, 2, 3].map(hinge);
+            let center = Vector3::new(0.5, 0.4, 0.6);
+            let flat = Screw::new(Pose::identity());
+            for size in [1e-3, 0.03, 0.3, 1.0] {
+                let way = Way::new(&chain, &flat, center, &[size, size]);
+                for signs in [[1.0, 1.0], [1.0, -1.0], [-0.5, 1.0]] {
+                    let moved = |point: Vector3<f64>| {
+                        chain.iter().rev().fold(point, |point, hinge| {
+                            let angle = size * signs[hinge.group.unwrap()];
+                            let (sin, cos) = (angle / 2.0).sin_cos();
+                            let (w, v) = (cos, hinge.axis * sin);
+                            let turned = Rotation { w, v }.rotate(&(point - hinge.pivot));
+                            turned + hinge.pivot
+                        })
+                    };
+                    for way_off in [Vector3::zeros(), x * 5.0, y * -20.0] {
+                        let point = center + way_off;
+                        let off = (moved(point) - point).norm();
+                        let bound = way.drift(1.0, way_off.norm());
+                        assert!(off <= bound, "{size} {signs:?}: {off:e} {bound:e}");
+                        assert!(off > 0.01 * bound, "of use: {off:e} {bound:e}");
+                    }
+                }
+            }
+        }
+    }
+}
