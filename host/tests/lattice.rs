@@ -8,7 +8,7 @@ use foldpath::generate::{Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yo
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, EdgeId, FaceId};
 use foldpath::symmetry::{CreaseGroups, Lattice, PairClass, Place};
 use foldpath_core::{HalfAngle, Membership};
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::{Rotation2, Vector2, Vector3};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
@@ -593,9 +593,13 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
         let there = motions.each_ref().map(|motion| corners(motion, offset));
         let (gap, bound) = (motions[0].gap_of_cells(offset), drift.between(offset));
         let mut most = 0.0_f64;
-        for k in 0..here[0].len() {
-            for l in 0..there[0].len() {
-                let [before, after] = [0, 1].map(|m| (here[m][k] - there[m][l]).norm());
+        let pairs = |corners: &[Vec<Vector3<f64>>; 2]| {
+            let [before, after] = corners.each_ref().map(|corners| corners.iter().copied());
+            before.zip(after).collect::<Vec<_>>()
+        };
+        for (a, a_after) in pairs(&here) {
+            for (b, b_after) in pairs(&there) {
+                let [before, after] = [(a - b).norm(), (a_after - b_after).norm()];
                 assert!(before >= gap - 1e-10, "{what} {offset:?}: {before} {gap}");
                 most = most.max((after - before).abs());
             }

@@ -50,6 +50,8 @@ struct Pair {
 /// The faces with what is beyond their sides; sides are numbered as the corners at which they begin.
 pub(super) struct Sheet<'a> {
     pattern: &'a CreasePattern,
+    /// For each face its first side, and behind the last the number of sides.
+    starts: Vec<u32>,
     sides: Vec<Side>,
     /// Where each side begins in the flat sheet.
     corners: Vec<Vector2<f64>>,
@@ -73,6 +75,7 @@ impl<'a> Sheet<'a> {
         };
         let mut sheet = Self {
             pattern,
+            starts: [0].iter().chain(pattern.faces().ends()).copied().collect(),
             sides: vec![none; corners.len()],
             corners,
             tolerance: SAME_PLACE * pattern.median_edge(),
@@ -112,12 +115,11 @@ impl<'a> Sheet<'a> {
 
     /// The first corner of a face, and with it its first side.
     fn start(&self, face: u32) -> usize {
-        let before = face.checked_sub(1);
-        before.map_or(0, |f| self.pattern.faces().ends()[f as usize] as usize)
+        self.starts[face as usize] as usize
     }
 
     fn degree(&self, face: u32) -> usize {
-        self.pattern.faces().ends()[face as usize] as usize - self.start(face)
+        self.start(face + 1) - self.start(face)
     }
 
     /// Number of faces.
