@@ -29,7 +29,35 @@ impl Pose {
     #[inline]
     #[must_use]
     pub fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
-        self.r_wf.rotate(&point.push(0.0)) + self.p_w
+        self.carry(&point.push(0.0))
+    }
+
+    /// Where a point of space that moves with the flat sheet goes.
+    #[inline]
+    #[must_use]
+    pub fn carry(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.r_wf.rotate(point) + self.p_w
+    }
+
+    /// The motion back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let r_wf = self.r_wf.inverse();
+        let p_w = -r_wf.rotate(&self.p_w);
+        Self { r_wf, p_w }
+    }
+}
+
+impl core::ops::Mul for Pose {
+    type Output = Self;
+
+    /// First the other motion, then this one.
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            r_wf: self.r_wf * other.r_wf,
+            p_w: self.carry(&other.p_w),
+        }
     }
 }
 
