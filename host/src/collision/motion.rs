@@ -118,7 +118,8 @@ impl Motion {
 
     /// Whether all variation is known.
     pub(super) fn is_finite(&self) -> bool {
-        self.table.iter().all(|varied| varied.is_finite())
+        let curves = self.variations.iter().all(Variation::is_finite);
+        curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
     /// The last time.

@@ -45,6 +45,15 @@ impl Variation {
         variation
     }
 
+    /// Whether the curve is made of numbers.
+    pub(super) fn is_finite(&self) -> bool {
+        let finite = |b: &[f64; 4]| b.iter().all(|b| b.is_finite());
+        match &self.curve {
+            Curve::Angle(angle) => finite(angle),
+            Curve::HalfAngle { cos, sin } => finite(cos) && finite(sin),
+        }
+    }
+
     pub(super) fn curve(&self) -> &Curve<f64> {
         &self.curve
     }
