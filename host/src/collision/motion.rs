@@ -159,6 +159,18 @@ impl Motion {
         ((tick / self.stride + 1) * self.stride).min(self.end())
     }
 
+    /// So many tabulated times after one of them, or the last.
+    pub(super) fn tabulated_after(&self, tick: Tick, count: u64) -> Tick {
+        (tick + count.saturating_mul(self.stride)).min(self.end())
+    }
+
+    /// For each group the variation between two tabulated times.
+    pub(super) fn varied(&self, from: Tick, to: Tick) -> Vec<f64> {
+        let row = |tick| self.table[self.index(tick) * self.groups..].iter();
+        let both = row(from).zip(row(to)).take(self.groups);
+        both.map(|(from, to)| to - from).collect()
+    }
+
     fn index(&self, tick: Tick) -> usize {
         usize::try_from(tick / self.stride).unwrap_or(usize::MAX)
     }

@@ -20,6 +20,7 @@ use std::time::Instant;
 
 use foldpath_core::{Curve, Membership};
 
+use super::cells::Cells;
 use super::chains::{Chain, Chains};
 use super::contact::{Change, Parted, Turn, parted};
 use super::hierarchy::{Hierarchy, Sphere};
@@ -29,6 +30,7 @@ use super::scene::Crossing;
 use super::separation::{Sector, distance};
 use super::sheet::Sheet;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::symmetry::Lattice;
 
 /// Clusters nearer to each other than this part of the larger one's radius are parted.
 const NEAR: f64 = 0.5;
@@ -153,6 +155,8 @@ struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Clusters,
+    /// Cells whose difference has this number.
+    Cells(u32),
     Pieces,
     /// Pieces that meet in a place of the flat sheet, as on both sides of a cut.
     Meeting,
@@ -181,7 +185,7 @@ pub struct Sweep<'a> {
     options: SweepOptions,
     pieces: Pieces,
     hierarchy: Hierarchy,
-    sheet: Sheet,
+    sheet: Sheet<'a>,
     chains: Chains,
     /// For each cluster the chains from its face to those of its children, and their length in the list.
     within: Vec<[Chain; 2]>,
@@ -194,6 +198,8 @@ pub struct Sweep<'a> {
     clearance: Option<Clearance>,
     counts: SweepCounts,
     looks: u64,
+    /// Pairs found joined.
+    joined: u64,
 }
 
 impl<'a> Sweep<'a> {
@@ -205,11 +211,37 @@ impl<'a> Sweep<'a> {
         memberships: &[Membership],
         options: SweepOptions,
     ) -> Self {
+        Self::build(pattern, memberships, options, None)
+    }
+
+    /// The same for a sheet that closes all along its motions, with its lattice found for the same
+    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces + classes of pairs).
+    #[must_use]
+    pub fn with_lattice(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: &'a Lattice,
+    ) -> Self {
+        Self::build(pattern, memberships, options, Some(lattice))
+    }
+
+    fn build(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: Option<&'a Lattice>,
+    ) -> Self {
         let pieces = Pieces::new(pattern);
-        let hierarchy = Hierarchy::new(&pieces);
+        let hierarchy = match lattice {
+            Some(_) => Hierarchy::leaves(&pieces),
+            None => Hierarchy::new(&pieces),
+        };
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
-        let mut chains = Chains::new(pattern, memberships);
+        let cells =
+            lattice.map(|lattice| Cells::new(pattern, memberships, groups, &pieces, lattice));
+        let mut chains = Chains::new(pattern, memberships, lattice.is_some());
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
             children.map(|child| {
@@ -224,7 +256,7 @@ impl<'a> Sweep<'a> {
             pattern,
             groups,
             options,
-            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy),
+            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy, cells),
             within: within.collect(),
             kept: chains.len(),
             chains,
@@ -236,6 +268,7 @@ impl<'a> Sweep<'a> {
             clearance: None,
             counts: SweepCounts::default(),
             looks: 0,
+            joined: 0,
             pieces,
             hierarchy,
         }
@@ -254,17 +287,20 @@ impl<'a> Sweep<'a> {
             let at = place(&motion, 0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        (self.clearance, self.looks) = (None, 0);
+        (self.clearance, self.looks, self.joined) = (None, 0, 0);
         self.pairs.clear();
         self.due.clear();
         self.chains.truncate(self.kept);
         self.sheet.forget();
         let before = self.counts;
+        let offsets = self.sheet.cells.as_ref().map_or(0, |c| c.offsets().len());
+        for offset in (0..).take(offsets) {
+            self.push([0, 0], Kind::Cells(offset), Chain::default(), 0);
+        }
         let roots = self.hierarchy.roots.clone();
         for root in roots {
             self.add([root, root], 0);
         }
-        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
         let mut times = 0;
         let verdict = loop {
             let Some((time, due)) = self.due.pop_first() else {
@@ -275,14 +311,29 @@ impl<'a> Sweep<'a> {
                 break verdict;
             }
         };
+        self.count(times, before);
+        verdict
+    }
+
+    /// Completes the counts after so many configurations.
+    fn count(&mut self, times: u64, before: SweepCounts) {
+        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
+        let [looked_at, joined] = match &self.sheet.cells {
+            Some(cells) => {
+                let pairs = cells.offsets().iter().map(|offset| offset.pairs);
+                [pairs.sum::<u64>().min(alike), self.joined]
+            }
+            None => [alike, joined],
+        };
         let counts = &mut self.counts;
         counts.pairs += times * alike;
+        counts.skipped_symmetry += times * (alike - looked_at);
         if self.options.skip_edges {
             counts.skipped_edges += times * joined;
         }
         let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
-        counts.skipped_motion += times * alike - (looked(counts) - looked(&before));
-        verdict
+        let looked = looked(counts) - looked(&before);
+        counts.skipped_motion += (times * looked_at).saturating_sub(looked);
     }
 
     /// Looks at all pairs that are due.
@@ -339,9 +390,12 @@ impl<'a> Sweep<'a> {
 
     /// Adds a pair to look at.
     fn add(&mut self, nodes: [u32; 2], time: Tick) {
-        let Some((kind, chain)) = self.classify(nodes) else {
-            return;
-        };
+        if let Some((kind, chain)) = self.classify(nodes) {
+            self.push(nodes, kind, chain, time);
+        }
+    }
+
+    fn push(&mut self, nodes: [u32; 2], kind: Kind, chain: Chain, time: Tick) {
         let index = FaceId::new(self.pairs.len()).0;
         self.pairs.push(Pair {
             nodes,
@@ -370,6 +424,7 @@ impl<'a> Sweep<'a> {
         }
         let shared = self.shared(a, b);
         if self.pieces.joined(a, b) || shared.len() > 1 {
+            self.joined += 1;
             // Two vertices shared are ends of a line that is a side of both: about it they turn.
             return (!self.options.skip_edges).then_some((Kind::Joined, Chain::default()));
         }
@@ -401,6 +456,10 @@ impl<'a> Sweep<'a> {
 
     /// Puts the pairs of the children in the place of a pair of clusters.
     fn part(&mut self, index: u32, time: Tick) {
+        if let Kind::Cells(offset) = self.pairs[index as usize].kind {
+            self.part_cells(offset, time);
+            return;
+        }
         let [a, b] = self.pairs[index as usize].nodes;
         let children = |node: u32| self.hierarchy.nodes[node as usize].children;
         if a == b {
@@ -424,6 +483,25 @@ impl<'a> Sweep<'a> {
         }
     }
 
+    /// Puts a pair of each class in the place of a pair of cells.
+    fn part_cells(&mut self, offset: u32, time: Tick) {
+        let Some(cells) = &self.sheet.cells else {
+            return;
+        };
+        let pairs = cells.offsets()[offset as usize].classes.iter();
+        let pairs: Vec<_> = pairs
+            .filter_map(|&class| cells.lattice.pair_of(class))
+            .collect();
+        for faces in pairs {
+            let [first, second] = faces.map(|face| self.pieces.of(face));
+            for a in first {
+                for b in second.clone() {
+                    self.add([a, b], time);
+                }
+            }
+        }
+    }
+
     fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
         self.sheet
             .sphere(motion, &self.pieces, &self.hierarchy, node)
@@ -434,6 +512,7 @@ impl<'a> Sweep<'a> {
         let nodes = pair.nodes;
         match pair.kind {
             Kind::Clusters => self.look_at_clusters(motion, &pair),
+            Kind::Cells(offset) => self.look_at_cells(motion, offset),
             Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, &pair),
             Kind::Vertex(corners) => self.look_at_sectors(motion, &pair, corners),
             Kind::Joined => {
@@ -473,6 +552,27 @@ impl<'a> Sweep<'a> {
             None => return Look::Part,
         };
         self.counts.skipped_bounds += u64::from(nodes[0].pieces) * u64::from(nodes[1].pieces);
+        look
+    }
+
+    fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
+        let (time, best) = (self.sheet.time, self.best());
+        let Some(cells) = &mut self.sheet.cells else {
+            return Look::Free;
+        };
+        let pairs = cells.offsets()[offset as usize].pairs;
+        let apart = cells.apart(motion, time, offset);
+        if apart <= 0.0 || !self.options.skip_bounds {
+            return Look::Part;
+        }
+        let look = match cells.until(motion, time, offset, apart) {
+            None if time < motion.end() => return Look::Part,
+            None => Look::Free,
+            Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
+            Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
+            Some((until, _)) => Look::Until(until),
+        };
+        self.counts.skipped_bounds += pairs;
         look
     }
 
@@ -615,7 +715,7 @@ impl<'a> Sweep<'a> {
     fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Clusters | Kind::Pieces => 0.0,
+            Kind::Clusters | Kind::Cells(_) | Kind::Pieces => 0.0,
         };
         (self.options.tolerance + gap) * self.pattern.median_edge()
     }
