@@ -7,7 +7,7 @@ use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
-use foldpath::symmetry::CreaseGroups;
+use foldpath::symmetry::{CreaseGroups, Lattice};
 use foldpath_core::{Curve, GroupId, Membership};
 use nalgebra::Vector2;
 use rand_pcg::Pcg64;
@@ -418,6 +418,57 @@ fn what_is_skipped_changes_no_verdict() {
             let c = sweep.counts();
             let skipped = c.skipped_symmetry + c.skipped_motion + c.skipped_bounds;
             assert_eq!(c.pairs, c.tested + skipped + c.skipped_edges);
+        }
+    }
+}
+
+#[test]
+fn with_a_lattice_a_few_pairs_stand_for_all() {
+    for name in [
+        "miura-5x5",
+        "miura-11x11",
+        "waterbomb-8x10",
+        "waterbomb-12x22-crossing",
+    ] {
+        let (pattern, memberships, motion) = folded(name);
+        let lattice = Lattice::find(&pattern, &memberships).unwrap();
+        let all = SweepOptions::default();
+        let verdict = Sweep::new(&pattern, &memberships, all).sweep(&motion);
+        for skip_motion in [true, false] {
+            let options = SweepOptions { skip_motion, ..all };
+            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            match (verdict, sweep.sweep(&motion)) {
+                (SweepVerdict::Free(Some(a)), SweepVerdict::Free(Some(b))) => {
+                    assert!(
+                        (a.distance - b.distance).abs() < 1e-9,
+                        "{name}: {a:?} {b:?}"
+                    );
+                }
+                (
+                    SweepVerdict::Crossing {
+                        crossing: a,
+                        at: here,
+                        ..
+                    },
+                    SweepVerdict::Crossing {
+                        crossing: b,
+                        at: there,
+                        ..
+                    },
+                ) => {
+                    assert!(
+                        (here.s - there.s).abs() < 1e-5,
+                        "{name}: {here:?} {there:?}"
+                    );
+                    let [a, b] = [a, b].map(|c| lattice.class_of(c.faces).unwrap().0);
+                    assert_eq!(a, b, "{name}");
+                }
+                pair => panic!("{name}: {pair:?}"),
+            }
+            let c = sweep.counts();
+            let skipped = c.skipped_symmetry + c.skipped_motion + c.skipped_bounds;
+            assert_eq!(c.pairs, c.tested + skipped + c.skipped_edges, "{name}");
+            assert!(2 * c.skipped_symmetry > c.pairs, "{name}: {c:?}");
         }
     }
 }
