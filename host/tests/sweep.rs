@@ -212,6 +212,27 @@ fn layers_that_touch_at_half_a_turn_are_contact() {
     assert!(sweep.counts().tested < 500, "{:?}", sweep.counts());
 }
 
+#[test]
+fn a_hinge_that_turns_past_half_a_turn_is_found() {
+    let pair = strip(&[0.0, 1.0, 2.0], &[0.0; 3]);
+    let motion = |over: f64| vec![vec![Curve::Angle([0.0, PI + over, PI + over, PI])]];
+    let (faces, s) = crossing_at(sweep(&pair, &motion(1.0)));
+    assert_eq!(faces, [FaceId(0), FaceId(1)]);
+    let angle = motion(1.0)[0][0].angle(s);
+    assert!(angle > PI && angle < PI + 1e-5, "{angle}");
+    assert!(clearance(sweep(&pair, &motion(-0.1))).is_infinite());
+    let half = |cos: f64| {
+        vec![vec![Curve::HalfAngle {
+            cos: [1.0, 0.5, 0.1, cos],
+            sin: [0.0, 0.5, 0.9, 1.0],
+        }]]
+    };
+    assert!(clearance(sweep(&pair, &half(0.0))).is_infinite());
+    let (_, s) = crossing_at(sweep(&pair, &half(-0.1)));
+    let angle = half(-0.1)[0][0].angle(s);
+    assert!(angle > PI && angle < PI + 1e-5, "{angle}");
+}
+
 /// A folded sheet that is asked for crossings at one place after the other.
 struct Sampler<'a> {
     pattern: &'a CreasePattern,
