@@ -136,6 +136,22 @@ impl Motion {
         (segment, rest as f64 / (1_u64 << TICKS) as f64)
     }
 
+    /// The first place found at which a group turns past half a turn by more than `slack` radians: its
+    /// segment, place in it, the group and its angle.
+    pub(super) fn overturned(&self, slack: f64) -> Option<(usize, f64, usize, f64)> {
+        let segments = self.variations.chunks(self.groups.max(1));
+        segments.enumerate().find_map(|(segment, variations)| {
+            let found = variations
+                .iter()
+                .enumerate()
+                .filter_map(|(group, variation)| {
+                    let s = variation.overturned(slack)?;
+                    Some((segment, s, group, variation.curve().angle(s)))
+                });
+            found.min_by(|a, b| a.1.total_cmp(&b.1))
+        })
+    }
+
     /// Half the angle of a group.
     pub(super) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
         let (segment, s) = self.place(tick);

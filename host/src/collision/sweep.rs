@@ -15,6 +15,7 @@
 //! Clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
 //! by opposite angles about parallel lines count together, as far as they are apart.
 
+use core::f64::consts::PI;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -44,6 +45,8 @@ const CONTACT: f64 = 1e3;
 const CLOCK: u64 = 256;
 /// The last free place is found to this part of a segment: 2^-20.
 const LAST_FREE: Tick = 1 << 16;
+/// The same for hinges that turn past half a turn.
+const OVERTURNED: f64 = 1e-6;
 
 /// Options of a [`Sweep`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +90,18 @@ pub struct Place {
     pub segment: usize,
     /// Where in it, 0 to 1.
     pub s: f64,
+}
+
+impl Place {
+    /// Whether a motion that has another verdict goes on until here.
+    fn is_before(&self, verdict: &SweepVerdict) -> bool {
+        match verdict {
+            SweepVerdict::Free(_) => true,
+            SweepVerdict::Crossing { at, .. } | SweepVerdict::Undecided { at, .. } => {
+                (self.segment, self.s) < (at.segment, at.s)
+            }
+        }
+    }
 }
 
 /// The smallest distance found between two faces that share no vertex.
@@ -181,6 +196,7 @@ enum Look {
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     pattern: &'a CreasePattern,
+    memberships: Vec<Membership>,
     groups: usize,
     options: SweepOptions,
     pieces: Pieces,
@@ -254,6 +270,7 @@ impl<'a> Sweep<'a> {
         });
         Self {
             pattern,
+            memberships: memberships.to_vec(),
             groups,
             options,
             sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy, cells),
@@ -312,7 +329,39 @@ impl<'a> Sweep<'a> {
             }
         };
         self.count(times, before);
-        verdict
+        match self.overturned(&motion) {
+            Some((at, overturned)) if at.is_before(&verdict) => overturned,
+            _ => verdict,
+        }
+    }
+
+    /// The first hinge that turns past half a turn: so do the faces that it joins pass through each other.
+    fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
+        let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
+        let at = Place { segment, s };
+        let creases = self.pattern.creases().iter().zip(&self.memberships);
+        let edges = creases.filter(|(_, member)| member.group.index() == group);
+        let mut edges = edges.map(|(&edge, _)| self.pattern.edge(edge));
+        let (edge, faces) = edges.find_map(|edge| Some((edge, edge.inner_faces()?)))?;
+        let [from, to] = edge.ends.map(|end| self.pattern.vertices()[end.index()]);
+        let width = |face: FaceId| {
+            let corners = self.pattern.faces()[face.index()].iter();
+            let corners = corners.map(|v| self.pattern.vertices()[v.index()] - from);
+            let away = corners.map(|corner| corner.perp(&(to - from)).abs());
+            away.fold(0.0, f64::max) / (to - from).norm()
+        };
+        let depth = (angle.abs() - PI).sin().abs() * width(faces[0]).min(width(faces[1]));
+        Some((
+            at,
+            SweepVerdict::Crossing {
+                crossing: Crossing::new(faces, depth),
+                at,
+                last_free: (segment > 0 || s > 0.0).then_some(Place {
+                    segment,
+                    s: (s - OVERTURNED).max(0.0),
+                }),
+            },
+        ))
     }
 
     /// Completes the counts after so many configurations.
