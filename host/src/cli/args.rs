@@ -211,6 +211,9 @@ pub(super) struct Plan {
     /// Look for faces that pass through each other
     #[arg(long, value_enum, default_value_t)]
     pub(super) collision: Switch,
+    /// Switch off what the search for crossings skips, to compare
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    pub(super) no_skip: Vec<Skip>,
     /// Motion between knots
     #[arg(long, value_enum, default_value_t)]
     pub(super) interpolation: Interpolation,
@@ -289,6 +292,18 @@ pub(super) enum Interpolation {
     Homogeneous,
     /// Straight lines in the fold angle
     Linear,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Skip {
+    /// Pairs of faces that move like another pair
+    Symmetry,
+    /// Pairs that cannot have come together since they were looked at
+    Motion,
+    /// Pairs whose bounding volumes are apart
+    Bounds,
+    /// Pairs joined by an edge
+    Edges,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -407,6 +422,7 @@ impl Plan {
                 "--via: expected --search path, as the randomised search knows no phases".into(),
             ));
         }
+        let skips = |skip| !self.no_skip.contains(&skip);
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,
@@ -420,6 +436,12 @@ impl Plan {
                 planner::Vertices::Essential
             },
             collision: self.collision == Switch::On,
+            skips: planner::Skips {
+                symmetry: skips(Skip::Symmetry),
+                motion: skips(Skip::Motion),
+                bounds: skips(Skip::Bounds),
+                edges: skips(Skip::Edges),
+            },
             interpolation: match self.interpolation {
                 Interpolation::Auto => None,
                 Interpolation::HalfAngle => Some(foldpath_core::Interpolation::HalfAngle),

@@ -30,7 +30,7 @@ pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Knot, Path};
 pub use options::{
-    HingeLimit, OptionsError, PlanOptions, Search, Solver, Symmetry, Timing, Vertices,
+    HingeLimit, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices,
 };
 pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};

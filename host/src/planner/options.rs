@@ -58,6 +58,30 @@ pub enum Timing {
     Sparse,
 }
 
+/// What the search for crossings skips. Each may be switched off to compare: the verdict stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skips {
+    /// Pairs of faces that move like another pair.
+    pub symmetry: bool,
+    /// Pairs that cannot have come together since they were looked at.
+    pub motion: bool,
+    /// Pairs whose bounding volumes are apart.
+    pub bounds: bool,
+    /// Pairs joined by an edge.
+    pub edges: bool,
+}
+
+impl Default for Skips {
+    fn default() -> Self {
+        Self {
+            symmetry: true,
+            motion: true,
+            bounds: true,
+            edges: true,
+        }
+    }
+}
+
 /// Fold angles that a hinge may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeLimit {
@@ -80,6 +104,8 @@ pub struct PlanOptions {
     pub vertices: Vertices,
     /// Whether to look for faces that pass through each other.
     pub collision: bool,
+    /// What that search skips.
+    pub skips: Skips,
     /// How the motion between knots is made; `None` for what needs the fewest knots.
     pub interpolation: Option<Interpolation>,
     /// How time runs along the path.
@@ -116,6 +142,7 @@ impl Default for PlanOptions {
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
             collision: true,
+            skips: Skips::default(),
             interpolation: None,
             pace: Timing::default(),
             solver: Solver::default(),

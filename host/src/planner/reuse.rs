@@ -142,14 +142,19 @@ impl Planning<'_> {
     /// Looks for crossings anywhere on the motion, and ends the path before the first.
     fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course<'_>) -> Plan {
         let start = Instant::now();
+        let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
         let options = SweepOptions {
             gap: certified.max(self.plan.rigidity.gap),
             deadline: self.deadline,
+            skip_motion: skips.motion,
+            skip_bounds: skips.bounds,
+            skip_edges: skips.edges,
             ..SweepOptions::default()
         };
         let memberships = reduction.groups.memberships();
-        let lattice = Lattice::find(self.pattern, memberships);
+        let symmetric = || Lattice::find(self.pattern, memberships);
+        let lattice = skips.symmetry.then(symmetric).flatten();
         let mut sweep = match &lattice {
             Some(lattice) => Sweep::with_lattice(self.pattern, memberships, options, lattice),
             None => Sweep::new(self.pattern, memberships, options),
