@@ -4,7 +4,7 @@ use foldpath::certificate::SegmentCertifier;
 use foldpath::check::{CheckOptions, Verdict, check};
 use foldpath::planner::PlanOptions;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
-use foldpath_core::Interpolation;
+use foldpath_core::{Curve, Interpolation, Membership};
 use foldpath_tests::closed_form::{Waterbomb, miura_straight};
 use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Sheet, path_file, worst};
 use serde_json::{Value, json};
@@ -134,10 +134,20 @@ fn both_certificates_agree() {
             let stars = ReducedStars::all(&path.pattern, &groups);
             let mut planner = SegmentCertifier::default();
             for (segment, found) in found.iter().enumerate() {
-                let creases = path.pattern.creases().iter();
-                let curves: Vec<_> = creases
-                    .filter_map(|&edge| path.curve(segment, edge))
-                    .collect();
+                let creases = path.pattern.creases().iter().zip(groups.memberships());
+                let curve = |(&edge, part): (_, &Membership)| {
+                    let curve = path.curve(segment, edge).unwrap();
+                    // A group turns the way of its letter.
+                    match curve {
+                        _ if !part.negative => curve,
+                        Curve::Angle(angle) => Curve::Angle(angle.map(|b| -b)),
+                        Curve::HalfAngle { cos, sin } => Curve::HalfAngle {
+                            cos,
+                            sin: sin.map(|b| -b),
+                        },
+                    }
+                };
+                let curves: Vec<_> = creases.map(curve).collect();
                 let other = planner
                     .closure(stars.view(), stars.loops(), &curves)
                     .worst();
