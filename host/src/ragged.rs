@@ -1,6 +1,7 @@
 //! A list of lists in two arrays.
 
-use core::ops::Index;
+use core::borrow::Borrow;
+use core::ops::{Index, IndexMut, Range};
 
 /// Lists of differing lengths, one behind the other in one array.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +49,16 @@ impl<T> Ragged<T> {
     }
 
     /// The lists in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         (0..self.len()).map(|list| &self[list])
+    }
+
+    /// The lists with `image` of each item.
+    pub fn map<U>(self, image: impl FnMut(T) -> U) -> Ragged<U> {
+        Ragged {
+            items: self.items.into_iter().map(image).collect(),
+            ends: self.ends,
+        }
     }
 
     /// All items, list after list.
@@ -65,12 +74,25 @@ impl<T> Ragged<T> {
     }
 }
 
+impl<T> Ragged<T> {
+    fn range(&self, list: usize) -> Range<usize> {
+        let start = list.checked_sub(1).map_or(0, |before| self.ends[before]);
+        start as usize..self.ends[list] as usize
+    }
+}
+
 impl<T> Index<usize> for Ragged<T> {
     type Output = [T];
 
     fn index(&self, list: usize) -> &[T] {
-        let start = list.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.items[start as usize..self.ends[list] as usize]
+        &self.items[self.range(list)]
+    }
+}
+
+impl<T> IndexMut<usize> for Ragged<T> {
+    fn index_mut(&mut self, list: usize) -> &mut [T] {
+        let range = self.range(list);
+        &mut self.items[range]
     }
 }
 
@@ -84,23 +106,30 @@ impl<T, L: IntoIterator<Item = T>> FromIterator<L> for Ragged<T> {
     }
 }
 
-/// The inverse relation: for each of `count` keys, the values paired with it, in the given order.
+/// The inverse relation: for each of `count` keys, the values paired with it, in the given order. Goes
+/// over the pairs twice.
 ///
 /// # Panics
 /// If a key is not below `count`.
-pub fn group_by_key<T: Copy + Default>(count: usize, pairs: &[(usize, T)]) -> Ragged<T> {
+pub fn group_by_key<T: Copy + Default, P: Borrow<(usize, T)>>(
+    count: usize,
+    pairs: impl IntoIterator<Item = P> + Clone,
+) -> Ragged<T> {
     let mut ends = vec![0_u32; count];
-    for &(key, _) in pairs {
-        ends[key] += 1;
-    }
     let mut total = 0;
+    for pair in pairs.clone() {
+        ends[pair.borrow().0] += 1;
+        total += 1;
+    }
+    let mut items = vec![T::default(); total];
+    let mut start = 0;
     for end in &mut ends {
         let size = *end;
-        *end = total;
-        total += size;
+        *end = start;
+        start += size;
     }
-    let mut items = vec![T::default(); pairs.len()];
-    for &(key, value) in pairs {
+    for pair in pairs {
+        let (key, value) = *pair.borrow();
         items[ends[key] as usize] = value;
         ends[key] += 1;
     }

@@ -4,7 +4,7 @@
 use foldpath::certificate::{SegmentCertifier, SheetCertifier, range, rate};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::{Miura, Waterbomb};
-use foldpath::pattern::CreasePattern;
+use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::{
     Curve, GroupId, Interpolation, LoopsView, Node, Spoke, StarsView, folding_matrix,
@@ -48,6 +48,16 @@ const WATERBOMB: [fn(f64) -> [f64; 2]; 4] = [
     |t| [3.0 * t + 4.0 * t.powi(3), 3.0 + 12.0 * t * t],
 ];
 
+fn miura(rows: usize, columns: usize) -> Drawing {
+    let sheet = Miura {
+        rows,
+        columns,
+        sector_angle: 60_f64.to_radians(),
+        fold: 0.5,
+    };
+    sheet.drawing().unwrap()
+}
+
 impl Sheet {
     fn new(
         name: &'static str,
@@ -86,14 +96,29 @@ impl Sheet {
     }
 
     fn miura(rows: usize, columns: usize) -> Self {
-        let sheet = Miura {
-            rows,
-            columns,
-            sector_angle: 60_f64.to_radians(),
-            fold: 0.5,
-        };
-        let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+        let pattern = CreasePattern::new(miura(rows, columns)).unwrap();
         Self::new("miura", pattern, &MIURA, 1.0)
+    }
+
+    /// The 5x5 Miura without the face in the middle.
+    fn with_a_hole() -> Self {
+        let sheet = Self::miura(5, 5);
+        let faces = sheet.pattern.faces().iter().enumerate();
+        let faces = faces.filter(|(index, _)| *index != 12);
+        let drawing = Drawing {
+            faces: Some(
+                faces
+                    .map(|(_, f)| f.iter().map(|v| v.index()).collect())
+                    .collect(),
+            ),
+            ..miura(5, 5)
+        };
+        Self::new(
+            "miura with a hole",
+            CreasePattern::new(drawing).unwrap(),
+            &MIURA,
+            1.0,
+        )
     }
 
     fn waterbomb(rows: usize, columns: usize) -> Self {
@@ -273,7 +298,7 @@ fn closure_of_random_stars_is_bounded_tightly() {
                 let seen = sampled(stars, &curves)[0];
                 assert!(bound >= seen, "{degree} {size:e}: {bound} below {seen}");
                 assert!(
-                    bound <= 2.0 * seen,
+                    bound <= 1.6 * seen,
                     "{degree} {size:e}: {bound} far above {seen}"
                 );
                 most = most.max(bound / seen);
@@ -283,7 +308,7 @@ fn closure_of_random_stars_is_bounded_tightly() {
         }
     }
     println!("most {most:.3}, mean {:.3}", sum / count);
-    assert!(sum / count < 1.2);
+    assert!(sum / count < 1.3);
 }
 
 /// A homogeneous half angle is the same at any scale, and a tiny motion is bounded like a large one.
@@ -366,7 +391,7 @@ fn what_is_no_number_has_no_bound() {
     ] {
         let curves = [bad, sound[1]];
         let closure = certifier.closure(sheet.stars.view(), LoopsView::none(), &curves);
-        assert_eq!(closure.worst(), f64::INFINITY, "{bad:?}");
+        assert!(closure.worst() == f64::INFINITY, "{bad:?}");
         assert!(rate(&bad) == f64::INFINITY, "{bad:?}");
     }
 }
@@ -414,11 +439,14 @@ fn errors_of_the_folded_sheet_are_certified() {
         Sheet::miura(3, 3),
         Sheet::miura(11, 11),
         Sheet::miura(24, 24),
+        Sheet::with_a_hole(),
         Sheet::waterbomb(4, 6),
         Sheet::waterbomb(8, 10),
     ] {
         let tree = SpanningTree::from_central_face(&sheet.pattern);
         let all = ReducedStars::all(&sheet.pattern, &sheet.groups);
+        // Rounding of a loop's translation is bounded more coarsely.
+        let within = if all.loops().is_empty() { 1e3 } else { 1e4 };
         let mut closure = SegmentCertifier::default();
         let mut certifier = SheetCertifier::new(&sheet.pattern, &tree, &all).unwrap();
         let mut map = FoldingMap::new(
@@ -437,7 +465,7 @@ fn errors_of_the_folded_sheet_are_certified() {
         ] {
             let ends = [60_f64, 60.0 + degrees].map(f64::to_radians);
             let curves = sheet.curves(kind, ends, by_t);
-            let closed = closure.closure(sheet.stars.view(), LoopsView::none(), &curves);
+            let closed = closure.closure(sheet.stars.view(), sheet.stars.loops(), &curves);
             let bound = certifier.rigidity(&closed);
             let mut worst = foldpath::folding::Rigidity::default();
             for sample in 0..=200 {
@@ -445,7 +473,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                 let x: Vec<f64> = curves.iter().map(|curve| curve.angle(s)).collect();
                 let angles = sheet.groups.expand(&x);
                 map.fold(&sheet.pattern, &tree, &angles);
-                worst = worst.worse(map.rigidity(&sheet.pattern, &tree, &angles));
+                worst = worst.worse(map.rigidity(&sheet.pattern, &tree));
             }
             for (bound, seen) in [
                 (bound.deformation, worst.deformation),
@@ -458,7 +486,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                     sheet.name
                 );
                 assert!(
-                    bound <= 1000.0 * seen,
+                    bound <= within * seen,
                     "{} {kind:?}: {bound:e} far above {seen:e}",
                     sheet.name
                 );
@@ -479,7 +507,8 @@ fn loops_are_bounded_too() {
         for kind in KINDS {
             for size in [1e-4, 0.05, 0.3] {
                 let spokes = random_star(degree, &mut random);
-                let places: Vec<[f64; 2]> = spokes.iter().map(|s| s.direction).collect();
+                let mut place = |_| [noise(&mut random), noise(&mut random)];
+                let places: Vec<[f64; 2]> = (0..degree).map(&mut place).collect();
                 let curves: Vec<_> = (0..degree)
                     .map(|_| random_curve(kind, size, &mut random))
                     .collect();
@@ -495,13 +524,13 @@ fn loops_are_bounded_too() {
                     seen = [seen[0].max(residuals[0]), seen[1].max(residuals[1])];
                 }
                 for (bound, seen) in bound.into_iter().zip(seen) {
-                    let seen = seen.max(1e-13);
                     assert!(
                         bound >= seen,
                         "{degree} {kind:?} {size}: {bound} below {seen}"
                     );
+                    let seen = seen.max(1e-13);
                     assert!(
-                        bound <= 4.0 * seen,
+                        bound <= 2.0 * seen,
                         "{degree} {kind:?} {size}: {bound} above {seen}"
                     );
                     loosest = loosest.max(bound / seen);

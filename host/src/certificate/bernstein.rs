@@ -31,11 +31,13 @@ pub(super) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
     ways.map(|s| blossom(b, s))
 }
 
-/// Largest coefficient, and largest difference of neighbours.
+/// Largest coefficient, and largest difference of neighbours; infinite if one is no number.
 pub(super) fn sizes(b: &[f64; 4]) -> [f64; 2] {
+    let finite = b.iter().all(|b| b.is_finite());
     let size = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
     let steps = b.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    [size, steps.fold(0.0, f64::max)]
+    let sizes = [size, steps.fold(0.0, f64::max)];
+    sizes.map(|size| if finite { size } else { f64::INFINITY })
 }
 
 /// Chebyshev coefficients over the interval that the Bernstein coefficients refer to.

@@ -19,9 +19,9 @@ use super::chebyshev::{Points, RADII, Radius, radii};
 /// The error of the polynomials where it can be had: below all roundings.
 const ERROR: f64 = 1e-16;
 /// A part of the segment is halved while a bound is this many times what was seen in the segment.
-const LOOSE: f64 = 2.0;
+const LOOSE: f64 = 1.5;
 /// Below this it is not: this is rounding.
-const ROUNDING: f64 = 5e-14;
+const ROUNDING: f64 = 1e-13;
 /// Parts are no shorter than 2^-8 of the segment.
 const HALVINGS: u8 = 8;
 /// Roundings of a product of two quaternions, in ε: each of its components sums four products of at

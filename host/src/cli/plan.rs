@@ -109,7 +109,7 @@ pub(super) fn run(args: &Plan) -> Answer {
             read: read.as_secs_f64(),
             symmetry: times.symmetry.as_secs_f64(),
             solve: times.solve.as_secs_f64(),
-            fold: times.fold.as_secs_f64(),
+            fold: (times.place + times.fold).as_secs_f64(),
             collision: times.collision.as_secs_f64(),
         },
         solver: SolverJson {

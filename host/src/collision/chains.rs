@@ -19,6 +19,9 @@ pub(super) struct Link {
     pub(super) group: u32,
     /// Twice the same for a crease alone.
     pub(super) creases: [CreaseId; 2],
+    /// Their numbers in the chain, and whether a positive group angle turns what is beyond about the
+    /// direction of the crease's edge.
+    pub(super) places: [(u32, bool); 2],
 }
 
 /// A chain: its single creases in order, and its pairs.
@@ -34,6 +37,7 @@ pub(super) struct Chain {
 struct Crossed {
     crease: CreaseId,
     member: Membership,
+    place: (u32, bool),
     /// Direction with the face beyond to its left.
     axis: Vector2<f64>,
 }
@@ -121,6 +125,11 @@ impl Chains {
         self.links.truncate(len);
     }
 
+    /// All links of a chain.
+    pub(super) fn links(&self, chain: &Chain) -> &[Link] {
+        &self.links[chain.start..chain.end]
+    }
+
     /// The single creases of a chain in order.
     pub(super) fn singles(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.start..chain.pairs]
@@ -169,8 +178,8 @@ impl Chains {
             way.push((edge, next));
             face = next;
         }
-        for &(edge, beyond) in &way {
-            self.cross(pattern, edge, beyond);
+        for (place, &(edge, beyond)) in (0..).zip(&way) {
+            self.cross(pattern, edge, beyond, place);
         }
         way.clear();
         self.way = way;
@@ -179,6 +188,7 @@ impl Chains {
         let singles = self.crossed.iter().map(|crossed| Link {
             group: crossed.member.group.0,
             creases: [crossed.crease; 2],
+            places: [crossed.place; 2],
         });
         self.links.extend(singles);
         self.links[start..].rotate_left(pairs - start);
@@ -214,7 +224,7 @@ impl Chains {
     }
 
     /// Goes across an edge to the face beyond.
-    fn cross(&mut self, pattern: &CreasePattern, edge: EdgeId, beyond: FaceId) {
+    fn cross(&mut self, pattern: &CreasePattern, edge: EdgeId, beyond: FaceId, place: u32) {
         let Some(crease) = pattern.edge(edge).crease else {
             return;
         };
@@ -226,6 +236,7 @@ impl Chains {
         let crossed = Crossed {
             crease,
             member,
+            place: (place, left != member.negative),
             axis: if left { direction } else { -direction },
         };
         match self.crossed.last() {
@@ -233,6 +244,7 @@ impl Chains {
                 self.links.push(Link {
                     group: member.group.0,
                     creases: [last.crease, crease],
+                    places: [last.place, crossed.place],
                 });
                 self.crossed.pop();
             }

@@ -6,6 +6,7 @@
 //! judged by [`crossing_depth`]. A [`Sweep`] asks for a whole motion.
 
 mod chains;
+mod contact;
 mod crossing;
 mod hierarchy;
 mod motion;

@@ -5,6 +5,7 @@
 
 use foldpath_core::{Curve, HalfAngle};
 
+use super::contact::Change;
 use super::variation::Variation;
 
 /// log2 of the ticks of a segment.
@@ -141,6 +142,17 @@ impl Motion {
         variation.map_or_else(HalfAngle::default, |v| v.curve().half_angle(s))
     }
 
+    /// Changes of all groups that are asked for, from one time to another of the same segment.
+    pub(super) fn changes(&self, groups: &[u32], from: Tick, to: Tick, changes: &mut [Change]) {
+        let (segment, s) = self.place(from);
+        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
+        let end = s + (to - from) as f64 / (1_u64 << TICKS) as f64;
+        for &group in groups {
+            let variation = &self.variations[segment * self.groups + group as usize];
+            changes[group as usize] = variation.change(s, end);
+        }
+    }
+
     /// The first tabulated time after `tick`.
     pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
         ((tick / self.stride + 1) * self.stride).min(self.end())
@@ -189,6 +201,18 @@ impl Motion {
         }
         let until = low as Tick * self.stride;
         (until > from).then_some(until)
+    }
+
+    /// Times after `from`, each farther from it, up to `next`.
+    pub(super) fn halves(&self, from: Tick, next: Tick) -> impl Iterator<Item = Tick> + use<> {
+        let mut unit = 1 << (from % self.stride).trailing_zeros().min(TICKS);
+        let mut at = from;
+        core::iter::from_fn(move || {
+            let more = at < next;
+            at = ((at / unit + 1) * unit).min(next);
+            unit *= 2;
+            more.then_some(at)
+        })
     }
 
     /// A time after `from` until which points come no farther than `allowance`: within a factor the last

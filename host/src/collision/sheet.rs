@@ -90,8 +90,8 @@ struct Line {
 /// The line of a crease in space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
-    point: Vector3<f64>,
-    direction: Vector3<f64>,
+    pub(super) point: Vector3<f64>,
+    pub(super) direction: Vector3<f64>,
 }
 
 impl Axis {

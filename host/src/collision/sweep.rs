@@ -21,6 +21,7 @@ use std::time::Instant;
 use foldpath_core::{Curve, Membership};
 
 use super::chains::{Chain, Chains};
+use super::contact::{Change, Parted, Turn, parted};
 use super::hierarchy::{Hierarchy, Sphere};
 use super::motion::{Levers, Motion, Tick};
 use super::pieces::{CROSSING, Pieces};
@@ -34,6 +35,9 @@ const NEAR: f64 = 0.5;
 /// Pieces nearer to each other, by their spheres, than this part of the smaller one's radius are
 /// measured exactly.
 const CLOSE: f64 = 1.0;
+/// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
+/// a tolerance is the step that a plane then allows.
+const CONTACT: f64 = 1e3;
 /// Looks between two glances at the clock.
 const CLOCK: u64 = 256;
 /// The last free place is found to this part of a segment: 2^-20.
@@ -183,6 +187,8 @@ pub struct Sweep<'a> {
     within: Vec<[Chain; 2]>,
     kept: usize,
     levers: Levers,
+    turns: Vec<Turn>,
+    changes: Vec<Change>,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
     clearance: Option<Clearance>,
@@ -223,6 +229,8 @@ impl<'a> Sweep<'a> {
             kept: chains.len(),
             chains,
             levers: Levers::new(groups),
+            turns: Vec::new(),
+            changes: Vec::new(),
             pairs: Vec::new(),
             due: BTreeMap::new(),
             clearance: None,
@@ -503,7 +511,8 @@ impl<'a> Sweep<'a> {
             });
         }
         self.gather_corners(motion, &chain, [a, b]);
-        self.after(motion, apart, apart + tolerance, counts)
+        let look = self.after(motion, apart, apart + tolerance, counts);
+        self.at_contact(motion, pair, apart, look)
     }
 
     fn look_at_sectors(&mut self, motion: &Motion, pair: &Pair, corners: [u32; 2]) -> Look {
@@ -533,7 +542,73 @@ impl<'a> Sweep<'a> {
         for link in self.chains.singles(&pair.chain) {
             self.levers.add(link.group, 1.0);
         }
-        self.after(motion, angle, angle + tolerance / reach, false)
+        let look = self.after(motion, angle, angle + tolerance / reach, false);
+        self.at_contact(motion, pair, angle * reach, look)
+    }
+
+    /// The next look at a pair that nearly touches: later, if a plane parts it for longer.
+    fn at_contact(&mut self, motion: &Motion, pair: &Pair, apart: f64, look: Look) -> Look {
+        let (time, tolerance) = (self.sheet.time, self.tolerance(pair.kind));
+        let next = motion.next_tabulated(time);
+        let Look::Until(until) = look else {
+            return look;
+        };
+        if until >= next || apart > CONTACT * tolerance {
+            return look;
+        }
+        let parted = self.parted(motion, pair, tolerance);
+        let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let none = Change { by: 0.0, off: 0.0 };
+        self.changes.resize(self.groups, none);
+        let mut reached = until;
+        for to in motion.halves(until, next) {
+            motion.changes(&groups, time, to, &mut self.changes);
+            let holds = |parted: &Parted| parted.holds(&self.changes, tolerance);
+            if !parted.iter().any(holds) {
+                break;
+            }
+            reached = to;
+        }
+        Look::Until(reached)
+    }
+
+    /// The planes that part two pieces.
+    fn parted(&mut self, motion: &Motion, pair: &Pair, tolerance: f64) -> Vec<Parted> {
+        let links = self.chains.links(&pair.chain);
+        let mut places: Vec<_> = links
+            .iter()
+            .flat_map(|link| {
+                let both = link.creases.into_iter().zip(link.places);
+                both.map(|(crease, (place, along))| (place, along, crease, link.group))
+            })
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        self.turns.clear();
+        for (_, along, crease, group) in places {
+            let axis = self.sheet.axis(motion, crease);
+            self.turns.push(Turn {
+                group,
+                point: axis.point,
+                about: if along {
+                    axis.direction
+                } else {
+                    -axis.direction
+                },
+            });
+        }
+        let placed = self.sheet.placed(&self.pieces);
+        let [a, b] = pair.nodes.map(|node| placed.piece(node));
+        let mut all = parted(&a, &b, &self.turns, tolerance);
+        // Seen from the other end, creases come the other way round and turn the other way.
+        self.turns.reverse();
+        for turn in &mut self.turns {
+            turn.about = -turn.about;
+        }
+        all.extend(parted(&b, &a, &self.turns, tolerance));
+        all
     }
 
     /// What is less deep between such pairs is contact.

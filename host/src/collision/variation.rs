@@ -6,6 +6,8 @@
 
 use foldpath_core::Curve;
 
+use super::contact::Change;
+
 /// Cuts of a curve that is not seen to be monotone.
 const CUTS: u32 = 8;
 
@@ -45,6 +47,14 @@ impl Variation {
 
     pub(super) fn curve(&self) -> &Curve<f64> {
         &self.curve
+    }
+
+    /// Change of the angle from `s` to `end`.
+    pub(super) fn change(&self, s: f64, end: f64) -> Change {
+        Change {
+            by: self.curve.angle(end) - self.curve.angle(s),
+            off: Rates::of(&self.curve).between(s, end).bulge(),
+        }
     }
 
     /// Adds the parts of a stretch, and returns the variation up to its end.
@@ -110,6 +120,35 @@ impl Rates {
         }
     }
 
+    fn between(&self, s: f64, end: f64) -> Self {
+        match self {
+            Self::Angle(angle) => Self::Angle(between(angle, s, end)),
+            Self::HalfAngle(parts) => Self::HalfAngle(parts.map(|part| between(&part, s, end))),
+        }
+    }
+
+    /// No less than the largest distance of the angle from the straight line between its ends.
+    fn bulge(&self) -> f64 {
+        match self {
+            Self::Angle([a, b, c, d]) => {
+                let third = (d - a) / 3.0;
+                (b - a - third).abs().max((d - c - third).abs())
+            }
+            // An eighth of the greatest second derivative, 2 (N/q)' with N the numerator.
+            Self::HalfAngle([cos, sin]) => {
+                let numerator = self.numerator();
+                let (c, n) = (square(cos), square(sin));
+                let squares: [f64; 7] = core::array::from_fn(|k| c[k] + n[k]);
+                let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+                if least <= 0.0 {
+                    return f64::INFINITY;
+                }
+                let (most, slope) = (largest(&numerator), 5.0 * steepest(&numerator));
+                (slope + most * 6.0 * steepest(&squares) / least) / least / 4.0
+            }
+        }
+    }
+
     /// Coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
     fn numerator(&self) -> [f64; 6] {
         match self {
@@ -149,6 +188,31 @@ impl Rates {
             }
         }
     }
+}
+
+fn largest(b: &[f64]) -> f64 {
+    b.iter().fold(0.0, |most, b| b.abs().max(most))
+}
+
+fn steepest(b: &[f64]) -> f64 {
+    let steps = b.windows(2).map(|w| (w[1] - w[0]).abs());
+    steps.fold(0.0, f64::max)
+}
+
+/// A cubic from one place to another, by its polar form.
+fn between(b: &[f64; 4], s: f64, end: f64) -> [f64; 4] {
+    let mix = |a: f64, b: f64, s: f64| a + (b - a) * s;
+    let polar = |u: f64, v: f64, w: f64| {
+        let first: [f64; 3] = core::array::from_fn(|k| mix(b[k], b[k + 1], u));
+        let second: [f64; 2] = core::array::from_fn(|k| mix(first[k], first[k + 1], v));
+        mix(second[0], second[1], w)
+    };
+    [
+        polar(s, s, s),
+        polar(s, s, end),
+        polar(s, end, end),
+        polar(end, end, end),
+    ]
 }
 
 /// Both halves of a cubic, by de Casteljau's algorithm.
@@ -229,6 +293,17 @@ mod tests {
                 let bound = variation.until(s) - variation.until(s0);
                 assert!(step <= bound + 1e-14, "{curve:?} at {s}: {step} > {bound}");
                 (sum, angle) = (sum + step, curve.angle(s));
+            }
+            for k in (0..1000).step_by(10) {
+                let [s, end] = [k, k + 10].map(|k| f64::from(k) / 1000.0);
+                let Change { by, off } = variation.change(s, end);
+                for part in 1..10 {
+                    let part = f64::from(part) / 10.0;
+                    let line = curve.angle(s) + part * by;
+                    let bulge = (curve.angle(s + part * (end - s)) - line).abs();
+                    assert!(bulge <= off + 1e-14, "{curve:?} at {s}: {bulge} > {off}");
+                }
+                assert!(off < 2e-2, "{curve:?} at {s}: {off}");
             }
             // And not much more: the parts that are not monotone are short.
             assert!(variation.until(1.0) < 1.02 * sum, "{curve:?}");

@@ -1,13 +1,12 @@
 //! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
 
-use core::f64::consts::PI;
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
 use super::model::{CreasePattern, Edge};
 use super::split::{EdgeFaces, split};
-use super::trace::{area, edge_between};
+use super::trace::area;
 use super::triangulate::triangulate;
 use super::{
     CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
@@ -25,8 +24,11 @@ impl CreasePattern {
         let places = places(&drawing, &mut assumptions);
         planarity::check(&drawing, &places)?;
         let mut stars = sorted_stars(&drawing);
-        let faces = match drawing.faces.take() {
-            Some(faces) => faces,
+        let mut faces = match drawing.faces.take() {
+            Some(faces) => {
+                let faces = faces.into_iter();
+                faces.map(|f| f.into_iter().map(VertexId::new)).collect()
+            }
             None => trace::faces(&drawing, &stars),
         };
         if faces.is_empty() {
@@ -36,8 +38,8 @@ impl CreasePattern {
                 least: 1,
             });
         }
-        let mut faces = counter_clockwise(&drawing, faces)?;
-        let mut edge_faces = edge_faces(&drawing, &faces, &places)?;
+        turn_counter_clockwise(&drawing, &mut faces)?;
+        let mut edge_faces = edge_faces(&drawing, &stars, &faces, &places)?;
         order_twins(&drawing, &mut stars, &edge_faces);
         check_stars(&drawing, &stars, &edge_faces)?;
         let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
@@ -48,12 +50,11 @@ impl CreasePattern {
         }
         let (edges, creases) = resolve_letters(&drawing, &edge_faces, &mut assumptions);
 
-        let corners: Vec<_> = faces
+        let corners = faces
             .iter()
             .enumerate()
-            .flat_map(|(face, cycle)| cycle.iter().map(move |&v| (v, FaceId::new(face))))
-            .collect();
-        let corners = group_by_key(drawing.vertices.len(), &corners);
+            .flat_map(|(face, cycle)| cycle.iter().map(move |v| (v.index(), FaceId::new(face))));
+        let corners = group_by_key(drawing.vertices.len(), corners);
         let real = real_vertices(&stars, &edges);
         let (triangles, diagonals) = panels(&drawing, &faces)?;
         let mut lengths: Vec<f64> = drawing
@@ -71,15 +72,9 @@ impl CreasePattern {
             directions: drawing.edges.iter().map(along).collect(),
             vertices: drawing.vertices,
             edges,
-            faces: faces
-                .into_iter()
-                .map(|f| f.into_iter().map(VertexId::new))
-                .collect(),
+            faces,
             creases,
-            stars: stars
-                .into_iter()
-                .map(|s| s.into_iter().map(EdgeId::new))
-                .collect(),
+            stars,
             real,
             corners,
             triangles,
@@ -137,14 +132,13 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
         }),
         None => Ok(()),
     };
-    let mut seen = HashMap::new();
+    let duplicate = first_duplicate(drawing);
     for (edge, drawn) in drawing.edges.iter().enumerate() {
         known("edges_vertices", edge, &drawn.ends)?;
-        let [a, b] = drawn.ends;
         if length(drawing, drawn.ends) < 1.0 / LARGEST {
             return Err(PatternError::NoLength { edge });
         }
-        if let Some(other) = seen.insert([a.min(b), a.max(b)], edge) {
+        if let Some((_, other)) = duplicate.filter(|(later, _)| *later == edge) {
             return Err(PatternError::Duplicate { edge, other });
         }
         check_goal(edge, drawn.letter, drawn.goal)?;
@@ -153,6 +147,29 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
         known("faces_vertices", face, cycle)?;
     }
     Ok(())
+}
+
+/// The first edge that joins the same vertices as one before, and that one.
+fn first_duplicate(drawing: &Drawing) -> Option<(usize, usize)> {
+    let count = drawing.vertices.len();
+    let edges = drawing.edges.iter().enumerate();
+    let ends = edges.map(|(edge, drawn)| {
+        let [a, b] = drawn.ends;
+        (a.min(b), (a.max(b), edge))
+    });
+    let ends = ends.filter(|(_, (high, _))| *high < count);
+    let mut by_low = group_by_key(count, ends);
+    let mut first = None;
+    for low in 0..count {
+        let list = &mut by_low[low];
+        list.sort_unstable();
+        for pair in list.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let [earlier, later] = [pair[0].1, pair[1].1];
+            first = first.filter(|(first, _)| *first < later);
+            first.get_or_insert((later, earlier));
+        }
+    }
+    first
 }
 
 /// Whether a hinge with that letter can turn to that goal angle (radians).
@@ -183,28 +200,37 @@ pub(crate) fn check_goal(
 }
 
 /// For each vertex its edges, counter-clockwise from direction -π.
-fn sorted_stars(drawing: &Drawing) -> Vec<Vec<usize>> {
-    let mut stars = vec![Vec::new(); drawing.vertices.len()];
-    for (index, edge) in drawing.edges.iter().enumerate() {
-        let [a, b] = edge.ends;
+fn sorted_stars(drawing: &Drawing) -> Ragged<EdgeId> {
+    let edges = drawing.edges.iter().enumerate();
+    let ends = edges.flat_map(|(edge, drawn)| {
+        let [a, b] = drawn.ends;
         let along = drawing.vertices[b] - drawing.vertices[a];
-        // π and -π are one direction.
-        let angle = |y: f64, x: f64| Some(y.atan2(x)).filter(|a| *a < PI).unwrap_or(-PI);
-        stars[a].push((angle(along.y, along.x), index));
-        stars[b].push((angle(-along.y, -along.x), index));
+        let edge = EdgeId::new(edge);
+        [(a, (turn(along), edge)), (b, (turn(-along), edge))]
+    });
+    let mut stars = group_by_key(drawing.vertices.len(), ends);
+    for vertex in 0..stars.len() {
+        stars[vertex].sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
-    let sorted = |mut star: Vec<(f64, usize)>| {
-        star.sort_by(|a, b| a.0.total_cmp(&b.0));
-        star.into_iter().map(|(_, edge)| edge).collect()
-    };
-    stars.into_iter().map(sorted).collect()
+    stars.map(|(_, edge)| edge)
 }
 
-fn counter_clockwise(
+/// A number that grows with the angle of a direction, from -2 at -π to 2 at π, which is -2 once more.
+fn turn(direction: Vector2<f64>) -> f64 {
+    let x = direction.x / (direction.x.abs() + direction.y.abs());
+    match direction.y {
+        y if y < 0.0 => x - 1.0,
+        _ if x > -1.0 => 1.0 - x,
+        _ => -2.0,
+    }
+}
+
+fn turn_counter_clockwise(
     drawing: &Drawing,
-    faces: Vec<Vec<usize>>,
-) -> Result<Vec<Vec<usize>>, PatternError> {
-    let turned = |(face, mut cycle): (usize, Vec<usize>)| {
+    faces: &mut Ragged<VertexId>,
+) -> Result<(), PatternError> {
+    for face in 0..faces.len() {
+        let cycle = &mut faces[face];
         let area = area(drawing, cycle.iter().copied());
         if cycle.len() < 3 || area.abs() <= 0.0 {
             return Err(PatternError::NoArea { face });
@@ -212,9 +238,8 @@ fn counter_clockwise(
         if area < 0.0 {
             cycle.reverse();
         }
-        Ok(cycle)
-    };
-    faces.into_iter().enumerate().map(turned).collect()
+    }
+    Ok(())
 }
 
 /// For each vertex the first one at its place. Only where faces are given may vertices share a place,
@@ -247,19 +272,29 @@ fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
 /// For each edge the faces to its left and right.
 fn edge_faces(
     drawing: &Drawing,
-    faces: &[Vec<usize>],
+    stars: &Ragged<EdgeId>,
+    faces: &Ragged<VertexId>,
     places: &[usize],
 ) -> Result<EdgeFaces, PatternError> {
-    let between = edge_between(drawing);
+    // In the smaller star of the two: over the edges of a planar graph these add up to linear time.
+    let between = |a: usize, b: usize| {
+        let [star, other] = [a, b].map(|vertex| &stars[vertex]);
+        let star = if star.len() <= other.len() {
+            star
+        } else {
+            other
+        };
+        let mut edges = star.iter().map(|edge| edge.index());
+        edges.find(|&edge| [[a, b], [b, a]].contains(&drawing.edges[edge].ends))
+    };
     let mut edge_faces = vec![[None; 2]; drawing.edges.len()];
     let shared = places.iter().enumerate().any(|(vertex, &at)| vertex != at);
     let mut sides = HashMap::new();
     for (face, cycle) in faces.iter().enumerate() {
         let shifted = cycle.iter().cycle().skip(1);
-        for (&a, &b) in cycle.iter().zip(shifted) {
-            let edge = *between
-                .get(&[a, b])
-                .ok_or(PatternError::NoEdge { face, a, b })?;
+        for (a, b) in cycle.iter().zip(shifted) {
+            let [a, b] = [a, b].map(|vertex| vertex.index());
+            let edge = between(a, b).ok_or(PatternError::NoEdge { face, a, b })?;
             let side = usize::from(drawing.edges[edge].ends[0] != a);
             let place: &mut Option<FaceId> = &mut edge_faces[edge][side];
             let mut before = place.replace(FaceId::new(face));
@@ -322,10 +357,10 @@ fn sides(
     drawing: &Drawing,
     edge_faces: &EdgeFaces,
     vertex: usize,
-    edge: usize,
+    edge: EdgeId,
 ) -> [Option<FaceId>; 2] {
-    let [left, right] = edge_faces[edge];
-    if drawing.edges[edge].ends[0] == vertex {
+    let [left, right] = edge_faces[edge.index()];
+    if drawing.edges[edge.index()].ends[0] == vertex {
         [left, right]
     } else {
         [right, left]
@@ -334,10 +369,11 @@ fn sides(
 
 /// Puts edges of the same direction, as the two sides of a cut have at its end, in their order
 /// counter-clockwise: the cut is between them.
-fn order_twins(drawing: &Drawing, stars: &mut [Vec<usize>], edge_faces: &EdgeFaces) {
-    for (vertex, star) in stars.iter_mut().enumerate() {
-        let far_end = |edge: usize| {
-            let [a, b] = drawing.edges[edge].ends;
+fn order_twins(drawing: &Drawing, stars: &mut Ragged<EdgeId>, edge_faces: &EdgeFaces) {
+    for vertex in 0..stars.len() {
+        let star = &mut stars[vertex];
+        let far_end = |edge: EdgeId| {
+            let [a, b] = drawing.edges[edge.index()].ends;
             drawing.vertices[if a == vertex { b } else { a }]
         };
         for k in 1..star.len() {
@@ -352,11 +388,11 @@ fn order_twins(drawing: &Drawing, stars: &mut [Vec<usize>], edge_faces: &EdgeFac
 /// Checks that between two edges that follow each other round a vertex there is one face or none.
 fn check_stars(
     drawing: &Drawing,
-    stars: &[Vec<usize>],
+    stars: &Ragged<EdgeId>,
     edge_faces: &EdgeFaces,
 ) -> Result<(), PatternError> {
     for (vertex, star) in stars.iter().enumerate() {
-        let sides = |edge: usize| sides(drawing, edge_faces, vertex, edge);
+        let sides = |edge: EdgeId| sides(drawing, edge_faces, vertex, edge);
         let next = star.iter().cycle().skip(1);
         if star
             .iter()
@@ -370,9 +406,9 @@ fn check_stars(
 }
 
 /// Which vertices are inside the sheet: those whose every edge has faces on both sides.
-fn real_vertices(stars: &[Vec<usize>], edges: &[Edge]) -> Vec<bool> {
-    let inside = |star: &Vec<usize>| {
-        let mut edges = star.iter().map(|&edge| &edges[edge]);
+fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
+    let inside = |star: &[EdgeId]| {
+        let mut edges = star.iter().map(|edge| &edges[edge.index()]);
         !star.is_empty() && edges.all(|edge| edge.inner_faces().is_some())
     };
     stars.iter().map(inside).collect()
@@ -380,18 +416,18 @@ fn real_vertices(stars: &[Vec<usize>], edges: &[Edge]) -> Vec<bool> {
 
 type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);
 
-fn panels(drawing: &Drawing, faces: &[Vec<usize>]) -> Result<Panels, PatternError> {
+fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, PatternError> {
     let mut triangles = Ragged::default();
     let mut diagonals = Vec::new();
     for (face, cycle) in faces.iter().enumerate() {
-        let polygon: Vec<_> = cycle.iter().map(|&v| drawing.vertices[v]).collect();
+        let polygon: Vec<_> = cycle.iter().map(|v| drawing.vertices[v.index()]).collect();
         let cut = triangulate(&polygon).ok_or(PatternError::NoArea { face })?;
         let last = cut.len() - 1;
         // Each triangle but the last was cut off along the side between its first and third corner.
         for &[a, _, c] in &cut[..last] {
-            diagonals.push([a, c].map(|corner| VertexId::new(cycle[corner])));
+            diagonals.push([a, c].map(|corner| cycle[corner]));
         }
-        triangles.push(cut.into_iter().map(|t| t.map(|c| VertexId::new(cycle[c]))));
+        triangles.push(cut.into_iter().map(|t| t.map(|c| cycle[c])));
     }
     Ok((triangles, diagonals))
 }

@@ -236,15 +236,12 @@ impl CreasePattern {
     /// For each face the faces beyond its edges, and the edge between.
     #[must_use]
     pub fn neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
-        let mut pairs = Vec::with_capacity(2 * self.edges.len());
-        for (index, edge) in self.edges.iter().enumerate() {
-            if let Some([left, right]) = edge.inner_faces() {
-                let edge = EdgeId::new(index);
-                pairs.push((left.index(), (right, edge)));
-                pairs.push((right.index(), (left, edge)));
-            }
-        }
-        crate::ragged::group_by_key(self.faces.len(), &pairs)
+        let edges = (0..).map(EdgeId).zip(&self.edges);
+        let inner = edges.filter_map(|(id, edge)| Some((id, edge.inner_faces()?)));
+        let pairs = inner.flat_map(|(edge, [left, right])| {
+            [(left.index(), (right, edge)), (right.index(), (left, edge))]
+        });
+        crate::ragged::group_by_key(self.faces.len(), pairs)
     }
 
     /// What was assumed about the drawing where it was silent or odd, in words.

@@ -1,11 +1,10 @@
 //! Whether a drawing is planar: no edge crosses another or passes through a vertex.
 
-use std::collections::HashMap;
-
 use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
 use super::{Drawing, PatternError};
+use crate::ragged::group_by_key;
 
 /// Cells that one edge may cover in the grid before the grid is made coarser.
 const CELLS_PER_EDGE: f64 = 64.0;
@@ -27,26 +26,42 @@ pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternEr
     while covered(cell) > most {
         cell *= 2.0;
     }
-    let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
-    for (edge, drawn) in drawing.edges.iter().enumerate() {
-        let [low, high] = bounds(drawing, drawn.ends);
+    let cells = |edge: usize| {
+        let bounds = bounds(drawing, drawing.edges[edge].ends);
         #[allow(
             clippy::cast_possible_truncation,
             reason = "saturates, and cells may be shared"
         )]
         let [low, high] =
-            [low, high].map(|p| [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64]);
-        for x in low[0]..=high[0] {
-            for y in low[1]..=high[1] {
-                let others = grid.entry([x, y]).or_default();
-                for &other in others.iter() {
-                    check_pair(drawing, places, edge, other)?;
-                }
-                others.push(edge);
+            bounds.map(|p| [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64]);
+        (low[0]..=high[0]).flat_map(move |x| (low[1]..=high[1]).map(move |y| [x, y]))
+    };
+    // Cells that share a bucket only cost time.
+    let buckets = drawing.edges.len().next_power_of_two();
+    let edges = 0..drawing.edges.len();
+    let in_buckets = |edge| cells(edge).map(move |cell| (bucket(cell, buckets), edge));
+    let grid = group_by_key(buckets, edges.clone().flat_map(in_buckets));
+    for edge in edges {
+        for cell in cells(edge) {
+            let list = &grid[bucket(cell, buckets)];
+            for &other in list.iter().take_while(|other| **other < edge) {
+                check_pair(drawing, places, edge, other)?;
             }
         }
     }
     Ok(())
+}
+
+/// Which of `buckets`, a power of two, a cell is in: cells of one row follow each other, and rows are
+/// strewn by the golden ratio.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "below the number of buckets"
+)]
+fn bucket([x, y]: [i64; 2], buckets: usize) -> usize {
+    let row = y.cast_unsigned().wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let start = row >> (buckets.leading_zeros() + 1);
+    start.wrapping_add(x.cast_unsigned()) as usize & (buckets - 1)
 }
 
 fn mean_extent(drawing: &Drawing) -> f64 {

@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter};
-use crate::ragged::group_by_key;
+use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter, VertexId};
+use crate::ragged::{Ragged, group_by_key};
 
 /// For each edge the faces to its left and right.
 pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
@@ -14,7 +14,7 @@ pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
 /// What was done is said in `assumptions`. Returns the cuts along a single edge inside, which are hinges.
 pub(super) fn split(
     drawing: &mut Drawing,
-    faces: &mut [Vec<usize>],
+    faces: &mut Ragged<VertexId>,
     edge_faces: &mut EdgeFaces,
     assumptions: &mut Vec<String>,
 ) -> Vec<EdgeId> {
@@ -49,9 +49,9 @@ pub(super) fn split(
         edge_faces[edge] = [left, None];
         edge_faces.push([None, Some(right)]);
     }
-    for (face, cycle) in faces.iter_mut().enumerate() {
-        for corner in cycle {
-            *corner = fans.vertex(FaceId::new(face), *corner);
+    for face in 0..faces.len() {
+        for corner in &mut faces[face] {
+            *corner = VertexId::new(fans.vertex(FaceId::new(face), corner.index()));
         }
     }
     for &vertex in &fans.sources {
@@ -91,36 +91,47 @@ struct Fans {
 }
 
 impl Fans {
-    fn new(drawing: &Drawing, faces: &[Vec<usize>], edge_faces: &EdgeFaces) -> Self {
+    fn new(drawing: &Drawing, faces: &Ragged<VertexId>, edge_faces: &EdgeFaces) -> Self {
         let vertices = drawing.vertices.len();
-        let corners: Vec<_> = (0..)
-            .zip(faces)
-            .flat_map(|(face, cycle)| cycle.iter().map(move |&v| (v, FaceId(face))))
-            .collect();
-        let corners = group_by_key(vertices, &corners);
-        let mut joints = Vec::new();
         let mut cut = vec![false; vertices];
+        // A single fan of n faces has n - 1 joints, or n where it goes all round.
+        let mut missing = vec![-1_i64; vertices];
+        for corner in faces.items() {
+            missing[corner.index()] += 1;
+        }
         for (edge, faces) in drawing.edges.iter().zip(edge_faces) {
-            let [Some(left), Some(right)] = *faces else {
+            if faces.contains(&None) {
                 continue;
-            };
+            }
             for end in edge.ends {
                 if parts(edge.letter) {
                     cut[end] = true;
                 } else {
-                    joints.push((end, [left, right]));
+                    missing[end] -= 1;
                 }
             }
         }
-        let joints = group_by_key(vertices, &joints);
         let mut fans = Self {
             moved: HashMap::new(),
             sources: Vec::new(),
             points: Vec::new(),
         };
+        if missing.iter().all(|missing| *missing <= 0) {
+            return fans;
+        }
+        let corners = (0..).zip(faces.iter());
+        let corners = corners
+            .flat_map(|(face, cycle)| cycle.iter().map(move |v| (v.index(), FaceId(face))))
+            .filter(|(vertex, _)| missing[*vertex] > 0);
+        let corners = group_by_key(vertices, corners);
+        let joints = drawing.edges.iter().zip(edge_faces);
+        let joints = joints
+            .filter(|(edge, _)| !parts(edge.letter))
+            .filter_map(|(edge, faces)| Some((edge.ends, [faces[0]?, faces[1]?])))
+            .flat_map(|(ends, faces)| ends.map(|end| (end, faces)));
+        let joints = group_by_key(vertices, joints);
         for vertex in 0..vertices {
-            // A single fan of n faces has n - 1 joints, or n where it goes all round.
-            if joints[vertex].len() + 1 < corners[vertex].len() {
+            if missing[vertex] > 0 {
                 fans.part(vertices, vertex, &corners[vertex], &joints[vertex]);
                 if !cut[vertex] {
                     fans.points.push(vertex);

@@ -138,13 +138,17 @@ impl Reduction {
         })
     }
 
-    /// The essential tolerance: closure residual that no vertex may exceed. If all did reach it, the
-    /// whole sheet would still keep the bound.
+    /// The essential tolerance: closure residual that no vertex may exceed.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
+        self.tolerance(options.bound)
+    }
+
+    /// Closure residual that all vertices may reach while the whole sheet keeps a bound.
+    pub(super) fn tolerance(&self, bound: f64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
         // Where nothing is known for certain, each vertex may add to the next.
-        (options.bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
+        (bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
     }
 
     /// The stars to solve.
@@ -274,11 +278,6 @@ pub(super) const SAME: f64 = 1e-7;
 /// crease has none.
 #[must_use]
 pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
-    let groups = CreaseGroups::trivial(pattern);
-    let angles = groups
-        .reduce(fold_angles)
-        .into_iter()
-        .collect::<Option<Vec<f64>>>()?;
-    let stars = ReducedStars::all(pattern, &groups);
-    Some(stars.largest_residual(&angles))
+    let angles = fold_angles.iter().copied().collect::<Option<Vec<f64>>>()?;
+    Some(ReducedStars::of_creases(pattern).largest_residual(&angles))
 }

@@ -16,6 +16,9 @@ use crate::folding::Rigidity;
 
 /// Knots of a path at most.
 const MOST_KNOTS: usize = 20_000;
+/// Deformation that the motion between knots is certified for where the bound allows more: what `check`
+/// asks for by default. Half of it is aimed at, as another route to a certificate may be less sharp.
+const CERTIFIED: f64 = 1e-3;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
 
@@ -86,7 +89,7 @@ impl Planning<'_> {
         let exact = found.waypoints.iter().all(closes);
         let terms = Terms {
             stars: &reduction.essential,
-            closure: exact.then(|| reduction.accepted(self.options)),
+            closure: exact.then(|| reduction.tolerance(self.options.bound.min(CERTIFIED) / 2.0)),
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),

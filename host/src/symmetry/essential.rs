@@ -3,7 +3,9 @@
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 use std::sync::OnceLock;
 
-use foldpath_core::{HalfAngle, LoopsView, Spoke, StarView, StarsView, closure, hole};
+use foldpath_core::{
+    GroupId, HalfAngle, LoopsView, Membership, Spoke, StarView, StarsView, closure, hole,
+};
 use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
@@ -38,40 +40,63 @@ impl ReducedStars {
     /// The stars of all real vertices that a hinge ends at, and the loops round all holes.
     #[must_use]
     pub fn all(pattern: &CreasePattern, groups: &CreaseGroups) -> Self {
+        Self::new(pattern, groups.len(), groups.tolerance(), |crease| {
+            groups.of(crease)
+        })
+    }
+
+    /// The same where each crease is a group of its own.
+    #[must_use]
+    pub fn of_creases(pattern: &CreasePattern) -> Self {
+        Self::new(pattern, pattern.creases().len(), 0.0, |crease| Membership {
+            group: GroupId(crease.0),
+            negative: false,
+        })
+    }
+
+    fn new(
+        pattern: &CreasePattern,
+        unknowns: usize,
+        tolerance: f64,
+        membership: impl Fn(CreaseId) -> Membership,
+    ) -> Self {
         let mut stars = Self {
             vertices: Vec::new(),
             spokes: Ragged::default(),
             loops: Ragged::default(),
             holes: Vec::new(),
             places: Vec::new(),
-            unknowns: groups.len(),
-            same_angle: SAME_ANGLE * groups.tolerance(),
+            unknowns,
+            same_angle: SAME_ANGLE * tolerance,
             conditions: OnceLock::new(),
         };
         for hole in 0..pattern.holes().len() {
-            stars.add_loop(pattern, groups, hole);
+            stars.add_loop(pattern, &membership, hole);
         }
-        let mut star = Vec::new();
         for vertex in pattern.real_vertices() {
-            star.clear();
-            star.extend(pattern.stars()[vertex.index()].iter().filter_map(|&id| {
-                let membership = groups.of(pattern.edge(id).crease?);
-                let direction = pattern.direction(id, vertex);
+            let star = &pattern.stars()[vertex.index()];
+            if star.iter().all(|&id| pattern.edge(id).crease.is_none()) {
+                continue;
+            }
+            stars.vertices.push(vertex);
+            stars.spokes.push(star.iter().filter_map(|&id| {
+                let Membership { group, negative } = membership(pattern.edge(id).crease?);
                 Some(Spoke {
-                    group: membership.group,
-                    negative: membership.negative,
-                    direction: [direction.x, direction.y],
+                    group,
+                    negative,
+                    direction: pattern.direction(id, vertex).into(),
                 })
             }));
-            if !star.is_empty() {
-                stars.vertices.push(vertex);
-                stars.spokes.push(star.iter().copied());
-            }
         }
         stars
     }
 
-    fn add_loop(&mut self, pattern: &CreasePattern, groups: &CreaseGroups, hole: usize) {
+    fn add_loop(
+        &mut self,
+        pattern: &CreasePattern,
+        membership: &impl Fn(CreaseId) -> Membership,
+        hole: usize,
+    ) {
         let way = &pattern.holes()[hole];
         let place = |passage: &Passage| pattern.vertices()[passage.at.index()];
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -82,12 +107,12 @@ impl ReducedStars {
         for passage in way {
             let edge = pattern.edge(passage.edge);
             let Some(crease) = edge.crease else { continue };
-            let membership = groups.of(crease);
+            let Membership { group, negative } = membership(crease);
             // A valley turns what is on the left of its direction up.
             let start = edge.ends[usize::from(edge.faces[0] != Some(passage.to))];
             spokes.push(Spoke {
-                group: membership.group,
-                negative: membership.negative,
+                group,
+                negative,
                 direction: pattern.direction(passage.edge, start).into(),
             });
             self.places.push(((place(passage) - middle) / size).into());
@@ -259,8 +284,11 @@ struct Image {
 impl Image {
     /// The spoke of `star` on which spoke `k` lies.
     fn of<'s>(&self, k: usize, star: &'s [Spoke<f64>]) -> &'s Spoke<f64> {
+        // Positions from n on are those from 0 once more.
         let n = star.len();
-        &star[(self.first + if self.mirrored { n - k % n } else { k }) % n]
+        let wrapped = |k: usize| if k < n { k } else { k - n };
+        let k = wrapped(k);
+        &star[wrapped(self.first + if self.mirrored { wrapped(n - k) } else { k })]
     }
 }
 
@@ -279,7 +307,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
             } else {
                 sector(from, to)
             };
-            let difference = sector(&a[k], &a[(k + 1) % n]) - image;
+            let difference = sector(&a[k], &a[if k + 1 < n { k + 1 } else { 0 }]) - image;
             difference.norm_squared() <= same_angle * same_angle
         };
         (0..n).all(same_crease) && (0..n).all(same_sector)

@@ -236,7 +236,10 @@ struct Search<'a> {
     sets: ParitySets,
     /// Relations that the isometry at hand implies.
     found: Vec<(CreaseId, CreaseId)>,
-    /// Largest difference between directions that were taken for one.
+    /// For each vertex the last isometry, by its number, that took another to it.
+    image_of: Vec<u32>,
+    isometries: u32,
+    /// Square of the largest difference between directions that were taken for one.
     worst: f64,
     /// Vertices that may still be compared.
     budget: usize,
@@ -267,6 +270,8 @@ impl<'a> Search<'a> {
             real,
             sets: single(pattern),
             found: Vec::new(),
+            image_of: vec![0; pattern.vertices().len()],
+            isometries: 0,
             worst: 0.0,
             budget: BUDGET + PASSES * pattern.vertices().len(),
         }
@@ -292,7 +297,7 @@ impl<'a> Search<'a> {
             }
         }
         let groups = CreaseGroups::from_sets(self.pattern, self.sets, self.tolerance);
-        (groups, kinds.len(), self.worst)
+        (groups, kinds.len(), self.worst.sqrt())
     }
 
     /// Tries every isometry that takes the star of one vertex to that of the other. Returns whether
@@ -301,14 +306,14 @@ impl<'a> Search<'a> {
         let mut congruent = false;
         let turned_over = [false, true];
         let degree = self.rays[to.index()].len();
+        let ray = self.rays[from.index()][0];
         for (mirrors, flips) in turned_over
             .iter()
             .flat_map(|m| turned_over.map(|f| (*m, f)))
         {
             for first in 0..degree {
-                let image = self.rays[to.index()][first];
-                let ray = self.rays[from.index()][0];
-                if !ray.agrees(&image, flips) {
+                let image = &self.rays[to.index()][first];
+                if !ray.agrees(image, flips) {
                     continue;
                 }
                 let mut isometry = Isometry::between(
@@ -391,14 +396,24 @@ impl<'a> Search<'a> {
             return false;
         }
         let mut matched = 0;
+        // Neighbours have neighbours as images: after each the next one is looked at first.
+        let mut next = 0;
         for ray in rays {
             let direction = isometry.turn(ray.direction);
-            let same = |image: &&Ray| {
-                (image.direction - direction).norm_squared() <= tolerance * tolerance
-            };
-            match images.iter().find(same) {
+            let off = |image: &Ray| (image.direction - direction).norm_squared();
+            let found = (0..images.len()).find_map(|_| {
+                let image = &images[next];
+                next = match (isometry.mirrors, next) {
+                    (false, last) if last + 1 == images.len() => 0,
+                    (false, at) => at + 1,
+                    (true, 0) => images.len() - 1,
+                    (true, at) => at - 1,
+                };
+                (off(image) <= tolerance * tolerance).then_some(image)
+            });
+            match found {
                 Some(image) if ray.agrees(image, isometry.flips) => {
-                    self.worst = self.worst.max((image.direction - direction).norm());
+                    self.worst = self.worst.max(off(image));
                     self.found.push((ray.crease, image.crease));
                     matched += 1;
                 }
@@ -411,26 +426,32 @@ impl<'a> Search<'a> {
     }
 
     /// Whether the isometry maps the overlap of the sheet with its image on itself; notes the pairs
-    /// of creases.
+    /// of creases, which may contradict each other or what is known.
     fn is_symmetry(&mut self, isometry: &Isometry) -> bool {
         self.found.clear();
-        let inverse = isometry.inverse();
+        self.isometries += 1;
         for index in 0..self.real.len() {
             self.budget = self.budget.saturating_sub(1);
             let vertex = self.real[index];
-            let flat = self.pattern.vertices()[vertex.index()];
-            let image = isometry.apply(flat);
+            let image = isometry.apply(self.pattern.vertices()[vertex.index()]);
             match self.places.vertex_at(image) {
                 Some(to) if !self.maps_star(isometry, vertex, to, self.tolerance) => return false,
+                Some(to) => self.image_of[to.index()] = self.isometries,
                 None if self.places.is_inside(image) => return false,
-                _ => {}
+                None => {}
             }
-            let origin = inverse.apply(flat);
+        }
+        let inverse = isometry.inverse();
+        for index in 0..self.real.len() {
+            let vertex = self.real[index];
+            if self.image_of[vertex.index()] == self.isometries {
+                continue;
+            }
+            let origin = inverse.apply(self.pattern.vertices()[vertex.index()]);
             match self.places.vertex_at(origin) {
                 // Compared already where it was mapped, unless no hinge ends there.
                 Some(from) if self.pattern.is_real(from) => {
-                    let mapped = !self.rays[from.index()].is_empty();
-                    if !mapped {
+                    if self.rays[from.index()].is_empty() {
                         return false;
                     }
                 }
@@ -441,11 +462,7 @@ impl<'a> Search<'a> {
                 _ => {}
             }
         }
-        let pairs = self.found.iter();
-        let sets = &mut self.sets;
-        !pairs
-            .into_iter()
-            .any(|(a, b)| sets.contradicts(a.index(), b.index(), isometry.flips))
+        true
     }
 
     /// Joins the pairs of one isometry, all or none: they may contradict each other where letters do

@@ -7,6 +7,8 @@ use nalgebra::{Matrix2, Vector2};
 pub(super) struct Isometry {
     linear: Matrix2<f64>,
     shift: Vector2<f64>,
+    /// Whether it reverses the sense of turning.
+    pub(super) mirrors: bool,
     /// Whether mountain becomes valley: the sheet is turned over as well.
     pub(super) flips: bool,
 }
@@ -27,6 +29,7 @@ impl Isometry {
         Self {
             linear,
             shift: to - linear * from,
+            mirrors,
             flips,
         }
     }
@@ -58,7 +61,7 @@ impl Isometry {
         Self {
             linear,
             shift: center[1] - linear * center[0],
-            flips: self.flips,
+            ..*self
         }
     }
 
@@ -75,7 +78,7 @@ impl Isometry {
         Self {
             linear,
             shift: -(linear * self.shift),
-            flips: self.flips,
+            ..*self
         }
     }
 }

@@ -52,12 +52,6 @@ impl ParitySets {
         a == b && a_sign ^ b_sign == negative
     }
 
-    /// Whether saying so would contradict what is known.
-    pub(super) fn contradicts(&mut self, a: usize, b: usize, negative: bool) -> bool {
-        let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
-        a == b && a_sign ^ b_sign != negative
-    }
-
     /// Says that both turn alike (`negative`: against each other). The smaller representative
     /// stays. Returns `false`, changing nothing, if that contradicts what is known or if their
     /// values are too far apart.
@@ -93,7 +87,7 @@ mod tests {
         assert!(sets.join(4, 3, true) && sets.join(3, 2, true) && sets.join(2, 1, true));
         assert!(sets.related(4, 1, true) && sets.related(4, 2, false));
         assert!(!sets.related(0, 1, false));
-        assert!(!sets.join(1, 3, true) && sets.contradicts(1, 3, true));
+        assert!(!sets.join(1, 3, true));
         assert_eq!(sets.find(4), (1, true));
         assert_eq!(sets.find(0), (0, false));
     }

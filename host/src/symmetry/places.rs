@@ -11,7 +11,8 @@ pub(super) struct Places<'a> {
     tolerance: f64,
     low: Vector2<f64>,
     high: Vector2<f64>,
-    cell: f64,
+    /// Cells in a unit of length.
+    per_length: f64,
     columns: usize,
     rows: usize,
     cells: Ragged<VertexId>,
@@ -35,7 +36,7 @@ impl<'a> Places<'a> {
             tolerance,
             low,
             high,
-            cell,
+            per_length: 1.0 / cell,
             columns: 0,
             rows: 0,
             cells: Ragged::default(),
@@ -67,7 +68,7 @@ impl<'a> Places<'a> {
         reason = "a small number that is not negative: the distance is within the sheet"
     )]
     fn step(&self, distance: f64) -> usize {
-        (distance / self.cell) as usize
+        (distance * self.per_length) as usize
     }
 
     /// Whether the point is outside the sheet's bounding box.
@@ -96,9 +97,16 @@ impl<'a> Places<'a> {
         let near = |v: &VertexId| {
             (self.pattern.vertices()[v.index()] - point).norm_squared() <= tolerance * tolerance
         };
-        range(1, self.rows)
-            .flat_map(|row| range(0, self.columns).map(move |column| row * self.columns + column))
-            .find_map(|cell| self.cells[cell].iter().copied().find(near))
+        let columns = range(0, self.columns);
+        for row in range(1, self.rows) {
+            for column in columns.clone() {
+                let cell = &self.cells[row * self.columns + column];
+                if let Some(vertex) = cell.iter().copied().find(near) {
+                    return Some(vertex);
+                }
+            }
+        }
+        None
     }
 
     /// Whether `point` is inside the sheet and not on its border. Cost: O(border).

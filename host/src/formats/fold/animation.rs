@@ -98,8 +98,8 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     let document = Document::read(path)?;
     let key = document.key_frame();
     let pattern = pattern_of(&document, &key, goals(&key)?)?;
-    let frames = document.frame_count()?;
-    if frames == 0 {
+    let frames = document.frames()?;
+    if frames.len() == 0 {
         return Err(document.expected(
             "file_frames".into(),
             "at least one knot (of a path; `foldpath plan` makes one of a crease pattern)",
@@ -107,14 +107,10 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
         ));
     }
     let interpolation = interpolation(&key)?;
-    let knots: Vec<PathKnot> = (0..frames)
+    let knots: Vec<PathKnot> = (0..frames.len())
         .map(|index| {
-            knot(
-                &document.frame(index)?,
-                index,
-                &pattern.pattern,
-                interpolation,
-            )
+            let frame = frames.get(index)?;
+            knot(&frame, index, &pattern.pattern, interpolation)
         })
         .collect::<Result<_, _>>()?;
     for (index, pair) in knots.windows(2).enumerate() {
@@ -198,7 +194,7 @@ fn knot(
     pattern: &CreasePattern,
     interpolation: Interpolation,
 ) -> Result<PathKnot, FileError> {
-    let own = |key: &str| frame.own(key);
+    let own = |key: &'static str| frame.own(key);
     let list = own("edges_foldAngle");
     let list = list.map_or_else(|| frame.require("edges_foldAngle"), Ok)?;
     let edges = pattern.edges().len();
@@ -217,7 +213,7 @@ fn knot(
         }
         None => None,
     };
-    let number = |key: &str| {
+    let number = |key: &'static str| {
         own(key)
             .filter(|v| !v.is_null())
             .map(|v| v.number())
@@ -242,7 +238,7 @@ fn knot(
 /// A list of a frame that the interpolation asks for; `what` it is.
 fn needed<'a>(
     frame: &Frame<'a>,
-    key: &str,
+    key: &'static str,
     what: &str,
     interpolation: Interpolation,
 ) -> Result<Located<'a>, FileError> {

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::{Map, Value};
-
+use super::json::{Json, Value};
 use crate::formats::FileError;
 
 /// A parsed FOLD file.
 pub(super) struct Document {
     path: PathBuf,
-    root: Map<String, Value>,
+    json: Json,
 }
 
 impl Document {
@@ -23,13 +22,13 @@ impl Document {
 
     pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Self, FileError> {
         let path = path.to_path_buf();
-        match serde_json::from_slice(text) {
-            Ok(Value::Object(root)) => Ok(Self { path, root }),
-            Ok(other) => Err(FileError::Expected {
+        match Json::parse(text) {
+            Ok(json) if json.root().is_object() => Ok(Self { path, json }),
+            Ok(json) => Err(FileError::Expected {
                 path,
                 place: "the file".into(),
                 expected: "a FOLD object".into(),
-                found: kind(&other),
+                found: json.root().kind(),
             }),
             Err(error) => Err(FileError::Syntax {
                 path,
@@ -52,54 +51,19 @@ impl Document {
     pub(super) fn key_frame(&self) -> Frame<'_> {
         Frame {
             document: self,
-            layers: vec![(&self.root, String::new())],
+            layers: vec![(self.json.root(), 0)],
         }
     }
 
-    /// Number of frames beside the key frame.
-    pub(super) fn frame_count(&self) -> Result<usize, FileError> {
-        match self.key_frame().own("file_frames") {
-            Some(frames) => Ok(frames.list()?.len()),
-            None => Ok(0),
-        }
-    }
-
-    /// Frame `index` of `file_frames`, inheriting from its parents as it says.
-    pub(super) fn frame(&self, index: usize) -> Result<Frame<'_>, FileError> {
-        let mut layers = Vec::new();
-        // Frame numbers count the key frame as 0.
-        let mut number = index + 1;
-        loop {
-            if number == 0 {
-                layers.push((&self.root, String::new()));
-                break;
-            }
-            let place = format!("file_frames[{}]", number - 1);
-            let frames = self.root.get("file_frames").and_then(Value::as_array);
-            let frame = frames.and_then(|f| f.get(number - 1));
-            let Some(Value::Object(map)) = frame else {
-                let found = frame.map_or("none".into(), kind);
-                return Err(self.expected(place, "a frame", &found));
-            };
-            layers.push((map, place.clone() + "."));
-            if map.get("frame_inherit") != Some(&Value::Bool(true)) {
-                break;
-            }
-            let parent = map.get("frame_parent").and_then(Value::as_u64);
-            let parent = parent.and_then(|p| usize::try_from(p).ok());
-            // Parents come earlier, so that no chain of them is a circle.
-            match parent {
-                Some(parent) if parent < number => number = parent,
-                _ => {
-                    let place = format!("{place}.frame_parent");
-                    let found = map.get("frame_parent").map_or("none".into(), kind);
-                    return Err(self.expected(place, "the number of an earlier frame", &found));
-                }
-            }
-        }
-        Ok(Frame {
+    /// The frames beside the key frame.
+    pub(super) fn frames(&self) -> Result<Frames<'_>, FileError> {
+        let objects = match self.key_frame().own("file_frames") {
+            Some(frames) => frames.list()?.collect(),
+            None => Vec::new(),
+        };
+        Ok(Frames {
             document: self,
-            layers,
+            objects,
         })
     }
 
@@ -113,39 +77,97 @@ impl Document {
     }
 }
 
-/// A frame and those it inherits from.
+/// The frames beside the key frame.
+pub(super) struct Frames<'a> {
+    document: &'a Document,
+    objects: Vec<Value<'a>>,
+}
+
+impl<'a> Frames<'a> {
+    pub(super) fn len(&self) -> usize {
+        self.objects.len()
+    }
+
+    /// Frame `index` of `file_frames`, inheriting from its parents as it says.
+    pub(super) fn get(&self, index: usize) -> Result<Frame<'a>, FileError> {
+        let document = self.document;
+        let mut layers = Vec::new();
+        // Frame numbers count the key frame as 0.
+        let mut number = index + 1;
+        loop {
+            if number == 0 {
+                layers.push((document.json.root(), 0));
+                break;
+            }
+            let place = || format!("file_frames[{}]", number - 1);
+            let frame = self.objects.get(number - 1);
+            let Some(frame) = frame.filter(|frame| frame.is_object()) else {
+                let found = frame.map_or("none".into(), Value::kind);
+                return Err(document.expected(place(), "a frame", &found));
+            };
+            layers.push((*frame, number));
+            if !frame.get("frame_inherit").is_some_and(|it| it.is_true()) {
+                break;
+            }
+            let parent = frame.get("frame_parent");
+            let earlier = parent.and_then(|p| usize::try_from(p.as_u64()?).ok());
+            // Parents come earlier, so that no chain of them is a circle.
+            match earlier {
+                Some(parent) if parent < number => number = parent,
+                _ => {
+                    let place = format!("{}.frame_parent", place());
+                    let found = parent.map_or("none".into(), |parent| parent.kind());
+                    return Err(document.expected(place, "the number of an earlier frame", &found));
+                }
+            }
+        }
+        Ok(Frame { document, layers })
+    }
+}
+
+/// What stands before the keys of a frame, by its number, in places.
+fn prefix(frame: usize) -> String {
+    match frame.checked_sub(1) {
+        Some(index) => format!("file_frames[{index}]."),
+        None => String::new(),
+    }
+}
+
+/// A frame and those it inherits from, each with its number; the key frame is 0.
 pub(super) struct Frame<'a> {
     document: &'a Document,
-    layers: Vec<(&'a Map<String, Value>, String)>,
+    layers: Vec<(Value<'a>, usize)>,
 }
 
 impl<'a> Frame<'a> {
     /// The value of a key, its own or inherited.
-    pub(super) fn get(&self, key: &str) -> Option<Located<'a>> {
+    pub(super) fn get(&self, key: &'static str) -> Option<Located<'a>> {
         self.layers
             .iter()
-            .find_map(|layer| self.in_layer(layer, key))
+            .find_map(|&layer| self.in_layer(layer, key))
     }
 
     /// The value of a key that the frame itself has.
-    pub(super) fn own(&self, key: &str) -> Option<Located<'a>> {
-        self.in_layer(self.layers.first()?, key)
+    pub(super) fn own(&self, key: &'static str) -> Option<Located<'a>> {
+        self.in_layer(*self.layers.first()?, key)
     }
 
     fn in_layer(
         &self,
-        (map, prefix): &(&'a Map<String, Value>, String),
-        key: &str,
+        (object, frame): (Value<'a>, usize),
+        key: &'static str,
     ) -> Option<Located<'a>> {
         Some(Located {
             document: self.document,
-            value: map.get(key)?,
-            place: format!("{prefix}{key}"),
+            value: object.get(key)?,
+            frame,
+            key,
+            indices: [None; 2],
         })
     }
 
     /// The value of a key that must be there.
-    pub(super) fn require(&self, key: &str) -> Result<Located<'a>, FileError> {
+    pub(super) fn require(&self, key: &'static str) -> Result<Located<'a>, FileError> {
         self.get(key).ok_or_else(|| self.missing(key, "a list"))
     }
 
@@ -156,55 +178,63 @@ impl<'a> Frame<'a> {
     }
 
     /// What stands before the frame's keys in places.
-    pub(super) fn prefix(&self) -> &str {
-        self.layers.first().map_or("", |layer| &layer.1)
+    pub(super) fn prefix(&self) -> String {
+        self.layers
+            .first()
+            .map_or(String::new(), |&(_, frame)| prefix(frame))
     }
 
     /// Whether the frame is of that class.
     pub(super) fn is_a(&self, class: &str) -> bool {
-        let classes = self.own("frame_classes").and_then(|c| c.value.as_array());
-        classes.is_some_and(|classes| classes.iter().any(|c| c.as_str() == Some(class)))
+        let classes = self.own("frame_classes").and_then(|c| c.value.list());
+        classes.is_some_and(|mut classes| classes.any(|c| c.as_str() == Some(class)))
     }
 }
 
 /// A value and its place.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(super) struct Located<'a> {
     document: &'a Document,
-    value: &'a Value,
-    place: String,
+    value: Value<'a>,
+    frame: usize,
+    key: &'static str,
+    /// Positions in the list of the key and in the list there: nothing is nested deeper.
+    indices: [Option<usize>; 2],
 }
 
 impl<'a> Located<'a> {
+    fn place(&self) -> String {
+        let indices = self.indices.iter().flatten();
+        let indices: String = indices.map(|index| format!("[{index}]")).collect();
+        format!("{}{}{indices}", prefix(self.frame), self.key)
+    }
+
     pub(super) fn expected(&self, expected: &str) -> FileError {
-        let (place, found) = (self.place.clone(), kind(self.value));
-        self.document.expected(place, expected, &found)
+        self.document
+            .expected(self.place(), expected, &self.value.kind())
     }
 
     pub(super) fn is_null(&self) -> bool {
         self.value.is_null()
     }
 
-    pub(super) fn list(&self) -> Result<&'a [Value], FileError> {
-        let list = self
-            .value
-            .as_array()
-            .ok_or_else(|| self.expected("a list"))?;
-        Ok(list)
+    fn list(&self) -> Result<impl ExactSizeIterator<Item = Value<'a>> + use<'a>, FileError> {
+        self.value.list().ok_or_else(|| self.expected("a list"))
     }
 
     /// The entries of a list.
-    pub(super) fn entries(&self) -> Result<impl ExactSizeIterator<Item = Located<'a>>, FileError> {
-        let (document, place) = (self.document, self.place.clone());
-        Ok(self
-            .list()?
-            .iter()
-            .enumerate()
-            .map(move |(index, value)| Located {
-                document,
-                value,
-                place: format!("{place}[{index}]"),
-            }))
+    pub(super) fn entries(
+        &self,
+    ) -> Result<impl ExactSizeIterator<Item = Located<'a>> + use<'a>, FileError> {
+        let list = *self;
+        Ok(self.list()?.enumerate().map(move |(index, value)| Located {
+            value,
+            indices: match list.indices[0] {
+                None => [Some(index), None],
+                outer => [outer, Some(index)],
+            },
+            ..list
+        }))
     }
 
     /// The entries of a list that must have `length` of them.
@@ -212,14 +242,12 @@ impl<'a> Located<'a> {
         &self,
         length: usize,
         of: &str,
-    ) -> Result<impl ExactSizeIterator<Item = Located<'a>>, FileError> {
+    ) -> Result<impl ExactSizeIterator<Item = Located<'a>> + use<'a>, FileError> {
         let found = self.list()?.len();
         if found != length {
             let expected = format!("{length} entries, one for each {of}");
-            let place = self.place.clone();
-            return Err(self
-                .document
-                .expected(place, &expected, &format!("{found}")));
+            let (place, found) = (self.place(), found.to_string());
+            return Err(self.document.expected(place, &expected, &found));
         }
         self.entries()
     }
@@ -238,18 +266,5 @@ impl<'a> Located<'a> {
 
     pub(super) fn text(&self) -> Result<&'a str, FileError> {
         self.value.as_str().ok_or_else(|| self.expected("a string"))
-    }
-}
-
-/// What a value is, in words short enough for a message.
-fn kind(value: &Value) -> String {
-    match value {
-        Value::Null => "null".into(),
-        Value::Array(list) => format!("a list of {}", list.len()),
-        Value::Object(_) => "an object".into(),
-        Value::String(text) if text.chars().count() > 20 => {
-            format!("\"{}...\"", text.chars().take(20).collect::<String>())
-        }
-        other => other.to_string(),
     }
 }

@@ -5,6 +5,7 @@
 
 mod animation;
 mod document;
+mod json;
 mod pattern;
 mod plane;
 mod write;

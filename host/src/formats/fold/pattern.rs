@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::document::{Document, Frame};
+use super::document::{Document, Frame, Located};
 use super::plane::flatten;
 use crate::formats::FileError;
 use crate::pattern::{
@@ -99,8 +99,9 @@ fn flat_frame(document: &Document) -> Result<Frame<'_>, FileError> {
     if key.is_a("creasePattern") {
         return Ok(key);
     }
-    for index in 0..document.frame_count()? {
-        let frame = document.frame(index)?;
+    let frames = document.frames()?;
+    for index in 0..frames.len() {
+        let frame = frames.get(index)?;
         if frame.is_a("creasePattern") {
             return Ok(frame);
         }
@@ -137,10 +138,9 @@ impl Goals {
 
 /// The goal of the last folded frame that names one, or else that of the flat frame.
 fn goal_angles(document: &Document, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
-    let frames = (0..document.frame_count()?)
-        .rev()
-        .map(|index| document.frame(index));
-    for frame in frames.chain([Ok(document.key_frame())]) {
+    let frames = document.frames()?;
+    let latest_first = (0..frames.len()).rev().map(|index| frames.get(index));
+    for frame in latest_first.chain([Ok(document.key_frame())]) {
         let frame = frame?;
         if frame.is_a("foldedForm")
             && let Some(goals) = goals(&frame)?
@@ -170,7 +170,7 @@ pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     let zero = angles
         .iter()
         .all(|angle| angle.is_none_or(|a| a.abs() <= 0.0));
-    let frame = frame.prefix().to_string();
+    let frame = frame.prefix();
     Ok((!zero).then_some(Goals { angles, frame }))
 }
 
@@ -237,7 +237,7 @@ fn winds_clockwise(vertices: &[nalgebra::Vector2<f64>], faces: &[Vec<usize>]) ->
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
-    let point = |entry: super::document::Located<'_>| {
+    let point = |entry: Located<'_>| {
         let mut coordinates = entry.entries()?;
         let count = coordinates.len();
         if !(2..=3).contains(&count) {
@@ -254,7 +254,7 @@ pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> 
 }
 
 /// A coordinate whose square is a number too.
-fn coordinate(entry: super::document::Located<'_>) -> Result<f64, FileError> {
+fn coordinate(entry: Located<'_>) -> Result<f64, FileError> {
     let number = entry.number()?;
     if number.abs() > LARGEST {
         return Err(entry.expected("a coordinate from -1e50 to 1e50"));
@@ -262,7 +262,7 @@ fn coordinate(entry: super::document::Located<'_>) -> Result<f64, FileError> {
     Ok(number)
 }
 
-fn indices(entry: &super::document::Located<'_>) -> Result<Vec<usize>, FileError> {
+fn indices(entry: &Located<'_>) -> Result<Vec<usize>, FileError> {
     entry.entries()?.map(|index| index.index()).collect()
 }
 
@@ -284,9 +284,15 @@ fn edges(
     notes: &mut Vec<String>,
 ) -> Result<Vec<[usize; 2]>, FileError> {
     if let Some(edges) = frame.get("edges_vertices") {
-        let ends = |entry: super::document::Located<'_>| {
-            let ends = indices(&entry)?;
-            <[usize; 2]>::try_from(ends).map_err(|_| entry.expected("2 vertices"))
+        let ends = |entry: Located<'_>| {
+            let mut ends = entry.entries()?.map(|end| end.index());
+            if ends.len() == 2
+                && let (Some(a), Some(b)) = (ends.next(), ends.next())
+            {
+                return Ok([a?, b?]);
+            }
+            ends.try_for_each(|end| end.map(drop))?;
+            Err(entry.expected("2 vertices"))
         };
         return edges.entries()?.map(ends).collect();
     }

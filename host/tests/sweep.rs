@@ -1,0 +1,423 @@
+//! Whole motions swept for crossings, against closed forms and dense sampling.
+
+use core::f64::consts::PI;
+use std::path::Path;
+
+use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
+use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::formats::fold::read_pattern;
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
+use foldpath::symmetry::CreaseGroups;
+use foldpath_core::{Curve, GroupId, Membership};
+use nalgebra::Vector2;
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::Rng;
+
+type Motion = Vec<Vec<Curve<f64>>>;
+
+/// A pattern of `patterns/` and its closed-form motion from flat to its goal: tangents of half the fold
+/// angles keep their ratios, but that of the waterbomb's boundary lines is 3t + 4t³.
+fn folded(name: &str) -> (CreasePattern, Vec<Membership>, Motion) {
+    let path = format!("{}/../patterns/{name}.fold", env!("CARGO_MANIFEST_DIR"));
+    let pattern = read_pattern(Path::new(&path)).unwrap().pattern;
+    let groups = CreaseGroups::find(&pattern);
+    let mut tangents = vec![0.0_f64; groups.len()];
+    for (&edge, member) in pattern.creases().iter().zip(groups.memberships()) {
+        let goal = member.apply(pattern.edge(edge).goal.unwrap());
+        tangents[member.group.index()] = (goal / 2.0).tan();
+    }
+    let sizes = || tangents.iter().map(|tangent| tangent.abs());
+    let (least, most) = (
+        sizes().fold(f64::MAX, f64::min),
+        sizes().fold(0.0, f64::max),
+    );
+    let curve = |&tangent: &f64| {
+        let cubic = if name.starts_with("waterbomb") && tangent.abs() >= most {
+            4.0 * least.powi(3) * tangent.signum()
+        } else {
+            0.0
+        };
+        let third = (tangent - cubic) / 3.0;
+        Curve::HalfAngle {
+            cos: [1.0; 4],
+            sin: [0.0, third, 2.0 * third, tangent],
+        }
+    };
+    let motion = vec![tangents.iter().map(curve).collect()];
+    (pattern, groups.memberships().to_vec(), motion)
+}
+
+/// A pattern from its vertices and edges, those with two faces creases of a group each.
+fn drawn(vertices: &[[f64; 2]], edges: &[[usize; 2]]) -> (CreasePattern, Vec<Membership>) {
+    let edge = |&ends: &[usize; 2]| DrawnEdge {
+        ends,
+        letter: Letter::Unassigned,
+        goal: None,
+    };
+    let drawing = Drawing {
+        vertices: vertices.iter().map(|&v| Vector2::from(v)).collect(),
+        edges: edges.iter().map(edge).collect(),
+        ..Drawing::default()
+    };
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let own = |group| Membership {
+        group: GroupId(group),
+        negative: false,
+    };
+    let memberships = (0..).take(pattern.creases().len()).map(own).collect();
+    (pattern, memberships)
+}
+
+/// A strip of panels along x, one side at 0 and the other from (x, 1) to the next, shifted by `shear`.
+fn strip(places: &[f64], shears: &[f64]) -> (CreasePattern, Vec<Membership>) {
+    let mut vertices = Vec::new();
+    let mut edges = Vec::new();
+    for (k, (x, shear)) in places.iter().zip(shears).enumerate() {
+        vertices.extend([[*x, 0.0], [x + shear, 1.0]]);
+        edges.push([2 * k, 2 * k + 1]);
+        if k > 0 {
+            edges.extend([[2 * k - 2, 2 * k], [2 * k - 1, 2 * k + 1]]);
+        }
+    }
+    drawn(&vertices, &edges)
+}
+
+/// Sectors round a vertex, from one ray (degrees) to the next.
+fn fan(rays: &[f64]) -> (CreasePattern, Vec<Membership>) {
+    let mut vertices = vec![[0.0, 0.0]];
+    let mut edges = Vec::new();
+    for (k, ray) in (1..).zip(rays) {
+        let (sin, cos) = ray.to_radians().sin_cos();
+        vertices.push([cos, sin]);
+        edges.push([0, k]);
+        if k > 1 {
+            edges.push([k - 1, k]);
+        }
+    }
+    drawn(&vertices, &edges)
+}
+
+/// A straight line in the fold angle (degrees).
+fn line(from: f64, to: f64) -> Curve<f64> {
+    let [from, to] = [from, to].map(f64::to_radians);
+    let third = (to - from) / 3.0;
+    Curve::Angle([from, from + third, to - third, to])
+}
+
+fn sweep(
+    (pattern, memberships): &(CreasePattern, Vec<Membership>),
+    motion: &Motion,
+) -> SweepVerdict {
+    Sweep::new(pattern, memberships, SweepOptions::default()).sweep(motion)
+}
+
+#[track_caller]
+fn crossing_at(verdict: SweepVerdict) -> ([FaceId; 2], f64) {
+    match verdict {
+        SweepVerdict::Crossing {
+            crossing,
+            at,
+            last_free: Some(free),
+        } => {
+            assert_eq!(at.segment, free.segment);
+            assert!(free.s < at.s && at.s - free.s < 2e-6, "{verdict:?}");
+            (crossing.faces, at.s)
+        }
+        _ => panic!("{verdict:?}"),
+    }
+}
+
+#[track_caller]
+fn clearance(verdict: SweepVerdict) -> f64 {
+    match verdict {
+        SweepVerdict::Free(clearance) => clearance.map_or(f64::INFINITY, |c| c.distance),
+        _ => panic!("{verdict:?}"),
+    }
+}
+
+#[test]
+fn miura_folds_are_free_and_their_clearance_is_the_width_of_a_pleat() {
+    for name in ["miura-3x3", "miura-5x5", "miura-11x11"] {
+        let (pattern, memberships, motion) = folded(name);
+        let found = clearance(sweep(&(pattern, memberships), &motion));
+        // Faces two apart in a row are parallel: the panel between, as wide as its height sin 60°, stands
+        // at 10° to them. In a column: at the straight creases' angle, whose tangent is half as large.
+        let zigzag = 60_f64.to_radians().sin() * 170_f64.to_radians().sin();
+        let straight = 2.0 * (85_f64.to_radians().tan() / 2.0).atan();
+        let straight = 60_f64.to_radians().sin() * straight.sin();
+        assert!(found < zigzag.min(straight) + 1e-9, "{name}: {found}");
+        assert!(found > 0.9 * zigzag.min(straight), "{name}: {found}");
+    }
+}
+
+#[test]
+fn the_waterbomb_tube_is_free_until_it_closes() {
+    let (pattern, memberships, motion) = folded("waterbomb-12x22");
+    assert!(clearance(sweep(&(pattern, memberships), &motion)) > 0.1);
+    let (pattern, memberships, motion) = folded("waterbomb-12x22-crossing");
+    let (_, s) = crossing_at(sweep(&(pattern, memberships), &motion));
+    // Boundary lines less middle lines: the twelve columns of the tube make a full turn at 60°.
+    let angles = motion[0].iter().map(|curve| curve.angle(s).abs());
+    let (least, most) = angles.fold((PI, 0.0_f64), |(l, m), angle| (l.min(angle), m.max(angle)));
+    let turn = (most - least).to_degrees();
+    assert!((turn - 60.0).abs() < 1e-3, "{turn}");
+    assert!((most.to_degrees() / 108.0 - 0.8798).abs() < 1e-2);
+}
+
+#[test]
+fn a_flap_that_passes_through_within_a_segment_is_found() {
+    // A box of floor, wall and roof, and a longer flap that comes in from outside: at a right angle it
+    // stands on the rim of the floor, at the end it is inside.
+    let box_ = strip(&[0.0, 2.0, 3.0, 5.0, 6.5], &[0.0; 5]);
+    let motion = |end: f64| vec![vec![line(90.0, 90.0), line(90.0, 90.0), line(0.0, end)]];
+    let (faces, s) = crossing_at(sweep(&box_, &motion(150.0)));
+    assert_eq!(faces, [FaceId(0), FaceId(3)]);
+    assert!((s - 0.6).abs() < 1e-5, "{s}");
+    assert!(s > 0.6);
+    let mut sampler = Sampler::new(&box_);
+    let ends = [0.0, 1.0].map(|s| sampler.depth(&motion(150.0), 0, s));
+    assert!(ends.iter().all(|&depth| depth <= 0.0));
+    assert!(clearance(sweep(&box_, &motion(89.0))) > 0.01);
+}
+
+#[test]
+fn sectors_that_pass_through_each_other_are_found() {
+    // The first sector stands at 30° over the second; the third, shorter, turns over from outside and
+    // ends under the first. It meets the corner of the first where that is seen from their common ray at
+    // the base angle of an isosceles spherical triangle.
+    let sectors = fan(&[0.0, 60.0, 120.0, 150.0]);
+    let motion = |end: f64| vec![vec![line(150.0, 150.0), line(0.0, end)]];
+    let base = (1.0 / (60_f64.to_radians().cos() * 15_f64.to_radians().tan())).atan();
+    let (faces, s) = crossing_at(sweep(&sectors, &motion(170.0)));
+    assert_eq!(faces, [FaceId(0), FaceId(2)]);
+    let expected = (180.0 - base.to_degrees()) / 170.0;
+    assert!((s - expected).abs() < 1e-5, "{s}, not {expected}");
+    let mut sampler = Sampler::new(&sectors);
+    let ends = [0.0, 1.0].map(|s| sampler.depth(&motion(170.0), 0, s));
+    assert!(ends.iter().all(|&depth| depth <= 0.0));
+    assert!(matches!(
+        sweep(&sectors, &motion(90.0)),
+        SweepVerdict::Free(None)
+    ));
+}
+
+#[test]
+fn layers_that_touch_at_half_a_turn_are_contact() {
+    let accordion = strip(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 0.2, 0.0, 0.2, 0.0]);
+    let turn = [180.0, -180.0, 180.0];
+    let motion = vec![turn.iter().map(|&angle| line(0.0, angle)).collect()];
+    let (pattern, memberships) = &accordion;
+    let mut sweep = Sweep::new(pattern, memberships, SweepOptions::default());
+    assert!(clearance(sweep.sweep(&motion)) < 1e-6);
+    assert!(sweep.counts().tested < 500, "{:?}", sweep.counts());
+}
+
+/// A folded sheet that is asked for crossings at one place after the other.
+struct Sampler<'a> {
+    pattern: &'a CreasePattern,
+    memberships: &'a [Membership],
+    tree: SpanningTree,
+    scene: CollisionScene,
+}
+
+impl<'a> Sampler<'a> {
+    fn new((pattern, memberships): &'a (CreasePattern, Vec<Membership>)) -> Self {
+        Self {
+            pattern,
+            memberships,
+            tree: SpanningTree::from_central_face(pattern),
+            scene: CollisionScene::new(pattern),
+        }
+    }
+
+    /// The depth of the deepest crossing; 0 for none.
+    fn depth(&mut self, motion: &Motion, segment: usize, s: f64) -> f64 {
+        let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
+        let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
+        let map = FoldingMap::new(self.pattern, &self.tree, &angles);
+        let crossing = self.scene.deepest_crossing(&map, 0.0);
+        crossing.map_or(0.0, |crossing| crossing.depth)
+    }
+}
+
+/// Numbers from `low` to `high`.
+fn uniform(random: &mut Pcg64, [low, high]: [f64; 2]) -> f64 {
+    low + (high - low) * f64::from(random.next_u32()) / f64::from(u32::MAX)
+}
+
+/// A strip, a fan, or a square with strips on its sides.
+fn random_pattern(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
+    let count = 4 + random.next_u32() as usize % 4;
+    match random.next_u32() % 3 {
+        0 => {
+            let mut x = 0.0;
+            let mut place = |random: &mut Pcg64| {
+                x += uniform(random, [0.6, 1.8]);
+                x
+            };
+            let places: Vec<f64> = (0..count).map(|_| place(random)).collect();
+            let shears: Vec<f64> = places
+                .iter()
+                .map(|_| uniform(random, [-0.25, 0.25]))
+                .collect();
+            strip(&places, &shears)
+        }
+        1 => {
+            let widths: Vec<f64> = (0..count).map(|_| uniform(random, [20.0, 120.0])).collect();
+            let scale = (350.0 / widths.iter().sum::<f64>()).min(1.0);
+            let mut ray = 0.0;
+            let next = widths.iter().map(|width| {
+                ray += width * scale;
+                ray
+            });
+            fan(&[vec![0.0], next.collect()].concat())
+        }
+        _ => star(random),
+    }
+}
+
+/// A unit square with a strip of two panels on each side.
+fn star(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let (mut vertices, mut edges) = (square.to_vec(), Vec::new());
+    for k in 0..4 {
+        let mut side = [k, (k + 1) % 4];
+        edges.push(side);
+        let [from, to] = side.map(|v| Vector2::from(square[v]));
+        let out = Vector2::new(to.y - from.y, from.x - to.x);
+        let mut away = 0.0;
+        for _ in 0..2 {
+            away += uniform(random, [0.5, 1.5]);
+            let next = [vertices.len(), vertices.len() + 1];
+            vertices.extend([from, to].map(|end| <[f64; 2]>::from(end + out * away)));
+            edges.extend([[side[0], next[0]], [side[1], next[1]], next]);
+            side = next;
+        }
+    }
+    drawn(&vertices, &edges)
+}
+
+/// Two segments of smooth curves, joined, with angles below half a turn.
+fn random_motion(random: &mut Pcg64, groups: usize) -> Motion {
+    let most = 0.95 * PI;
+    let mut start = vec![0.0; groups];
+    let mut segment = |random: &mut Pcg64| {
+        let curve = |from: &mut f64| {
+            let mut next = || uniform(random, [-most, most]);
+            let [a, b, to] = [next(), next(), next()];
+            let from = core::mem::replace(from, to);
+            if random.next_u32().is_multiple_of(2) {
+                return Curve::Angle([from, a, b, to]);
+            }
+            let half = [from, a, b, to].map(|angle| (angle / 2.0).sin_cos());
+            Curve::HalfAngle {
+                cos: half.map(|half| half.1),
+                sin: half.map(|half| half.0),
+            }
+        };
+        start.iter_mut().map(curve).collect()
+    };
+    vec![segment(random), segment(random)]
+}
+
+#[test]
+fn sweeps_agree_with_dense_sampling() {
+    const SAMPLES: u32 = 2000;
+    let mut random = Pcg64::new(5, 7);
+    let mut met = [0; 3];
+    for case in 0..60 {
+        let sheet = random_pattern(&mut random);
+        let motion = random_motion(&mut random, sheet.1.len());
+        let mut sampler = Sampler::new(&sheet);
+        let verdict = sweep(&sheet, &motion);
+        let places = (0..2).flat_map(|segment| {
+            (0..=SAMPLES).map(move |k| (segment, f64::from(k) / f64::from(SAMPLES)))
+        });
+        let mut places =
+            places.map(|(segment, s)| (segment, s, sampler.depth(&motion, segment, s)));
+        let sampled = places.find(|(_, _, depth)| *depth > 1e-4);
+        drop(places);
+        match verdict {
+            SweepVerdict::Free(_) => assert_eq!(sampled, None, "{case}"),
+            SweepVerdict::Crossing {
+                crossing,
+                at,
+                last_free,
+            } => {
+                let depth = sampler.depth(&motion, at.segment, at.s);
+                assert!(depth >= crossing.depth - 1e-12, "{case}: {verdict:?}");
+                if let Some(free) = last_free {
+                    assert!(
+                        sampler.depth(&motion, free.segment, free.s) <= 0.0,
+                        "{case}"
+                    );
+                }
+                if let Some((segment, s, _)) = sampled {
+                    let no_later = (at.segment, at.s) <= (segment, s);
+                    assert!(no_later, "{case}: {verdict:?} {sampled:?}");
+                }
+                met[usize::from(sampled.is_none())] += 1;
+            }
+            SweepVerdict::Undecided { .. } => panic!("{case}: {verdict:?}"),
+        }
+        met[2] += 1;
+    }
+    assert!(met[0] > 20 && met[2] - met[0] - met[1] > 10, "{met:?}");
+}
+
+#[test]
+fn what_is_skipped_changes_no_verdict() {
+    let mut random = Pcg64::new(9, 1);
+    let mut cases: Vec<_> = (0..20)
+        .map(|_| {
+            let sheet = random_pattern(&mut random);
+            let motion = random_motion(&mut random, sheet.1.len());
+            (sheet, motion)
+        })
+        .collect();
+    for name in ["miura-3x3", "waterbomb-4x6"] {
+        let (pattern, memberships, motion) = folded(name);
+        cases.push(((pattern, memberships), motion));
+    }
+    for (case, ((pattern, memberships), motion)) in cases.iter().enumerate() {
+        let all = SweepOptions::default();
+        let verdict = Sweep::new(pattern, memberships, all).sweep(motion);
+        for options in [
+            SweepOptions {
+                skip_motion: false,
+                ..all
+            },
+            SweepOptions {
+                skip_bounds: false,
+                ..all
+            },
+            SweepOptions {
+                skip_edges: false,
+                ..all
+            },
+            SweepOptions {
+                skip_motion: false,
+                skip_bounds: false,
+                skip_edges: false,
+                ..all
+            },
+        ] {
+            let mut sweep = Sweep::new(pattern, memberships, options);
+            let other = sweep.sweep(motion);
+            match (verdict, other) {
+                (SweepVerdict::Free(a), SweepVerdict::Free(b)) => {
+                    let [a, b] = [a, b].map(|c| c.map_or(f64::INFINITY, |c| c.distance));
+                    assert!(a >= b || a - b < 0.1 * b, "{case}: {a} {b}");
+                }
+                (SweepVerdict::Crossing { at: a, .. }, SweepVerdict::Crossing { at: b, .. }) => {
+                    let same = a.segment == b.segment && (a.s - b.s).abs() < 1e-5;
+                    assert!(same, "{case}: {verdict:?} {other:?}");
+                }
+                _ => panic!("{case}: {verdict:?} {other:?}"),
+            }
+            let c = sweep.counts();
+            let skipped = c.skipped_symmetry + c.skipped_motion + c.skipped_bounds;
+            assert_eq!(c.pairs, c.tested + skipped + c.skipped_edges);
+        }
+    }
+}
