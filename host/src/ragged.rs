@@ -30,6 +30,20 @@ impl<T> Ragged<T> {
         self.ends.push(end.expect("fewer than 2^32 items"));
     }
 
+    /// Sorts each list.
+    pub fn sort_each(&mut self)
+    where
+        T: Ord,
+    {
+        let mut rest = &mut self.items[..];
+        let mut start = 0;
+        for &end in &self.ends {
+            let (list, behind) = rest.split_at_mut((end - start) as usize);
+            list.sort_unstable();
+            (rest, start) = (behind, end);
+        }
+    }
+
     /// Takes all lists away and keeps the memory.
     pub fn clear(&mut self) {
         self.items.clear();

@@ -7,7 +7,7 @@ use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
-use foldpath::symmetry::CreaseGroups;
+use foldpath::symmetry::{CreaseGroups, Lattice};
 use foldpath_core::{Curve, GroupId, Membership};
 use nalgebra::Vector2;
 use rand_pcg::Pcg64;
@@ -210,6 +210,27 @@ fn layers_that_touch_at_half_a_turn_are_contact() {
     let mut sweep = Sweep::new(pattern, memberships, SweepOptions::default());
     assert!(clearance(sweep.sweep(&motion)) < 1e-6);
     assert!(sweep.counts().tested < 500, "{:?}", sweep.counts());
+}
+
+#[test]
+fn a_hinge_that_turns_past_half_a_turn_is_found() {
+    let pair = strip(&[0.0, 1.0, 2.0], &[0.0; 3]);
+    let motion = |over: f64| vec![vec![Curve::Angle([0.0, PI + over, PI + over, PI])]];
+    let (faces, s) = crossing_at(sweep(&pair, &motion(1.0)));
+    assert_eq!(faces, [FaceId(0), FaceId(1)]);
+    let angle = motion(1.0)[0][0].angle(s);
+    assert!(angle > PI && angle < PI + 1e-5, "{angle}");
+    assert!(clearance(sweep(&pair, &motion(-0.1))).is_infinite());
+    let half = |cos: f64| {
+        vec![vec![Curve::HalfAngle {
+            cos: [1.0, 0.5, 0.1, cos],
+            sin: [0.0, 0.5, 0.9, 1.0],
+        }]]
+    };
+    assert!(clearance(sweep(&pair, &half(0.0))).is_infinite());
+    let (_, s) = crossing_at(sweep(&pair, &half(-0.1)));
+    let angle = half(-0.1)[0][0].angle(s);
+    assert!(angle > PI && angle < PI + 1e-5, "{angle}");
 }
 
 /// A folded sheet that is asked for crossings at one place after the other.
@@ -418,6 +439,57 @@ fn what_is_skipped_changes_no_verdict() {
             let c = sweep.counts();
             let skipped = c.skipped_symmetry + c.skipped_motion + c.skipped_bounds;
             assert_eq!(c.pairs, c.tested + skipped + c.skipped_edges);
+        }
+    }
+}
+
+#[test]
+fn with_a_lattice_a_few_pairs_stand_for_all() {
+    for name in [
+        "miura-5x5",
+        "miura-11x11",
+        "waterbomb-8x10",
+        "waterbomb-12x22-crossing",
+    ] {
+        let (pattern, memberships, motion) = folded(name);
+        let lattice = Lattice::find(&pattern, &memberships).unwrap();
+        let all = SweepOptions::default();
+        let verdict = Sweep::new(&pattern, &memberships, all).sweep(&motion);
+        for skip_motion in [true, false] {
+            let options = SweepOptions { skip_motion, ..all };
+            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            match (verdict, sweep.sweep(&motion)) {
+                (SweepVerdict::Free(Some(a)), SweepVerdict::Free(Some(b))) => {
+                    assert!(
+                        (a.distance - b.distance).abs() < 1e-9,
+                        "{name}: {a:?} {b:?}"
+                    );
+                }
+                (
+                    SweepVerdict::Crossing {
+                        crossing: a,
+                        at: here,
+                        ..
+                    },
+                    SweepVerdict::Crossing {
+                        crossing: b,
+                        at: there,
+                        ..
+                    },
+                ) => {
+                    assert!(
+                        (here.s - there.s).abs() < 1e-5,
+                        "{name}: {here:?} {there:?}"
+                    );
+                    let [a, b] = [a, b].map(|c| lattice.class_of(c.faces).unwrap().0);
+                    assert_eq!(a, b, "{name}");
+                }
+                pair => panic!("{name}: {pair:?}"),
+            }
+            let c = sweep.counts();
+            let skipped = c.skipped_symmetry + c.skipped_motion + c.skipped_bounds;
+            assert_eq!(c.pairs, c.tested + skipped + c.skipped_edges, "{name}");
+            assert!(2 * c.skipped_symmetry > c.pairs, "{name}: {c:?}");
         }
     }
 }

@@ -61,6 +61,7 @@ pub(super) struct Chains {
     links: Vec<Link>,
     /// For each face, once it was asked for, the steps from it to all others; none on large sheets.
     known: Vec<Vec<u32>>,
+    keeps: bool,
     searched: Search,
     crossed: Vec<Crossed>,
     way: Vec<(EdgeId, FaceId)>,
@@ -98,7 +99,8 @@ impl Search {
 }
 
 impl Chains {
-    pub(super) fn new(pattern: &CreasePattern, memberships: &[Membership]) -> Self {
+    /// For faces that are `near` each other, or for any.
+    pub(super) fn new(pattern: &CreasePattern, memberships: &[Membership], near: bool) -> Self {
         let direction = |index: usize| {
             let edge = EdgeId::new(index);
             pattern.direction(edge, pattern.edge(edge).ends[0])
@@ -108,6 +110,7 @@ impl Chains {
             directions: (0..pattern.edges().len()).map(direction).collect(),
             memberships: memberships.to_vec(),
             links: Vec::new(),
+            keeps: !near && pattern.faces().len() <= MANY,
             known: vec![Vec::new(); pattern.faces().len()],
             searched: Search::default(),
             crossed: Vec::new(),
@@ -148,7 +151,7 @@ impl Chains {
         [from, to]: [FaceId; 2],
         round: Option<VertexId>,
     ) -> Option<Chain> {
-        let whole = round.is_none() && self.known.len() <= MANY;
+        let whole = round.is_none() && self.keeps;
         if !whole || self.known[to.index()].is_empty() {
             self.search(pattern, to, round, (!whole).then_some(from));
             if whole {

@@ -60,30 +60,35 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Joins the smallest neighbours first, level by level. Cost: O(pieces log pieces), if none has very
-    /// many neighbours.
-    pub(super) fn new(pieces: &Pieces) -> Self {
+    /// Every piece on its own.
+    pub(super) fn leaves(pieces: &Pieces) -> Self {
         let leaf = |piece: &super::pieces::Piece| Node {
             children: None,
             pieces: 1,
             face: piece.face,
         };
         let circle = |piece: &super::pieces::Piece| circle(&pieces.flat[piece.corners()]);
-        let circles: Vec<_> = pieces.list.iter().map(circle).collect();
+        Self {
+            nodes: pieces.list.iter().map(leaf).collect(),
+            roots: Vec::new(),
+            circles: pieces.list.iter().map(circle).collect(),
+        }
+    }
+
+    /// Joins the smallest neighbours first, level by level. Cost: O(pieces log pieces), if none has very
+    /// many neighbours.
+    pub(super) fn new(pieces: &Pieces) -> Self {
+        let hierarchy = Self::leaves(pieces);
         let faces = pieces.list.last().map_or(0, |piece| piece.face.index() + 1);
         let mut face_centers = vec![Vector2::zeros(); faces];
-        for (piece, (center, _)) in pieces.list.iter().zip(&circles) {
+        for (piece, (center, _)) in pieces.list.iter().zip(&hierarchy.circles) {
             face_centers[piece.face.index()] = *center;
         }
         let mut builder = Builder {
             pieces,
             members: (0..).take(pieces.list.len()).map(|k| vec![k]).collect(),
             cluster: (0..).take(pieces.list.len()).collect(),
-            hierarchy: Self {
-                nodes: pieces.list.iter().map(leaf).collect(),
-                roots: Vec::new(),
-                circles,
-            },
+            hierarchy,
             face_centers,
         };
         builder.join();

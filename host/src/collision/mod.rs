@@ -5,6 +5,7 @@
 //! configuration: a bounding volume hierarchy finds the pairs whose boxes meet, and each such pair is
 //! judged by [`crossing_depth`]. A [`Sweep`] asks for a whole motion.
 
+mod cells;
 mod chains;
 mod contact;
 mod crossing;

@@ -118,7 +118,8 @@ impl Motion {
 
     /// Whether all variation is known.
     pub(super) fn is_finite(&self) -> bool {
-        self.table.iter().all(|varied| varied.is_finite())
+        let curves = self.variations.iter().all(Variation::is_finite);
+        curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
     /// The last time.
@@ -133,6 +134,22 @@ impl Motion {
         let rest = tick - ((segment as Tick) << TICKS);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
         (segment, rest as f64 / (1_u64 << TICKS) as f64)
+    }
+
+    /// The first place found at which a group turns past half a turn by more than `slack` radians: its
+    /// segment, place in it, the group and its angle.
+    pub(super) fn overturned(&self, slack: f64) -> Option<(usize, f64, usize, f64)> {
+        let segments = self.variations.chunks(self.groups.max(1));
+        segments.enumerate().find_map(|(segment, variations)| {
+            let found = variations
+                .iter()
+                .enumerate()
+                .filter_map(|(group, variation)| {
+                    let s = variation.overturned(slack)?;
+                    Some((segment, s, group, variation.curve().angle(s)))
+                });
+            found.min_by(|a, b| a.1.total_cmp(&b.1))
+        })
     }
 
     /// Half the angle of a group.
@@ -156,6 +173,18 @@ impl Motion {
     /// The first tabulated time after `tick`.
     pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
         ((tick / self.stride + 1) * self.stride).min(self.end())
+    }
+
+    /// So many tabulated times after one of them, or the last.
+    pub(super) fn tabulated_after(&self, tick: Tick, count: u64) -> Tick {
+        (tick + count.saturating_mul(self.stride)).min(self.end())
+    }
+
+    /// For each group the variation between two tabulated times.
+    pub(super) fn varied(&self, from: Tick, to: Tick) -> Vec<f64> {
+        let row = |tick| self.table[self.index(tick) * self.groups..].iter();
+        let both = row(from).zip(row(to)).take(self.groups);
+        both.map(|(from, to)| to - from).collect()
     }
 
     fn index(&self, tick: Tick) -> usize {

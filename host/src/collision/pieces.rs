@@ -95,6 +95,17 @@ impl Pieces {
         [alike.sum(), joined.len() as u64]
     }
 
+    /// The pieces of a face.
+    pub(super) fn of(&self, face: FaceId) -> core::ops::Range<u32> {
+        let bound = |before: bool| {
+            let at = self
+                .list
+                .partition_point(|piece| piece.face < face || !before && piece.face == face);
+            FaceId::new(at).0
+        };
+        bound(true)..bound(false)
+    }
+
     /// Whether a side joins the pieces.
     pub(super) fn joined(&self, a: u32, b: u32) -> bool {
         self.joints[a as usize].iter().any(|joint| joint.piece == b)

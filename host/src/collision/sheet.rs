@@ -3,6 +3,7 @@
 use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::{Vector2, Vector3};
 
+use super::cells::Cells;
 use super::chains::Link;
 use super::hierarchy::{Hierarchy, Sphere};
 use super::motion::{Motion, Tick};
@@ -103,8 +104,10 @@ impl Axis {
 
 /// A sheet that is folded at one time after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Sheet {
+pub(super) struct Sheet<'a> {
     pub(super) time: Tick,
+    /// Where the lattice says where faces are.
+    pub(super) cells: Option<Cells<'a>>,
     /// For each face but the roots.
     reached: Vec<Option<Reached>>,
     lines: Vec<Line>,
@@ -121,17 +124,20 @@ pub(super) struct Sheet {
     open: Vec<u32>,
 }
 
-impl Sheet {
+impl<'a> Sheet<'a> {
     pub(super) fn new(
         pattern: &CreasePattern,
         memberships: &[Membership],
         groups: usize,
         pieces: &Pieces,
         hierarchy: &Hierarchy,
+        cells: Option<Cells<'a>>,
     ) -> Self {
-        let tree = SpanningTree::from_central_face(pattern);
-        let mut reached = vec![None; tree.faces()];
-        for step in tree.steps() {
+        let tree = cells
+            .is_none()
+            .then(|| SpanningTree::from_central_face(pattern));
+        let mut reached = vec![None; pattern.faces().len()];
+        for step in tree.iter().flat_map(SpanningTree::steps) {
             let membership = step.crease.and_then(|c| memberships.get(c.index()));
             reached[step.face.index()] = Some(Reached {
                 parent: step.parent,
@@ -160,6 +166,7 @@ impl Sheet {
         };
         Self {
             time: 0,
+            cells,
             lines: lines.collect(),
             half_angles: Fresh::new(groups, HalfAngle::default()),
             frames: Fresh::new(reached.len(), frame),
@@ -177,6 +184,9 @@ impl Sheet {
 
     /// Forgets all that was made, as for another motion.
     pub(super) fn forget(&mut self) {
+        if let Some(cells) = &mut self.cells {
+            cells.forget();
+        }
         self.half_angles.forget();
         self.frames.forget();
         self.axes.forget();
@@ -215,6 +225,12 @@ impl Sheet {
         let mut frame = loop {
             if let Some(frame) = self.frames.get(at.index(), self.time) {
                 break *frame;
+            }
+            if let Some(cells) = &mut self.cells {
+                let (pose, origin) = cells.pose(motion, self.time, at);
+                let frame = Frame::new(pose.r_wf, origin, pose.p_w);
+                self.frames.set(at.index(), self.time, frame);
+                break frame;
             }
             let Some(reached) = self.reached[at.index()] else {
                 let root = Frame::new(Rotation::identity(), Vector2::zeros(), Vector3::zeros());
@@ -337,7 +353,7 @@ impl Sheet {
     }
 
     /// The pieces put in their places.
-    pub(super) fn placed<'a>(&'a self, pieces: &'a Pieces) -> Placed<'a> {
+    pub(super) fn placed<'b>(&'b self, pieces: &'b Pieces) -> Placed<'b> {
         Placed {
             pieces,
             folded: &self.folded,

@@ -15,11 +15,13 @@
 //! Clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
 //! by opposite angles about parallel lines count together, as far as they are apart.
 
+use core::f64::consts::PI;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use foldpath_core::{Curve, Membership};
 
+use super::cells::Cells;
 use super::chains::{Chain, Chains};
 use super::contact::{Change, Parted, Turn, parted};
 use super::hierarchy::{Hierarchy, Sphere};
@@ -29,6 +31,7 @@ use super::scene::Crossing;
 use super::separation::{Sector, distance};
 use super::sheet::Sheet;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::symmetry::Lattice;
 
 /// Clusters nearer to each other than this part of the larger one's radius are parted.
 const NEAR: f64 = 0.5;
@@ -42,6 +45,8 @@ const CONTACT: f64 = 1e3;
 const CLOCK: u64 = 256;
 /// The last free place is found to this part of a segment: 2^-20.
 const LAST_FREE: Tick = 1 << 16;
+/// The same for hinges that turn past half a turn.
+const OVERTURNED: f64 = 1e-6;
 
 /// Options of a [`Sweep`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,6 +90,18 @@ pub struct Place {
     pub segment: usize,
     /// Where in it, 0 to 1.
     pub s: f64,
+}
+
+impl Place {
+    /// Whether a motion that has another verdict goes on until here.
+    fn is_before(&self, verdict: &SweepVerdict) -> bool {
+        match verdict {
+            SweepVerdict::Free(_) => true,
+            SweepVerdict::Crossing { at, .. } | SweepVerdict::Undecided { at, .. } => {
+                (self.segment, self.s) < (at.segment, at.s)
+            }
+        }
+    }
 }
 
 /// The smallest distance found between two faces that share no vertex.
@@ -153,6 +170,8 @@ struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Clusters,
+    /// Cells whose difference has this number.
+    Cells(u32),
     Pieces,
     /// Pieces that meet in a place of the flat sheet, as on both sides of a cut.
     Meeting,
@@ -177,11 +196,12 @@ enum Look {
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     pattern: &'a CreasePattern,
+    memberships: Vec<Membership>,
     groups: usize,
     options: SweepOptions,
     pieces: Pieces,
     hierarchy: Hierarchy,
-    sheet: Sheet,
+    sheet: Sheet<'a>,
     chains: Chains,
     /// For each cluster the chains from its face to those of its children, and their length in the list.
     within: Vec<[Chain; 2]>,
@@ -194,6 +214,8 @@ pub struct Sweep<'a> {
     clearance: Option<Clearance>,
     counts: SweepCounts,
     looks: u64,
+    /// Pairs found joined.
+    joined: u64,
 }
 
 impl<'a> Sweep<'a> {
@@ -205,11 +227,37 @@ impl<'a> Sweep<'a> {
         memberships: &[Membership],
         options: SweepOptions,
     ) -> Self {
+        Self::build(pattern, memberships, options, None)
+    }
+
+    /// The same for a sheet that closes all along its motions, with its lattice found for the same
+    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces + classes of pairs).
+    #[must_use]
+    pub fn with_lattice(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: &'a Lattice,
+    ) -> Self {
+        Self::build(pattern, memberships, options, Some(lattice))
+    }
+
+    fn build(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: Option<&'a Lattice>,
+    ) -> Self {
         let pieces = Pieces::new(pattern);
-        let hierarchy = Hierarchy::new(&pieces);
+        let hierarchy = match lattice {
+            Some(_) => Hierarchy::leaves(&pieces),
+            None => Hierarchy::new(&pieces),
+        };
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
-        let mut chains = Chains::new(pattern, memberships);
+        let cells =
+            lattice.map(|lattice| Cells::new(pattern, memberships, groups, &pieces, lattice));
+        let mut chains = Chains::new(pattern, memberships, lattice.is_some());
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
             children.map(|child| {
@@ -222,9 +270,10 @@ impl<'a> Sweep<'a> {
         });
         Self {
             pattern,
+            memberships: memberships.to_vec(),
             groups,
             options,
-            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy),
+            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy, cells),
             within: within.collect(),
             kept: chains.len(),
             chains,
@@ -236,6 +285,7 @@ impl<'a> Sweep<'a> {
             clearance: None,
             counts: SweepCounts::default(),
             looks: 0,
+            joined: 0,
             pieces,
             hierarchy,
         }
@@ -254,17 +304,20 @@ impl<'a> Sweep<'a> {
             let at = place(&motion, 0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        (self.clearance, self.looks) = (None, 0);
+        (self.clearance, self.looks, self.joined) = (None, 0, 0);
         self.pairs.clear();
         self.due.clear();
         self.chains.truncate(self.kept);
         self.sheet.forget();
         let before = self.counts;
+        let offsets = self.sheet.cells.as_ref().map_or(0, |c| c.offsets().len());
+        for offset in (0..).take(offsets) {
+            self.push([0, 0], Kind::Cells(offset), Chain::default(), 0);
+        }
         let roots = self.hierarchy.roots.clone();
         for root in roots {
             self.add([root, root], 0);
         }
-        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
         let mut times = 0;
         let verdict = loop {
             let Some((time, due)) = self.due.pop_first() else {
@@ -275,14 +328,61 @@ impl<'a> Sweep<'a> {
                 break verdict;
             }
         };
+        self.count(times, before);
+        match self.overturned(&motion) {
+            Some((at, overturned)) if at.is_before(&verdict) => overturned,
+            _ => verdict,
+        }
+    }
+
+    /// The first hinge that turns past half a turn: so do the faces that it joins pass through each other.
+    fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
+        let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
+        let at = Place { segment, s };
+        let creases = self.pattern.creases().iter().zip(&self.memberships);
+        let edges = creases.filter(|(_, member)| member.group.index() == group);
+        let mut edges = edges.map(|(&edge, _)| self.pattern.edge(edge));
+        let (edge, faces) = edges.find_map(|edge| Some((edge, edge.inner_faces()?)))?;
+        let [from, to] = edge.ends.map(|end| self.pattern.vertices()[end.index()]);
+        let width = |face: FaceId| {
+            let corners = self.pattern.faces()[face.index()].iter();
+            let corners = corners.map(|v| self.pattern.vertices()[v.index()] - from);
+            let away = corners.map(|corner| corner.perp(&(to - from)).abs());
+            away.fold(0.0, f64::max) / (to - from).norm()
+        };
+        let depth = (angle.abs() - PI).sin().abs() * width(faces[0]).min(width(faces[1]));
+        Some((
+            at,
+            SweepVerdict::Crossing {
+                crossing: Crossing::new(faces, depth),
+                at,
+                last_free: (segment > 0 || s > 0.0).then_some(Place {
+                    segment,
+                    s: (s - OVERTURNED).max(0.0),
+                }),
+            },
+        ))
+    }
+
+    /// Completes the counts after so many configurations.
+    fn count(&mut self, times: u64, before: SweepCounts) {
+        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
+        let [looked_at, joined] = match &self.sheet.cells {
+            Some(cells) => {
+                let pairs = cells.offsets().iter().map(|offset| offset.pairs);
+                [pairs.sum::<u64>().min(alike), self.joined]
+            }
+            None => [alike, joined],
+        };
         let counts = &mut self.counts;
         counts.pairs += times * alike;
+        counts.skipped_symmetry += times * (alike - looked_at);
         if self.options.skip_edges {
             counts.skipped_edges += times * joined;
         }
         let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
-        counts.skipped_motion += times * alike - (looked(counts) - looked(&before));
-        verdict
+        let looked = looked(counts) - looked(&before);
+        counts.skipped_motion += (times * looked_at).saturating_sub(looked);
     }
 
     /// Looks at all pairs that are due.
@@ -339,9 +439,12 @@ impl<'a> Sweep<'a> {
 
     /// Adds a pair to look at.
     fn add(&mut self, nodes: [u32; 2], time: Tick) {
-        let Some((kind, chain)) = self.classify(nodes) else {
-            return;
-        };
+        if let Some((kind, chain)) = self.classify(nodes) {
+            self.push(nodes, kind, chain, time);
+        }
+    }
+
+    fn push(&mut self, nodes: [u32; 2], kind: Kind, chain: Chain, time: Tick) {
         let index = FaceId::new(self.pairs.len()).0;
         self.pairs.push(Pair {
             nodes,
@@ -370,6 +473,7 @@ impl<'a> Sweep<'a> {
         }
         let shared = self.shared(a, b);
         if self.pieces.joined(a, b) || shared.len() > 1 {
+            self.joined += 1;
             // Two vertices shared are ends of a line that is a side of both: about it they turn.
             return (!self.options.skip_edges).then_some((Kind::Joined, Chain::default()));
         }
@@ -401,6 +505,10 @@ impl<'a> Sweep<'a> {
 
     /// Puts the pairs of the children in the place of a pair of clusters.
     fn part(&mut self, index: u32, time: Tick) {
+        if let Kind::Cells(offset) = self.pairs[index as usize].kind {
+            self.part_cells(offset, time);
+            return;
+        }
         let [a, b] = self.pairs[index as usize].nodes;
         let children = |node: u32| self.hierarchy.nodes[node as usize].children;
         if a == b {
@@ -424,6 +532,25 @@ impl<'a> Sweep<'a> {
         }
     }
 
+    /// Puts a pair of each class in the place of a pair of cells.
+    fn part_cells(&mut self, offset: u32, time: Tick) {
+        let Some(cells) = &self.sheet.cells else {
+            return;
+        };
+        let pairs = cells.offsets()[offset as usize].classes.iter();
+        let pairs: Vec<_> = pairs
+            .filter_map(|&class| cells.lattice.pair_of(class))
+            .collect();
+        for faces in pairs {
+            let [first, second] = faces.map(|face| self.pieces.of(face));
+            for a in first {
+                for b in second.clone() {
+                    self.add([a, b], time);
+                }
+            }
+        }
+    }
+
     fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
         self.sheet
             .sphere(motion, &self.pieces, &self.hierarchy, node)
@@ -434,6 +561,7 @@ impl<'a> Sweep<'a> {
         let nodes = pair.nodes;
         match pair.kind {
             Kind::Clusters => self.look_at_clusters(motion, &pair),
+            Kind::Cells(offset) => self.look_at_cells(motion, offset),
             Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, &pair),
             Kind::Vertex(corners) => self.look_at_sectors(motion, &pair, corners),
             Kind::Joined => {
@@ -473,6 +601,27 @@ impl<'a> Sweep<'a> {
             None => return Look::Part,
         };
         self.counts.skipped_bounds += u64::from(nodes[0].pieces) * u64::from(nodes[1].pieces);
+        look
+    }
+
+    fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
+        let (time, best) = (self.sheet.time, self.best());
+        let Some(cells) = &mut self.sheet.cells else {
+            return Look::Free;
+        };
+        let pairs = cells.offsets()[offset as usize].pairs;
+        let apart = cells.apart(motion, time, offset);
+        if apart <= 0.0 || !self.options.skip_bounds {
+            return Look::Part;
+        }
+        let look = match cells.until(motion, time, offset, apart) {
+            None if time < motion.end() => return Look::Part,
+            None => Look::Free,
+            Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
+            Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
+            Some((until, _)) => Look::Until(until),
+        };
+        self.counts.skipped_bounds += pairs;
         look
     }
 
@@ -615,7 +764,7 @@ impl<'a> Sweep<'a> {
     fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Clusters | Kind::Pieces => 0.0,
+            Kind::Clusters | Kind::Cells(_) | Kind::Pieces => 0.0,
         };
         (self.options.tolerance + gap) * self.pattern.median_edge()
     }

@@ -4,12 +4,17 @@
 //! curve is cut where the Bernstein coefficients of its derivative do not all have one sign, until they
 //! do; what is left after some cuts is bounded by its greatest rate.
 
+use core::f64::consts::PI;
+
 use foldpath_core::Curve;
 
 use super::contact::Change;
 
 /// Cuts of a curve that is not seen to be monotone.
 const CUTS: u32 = 8;
+
+/// Halvings in search of the place where a hinge turns past half a turn: to a millionth of a segment.
+const HALVINGS: u32 = 20;
 
 /// A part of a segment from `start` on.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +48,39 @@ impl Variation {
         };
         variation.add(&Rates::of(&curve), [0.0, 1.0], 0.0, CUTS);
         variation
+    }
+
+    /// Whether the curve is made of numbers.
+    pub(super) fn is_finite(&self) -> bool {
+        let finite = |b: &[f64; 4]| b.iter().all(|b| b.is_finite());
+        match &self.curve {
+            Curve::Angle(angle) => finite(angle),
+            Curve::HalfAngle { cos, sin } => finite(cos) && finite(sin),
+        }
+    }
+
+    /// The first place found at which the angle exceeds half a turn by more than `slack` radians.
+    pub(super) fn overturned(&self, slack: f64) -> Option<f64> {
+        self.overturned_in(&Rates::of(&self.curve), [0.0, 1.0], slack, HALVINGS)
+    }
+
+    fn overturned_in(
+        &self,
+        rates: &Rates,
+        [start, end]: [f64; 2],
+        slack: f64,
+        halvings: u32,
+    ) -> Option<f64> {
+        if rates.stays_within(slack) {
+            return None;
+        }
+        let middle = (start + end) / 2.0;
+        if halvings == 0 {
+            return (self.curve.angle(end).abs() > PI + slack).then_some(end);
+        }
+        let [left, right] = rates.halves();
+        self.overturned_in(&left, [start, middle], slack, halvings - 1)
+            .or_else(|| self.overturned_in(&right, [middle, end], slack, halvings - 1))
     }
 
     pub(super) fn curve(&self) -> &Curve<f64> {
@@ -116,6 +154,20 @@ impl Rates {
             Self::HalfAngle([cos, sin]) => {
                 let ([c0, c1], [n0, n1]) = (halves(cos), halves(sin));
                 [Self::HalfAngle([c0, n0]), Self::HalfAngle([c1, n1])]
+            }
+        }
+    }
+
+    /// Whether the coefficients say that the angle exceeds half a turn by no more than `slack` radians.
+    fn stays_within(&self, slack: f64) -> bool {
+        match self {
+            Self::Angle(angle) => largest(angle) <= PI + slack,
+            // Past half a turn the cosine is below 0, and half the excess has the ratio as tangent.
+            Self::HalfAngle([cos, sin]) => {
+                let lowest = cos.iter().copied().fold(f64::INFINITY, f64::min);
+                let sides = [*sin, sin.map(|n| -n)];
+                let least = sides.map(|n| n.into_iter().fold(f64::INFINITY, f64::min));
+                lowest >= 0.0 || -lowest <= slack / 2.0 * least[0].max(least[1])
             }
         }
     }

@@ -29,6 +29,13 @@ impl Pose {
         }
     }
 
+    /// The flat sheet turned, and moved so that its origin comes to `p_w`.
+    #[inline]
+    #[must_use]
+    pub fn new(r_wf: Rotation<f64>, p_w: Vector3<f64>) -> Self {
+        Self::about(r_wf, Vector2::zeros(), p_w)
+    }
+
     /// The flat sheet turned, and moved so that its point `pivot` comes to `pivot_w`.
     #[inline]
     #[must_use]
@@ -55,6 +62,31 @@ impl Pose {
     #[must_use]
     pub fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
         self.axes_w[0] * point.x + self.axes_w[1] * point.y + self.p_w
+    }
+
+    /// Where a point of space that moves with the flat sheet goes.
+    #[inline]
+    #[must_use]
+    pub fn carry(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.r_wf.rotate(point) + self.p_w
+    }
+
+    /// The motion back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let r_wf = self.r_wf.inverse();
+        let p_w = -r_wf.rotate(&self.p_w);
+        Self::new(r_wf, p_w)
+    }
+}
+
+impl core::ops::Mul for Pose {
+    type Output = Self;
+
+    /// First the other motion, then this one.
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self::new(self.r_wf * other.r_wf, self.carry(&other.p_w))
     }
 }
 

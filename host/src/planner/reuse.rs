@@ -13,6 +13,7 @@ use super::reduction::{CLOSED, Reduction};
 use crate::certificate::SheetCertifier;
 use crate::collision::{Crossing, Sweep, SweepOptions, SweepVerdict};
 use crate::folding::Rigidity;
+use crate::symmetry::Lattice;
 
 /// Knots of a path at most.
 const MOST_KNOTS: usize = 20_000;
@@ -148,7 +149,11 @@ impl Planning<'_> {
             ..SweepOptions::default()
         };
         let memberships = reduction.groups.memberships();
-        let mut sweep = Sweep::new(self.pattern, memberships, options);
+        let lattice = Lattice::find(self.pattern, memberships);
+        let mut sweep = match &lattice {
+            Some(lattice) => Sweep::with_lattice(self.pattern, memberships, options, lattice),
+            None => Sweep::new(self.pattern, memberships, options),
+        };
         let curves = self.plan.path.curves();
         let verdict = sweep.sweep(&curves);
         self.plan.collision = sweep.counts();

@@ -3,8 +3,13 @@
 mod essential;
 mod groups;
 mod isometry;
+mod lattice;
+mod pair_classes;
 mod parity;
 mod places;
+mod steps;
 
 pub use essential::{ReducedStars, essential_pattern};
 pub use groups::CreaseGroups;
+pub use lattice::{Lattice, Link, Orbit, Place};
+pub use pair_classes::PairClass;

@@ -1,0 +1,171 @@
+//! Powers of a rigid motion.
+
+use foldpath_core::Rotation;
+use nalgebra::Vector3;
+
+use super::map::Pose;
+
+/// A rigid motion as a turn about an axis and a shift along it (Chasles), which makes its powers as cheap
+/// and as exact as itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Screw {
+    motion: Pose,
+    /// Unit direction of the axis; zero where nothing turns.
+    axis: Vector3<f64>,
+    /// Sine, cosine and size of half the angle of the turn, at most a quarter turn.
+    sin: f64,
+    cos: f64,
+    half: f64,
+    /// The parts of the motion of the origin along the axis and across.
+    along: Vector3<f64>,
+    across: Vector3<f64>,
+}
+
+impl Screw {
+    /// The motion as a screw.
+    #[must_use]
+    pub fn new(motion: Pose) -> Self {
+        let mut r = motion.r_wf.renormalised();
+        if r.w < 0.0 {
+            // The same rotation; sines of multiples of a small angle keep their digits.
+            (r.w, r.v) = (-r.w, -r.v);
+        }
+        let sin = r.v.norm();
+        let axis = if sin > 0.0 {
+            r.v / sin
+        } else {
+            Vector3::zeros()
+        };
+        let along = axis * axis.dot(&motion.p_w);
+        Self {
+            motion,
+            axis,
+            sin,
+            cos: r.w,
+            half: sin.atan2(r.w),
+            along,
+            across: motion.p_w - along,
+        }
+    }
+
+    /// The motion itself.
+    #[must_use]
+    pub fn motion(&self) -> Pose {
+        self.motion
+    }
+
+    /// Length of the shift along the axis; of the whole shift where nothing turns.
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        if self.sin > 0.0 {
+            self.along.norm()
+        } else {
+            self.motion.p_w.norm()
+        }
+    }
+
+    /// Twice the distance from the axis of a point that the motion moves by `way`, or a little more;
+    /// infinite where nothing turns.
+    #[must_use]
+    pub fn width(&self, way: Vector3<f64>) -> f64 {
+        let across = (way - self.axis * self.axis.dot(&way)).norm();
+        if self.sin > 0.0 {
+            // Rounding may hide as much.
+            (across + 8.0 * f64::EPSILON * way.norm()) / self.sin
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The motion so many times, backwards if negative.
+    ///
+    /// With half the angle a, the origin's motions across the axis add up to the first, times
+    /// sin(n a)/sin(a), turned by (n - 1) a. Where a is small this tends to n of them without loss of
+    /// digits, whatever the axis: n times the error of the motion itself is all there is, and its square
+    /// for the turn.
+    #[must_use]
+    pub fn power(&self, n: i32) -> Pose {
+        let count = f64::from(n);
+        if self.sin <= 0.0 {
+            return Pose::new(Rotation::identity(), self.motion.p_w * count);
+        }
+        let (sin, cos) = (count * self.half).sin_cos();
+        let ratio = sin / self.sin;
+        let (turn_sin, turn_cos) = (
+            sin * self.cos - cos * self.sin,
+            cos * self.cos + sin * self.sin,
+        );
+        let turned = self.across * turn_cos + self.axis.cross(&self.across) * turn_sin;
+        let r_wf = Rotation {
+            w: cos,
+            v: self.axis * sin,
+        };
+        Pose::new(r_wf, self.along * count + turned * ratio)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    /// A turn by `angle` about the axis through `foot`, and a shift along it.
+    fn screw(axis: Vector3<f64>, foot: Vector3<f64>, angle: f64, shift: f64) -> Pose {
+        let (sin, cos) = (angle / 2.0).sin_cos();
+        let r_wf = Rotation {
+            w: cos,
+            v: axis * sin,
+        };
+        let p_w = foot - r_wf.rotate(&foot) + axis * shift;
+        Pose::new(r_wf, p_w)
+    }
+
+    /// Angles for which all multiples are known to the last digit: whole parts of a turn.
+    #[test]
+    fn powers_turn_as_often_as_they_say() {
+        let axis = Vector3::new(2.0, -3.0, 6.0) / 7.0;
+        let foot = Vector3::new(0.3, 1.1, -0.4);
+        for parts in [1, 2, 3, 7, 24, 999, 1000, 1_000_000] {
+            let angle = 2.0 * PI / f64::from(parts);
+            let motion = Screw::new(screw(axis, foot, angle, 0.75));
+            for n in [-1000, -999, -24, -1, 0, 1, 2, 3, 500, 999, 1000] {
+                let expected = screw(
+                    axis,
+                    foot,
+                    2.0 * PI * f64::from(n % parts) / f64::from(parts),
+                    0.75 * f64::from(n),
+                );
+                let point = Vector3::new(-0.6, 0.2, 1.3);
+                let off = motion.power(n).carry(&point) - expected.carry(&point);
+                // To 1e-12 of a sheet of as many cells.
+                let size = f64::from(n.abs().max(1));
+                assert!(off.norm() < 1e-12 * size, "{parts} {n}: {:e}", off.norm());
+            }
+        }
+    }
+
+    /// Nearly no turn, about any axis: a shift, and a bow of the third order.
+    #[test]
+    fn a_turn_lost_in_rounding_does_no_harm() {
+        for size in [0.0, 1e-300, 1e-17, 1e-15] {
+            let r_wf = Rotation {
+                w: 1.0,
+                v: Vector3::new(0.36, 0.48, 0.8) * size,
+            };
+            let p_w = Vector3::new(2.0, -0.5, 0.25);
+            let power = Screw::new(Pose::new(r_wf, p_w)).power(1000);
+            assert!((power.p_w - p_w * 1000.0).norm() < 3e6 * size + 1e-12);
+            assert!((power.r_wf.v.norm() - 1000.0 * size).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_power_and_its_inverse_cancel() {
+        let axis = Vector3::new(0.6, 0.0, -0.8);
+        let motion = Screw::new(screw(axis, Vector3::new(1.0, 2.0, 3.0), 2.5, -0.1));
+        let both = motion.power(17) * motion.power(-17);
+        assert!(both.p_w.norm() < 1e-13 && both.r_wf.v.norm() < 1e-14);
+        let twice = motion.power(2).inverse() * (motion.motion() * motion.motion());
+        assert!(twice.p_w.norm() < 1e-14 && twice.r_wf.v.norm() < 1e-15);
+    }
+}

@@ -1,0 +1,331 @@
+//! Translations of the flat sheet that take faces to faces and hinges to hinges that turn alike.
+
+use foldpath_core::Membership;
+use nalgebra::Vector2;
+
+use super::lattice::Link;
+use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+
+/// Corners this close, in median edges, are the same: the tolerance of exact crease groups.
+const SAME_PLACE: f64 = 1e-6;
+/// Faces round a seed among which its images are looked for, the second number where the first finds too
+/// few: cells of a few faces are the rule, and each image tried costs little unless it is one.
+const BALLS: [usize; 2] = [64, 2048];
+/// Where in the sheet seeds are: in the middle, and where a small sheet has no images of that, in corners.
+const SEEDS: [[f64; 2]; 5] = [CENTRE, [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+pub(super) const CENTRE: [f64; 2] = [0.5, 0.5];
+/// Faces compared at most: this many, and this many times all of them.
+const BUDGET: usize = 100_000;
+const PASSES: usize = 8;
+
+/// No face, where the sheet ends.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What is beyond a side of a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// The face beyond, or [`NONE`].
+    pub(super) face: u32,
+    /// The same side as one of the face beyond.
+    twin: u32,
+    /// Group and sign of the hinge; `None` where the side stays flat.
+    hinge: Option<Membership>,
+    pub(super) edge: EdgeId,
+}
+
+/// A translation, and for each face the one that it takes it to, or [`NONE`].
+pub(super) struct Step {
+    pub(super) shift: Vector2<f64>,
+    pub(super) images: Vec<u32>,
+}
+
+/// A face, its image, and the corner of the image on which the first corner of the face lies.
+#[derive(Clone, Copy)]
+struct Pair {
+    face: u32,
+    image: u32,
+    turn: u32,
+}
+
+/// The faces with what is beyond their sides; sides are numbered as the corners at which they begin.
+pub(super) struct Sheet<'a> {
+    pattern: &'a CreasePattern,
+    /// For each face its first side, and behind the last the number of sides.
+    starts: Vec<u32>,
+    sides: Vec<Side>,
+    /// Where each side begins in the flat sheet.
+    corners: Vec<Vector2<f64>>,
+    tolerance: f64,
+    /// Largest distance of an image of a corner from the corner that it was taken for.
+    pub(super) deviation: f64,
+    budget: usize,
+}
+
+impl<'a> Sheet<'a> {
+    /// `None` if there is not one membership for each crease. Cost: linear.
+    pub(super) fn new(pattern: &'a CreasePattern, memberships: &[Membership]) -> Option<Self> {
+        let vertices = pattern.vertices();
+        let corners = pattern.faces().items().iter();
+        let corners: Vec<_> = corners.map(|v| vertices[v.index()]).collect();
+        let none = Side {
+            face: NONE,
+            twin: 0,
+            hinge: None,
+            edge: EdgeId(0),
+        };
+        let mut sheet = Self {
+            pattern,
+            starts: [0].iter().chain(pattern.faces().ends()).copied().collect(),
+            sides: vec![none; corners.len()],
+            corners,
+            tolerance: SAME_PLACE * pattern.median_edge(),
+            deviation: 0.0,
+            budget: BUDGET + PASSES * pattern.faces().len(),
+        };
+        for (index, edge) in (0..).zip(pattern.edges()) {
+            let Some([left, right]) = edge.inner_faces() else {
+                continue;
+            };
+            let hinge = match edge.crease {
+                Some(crease) => Some(*memberships.get(crease.index())?),
+                None => None,
+            };
+            let [a, b] = edge.ends;
+            let ours = sheet.side_between(left, [a, b])?;
+            let theirs = sheet.side_between(right, [b, a])?;
+            for (side, twin, face) in [(ours, theirs, right), (theirs, ours, left)] {
+                sheet.sides[side] = Side {
+                    face: face.0,
+                    twin: VertexId::new(twin).0,
+                    hinge,
+                    edge: EdgeId(index),
+                };
+            }
+        }
+        Some(sheet)
+    }
+
+    /// The side of `face` that leads from `a` to `b`.
+    fn side_between(&self, face: FaceId, [a, b]: [VertexId; 2]) -> Option<usize> {
+        let cycle = &self.pattern.faces()[face.index()];
+        let next = |k: usize| cycle[if k + 1 == cycle.len() { 0 } else { k + 1 }];
+        let at = (0..cycle.len()).find(|&k| cycle[k] == a && next(k) == b)?;
+        Some(self.start(face.0) + at)
+    }
+
+    /// The first corner of a face, and with it its first side.
+    fn start(&self, face: u32) -> usize {
+        self.starts[face as usize] as usize
+    }
+
+    fn degree(&self, face: u32) -> usize {
+        self.start(face + 1) - self.start(face)
+    }
+
+    /// Number of faces.
+    pub(super) fn faces(&self) -> usize {
+        self.pattern.faces().len()
+    }
+
+    /// The sides of a face.
+    pub(super) fn sides(&self, face: u32) -> &[Side] {
+        let start = self.start(face);
+        &self.sides[start..start + self.degree(face)]
+    }
+
+    /// Whether a face may have been cut where the sheet ends.
+    fn is_at_border(&self, face: u32) -> bool {
+        self.sides(face).iter().any(|side| side.face == NONE)
+    }
+
+    /// A face where the sheet is, or nearest to it, for a place in the box round the sheet, 0 to 1.
+    pub(super) fn seed(&self, place: [f64; 2]) -> Option<FaceId> {
+        let vertices = self.pattern.vertices();
+        let (mut low, mut high) = (vertices[0], vertices[0]);
+        for v in vertices {
+            for k in 0..2 {
+                if v[k] < low[k] {
+                    low[k] = v[k];
+                } else if v[k] > high[k] {
+                    high[k] = v[k];
+                }
+            }
+        }
+        let [x, y] = [0, 1].map(|k| low[k] + (high[k] - low[k]) * place[k]);
+        let mut nearest = (f64::INFINITY, None);
+        for (vertex, faces) in vertices.iter().zip(self.pattern.corners().iter()) {
+            let distance = (vertex.x - x) * (vertex.x - x) + (vertex.y - y) * (vertex.y - y);
+            if distance < nearest.0 && !faces.is_empty() {
+                nearest = (distance, faces.first().copied());
+            }
+        }
+        nearest.1
+    }
+
+    /// At most two independent steps, the nearest that were found.
+    pub(super) fn steps(&mut self) -> Vec<Step> {
+        let mut steps: Vec<Step> = Vec::new();
+        for seed in SEEDS {
+            let Some(seed) = self.seed(seed) else {
+                continue;
+            };
+            for ball in BALLS {
+                for (shift, pair) in self.candidates(seed, ball) {
+                    let line = steps.first().map(|step| step.shift.normalize());
+                    if line.is_some_and(|line| line.perp(&shift).abs() <= self.tolerance) {
+                        continue;
+                    }
+                    steps.extend(self.step(shift, pair));
+                    if steps.len() == 2 {
+                        return steps;
+                    }
+                }
+                if ball >= self.faces() {
+                    break;
+                }
+            }
+        }
+        steps
+    }
+
+    /// Translations that take the seed to one of the `ball` faces round it: those that cross the fewest
+    /// sides first, which lead along the borders that sheets have, and of these the shortest.
+    fn candidates(&self, seed: FaceId, ball: usize) -> Vec<(Vector2<f64>, Pair)> {
+        let mut candidates = Vec::new();
+        let mut rings = vec![NONE; self.faces()];
+        rings[seed.index()] = 0;
+        let mut open = vec![seed.0];
+        let mut next = 0;
+        while next < open.len().min(ball) {
+            let image = open[next];
+            let ring = rings[image as usize];
+            next += 1;
+            for side in self.sides(image) {
+                if side.face != NONE && rings[side.face as usize] == NONE {
+                    rings[side.face as usize] = ring + 1;
+                    open.push(side.face);
+                }
+            }
+            for turn in (0..).take(self.degree(image)) {
+                let face = seed.0;
+                let pair = Pair { face, image, turn };
+                let first = self.corners[self.start(face)];
+                let shift = self.corners[self.start(image) + turn as usize] - first;
+                if image != face && self.misfit(pair, shift).is_some() {
+                    candidates.push((ring, shift, pair));
+                }
+            }
+        }
+        let size = |shift: &Vector2<f64>| shift.norm_squared();
+        candidates.sort_by(|(r, a, _), (s, b, _)| r.cmp(s).then(size(a).total_cmp(&size(b))));
+        let candidates = candidates.into_iter();
+        candidates.map(|(_, shift, pair)| (shift, pair)).collect()
+    }
+
+    /// Whether the shift, which takes the first face of one link to that of the other, takes the hinge to
+    /// one that turns alike and the face beyond to that beyond.
+    pub(super) fn carries(&self, shift: Vector2<f64>, links: [Link; 2]) -> bool {
+        let [side, other] = links.map(|link| {
+            let start = self.start(link.from.0);
+            let at = self.sides(link.from.0).iter();
+            let at = at.take_while(|side| side.edge != link.edge).count();
+            start + at
+        });
+        let off = self.corners[other] - self.corners[side] - shift;
+        let (side, other) = (&self.sides[side], &self.sides[other]);
+        off.norm() <= self.tolerance
+            && side.hinge == other.hinge
+            && self.misfit(self.beyond(side, other), shift).is_some()
+    }
+
+    /// Square of the largest distance of a corner of the image from the moved corner of the face, if the
+    /// image is one.
+    fn misfit(&self, pair: Pair, shift: Vector2<f64>) -> Option<f64> {
+        let degree = self.degree(pair.face);
+        if degree != self.degree(pair.image) {
+            return None;
+        }
+        let corners = |face| &self.corners[self.start(face)..][..degree];
+        let (face, image) = (corners(pair.face), corners(pair.image));
+        let limit = self.tolerance * self.tolerance;
+        let mut worst = 0.0_f64;
+        let mut turned = pair.turn as usize;
+        for from in face {
+            let off = image[turned] - from - shift;
+            let off = off.x * off.x + off.y * off.y;
+            turned = if turned + 1 == degree { 0 } else { turned + 1 };
+            if off > worst {
+                if off > limit {
+                    return None;
+                }
+                worst = off;
+            }
+        }
+        Some(worst)
+    }
+
+    /// The images of all faces that can be reached from that of `seed` through faces with an image.
+    ///
+    /// Face and image are walked round together; wherever both have a face beyond a side, the one has to
+    /// be the image of the other and the hinges have to turn alike, or this is no step. Excused are faces
+    /// at the border, of another shape, as long as they are fewer than the images. Cost: O(images).
+    fn step(&mut self, shift: Vector2<f64>, seed: Pair) -> Option<Step> {
+        let mut images = vec![NONE; self.faces()];
+        images[seed.face as usize] = seed.image;
+        let mut open = vec![seed];
+        let (mut found, mut excused, mut deviation) = (1, 0, 0.0_f64);
+        while let Some(pair) = open.pop() {
+            self.budget = self.budget.checked_sub(1)?;
+            let [from, to] = [pair.face, pair.image].map(|face| self.start(face));
+            let degree = self.degree(pair.face);
+            let mut image = pair.turn as usize;
+            for side in &self.sides[from..from + degree] {
+                let other = self.sides[to + image];
+                image = if image + 1 == degree { 0 } else { image + 1 };
+                if side.face == NONE || other.face == NONE {
+                    continue;
+                }
+                let known = images[side.face as usize];
+                if known == NONE {
+                    let beyond = self.beyond(side, &other);
+                    let Some(off) = self.misfit(beyond, shift) else {
+                        if !self.is_at_border(side.face) && !self.is_at_border(other.face) {
+                            return None;
+                        }
+                        excused += 1;
+                        continue;
+                    };
+                    deviation = deviation.max(off);
+                    images[side.face as usize] = other.face;
+                    found += 1;
+                    open.push(beyond);
+                } else if known != other.face {
+                    return None;
+                }
+                if side.hinge != other.hinge {
+                    return None;
+                }
+            }
+        }
+        if excused > found {
+            return None;
+        }
+        self.deviation = self.deviation.max(deviation.sqrt());
+        Some(Step { shift, images })
+    }
+
+    /// The faces beyond a side and beyond its image, the second one taken for the image of the first.
+    fn beyond(&self, side: &Side, other: &Side) -> Pair {
+        let degree = self.degree(other.face);
+        let [of_face, of_image] =
+            [side, other].map(|side| side.twin as usize - self.start(side.face));
+        let back = || (of_image + degree).saturating_sub(of_face);
+        // Of different degrees they are no image of each other, whatever the turn.
+        let turn = of_image.checked_sub(of_face).unwrap_or_else(back);
+        Pair {
+            face: side.face,
+            image: other.face,
+            turn: VertexId::new(turn).0,
+        }
+    }
+}
