@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Folder, edited, pattern};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const PATTERN: [&str; 2] = ["info bad.fold", "plan bad.fold -o out.fold"];
 const PLAN: [&str; 1] = ["plan bad.fold -o out.fold"];
@@ -309,10 +309,61 @@ fn frames_that_are_no_knots() {
         /file_frames/3/frame_parent = 4 => \
             file_frames[3].frame_parent: expected the number of an earlier frame, found 4
         /foldpath:interpolation = "spline" => \
-            foldpath:interpolation: expected "hermite" or "linear", found "spline"
+            foldpath:interpolation: expected "linear", "hermite", "half-angle" or "homogeneous", found "spline"
         /foldpath:interpolation = 3 => foldpath:interpolation: expected a string, found 3
         "#,
     );
+}
+
+/// What each interpolation needs of every knot.
+#[test]
+fn motions_that_lack_something() {
+    let mut path = path();
+    let edges = path["edges_vertices"].as_array().unwrap().len();
+    for frame in path["file_frames"].as_array_mut().unwrap() {
+        frame["foldpath:edges_foldAngleRate"] = json!(vec![1.0; edges]);
+    }
+    assert_edits_refused(
+        &path,
+        &PATH,
+        r#"
+        /foldpath:interpolation = "hermite"; /file_frames/1/foldpath:edges_foldAngleRate = => \
+            file_frames[1].foldpath:edges_foldAngleRate: expected the rates that "hermite" needs, found nothing
+        /foldpath:interpolation = "half-angle"; /file_frames/1/foldpath:edges_foldAngleRate = => \
+            file_frames[1].foldpath:edges_foldAngleRate: expected the rates that "half-angle" needs, found nothing
+        /foldpath:interpolation = "hermite"; /file_frames/1/foldpath:edges_foldAngleRate/3 = null => \
+            file_frames[1].foldpath:edges_foldAngleRate[3]: expected a number, found null
+        /foldpath:interpolation = "half-angle"; /file_frames/1/edges_foldAngle/3 = -180 => \
+            file_frames[1].edges_foldAngle[3]: expected less than half a turn, for "half-angle", found -180
+        /foldpath:interpolation = "homogeneous" => \
+            file_frames[0].foldpath:edges_weight: expected the weights that "homogeneous" needs, found nothing
+        "#,
+    );
+    path["foldpath:interpolation"] = json!("homogeneous");
+    for frame in path["file_frames"].as_array_mut().unwrap() {
+        frame["foldpath:edges_weight"] = json!(vec![1.0; edges]);
+        frame["foldpath:edges_weightRate"] = json!(vec![0.0; edges]);
+    }
+    let letters = path["edges_assignment"].as_array().unwrap();
+    let [hinge, rim] = ["M", "B"].map(|code| letters.iter().position(|l| l == code).unwrap());
+    let table = r#"
+        /file_frames/1/foldpath:edges_weightRate = => file_frames[1].foldpath:edges_weightRate: \
+            expected the rates of weights that "homogeneous" needs, found nothing
+        /file_frames/1/foldpath:edges_weight = [1] => \
+            file_frames[1].foldpath:edges_weight: expected 24 entries, one for each edge, found 1
+        /file_frames/1/foldpath:edges_weight/HINGE = 0 => \
+            file_frames[1].foldpath:edges_weight[HINGE]: expected a number above 0, found 0
+        /file_frames/1/foldpath:edges_weight/RIM = -1 => \
+            file_frames[1].foldpath:edges_weight[RIM]: expected a number above 0, found -1
+        /file_frames/1/foldpath:edges_weight/HINGE = null => \
+            file_frames[1].foldpath:edges_weight[HINGE]: expected a number, found null
+        /file_frames/1/foldpath:edges_weightRate/HINGE = null => \
+            file_frames[1].foldpath:edges_weightRate[HINGE]: expected a number, found null
+        "#;
+    let table = table
+        .replace("HINGE", &hinge.to_string())
+        .replace("RIM", &rim.to_string());
+    assert_edits_refused(&path, &PATH, &table);
 }
 
 #[test]

@@ -154,13 +154,13 @@ fn a_crossing_is_found_where_the_faces_meet() {
     let check = folder.run("check path.fold --json").with_status(1).json();
     let first = &check["crossings"][0];
     let [a, b] = [0, 1].map(|k| &first["faces"][k]);
-    let knot = &first["between_knots"][1];
+    let [before, knot] = [0, 1].map(|k| &first["between_knots"][k]);
     assert!(
         reason.starts_with(&format!("faces {a} and {b} ")),
         "{reason}: {first}"
     );
     assert!(
-        reason.contains(&format!("(at knot {knot}: ")),
+        reason.contains(&format!("(between knots {before} and {knot}: ")),
         "{reason}: {first}"
     );
 }

@@ -3,15 +3,16 @@
 mod common;
 
 use common::{Folder, edited, numbers, pattern};
+use foldpath::check::{CheckOptions, check};
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::{pattern_text, read_pattern};
+use foldpath::formats::fold::{pattern_text, read_path, read_pattern};
 use foldpath::generate::Miura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter, PatternError};
 use foldpath::planner::Goal;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome};
-use foldpath_core::{DenseNormalEquations, HalfAngle, LoopsView, levenberg_marquardt};
+use foldpath_core::{DenseNormalEquations, HalfAngle, LoopsView, Membership, levenberg_marquardt};
 use nalgebra::{Vector2, Vector3};
 use serde_json::{Value, json};
 
@@ -211,6 +212,53 @@ fn solved(pattern: &CreasePattern, with_loops: bool) -> (Outcome, f64) {
     let tree = SpanningTree::from_central_face(pattern);
     let map = FoldingMap::new(pattern, &tree, &angles);
     (report.outcome, map.rigidity(pattern, &tree).gap)
+}
+
+/// A ring has no condition but that of its hole. One hinge that goes another way between knots opens it; the
+/// bound on how far is never below what core's residual is at 1,000 places, and near it.
+#[test]
+fn a_hole_that_opens_between_knots_is_named() {
+    let (_, _, folder) = planned(&document(&without(&INSIDE)), "--interpolation hermite");
+    let mut path = folder.read_json("path.fold");
+    path.as_object_mut().unwrap().remove("foldpath:edges_group");
+    let letters = path["edges_assignment"].as_array().unwrap();
+    let hinge = letters.iter().position(|letter| letter == "V").unwrap();
+    let rate = &mut path["file_frames"][0]["foldpath:edges_foldAngleRate"][hinge];
+    *rate = json!(rate.as_f64().unwrap() + 10.0);
+    folder.write("open.fold", &path.to_string());
+    let reason = folder.run("check open.fold --json").with_status(1).json()["reason"].take();
+    let reason = reason.as_str().unwrap();
+    assert!(reason.contains("between knots 0 and 1, at 0."), "{reason}");
+    assert!(reason.contains("the hole at vertex "), "{reason}");
+
+    let path = read_path(&folder.path("open.fold")).unwrap();
+    let pattern = &path.pattern;
+    let groups = CreaseGroups::trivial(pattern);
+    let stars = ReducedStars::all(pattern, &groups);
+    let closure = |s: f64| {
+        let creases = pattern.creases().iter().zip(groups.memberships());
+        let angle =
+            |(&edge, part): (_, &Membership)| part.apply(path.curve(0, edge).unwrap().angle(s));
+        let x: Vec<f64> = creases.map(angle).collect();
+        stars.residuals(&x).into_iter().fold(0.0, f64::max)
+    };
+    let sampled = (0..=1000)
+        .map(|k| closure(f64::from(k) / 1000.0))
+        .fold(0.0, f64::max);
+    let options = CheckOptions {
+        bound: 10.0,
+        ..CheckOptions::default()
+    };
+    let found = check(&path, &options).segments[0];
+    assert!(
+        sampled > 1e-3 && sampled <= found.bound,
+        "{sampled} {found:?}"
+    );
+    assert!(found.bound <= 3.0 * sampled, "{sampled} {found:?}");
+    assert!(
+        (found.sampled - sampled).abs() <= 0.01 * sampled,
+        "{sampled} {found:?}"
+    );
 }
 
 /// Stars alone leave the sheet torn round the hole; with the loop it lands on a closed configuration.

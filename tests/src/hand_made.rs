@@ -57,7 +57,7 @@ impl HandMade {
     #[must_use]
     pub fn arch(cells: usize) -> Self {
         let slope = 60_f64.to_radians().tan();
-        let lean = |k: usize| if k % 2 == 0 { 0.5 } else { -0.5 };
+        let lean = |k: usize| if k.is_multiple_of(2) { 0.5 } else { -0.5 };
         let row = |y: f64| {
             let x = (0..=cells).zip((0..=cells).map(|k| 1.5 * k as f64));
             x.map(move |(k, x)| [x + lean(k) * y.abs() * 2.0 / slope, y])
@@ -87,7 +87,7 @@ impl HandMade {
     /// leans left.
     #[must_use]
     pub fn arch_tangents(cells: usize) -> Vec<f64> {
-        let spine = (0..cells).map(|k| if k % 2 == 0 { -0.5 } else { 0.5 });
+        let spine = (0..cells).map(|k| if k.is_multiple_of(2) { -0.5 } else { 0.5 });
         spine.chain(vec![1.0; 2 * (cells - 1)]).collect()
     }
 

@@ -1,8 +1,10 @@
 //! A path is driven, not looked at: `check` judges it between its knots, where the knots alone would pass.
 
+use foldpath::certificate::SegmentCertifier;
 use foldpath::check::{CheckOptions, Verdict, check};
 use foldpath::planner::PlanOptions;
-use foldpath_core::Interpolation;
+use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath_core::{Curve, Interpolation, Membership};
 use foldpath_tests::closed_form::{Waterbomb, miura_straight};
 use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Sheet, path_file, worst};
 use serde_json::{Value, json};
@@ -106,6 +108,53 @@ fn certificates_hold_what_is_sampled() {
                 assert!(found.sampled <= found.bound, "{at}");
                 assert!(found.bound <= 3.0 * sampled + 1e-10, "{at}");
                 assert!(found.samples <= 1024, "{at}");
+            }
+        }
+    }
+}
+
+/// The planner's certificate and this one bound the same, on two ways: neither is below what the other one
+/// samples, and both are near it.
+#[test]
+fn both_certificates_agree() {
+    for name in [
+        "miura-5x5",
+        "resch-3x3",
+        "square-twist-3x3",
+        "waterbomb-4x6",
+    ] {
+        for kind in ["linear", "hermite", "homogeneous"] {
+            let path = path_file(&interpolated(planned(name), kind).to_string()).unwrap();
+            let options = CheckOptions {
+                bound: 10.0,
+                ..CheckOptions::default()
+            };
+            let found = check(&path, &options).segments;
+            let groups = CreaseGroups::trivial(&path.pattern);
+            let stars = ReducedStars::all(&path.pattern, &groups);
+            let mut planner = SegmentCertifier::default();
+            for (segment, found) in found.iter().enumerate() {
+                let creases = path.pattern.creases().iter().zip(groups.memberships());
+                let curve = |(&edge, part): (_, &Membership)| {
+                    let curve = path.curve(segment, edge).unwrap();
+                    // A group turns the way of its letter.
+                    match curve {
+                        _ if !part.negative => curve,
+                        Curve::Angle(angle) => Curve::Angle(angle.map(|b| -b)),
+                        Curve::HalfAngle { cos, sin } => Curve::HalfAngle {
+                            cos,
+                            sin: sin.map(|b| -b),
+                        },
+                    }
+                };
+                let curves: Vec<_> = creases.map(curve).collect();
+                let other = planner
+                    .closure(stars.view(), stars.loops(), &curves)
+                    .worst();
+                let at = format!("{name}, {kind}, segment {segment}: {other:e} {found:?}");
+                assert!(found.sampled <= other, "{at}");
+                assert!(other <= 3.0 * found.sampled + 1e-10, "{at}");
+                assert!(found.bound <= 2.0 * other + 1e-10, "{at}");
             }
         }
     }

@@ -10,10 +10,13 @@ use crate::certificate::{Closure, SheetCertifier};
 use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
-use crate::symmetry::ReducedStars;
+use crate::symmetry::{Lattice, ReducedStars};
 
 /// Looks at pairs of faces that a path is worth of which it is known that it fails: its motion may be absurd.
 const ENOUGH_LOOKS: u64 = 200_000;
+
+/// Up to so many faces all pairs are swept, where the planner lets one stand for those that move alike.
+const MANY_FACES: usize = 20_000;
 
 /// Closure between knots, and with it the deformation of the whole sheet, by the most that it adds up to.
 pub(super) fn check_closure(
@@ -101,7 +104,13 @@ pub(super) fn check_crossings(
     if failed {
         options.max_looks = options.max_looks.min(ENOUGH_LOOKS);
     }
-    let mut sweep = Sweep::new(pattern, motion.groups.memberships(), options);
+    let members = motion.groups.memberships();
+    let large = pattern.faces().len() > MANY_FACES && !failed;
+    let lattice = large.then(|| Lattice::find(pattern, members)).flatten();
+    let mut sweep = match &lattice {
+        Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
+        None => Sweep::new(pattern, members, options),
+    };
     match sweep.sweep(&motion.segments) {
         SweepVerdict::Free(clearance) => {
             verdict.min_clearance = clearance.map(|clearance| clearance.distance);
