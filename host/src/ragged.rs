@@ -149,3 +149,27 @@ pub fn group_by_key<T: Copy + Default, P: Borrow<(usize, T)>>(
     }
     Ragged { items, ends }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_changed_each_on_its_own() {
+        let mut lists: Ragged<i32> = [vec![1, 2], vec![], vec![3]].into_iter().collect();
+        lists[0].reverse();
+        lists[2][0] = 7;
+        let lists = lists.map(|item| 10 * item);
+        let lists: Vec<&[i32]> = lists.iter().collect();
+        assert_eq!(lists, [&[20, 10][..], &[], &[70]]);
+    }
+
+    #[test]
+    fn values_of_a_key_keep_their_order() {
+        let pairs = [(2, 'a'), (0, 'b'), (2, 'c'), (0, 'd')];
+        let grouped = group_by_key(4, &pairs);
+        let lists: Vec<&[char]> = grouped.iter().collect();
+        assert_eq!(lists, [&['b', 'd'][..], &[], &['a', 'c'], &[]]);
+        assert_eq!(grouped, group_by_key(4, pairs.into_iter()));
+    }
+}

@@ -69,6 +69,12 @@ impl SpanningTree {
         let mut open = VecDeque::from([root]);
         while let Some(parent) = open.pop_front() {
             for &(face, edge_id) in &neighbours[parent.index()] {
+                let new = !done[face.index()];
+                let crossed = [parent, face].map(|face| by[face.index()] == Some(edge_id));
+                // Every other edge is met from both sides; once is enough.
+                if !new && (crossed.contains(&true) || parent > face) {
+                    continue;
+                }
                 let edge = pattern.edge(edge_id);
                 // A positive turn about the edge's direction lifts its left side.
                 let start = usize::from(edge.faces[0] != Some(face));
@@ -80,16 +86,13 @@ impl SpanningTree {
                     pivot: pattern.vertices()[edge.ends[start].index()],
                     axis: pattern.direction(edge_id, edge.ends[start]),
                 };
-                if !done[face.index()] {
+                if new {
                     done[face.index()] = true;
                     open.push_back(face);
                     self.steps.push(step);
                     by[face.index()] = Some(edge_id);
-                } else if by[parent.index()] != Some(edge_id) && by[face.index()] != Some(edge_id) {
-                    // Every other edge is met from both sides; once is enough.
-                    if parent < face {
-                        self.loops.push(step);
-                    }
+                } else {
+                    self.loops.push(step);
                 }
             }
         }

@@ -67,3 +67,22 @@ fn fill(
     content(&mut out)?;
     out.flush()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_that_fails_on_the_way_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sheet.fold");
+        write_whole(&path, b"before").unwrap();
+        let refused = write_whole_with(&path, |out| {
+            out.write_all(&vec![b'x'; 2 * BUFFER])?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        assert!(matches!(refused, Err(FileError::Io { path: at, .. }) if at == path));
+        assert_eq!(std::fs::read(&path).unwrap(), b"before");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

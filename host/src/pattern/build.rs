@@ -431,3 +431,41 @@ fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, Pattern
     }
     Ok((triangles, diagonals))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_in_the_order_of_angles() {
+        let angles = (-180..180).map(|degrees: i32| f64::from(degrees).to_radians());
+        let turns: Vec<f64> = angles
+            .map(|angle| turn(3.0 * Vector2::new(angle.cos(), angle.sin())))
+            .collect();
+        assert!(turns.is_sorted_by(|a, b| a < b), "{turns:?}");
+        // π and -π are one direction, whatever the sign of zero.
+        let [left, back] = [0.0, -0.0].map(|y| turn(Vector2::new(-1.0, y)).to_bits());
+        assert_eq!(left, back);
+        assert_eq!(left, turns[0].to_bits());
+    }
+
+    /// The fifth edge is the second once more, the sixth the first; the earlier of these is named.
+    #[test]
+    fn the_first_edge_that_is_drawn_twice_is_named() {
+        let ends = [[0, 1], [1, 2], [2, 3], [3, 0], [2, 1], [0, 1]];
+        let edge = |ends| DrawnEdge {
+            ends,
+            letter: Letter::Boundary,
+            goal: None,
+        };
+        let drawing = Drawing {
+            vertices: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+                .map(Vector2::from)
+                .to_vec(),
+            edges: ends.map(edge).to_vec(),
+            faces: None,
+        };
+        let refused = CreasePattern::new(drawing).unwrap_err();
+        assert_eq!(refused, PatternError::Duplicate { edge: 4, other: 1 });
+    }
+}

@@ -434,11 +434,15 @@ impl<'a> Search<'a> {
             self.budget = self.budget.saturating_sub(1);
             let vertex = self.real[index];
             let image = isometry.apply(self.pattern.vertices()[vertex.index()]);
-            match self.places.vertex_at(image) {
-                Some(to) if !self.maps_star(isometry, vertex, to, self.tolerance) => return false,
-                Some(to) => self.image_of[to.index()] = self.isometries,
-                None if self.places.is_inside(image) => return false,
-                None => {}
+            let fits = match self.places.vertex_at(image) {
+                Some(to) => {
+                    self.image_of[to.index()] = self.isometries;
+                    self.maps_star(isometry, vertex, to, self.tolerance)
+                }
+                None => !self.places.is_inside(image),
+            };
+            if !fits {
+                return false;
             }
         }
         let inverse = isometry.inverse();
@@ -448,18 +452,14 @@ impl<'a> Search<'a> {
                 continue;
             }
             let origin = inverse.apply(self.pattern.vertices()[vertex.index()]);
-            match self.places.vertex_at(origin) {
+            let fits = match self.places.vertex_at(origin) {
                 // Compared already where it was mapped, unless no hinge ends there.
-                Some(from) if self.pattern.is_real(from) => {
-                    if self.rays[from.index()].is_empty() {
-                        return false;
-                    }
-                }
-                Some(from) if !self.maps_star(isometry, from, vertex, self.tolerance) => {
-                    return false;
-                }
-                None if self.places.is_inside(origin) => return false,
-                _ => {}
+                Some(from) if self.pattern.is_real(from) => !self.rays[from.index()].is_empty(),
+                Some(from) => self.maps_star(isometry, from, vertex, self.tolerance),
+                None => !self.places.is_inside(origin),
+            };
+            if !fits {
+                return false;
             }
         }
         true
