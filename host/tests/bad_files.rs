@@ -71,6 +71,13 @@ fn path() -> Value {
     Folder::with_path().read_json("path.fold")
 }
 
+/// The path with weights.
+fn weighted_path() -> Value {
+    let folder = Folder::with_path();
+    folder.done("plan miura.fold --interpolation homogeneous -o weighted.fold");
+    folder.read_json("weighted.fold")
+}
+
 #[test]
 fn text_that_is_no_fold_object() {
     let folder = Folder::new();
@@ -309,8 +316,35 @@ fn frames_that_are_no_knots() {
         /file_frames/3/frame_parent = 4 => \
             file_frames[3].frame_parent: expected the number of an earlier frame, found 4
         /foldpath:interpolation = "spline" => \
-            foldpath:interpolation: expected "hermite" or "linear", found "spline"
+            foldpath:interpolation: expected "linear", "hermite", "half-angle" or "homogeneous", found "spline"
         /foldpath:interpolation = 3 => foldpath:interpolation: expected a string, found 3
+        "#,
+    );
+}
+
+/// What an interpolation needs has to be there.
+#[test]
+fn motions_that_are_not_said() {
+    assert_edits_refused(
+        &path(),
+        &PATH,
+        r#"
+        /file_frames/3/foldpath:edges_foldAngleRate = => \
+            file_frames[3].foldpath:edges_foldAngleRate: expected the rates that "half-angle" needs, found nothing
+        /file_frames/3/foldpath:edges_foldAngleRate = [0] => \
+            file_frames[3].foldpath:edges_foldAngleRate: expected 24 entries, one for each edge, found 1
+        /foldpath:interpolation = "homogeneous" => \
+            file_frames[0].foldpath:edges_weight: expected the weights that "homogeneous" needs, found nothing
+        "#,
+    );
+    assert_edits_refused(
+        &weighted_path(),
+        &PATH,
+        r#"
+        /file_frames/1/foldpath:edges_weightRate = => \
+            file_frames[1].foldpath:edges_weightRate: expected the rates of weights that "homogeneous" needs, found nothing
+        /file_frames/1/foldpath:edges_weight/2 = "1" => \
+            file_frames[1].foldpath:edges_weight[2]: expected a number, found "1"
         "#,
     );
 }
