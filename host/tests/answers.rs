@@ -58,7 +58,7 @@ fn plan_shape() -> Value {
         "solver": {"iterations": "count", "evaluations": "count"},
         "collision": {
             "pairs": "count", "tested": "count", "skipped_symmetry": "count",
-            "skipped_motion": "count", "skipped_bounds": "count",
+            "skipped_motion": "count", "skipped_bounds": "count", "skipped_edges": "count",
         },
         "seed": "count",
     })

@@ -159,11 +159,14 @@ fn sheets_with_holes_reach_the_miura_goal() {
             }
             assert!(plan["goal_error"].as_f64().unwrap() < 1e-9, "{plan}");
             let path = folder.read_json("path.fold");
-            for gap in [
-                worst(&path, "foldpath:gap"),
-                check["max_gap"].as_f64().unwrap(),
+            // Rigid at the knots; between them, nothing that is found is worse than certified.
+            let certified = plan["certified_deformation"].as_f64().unwrap();
+            assert!(certified <= 5e-4, "{options}: {certified:e}");
+            for (gap, most) in [
+                (worst(&path, "foldpath:gap"), 1e-9),
+                (check["max_gap"].as_f64().unwrap(), certified + 1e-9),
             ] {
-                assert!(gap <= 1e-9, "{options}: {gap:e}");
+                assert!(gap <= most, "{options}: {gap:e}");
             }
             let last = path["file_frames"].as_array().unwrap().last().unwrap();
             let asked = numbers(&document["edges_foldAngle"]);

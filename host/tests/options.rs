@@ -46,7 +46,7 @@ fn defaults_are_those_of_the_contract() {
     }
     folder.done(
         "plan miura.fold -o explicit.fold --bound 0.01 --symmetry auto --vertices essential --reuse \
-         auto --collision on --interpolation auto --frames full --solver lm",
+         auto --collision on --interpolation auto --pace optimal --max-speed 45 --frames full --solver lm",
     );
     assert_eq!(folder.read("explicit.fold"), folder.read("path.fold"));
 }
@@ -54,6 +54,7 @@ fn defaults_are_those_of_the_contract() {
 #[test]
 fn a_check_allows_a_thousandth_unless_told_otherwise() {
     let folder = Folder::with_path();
+    folder.done("plan miura.fold --interpolation linear -o path.fold");
     let mut path = folder.read_json("path.fold");
     let file = path.as_object_mut().unwrap();
     file.remove("foldpath:edges_group");
@@ -161,19 +162,29 @@ fn frames_of_angles_alone_are_folded_again_where_they_are_read() {
 fn the_interpolation_asked_for_is_written() {
     let folder = Folder::with_path();
     for (option, written) in [
-        ("auto", "hermite"),
+        ("auto", "half-angle"),
         ("hermite", "hermite"),
+        ("half-angle", "half-angle"),
+        ("homogeneous", "homogeneous"),
         ("linear", "linear"),
     ] {
         folder.done(&format!(
             "plan miura.fold --interpolation {option} -o a.fold"
         ));
-        assert_eq!(
-            folder.read_json("a.fold")["foldpath:interpolation"],
-            written
-        );
+        let path = folder.read_json("a.fold");
+        assert_eq!(path["foldpath:interpolation"], written);
+        let weighted = |frame: &Value| {
+            let weights = &frame["foldpath:edges_weight"];
+            weights.is_array() && frame["foldpath:edges_weightRate"].is_array()
+        };
+        let frames = path["file_frames"].as_array().unwrap();
+        let all = frames.iter().all(weighted);
+        assert!(frames.iter().any(weighted) == all && all == (written == "homogeneous"));
         folder.done("check a.fold");
     }
+    folder
+        .run("plan miura.fold --interpolation spline")
+        .with_status(2);
 }
 
 #[test]
@@ -191,12 +202,104 @@ fn speed_scales_times_and_rates() {
     });
     assert_scaled(&slow.0, &fast.0, 0.5);
     assert_scaled(&slow.1, &fast.1, 2.0);
-    for (speed, (_, rates)) in [(45.0, slow), (90.0, fast)] {
-        let fastest = rates
-            .iter()
-            .fold(0.0, |max, rate| f64::max(max, rate.abs()));
-        assert!((fastest - speed).abs() < 1e-9, "{fastest} for {speed}");
+}
+
+/// Largest speed and acceleration of a hinge anywhere between the knots of a path, degrees and seconds: by
+/// differences of the angles that `host/FORMAT.md` gives.
+fn fastest(path: &Value) -> [f64; 2] {
+    const PLACES: u32 = 200;
+    let frames = path["file_frames"].as_array().unwrap();
+    let mut most = [0.0; 2];
+    for pair in frames.windows(2) {
+        let span =
+            pair[1]["foldpath:time"].as_f64().unwrap() - pair[0]["foldpath:time"].as_f64().unwrap();
+        let step = span / f64::from(PLACES);
+        let knots = [&pair[0], &pair[1]].map(|frame| {
+            ["edges_foldAngle", "foldpath:edges_foldAngleRate"].map(|key| numbers(&frame[key]))
+        });
+        for edge in 0..knots[0][0].len() {
+            let ends = knots
+                .each_ref()
+                .map(|[angles, rates]| [angles[edge], rates[edge]]);
+            let angle = |k: u32| between(path, ends, span, f64::from(k) / f64::from(PLACES));
+            for k in 1..PLACES {
+                let [a, b, c] = [angle(k - 1), angle(k), angle(k + 1)];
+                most[0] = f64::max(most[0], (b - a).abs() / step);
+                most[1] = f64::max(most[1], (c - 2.0 * b + a).abs() / (step * step));
+            }
+        }
     }
+    most
+}
+
+/// Fold angle, degrees, s of the way between two knots of an edge (angle and rate).
+fn between(path: &Value, [[a, p], [b, q]]: [[f64; 2]; 2], span: f64, s: f64) -> f64 {
+    let cubic = |a: f64, p: f64, b: f64, q: f64| {
+        (2.0 * s - 3.0) * s * s * (a - b) + a + span * s * (1.0 - s) * ((1.0 - s) * p - s * q)
+    };
+    match path["foldpath:interpolation"].as_str().unwrap() {
+        "hermite" => cubic(a, p, b, q),
+        "half-angle" => {
+            let tangent = |angle: f64| (angle.to_radians() / 2.0).tan();
+            let (u, v) = (tangent(a), tangent(b));
+            let rate = |u: f64, rate: f64| (1.0 + u * u) * rate.to_radians() / 2.0;
+            2.0 * cubic(u, rate(u, p), v, rate(v, q)).atan().to_degrees()
+        }
+        other => panic!("{other}"),
+    }
+}
+
+/// No hinge exceeds its limits anywhere on the motion, and somewhere one comes close.
+#[test]
+fn hinges_are_as_fast_as_allowed_and_no_faster() {
+    let folder = Folder::new();
+    for family in ["miura --rows 3 --cols 3", "waterbomb --rows 4 --cols 6"] {
+        folder.done(&format!("generate {family} -o a.fold"));
+        for kind in ["auto", "hermite"] {
+            for (options, speed, acceleration) in [
+                ("", 45.0, f64::INFINITY),
+                ("--max-speed 90", 90.0, f64::INFINITY),
+                ("--pace sparse", 45.0, f64::INFINITY),
+                ("--max-accel 60", 45.0, 60.0),
+                ("--max-accel 5", 45.0, 5.0),
+            ] {
+                let what = format!("{family} {kind} {options}");
+                folder.done(&format!(
+                    "plan a.fold -o p.fold --interpolation {kind} {options}"
+                ));
+                let [fast, abrupt] = fastest(&folder.read_json("p.fold"));
+                assert!(fast <= speed * (1.0 + 1e-6), "{what}: {fast}");
+                assert!(abrupt <= acceleration * (1.0 + 1e-3), "{what}: {abrupt}");
+                let used = f64::max(fast / speed, (abrupt / acceleration).sqrt());
+                assert!(used >= 0.97, "{what}: {fast} {abrupt}");
+                folder.done("check p.fold");
+            }
+        }
+    }
+}
+
+/// Fewer knots than allowed, or none.
+#[test]
+fn a_path_has_no_more_knots_than_allowed() {
+    let folder = Folder::with_path();
+    let hermite = "plan miura.fold --interpolation hermite --json";
+    let knots = folder.done(hermite).json()["knots"].as_u64().unwrap();
+    let same = folder
+        .done(&format!("{hermite} --max-knots {knots}"))
+        .json();
+    assert_eq!(same["knots"], knots);
+    let answer = folder
+        .run(&format!("{hermite} --max-knots 2 -o few.fold"))
+        .with_status(1)
+        .json();
+    assert_eq!(answer["outcome"], "partial");
+    assert!(
+        answer["reason"]
+            .as_str()
+            .unwrap()
+            .contains("more than 2 knots")
+    );
+    assert!(!folder.path("few.fold").exists());
 }
 
 #[test]

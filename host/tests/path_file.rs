@@ -40,6 +40,10 @@ impl Planned {
 
 /// One path of each family.
 fn planned() -> [Planned; 3] {
+    planned_with("")
+}
+
+fn planned_with(options: &str) -> [Planned; 3] {
     let folder = Folder::new();
     [
         "miura --rows 4 --cols 5",
@@ -48,7 +52,7 @@ fn planned() -> [Planned; 3] {
     ]
     .map(|name| {
         folder.done(&format!("generate {name} -o pattern.fold"));
-        folder.done("plan pattern.fold -o path.fold");
+        folder.done(&format!("plan pattern.fold -o path.fold {options}"));
         let [pattern, path] = ["pattern.fold", "path.fold"].map(|file| folder.read_json(file));
         Planned {
             name,
@@ -78,7 +82,8 @@ fn the_file_is_a_fold_animation_of_the_pattern() {
         assert_eq!(path["file_spec"], 1.2, "{name}");
         assert_eq!(path["file_classes"], json!(["animation"]), "{name}");
         assert_eq!(path["frame_classes"], json!(["creasePattern"]), "{name}");
-        assert_eq!(path["foldpath:interpolation"], "hermite", "{name}");
+        let interpolation = path["foldpath:interpolation"].as_str().unwrap();
+        assert!(["half-angle", "hermite"].contains(&interpolation), "{name}");
         for key in [
             "vertices_coords",
             "edges_vertices",
@@ -148,7 +153,7 @@ fn folded_frames_do_not_inherit_that_they_are_flat() {
 }
 
 #[test]
-fn the_path_goes_from_flat_to_the_goal_in_small_steps() {
+fn the_path_goes_from_flat_to_the_goal_in_few_knots() {
     for planned in planned() {
         let name = planned.name;
         let goal = numbers(&planned.pattern["edges_foldAngle"]);
@@ -159,11 +164,7 @@ fn the_path_goes_from_flat_to_the_goal_in_small_steps() {
             last.clone().all(|(a, b)| (a - b).abs() < 1e-9),
             "{name}: {last:?}"
         );
-        let steps = knots
-            .windows(2)
-            .flat_map(|pair| pair[0].iter().zip(&pair[1]));
-        let longest = steps.fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()));
-        assert!(longest > 5.0 && longest <= 10.0, "{name}: {longest}");
+        assert!(knots.len() <= 12, "{name}: {}", knots.len());
         let times = planned.times();
         assert!(times[0].abs() <= 0.0, "{name}");
         assert!(
@@ -239,7 +240,7 @@ fn groups_and_signs_give_all_angles_and_rates() {
 /// Trapezes over the rates give the angles back, up to how much the rates bend in a step.
 #[test]
 fn rates_are_degrees_per_second() {
-    for planned in planned() {
+    for planned in planned_with("--interpolation hermite --bound 1e-7") {
         let (angles, rates) = (
             planned.knots("edges_foldAngle"),
             planned.knots("foldpath:edges_foldAngleRate"),

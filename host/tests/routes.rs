@@ -4,6 +4,8 @@
 mod common;
 
 use common::{Folder, numbers};
+use foldpath::check::{CheckOptions, check};
+use foldpath::formats::fold::read_path;
 use serde_json::{Value, json};
 
 /// The plan's JSON object, whatever its answer.
@@ -11,6 +13,17 @@ fn plan(folder: &Folder, arguments: &str) -> Value {
     folder
         .run(&format!("plan {arguments} --json --quiet"))
         .json()
+}
+
+/// That a path holds: the whole motion as `check` asks, its knots to rounding.
+#[track_caller]
+fn holds(folder: &Folder, path: &str) {
+    folder.done(&format!("check {path}"));
+    let knots = check(
+        &read_path(&folder.path(path)).unwrap(),
+        &CheckOptions::knots_alone(1e-9),
+    );
+    assert_eq!(knots.failures, [""; 0]);
 }
 
 /// Fold angles of an edge at all knots of the path, degrees.
@@ -40,7 +53,7 @@ fn a_driven_crease_takes_the_others_along_with_and_without_symmetry() {
             &format!("m.fold --crease {ZIGZAG}=-100 -o p.fold {options}"),
         );
         assert_eq!(answer["outcome"], "planned", "{answer}");
-        folder.done("check p.fold --bound 1e-9");
+        holds(&folder, "p.fold");
         let driven = *angles_of(&folder, "p.fold", ZIGZAG).last().unwrap();
         assert!((driven + 100.0).abs() < 1e-9, "{driven}");
         // The closed form: tan(straight/2) = cos 60 tan(zigzag/2), on the branch of the letters.
@@ -69,7 +82,7 @@ fn phases_are_passed_in_order_and_at_rest() {
     }
     let answer = plan(&folder, "m.fold --via far.fold --via near.fold -o p.fold");
     assert_eq!(answer["outcome"], "planned", "{answer}");
-    folder.done("check p.fold --bound 1e-9");
+    holds(&folder, "p.fold");
     let angles = angles_of(&folder, "p.fold", ZIGZAG);
     let at = |angle: f64| {
         angles
@@ -161,7 +174,7 @@ fn a_bifurcation_is_crossed() {
     folder.write("map.fold", &map().to_string());
     let answer = plan(&folder, "map.fold -o p.fold");
     assert_eq!(answer["outcome"], "planned", "{answer}");
-    folder.done("check p.fold --bound 1e-9");
+    holds(&folder, "p.fold");
     let (first, second) = (
         angles_of(&folder, "p.fold", 2),
         angles_of(&folder, "p.fold", 8),
@@ -264,7 +277,7 @@ fn letters_alone_fold_a_waterbomb_sheet_to_where_it_is_singular() {
     folder.write("letters.fold", &file.to_string());
     let answer = plan(&folder, "letters.fold -o p.fold");
     assert_eq!(answer["outcome"], "planned", "{answer}");
-    folder.done("check p.fold --bound 1e-9");
+    holds(&folder, "p.fold");
     assert!(answer["goal_error"].as_f64().unwrap() < 1e-9, "{answer}");
     assert!(answer["knots"].as_u64().unwrap() < 60, "{answer}");
 }
@@ -294,7 +307,7 @@ fn small_folds_along_letters_are_not_the_flat_sheet() {
     folder.done("generate resch -o r.fold");
     let answer = plan(&folder, "r.fold --fold 0.2 -o p.fold");
     assert_eq!(answer["outcome"], "planned", "{answer}");
-    folder.done("check p.fold --bound 1e-9");
+    holds(&folder, "p.fold");
     let turned = (0..116).map(|edge| angles_of(&folder, "p.fold", edge).last().unwrap().abs());
     assert!(turned.fold(0.0, f64::max) > 10.0);
 }
@@ -308,7 +321,7 @@ fn a_driven_crease_goes_the_way_of_the_sheets_goal_and_no_hinge_against_its_lett
         let answer = plan(&folder, &format!("r.fold --crease 0={degrees} -o p.fold"));
         assert_eq!(answer["outcome"], "planned", "{answer}");
         assert!(answer["goal_error"].as_f64().unwrap() < 1e-6, "{answer}");
-        folder.done("check p.fold --bound 1e-9");
+        holds(&folder, "p.fold");
     }
 }
 
@@ -331,7 +344,7 @@ fn hinges_without_an_angle_keep_their_letters() {
         sheet["edges_foldAngle"][edge] = json!(angle);
         folder.write("v.fold", &sheet.to_string());
         if plan(&folder, "v.fold -o p.fold")["outcome"] == "planned" {
-            folder.done("check p.fold --bound 1e-9");
+            holds(&folder, "p.fold");
             planned += 1;
         }
     }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde_json::{Value, from_value};
 
-use crate::Sheet;
+use crate::{Motion, Sheet};
 
 /// A path as its file says.
 pub struct Animation {
@@ -11,6 +11,8 @@ pub struct Animation {
     pub sheet: Sheet,
     /// The knots from start to goal.
     pub frames: Vec<Frame>,
+    /// The motion between them.
+    pub motion: Motion,
 }
 
 /// One knot.
@@ -33,6 +35,7 @@ impl Animation {
         let frames: Vec<Value> = from_value(file["file_frames"].clone())?;
         Ok(Self {
             sheet: Sheet::of(&file)?,
+            motion: Motion::of(&file)?,
             frames: frames.iter().map(Frame::of).collect::<Result<_, _>>()?,
         })
     }

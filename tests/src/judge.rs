@@ -1,5 +1,7 @@
 //! Judges a planned path by the oracle.
 
+use core::f64::consts::PI;
+
 use foldpath::planner::{Outcome, Plan};
 
 use crate::{Animation, worst};
@@ -15,8 +17,9 @@ const CLOSED: f64 = 1e-9;
 const AT_GOAL: f64 = 1e-9;
 /// Radians: angles measured on positions, beside what the sheet deforms.
 const SAME_ANGLE: f64 = 1e-6;
-/// Radians: no hinge turns by more from one knot to the next. The planner's default, and rounding.
-const STEP: f64 = 10.000_001 * core::f64::consts::PI / 180.0;
+/// Places a segment at which its closure is taken, and those at which it is folded.
+const CLOSURES: u32 = 100;
+const FOLDED: u32 = 3;
 /// Radians: against its letter.
 const AGAINST: f64 = 1e-9;
 
@@ -27,6 +30,11 @@ pub struct Verdict {
     pub disagreements: Vec<String>,
     /// Whether it closes to rounding and, if it is said to arrive, ends at its goal to rounding.
     pub exact: bool,
+}
+
+/// So many places inside a segment, evenly.
+fn places(count: u32) -> impl Iterator<Item = f64> {
+    (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
 }
 
 /// Judges the path of `plan`, written as `path`, from flat towards a goal of the edges that closes to
@@ -93,12 +101,38 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         let crossings = sheet.crossings(&frame.vertices).len() as f64;
         limit("crossings", crossings, 0.0);
     }
+    let stars = sheet.stars();
+    let certified = |value: Option<f64>| value.map_or(bound, |value| value.min(bound)) + ROUNDING;
     for (knot, pair) in path.frames.windows(2).enumerate() {
-        let turns = pair[0].angles.iter().zip(&pair[1].angles);
-        let turn = worst(turns.map(|(from, to)| (to - from).abs()));
-        limit(&format!("after knot {knot}: turn"), turn, STEP);
-        let back = pair[0].time - pair[1].time;
-        limit(&format!("after knot {knot}: time back"), back, 0.0);
+        let mut limit =
+            |what: &str, value, most| limit(&format!("after knot {knot}: {what}"), value, most);
+        limit("time back", pair[0].time - pair[1].time, 0.0);
+        let shapes = |count| places(count).map(|s| path.motion.angles(knot, s));
+        let closures = shapes(CLOSURES).map(|angles| sheet.closure_round(&stars, &angles));
+        limit(
+            "closure",
+            worst(closures),
+            certified(plan.certified_closure),
+        );
+        let against = |angles: Vec<f64>| {
+            let turns = angles.into_iter().zip(goal);
+            worst(turns.map(|(a, b)| (-a * b.signum()).max(a.abs() - PI)))
+        };
+        let against = worst(shapes(CLOSURES).map(against));
+        limit("against a letter or beyond half a turn", against, AGAINST);
+        for angles in shapes(FOLDED) {
+            let poses = sheet.fold(&angles);
+            let (placed, gap) = (sheet.positions(&poses), sheet.gap(&poses));
+            let most = certified(plan.certified_deformation);
+            limit("gap", gap, most);
+            limit("deformation", sheet.deformation(&placed), most);
+            // Torn, a sheet may seem to cross where it touches.
+            if gap <= CLOSED {
+                #[allow(clippy::cast_precision_loss, reason = "a small count")]
+                let crossings = sheet.crossings(&placed).len() as f64;
+                limit("crossings", crossings, 0.0);
+            }
+        }
     }
     Verdict {
         disagreements,

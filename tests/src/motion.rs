@@ -3,12 +3,14 @@
 use serde_json::{Value, from_value};
 
 /// A path that is asked for the angles between its knots.
+#[derive(Clone, Debug)]
 pub struct Motion {
     kind: String,
     knots: Vec<Knot>,
 }
 
 /// One knot: numbers of every edge, radians.
+#[derive(Clone, Debug)]
 struct Knot {
     time: f64,
     angles: Vec<f64>,
@@ -34,7 +36,7 @@ impl Motion {
     /// Number of segments.
     #[must_use]
     pub fn segments(&self) -> usize {
-        self.knots.len() - 1
+        self.knots.len().saturating_sub(1)
     }
 
     /// Fold angle of every edge in a segment, s of the way through it.

@@ -3,9 +3,11 @@
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::formats::fold::read_pattern;
-use foldpath::planner::{Outcome, Plan, PlanOptions};
+use foldpath::planner::{Outcome, Plan, PlanOptions, Timing};
+use foldpath_core::Interpolation;
 use foldpath_tests::closed_form::Waterbomb;
 use foldpath_tests::{Animation, Frame, Planned, goal_angles, path_file, pattern_file, worst};
+use nalgebra::Vector4;
 
 /// What the report counts.
 struct Counts {
@@ -58,7 +60,12 @@ fn square_twist(m: usize, n: usize, groups: usize, essential_vertices: usize) ->
 const RIGID: f64 = 1e-9;
 const CLOSED: f64 = 1e-10;
 const GOAL_DEGREES: f64 = 1e-6;
-const STEP_DEGREES: f64 = 10.0;
+/// What is certified of the motion between knots: half of what `check` asks for by default.
+const CERTIFIED: f64 = 5e-4;
+/// Knots of the longest of these motions; before knots were certified between, each had one every 10 degrees.
+const FEW: usize = 20;
+/// Part of its speed limit that a hinge may come to somewhere and must come to.
+const SPEED: [f64; 2] = [0.97, 1.0 + 1e-6];
 /// Angles measured on positions that are rigid to 1e-9, radians.
 const SAME_ANGLE: f64 = 1e-8;
 
@@ -81,8 +88,13 @@ fn the_patterns_of_the_report_are_planned() {
         count(&planned, &counts);
         believe(&planned.plan);
         let text = planned.text();
-        judge(&Animation::parse(&text).unwrap(), &goal_angles(name));
-        check_agrees(&text);
+        let path = Animation::parse(&text).unwrap();
+        judge(&path, &goal_angles(name));
+        assert!(path.frames.len() <= FEW, "{} knots", path.frames.len());
+        let [least, most] = SPEED.map(|part| part * PlanOptions::default().max_speed);
+        let fastest = fastest(&path);
+        assert!(least <= fastest && fastest <= most, "{fastest} rad/s");
+        check_agrees(&planned.plan, &text);
     }
 }
 
@@ -101,6 +113,8 @@ fn believe(plan: &Plan) {
     assert!(plan.rigidity.deformation <= RIGID);
     assert!(plan.rigidity.gap <= RIGID);
     assert!(plan.max_closure <= CLOSED);
+    assert!(plan.certified_closure.unwrap() <= CERTIFIED);
+    assert!(plan.certified_deformation.unwrap() <= CERTIFIED);
     assert!(plan.goal_error.to_degrees() <= GOAL_DEGREES);
 }
 
@@ -151,20 +165,41 @@ fn judge(path: &Animation, goal: &[f64]) {
     let missed = last.angles.iter().zip(goal);
     let missed = worst(missed.map(|(angle, goal)| (angle.to_degrees() - goal).abs()));
     assert!(missed <= GOAL_DEGREES, "{missed} degrees from the goal");
-    for (index, pair) in path.frames.windows(2).enumerate() {
-        let turns = pair[0].angles.iter().zip(&pair[1].angles);
-        let turn = worst(turns.map(|(from, to)| (to - from).abs().to_degrees()));
-        assert!(turn <= STEP_DEGREES, "{turn} degrees after knot {index}");
+    for pair in path.frames.windows(2) {
         assert!(pair[0].time < pair[1].time);
     }
 }
 
-fn check_agrees(text: &str) {
-    let verdict = check(&path_file(text).unwrap(), &CheckOptions::default());
+/// Largest speed of a hinge, radians per second, by differences of sampled angles.
+fn fastest(path: &Animation) -> f64 {
+    const PLACES: u32 = 200;
+    let of_segment = |(segment, pair): (usize, &[Frame])| {
+        let step = (pair[1].time - pair[0].time) / f64::from(PLACES);
+        let shape = |k: u32| {
+            path.motion
+                .angles(segment, f64::from(k) / f64::from(PLACES))
+        };
+        let turn = |k: u32| {
+            let (from, to) = (shape(k), shape(k + 1));
+            worst(from.iter().zip(&to).map(|(from, to)| (to - from).abs()))
+        };
+        worst((0..PLACES).map(turn)) / step
+    };
+    worst(path.frames.windows(2).enumerate().map(of_segment))
+}
+
+/// `check` finds the knots rigid to rounding, and nothing between them that is worse than certified.
+fn check_agrees(plan: &Plan, text: &str) {
+    let file = path_file(text).unwrap();
+    let knots = check(&file, &CheckOptions::knots_alone(RIGID));
+    assert_eq!(knots.failures, [""; 0]);
+    assert!(knots.closure() <= CLOSED);
+    let verdict = check(&file, &CheckOptions::default());
     assert_eq!(verdict.failures, [""; 0]);
-    assert!(verdict.rigidity().deformation <= RIGID);
-    assert!(verdict.rigidity().gap <= RIGID);
-    assert!(verdict.closure() <= CLOSED);
+    let most = plan.certified_deformation.unwrap() + RIGID;
+    assert!(verdict.rigidity().deformation <= most);
+    assert!(verdict.rigidity().gap <= most);
+    assert!(verdict.closure() <= plan.certified_closure.unwrap() + CLOSED);
 }
 
 #[test]
@@ -180,34 +215,43 @@ fn the_waterbomb_has_758_edges_with_its_virtual_ones() {
 #[test]
 fn the_waterbomb_tube_meets_itself_where_it_closes() {
     let name = "waterbomb-12x22-crossing";
-    let plan = Planned::new(name, &PlanOptions::default()).plan;
+    // Half angles in proportion to one of them are this motion without error.
+    let exact = PlanOptions {
+        interpolation: Some(Interpolation::HalfAngle),
+        pace: Timing::Sparse,
+        ..PlanOptions::default()
+    };
+    let plan = Planned::new(name, &exact).plan;
     let Outcome::Crossing(crossing) = plan.outcome else {
         panic!("{:?}", plan.outcome);
     };
     let through = PlanOptions {
         collision: false,
-        ..PlanOptions::default()
+        ..exact
     };
-    let through = Planned::new(name, &through);
-    let path = Animation::parse(&through.text()).unwrap();
+    let text = Planned::new(name, &through).text();
+    let path = Animation::parse(&text).unwrap();
     let sheet = &path.sheet;
 
-    // The faces named cross at the first knot beyond the fraction, and none at the knots before.
-    let end = path.frames.last().unwrap().time;
-    let next = path
-        .frames
-        .partition_point(|f| f.time <= plan.reached * end);
-    let (before, beyond) = (&path.frames[next - 1], &path.frames[next]);
-    let named = crossing.faces.map(|face| face.index());
-    assert!(sheet.crossings(&beyond.vertices).contains(&named));
-    for frame in &path.frames[..next] {
-        assert_eq!(sheet.crossings(&frame.vertices), [[0; 2]; 0]);
+    // The faces named, by the planner and by `check`, cross just beyond where `check` says; none do before.
+    let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
+    let found = verdict.crossings[0];
+    let segment = found.between_knots[0];
+    let shape = |s: f64| path.motion.angles(segment, s);
+    let crossings = |angles: &[f64]| sheet.crossings(&sheet.positions(&sheet.fold(angles)));
+    let beyond = crossings(&shape(found.at + 1e-3));
+    for faces in [crossing.faces, found.crossing.faces] {
+        let named = faces.map(|face| face.index());
+        assert!(beyond.contains(&named), "{named:?}: {beyond:?}");
     }
+    let none: [[usize; 2]; 0] = [];
+    for frame in &path.frames[..=segment] {
+        assert_eq!(crossings(&frame.angles), none);
+    }
+    assert_eq!(crossings(&shape(found.at - 1e-3)), none);
 
-    // In the closed form the sheet is free just before the fraction and crosses just beyond.
-    let share = (plan.reached * end - before.time) / (beyond.time - before.time);
-    let largest = |frame: &Frame| worst(frame.angles.iter().copied());
-    let boundary = largest(before) + share * (largest(beyond) - largest(before));
+    // In the closed form the sheet is free just before that place and crosses just beyond.
+    let boundary = worst(shape(found.at));
     let crosses = |t: f64| {
         let closed = Waterbomb::at(t);
         let angle = |ends: &[usize; 2]| closed.of_crease(ends.map(|v| sheet.flat[v].xy().into()));
@@ -227,4 +271,29 @@ fn the_waterbomb_tube_meets_itself_where_it_closes() {
     assert!((first.middle.to_degrees() - 36.0).abs() <= 0.1);
     let early = (boundary - first.boundary).to_degrees();
     assert!(early.abs() <= 0.05, "{early} degrees of b beyond");
+
+    // The plan reaches as much of the way, in the angles of the four groups, as the closed form allows.
+    let way = |to: f64| {
+        let at = |k: u32| {
+            let w = Waterbomb::at(to * f64::from(k) / 1000.0);
+            Vector4::new(w.middle, w.cross, w.diagonal, w.boundary)
+        };
+        (0..1000).map(|k| (at(k + 1) - at(k)).norm()).sum::<f64>()
+    };
+    let goal = worst(path.frames.last().unwrap().angles.iter().copied());
+    let (mut short, mut far) = (free, 2.0);
+    while far - short > 1e-9 {
+        let t = (short + far) / 2.0;
+        *(if Waterbomb::at(t).boundary > goal {
+            &mut far
+        } else {
+            &mut short
+        }) = t;
+    }
+    let reached = way(free) / way(far);
+    assert!(
+        (plan.reached - reached).abs() <= 1e-3,
+        "{} {reached}",
+        plan.reached
+    );
 }

@@ -2,7 +2,7 @@
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::follow::{Waypoint, max_difference, norm};
+use super::follow::{Waypoint, max_difference, max_norm, norm};
 use super::place::Terms;
 use super::solver::ClosureSolver;
 use super::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
@@ -22,6 +22,13 @@ pub(super) struct Site {
     pub(super) angles: Vec<f64>,
     /// Derivative of the angles by the way.
     pub(super) tangent: Vec<f64>,
+}
+
+impl Site {
+    /// Whether the motion rests here, as at a corner.
+    pub(super) fn rests(&self) -> bool {
+        max_norm(&self.tangent) <= 0.0
+    }
 }
 
 /// A prediction farther from closing than this part of the distance between its waypoints is none.
@@ -58,6 +65,12 @@ impl<'a> Course<'a> {
             angles: self.waypoints[index].angles.clone(),
             tangent: self.waypoints[index].tangent.clone(),
         }
+    }
+
+    /// The waypoints, but for the ends, at which the motion rests.
+    pub(super) fn corners(&self) -> impl Iterator<Item = Site> {
+        let inner = 1..self.waypoints.len().saturating_sub(1);
+        inner.map(|index| self.site(index)).filter(Site::rests)
     }
 
     /// The waypoint between two places that is nearest to their middle.

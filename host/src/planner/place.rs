@@ -239,13 +239,17 @@ impl Placer<'_, '_> {
             sites.extend(open.drain(..).rev());
             return self.knots(&maker, &sites);
         }
-        // Where accelerations jump, knots are needed first of all.
+        // Where the motion rests, and where accelerations jump, knots are needed first of all.
+        let mut needed: Vec<Site> = self.course.corners().collect();
         if let (Pace::Optimal(law), true) = (pace, self.terms.acceleration.is_finite()) {
-            let switches = law.switches().iter().rev().map(|k| law.parameters()[*k]);
+            let switches = law.switches().iter().map(|k| law.parameters()[*k]);
             let (start, end) = (sites[0].way, open[0].way);
             let inner = switches.filter(|way| *way > start && *way < end);
-            open.extend(inner.filter_map(|way| self.site_at(way)));
+            needed.extend(inner.filter_map(|way| self.site_at(way)));
         }
+        needed.sort_by(|a, b| b.way.total_cmp(&a.way).then(a.rests().cmp(&b.rests())));
+        needed.dedup_by(|a, b| a.way.to_bits() == b.way.to_bits());
+        open.extend(needed);
         while let (Some(from), Some(to)) = (sites.last(), open.last()) {
             let (from, to) = (from.clone(), to.clone());
             if self.fits(&maker, &from, &to)? {
@@ -267,7 +271,7 @@ impl Placer<'_, '_> {
     fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
         let mut index = 1;
         while index + 1 < sites.len() {
-            if self.fits(maker, &sites[index - 1], &sites[index + 1])? {
+            if !sites[index].rests() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
                 sites.remove(index);
             } else {
                 index += 1;
@@ -415,16 +419,18 @@ impl<'a> Maker<'a> {
         Self { kind, pace, lead }
     }
 
-    /// The curves between two places, and the time between them. `None` if one is not on its curve.
+    /// The curves between two places, and the time between them. `None` if one is not on its curve, or time
+    /// stands still there or runs back.
     fn curves(&self, from: &Site, to: &Site, curves: &mut Vec<Curve<f64>>) -> Option<f64> {
         let span = self.pace.at(to)[0] - self.pace.at(from)[0];
         curves.clear();
         let nodes = self.nodes(from).zip(self.nodes(to));
         curves.extend(nodes.map(|(from, to)| Curve::between(self.kind, span, from, to)));
         let passes = span > 0.0
-            && [from, to]
-                .into_iter()
-                .all(|site| self.kind != Interpolation::HalfAngle || max_norm(&site.angles) < PI);
+            && [from, to].into_iter().all(|site| {
+                let open = self.kind != Interpolation::HalfAngle || max_norm(&site.angles) < PI;
+                open && self.pace.at(site)[1].is_finite()
+            });
         passes.then_some(span)
     }
 
