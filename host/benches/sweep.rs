@@ -2,8 +2,9 @@
 //!
 //! `cargo bench -p foldpath --bench sweep`.
 
+use core::time::Duration;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use foldpath::collision::{Sweep, SweepOptions};
 use foldpath::formats::fold::read_pattern;

@@ -54,7 +54,8 @@ pub struct SweepOptions {
     /// A crossing deeper than this part of the median edge counts; what is less is contact.
     pub tolerance: f64,
     /// Largest gap (over the median edge) that the motion tears into the sheet: pairs that meet in a
-    /// vertex may cross by as much more.
+    /// vertex may cross by as much more. Where it tears, the bounds on motion hold up to the gaps along
+    /// the chains of faces, and no lattice is used.
     pub gap: f64,
     /// Pairs are passed over while their motion cannot bring them together. Without, each is looked at at
     /// every tabulated time.
@@ -248,6 +249,8 @@ impl<'a> Sweep<'a> {
         options: SweepOptions,
         lattice: Option<&'a Lattice>,
     ) -> Self {
+        // On a torn sheet what moves alike by the lattice does not by the folding map.
+        let lattice = lattice.filter(|_| options.gap <= options.tolerance);
         let pieces = Pieces::new(pattern);
         let hierarchy = match lattice {
             Some(_) => Hierarchy::leaves(&pieces),
