@@ -71,13 +71,6 @@ fn path() -> Value {
     Folder::with_path().read_json("path.fold")
 }
 
-/// The path with weights.
-fn weighted_path() -> Value {
-    let folder = Folder::with_path();
-    folder.done("plan miura.fold --interpolation homogeneous -o weighted.fold");
-    folder.read_json("weighted.fold")
-}
-
 #[test]
 fn text_that_is_no_fold_object() {
     let folder = Folder::new();
