@@ -530,7 +530,7 @@ pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> V
 const SECANTS: usize = 4;
 
 fn unit(x: &[f64]) -> Vec<f64> {
-    let length = norm(x);
+    let length = norm(x).max(f64::MIN_POSITIVE);
     x.iter().map(|a| a / length).collect()
 }
 

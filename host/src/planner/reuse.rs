@@ -144,8 +144,11 @@ impl Planning<'_> {
         let start = Instant::now();
         let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
+        let gap = certified.max(self.plan.rigidity.gap);
         let options = SweepOptions {
-            gap: certified.max(self.plan.rigidity.gap),
+            gap,
+            // Where faces are certified to be only up to the gap, they touch or cross by less.
+            tolerance: SweepOptions::default().tolerance.max(gap.min(CERTIFIED)),
             deadline: self.deadline,
             skip_motion: skips.motion,
             skip_bounds: skips.bounds,
