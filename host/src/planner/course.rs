@@ -1,5 +1,7 @@
 //! The path as geometry: configurations as a function of the way travelled, whatever the time.
 
+use core::ops::Range;
+
 use foldpath_core::{Curve, Interpolation, Node};
 
 use super::follow::{Waypoint, max_difference, max_norm, norm};
@@ -67,20 +69,18 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The waypoints, but for the ends, at which the motion rests.
-    pub(super) fn corners(&self) -> impl Iterator<Item = Site> {
-        let inner = 1..self.waypoints.len().saturating_sub(1);
-        inner.map(|index| self.site(index)).filter(Site::rests)
+    /// Numbers of the waypoints between the ends.
+    pub(super) fn inner(&self) -> Range<usize> {
+        1..self.waypoints.len().saturating_sub(1)
     }
 
-    /// The waypoint between two places that is nearest to their middle.
-    pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<Site> {
+    /// The number of the waypoint between two places that is nearest to their middle.
+    pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
         let middle = (from + to) / 2.0;
         let first = self.ways.partition_point(|way| *way <= from);
         let end = self.ways.partition_point(|way| *way < to);
         let distance = |index: &usize| (self.ways[*index] - middle).abs();
-        let nearest = (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        Some(self.site(nearest))
+        (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
     /// For each group its curve between the waypoints of that number and the next, of the way.

@@ -510,7 +510,9 @@ pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> V
     let mut limit: Vec<Vec<f64>> = vec![unit(near)];
     for _ in 1..SECANTS {
         let mut closer: Vec<f64> = closed.iter().map(|a| a / 4.0).collect();
-        if !solver.closes(&mut closer) || cosine(&closer, &closed) < 0.9 {
+        // A sheet with rounded coordinates may be led back to flat, which has no direction.
+        let on = solver.closes(&mut closer) && cosine(&closer, &closed) >= 0.9;
+        if !on {
             break;
         }
         let mut row = vec![unit(&closer)];

@@ -235,12 +235,17 @@ impl Placer<'_, '_> {
         let mut sites = vec![self.course.site(0)];
         let mut open = vec![self.course.site(last)];
         if self.terms.closure.is_none() {
-            open.extend((1..last).rev().map(|index| self.course.site(index)));
+            open.extend(self.course.inner().rev().map(|index| self.waypoint(index)));
             sites.extend(open.drain(..).rev());
             return self.knots(&maker, &sites);
         }
         // Where the motion rests, and where accelerations jump, knots are needed first of all.
-        let mut needed: Vec<Site> = self.course.corners().collect();
+        let mut needed: Vec<Site> = self
+            .course
+            .inner()
+            .map(|index| self.waypoint(index))
+            .collect();
+        needed.retain(Site::rests);
         if let (Pace::Optimal(law), true) = (pace, self.terms.acceleration.is_finite()) {
             let switches = law.switches().iter().map(|k| law.parameters()[*k]);
             let (start, end) = (sites[0].way, open[0].way);
@@ -259,11 +264,15 @@ impl Placer<'_, '_> {
             } else {
                 sites.extend(open.pop());
             }
-            if sites.len() + open.len() > self.most {
+            // Halving a segment that does not fit leaves less than twice the knots needed.
+            if sites.len() + open.len() > self.most.saturating_mul(2) {
                 return None;
             }
         }
         self.thin(&maker, &mut sites)?;
+        if sites.len() > self.most {
+            return None;
+        }
         self.knots(&maker, &sites)
     }
 
@@ -312,10 +321,29 @@ impl Placer<'_, '_> {
         haste(&self.curves, kind, span, self.terms)
     }
 
+    /// The waypoint of that number between the ends. Where a hinge comes to its limit there and turns back,
+    /// the motion stays within it.
+    fn waypoint(&mut self, index: usize) -> Site {
+        let mut site = self.course.site(index);
+        let groups = site.angles.iter().zip(&site.tangent).zip(self.terms.limits);
+        let mut beyond = groups.map(|((angle, rate), (lower, upper))| {
+            *angle <= lower + AT_LIMIT && *rate < 0.0 || *angle >= upper - AT_LIMIT && *rate > 0.0
+        });
+        if beyond.any(|beyond| beyond) {
+            let within = self
+                .solver
+                .project_on_motions(&site.angles, &mut site.tangent);
+            if within.is_none() {
+                site.tangent.fill(0.0);
+            }
+        }
+        site
+    }
+
     /// A configuration between two.
     fn between(&mut self, from: &Site, to: &Site) -> Option<Site> {
-        if let Some(site) = self.course.waypoint_between(from.way, to.way) {
-            return Some(site);
+        if let Some(index) = self.course.waypoint_between(from.way, to.way) {
+            return Some(self.waypoint(index));
         }
         let ways = self.course.ways();
         let widest = ways
