@@ -31,8 +31,9 @@
 //! # Guaranteed
 //!
 //! A path called planned is closed, within the bound on deformation and gap, and free of crossings
-//! *at every knot* of the whole sheet. Between knots nothing is proved yet; no hinge turns by more
-//! than ten degrees from one knot to the next.
+//! *all along its motion*, as far as the plan's `certified_deformation` and `clearance` say: the first is
+//! a bound with roundings included, the second stands where the search for crossings came to its end.
+//! No hinge is faster, or accelerates more, than it may.
 //!
 //! # References
 //!
