@@ -18,10 +18,16 @@ use crate::symmetry::Lattice;
 /// Knots of a path at most.
 const MOST_KNOTS: usize = 20_000;
 /// Deformation that the motion between knots is certified for where the bound allows more: what `check`
-/// asks for by default. Half of it is aimed at, as another route to a certificate may be less sharp.
+/// asks for by default.
 const CERTIFIED: f64 = 1e-3;
+/// Part of it that is aimed at first, as another route to a certificate may be less sharp; and the least.
+pub(super) const PARTS: [f64; 2] = [0.5, 5e-5];
+/// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
+const NEARER: f64 = 0.01;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
+/// Radians that it then keeps from where faces meet.
+const ROOM: f64 = 1e-3;
 
 /// A path to reuse.
 pub(super) struct Found<'a> {
@@ -33,6 +39,8 @@ pub(super) struct Found<'a> {
     pub(super) reached: f64,
     /// Whether it may stop a little short of its end so that nothing crosses.
     pub(super) retreats: bool,
+    /// Part of the bound that the motion between knots is certified for.
+    pub(super) part: f64,
 }
 
 impl Planning<'_> {
@@ -90,7 +98,8 @@ impl Planning<'_> {
         let exact = found.waypoints.iter().all(closes);
         let terms = Terms {
             stars: &reduction.essential,
-            closure: exact.then(|| reduction.tolerance(self.options.bound.min(CERTIFIED) / 2.0)),
+            closure: exact
+                .then(|| reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part)),
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
@@ -186,6 +195,16 @@ impl Planning<'_> {
                 ));
                 self.plan
             }
+            // Where layers touch, what is off the course by what the bound allows may cross.
+            SweepVerdict::Crossing { .. } if found.part > PARTS[1] && !found.retreats => {
+                self.plan.rigidity = Rigidity::default();
+                self.plan.max_closure = 0.0;
+                let nearer = Found {
+                    part: found.part * NEARER,
+                    ..*found
+                };
+                self.judge(reduction, &nearer)
+            }
             SweepVerdict::Crossing {
                 crossing,
                 last_free,
@@ -193,7 +212,13 @@ impl Planning<'_> {
             } => {
                 let free: Option<Vec<f64>> = last_free.map(|place| {
                     let curves = curves[place.segment].iter();
-                    curves.map(|curve| curve.angle(place.s)).collect()
+                    let rates = curves
+                        .clone()
+                        .map(|curve| curve.derivatives(place.s)[0].abs());
+                    let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
+                    let room = if found.retreats { ROOM / fastest } else { 0.0 };
+                    let s = (place.s - room).max(0.0);
+                    curves.map(|curve| curve.angle(s)).collect()
                 });
                 let segment = last_free.map_or(0, |place| place.segment);
                 self.crossed(
