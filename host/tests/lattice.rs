@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use std::collections::{HashMap, HashSet};
 
-use foldpath::folding::{FoldingMap, LatticeMotion, SpanningTree};
+use foldpath::folding::{Bend, FoldingMap, LatticeCourse, LatticeMotion, SpanningTree};
 use foldpath::generate::{Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, EdgeId, FaceId};
 use foldpath::symmetry::{CreaseGroups, Lattice, PairClass, Place};
@@ -571,12 +571,32 @@ fn a_sheet_with_a_hole_has_a_lattice_and_two_sheets_have_none() {
     assert!(Sheet::with(pattern, memberships).is_none());
 }
 
-/// How much of the drift from some group angles to others is filled: corners of a cell against corners of
-/// other cells, whose distance is no less than the gap and changes by no more than the drift.
+/// How much of the course from some group angles to others is filled: corners of a cell against corners of
+/// other cells, whose distance is no less than the gap and changes by no more than the course says, here
+/// for hinges that turn evenly.
 fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
-    let changes = from.iter().zip(to).map(|(a, b)| (b - a).abs());
-    let motions = [from, to].map(|angles| sheet.motion(angles));
-    let drift = motions[0].drift(&changes.collect::<Vec<_>>());
+    let changes = || from.iter().zip(to).map(|(a, b)| b - a);
+    let mut course = LatticeCourse::new(&sheet.motion(from), [1000, 1000]);
+    let bends: Vec<_> = changes()
+        .map(|change| Bend {
+            varied: change.abs(),
+            off: 0.0,
+        })
+        .collect();
+    course.push(&mut sheet.motion(from), &halves(to), &bends);
+    let parts = [0.2, 0.5, 0.8, 1.0].map(|part| {
+        let between = from
+            .iter()
+            .zip(changes())
+            .map(|(a, change)| a + part * change);
+        let between: Vec<_> = between.collect();
+        filled_between(sheet, [from, &between], &course, what)
+    });
+    parts.into_iter().fold(0.0, f64::max)
+}
+
+fn filled_between(sheet: &Sheet, ends: [&[f64]; 2], course: &LatticeCourse, what: &str) -> f64 {
+    let motions = ends.map(|angles| sheet.motion(angles));
     let corners = |motion: &LatticeMotion, cell| {
         let mut all = Vec::new();
         for orbit in (0..).take(sheet.lattice.orbits().len()) {
@@ -591,7 +611,10 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
     let far = [[40, 0], [0, 30], [-1000, 0], [0, 1000], [300, -300]];
     for offset in near.into_iter().chain(far) {
         let there = motions.each_ref().map(|motion| corners(motion, offset));
-        let (gap, bound) = (motions[0].gap_of_cells(offset), drift.between(offset));
+        let (gap, bound) = (
+            motions[0].gap_of_cells(offset),
+            course.cells([0, 1], offset),
+        );
         let mut most = 0.0_f64;
         let pairs = |corners: &[Vec<Vector3<f64>>; 2]| {
             let [before, after] = corners.each_ref().map(|corners| corners.iter().copied());
@@ -615,7 +638,7 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
 
 /// From closed configurations to others.
 #[test]
-fn gap_and_drift_bound_motions() {
+fn gap_and_course_bound_motions() {
     let mut random = Pcg64::new(3, 3);
     let mut fullest = 0.0_f64;
     let rolled = |angle: f64| {
@@ -653,7 +676,7 @@ fn gap_and_drift_bound_motions() {
 /// The bound does not ask that the sheet closes. From flat, where much of the first order cancels, the
 /// second counts.
 #[test]
-fn gap_and_drift_bound_changes_that_do_not_close() {
+fn gap_and_course_bound_changes_that_do_not_close() {
     let mut random = Pcg64::new(13, 3);
     for (name, drawing) in [
         ("miura", miura(9, 9, 0.5)),

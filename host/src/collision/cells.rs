@@ -1,13 +1,12 @@
 //! The cells of a tessellation along a motion: where their faces are, and how long two of them stay apart.
 
-use std::collections::BTreeMap;
-
 use foldpath_core::{HalfAngle, Membership};
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
+use super::hierarchy::circle;
 use super::motion::{Motion, Tick};
 use super::pieces::Pieces;
-use crate::folding::{CellDrift, LatticeMotion, Pose};
+use crate::folding::{LatticeCourse, LatticeMotion, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{Lattice, PairClass};
 
@@ -18,8 +17,20 @@ pub(super) struct Cells<'a> {
     folded: LatticeMotion,
     time: Tick,
     half_angles: Vec<HalfAngle<f64>>,
-    /// For ever longer steps from this time, when they end and how far cells can move until then.
-    drifts: Vec<(Tick, CellDrift)>,
+    /// How far all moves between the tabulated times.
+    course: LatticeCourse,
+    begun: bool,
+    /// Largest differences of cells.
+    most: [u32; 2],
+    /// For each orbit the number of pieces, and a circle round a face, reduced.
+    counts: Vec<u64>,
+    circles: Vec<(Vector2<f64>, f64)>,
+    /// The middles of those circles in cell `[0, 0]`, if they were asked for at this time.
+    centers: Vec<Vector3<f64>>,
+    centered: Tick,
+    /// Powers of both steps, from the lowest on, with their times.
+    low: [i32; 2],
+    powers: [Vec<(Tick, Pose)>; 2],
     offsets: Vec<Offset>,
 }
 
@@ -27,10 +38,21 @@ pub(super) struct Cells<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Offset {
     cell: [i32; 2],
-    /// The pairs of faces.
-    pub(super) classes: Vec<PairClass>,
-    /// Number of their pairs of pieces.
+    /// Number of pairs of pieces.
     pub(super) pairs: u64,
+    /// Those that are not looked at one by one.
+    pub(super) left: u64,
+    /// A bit for each pair of orbits: whether it is; none as long as all are not.
+    taken: Vec<u64>,
+}
+
+/// Where all pairs of two cells stand that are not looked at one by one.
+#[derive(Clone, Debug)]
+pub(super) struct Apart {
+    /// The smallest distance of their spheres.
+    pub(super) least: f64,
+    /// Pairs of faces that are nearer than asked for.
+    pub(super) near: Vec<[FaceId; 2]>,
 }
 
 impl<'a> Cells<'a> {
@@ -42,46 +64,72 @@ impl<'a> Cells<'a> {
         pieces: &Pieces,
         lattice: &'a Lattice,
     ) -> Self {
-        let orbits = lattice.orbits().iter();
-        let counts: Vec<_> = orbits
-            .map(|orbit| pieces.of(orbit.representative).len() as u64)
-            .collect();
-        let mut offsets: BTreeMap<[i32; 2], Vec<PairClass>> = BTreeMap::new();
-        for class in lattice.pair_classes() {
-            let [column, row] = class.offset;
-            let back = (row, column) < (0, 0);
-            let offset = if back { [-column, -row] } else { [column, row] };
-            offsets.entry(offset).or_default().push(class);
-        }
+        let orbits = lattice.orbits();
+        let count = |orbit: &crate::symmetry::Orbit| pieces.of(orbit.representative).len() as u64;
+        let counts: Vec<_> = orbits.iter().map(count).collect();
+        let folded = LatticeMotion::new(pattern, memberships, lattice);
+        let ends = |k: usize| {
+            let low = orbits.iter().map(|orbit| orbit.low[k]).min();
+            let high = orbits.iter().map(|orbit| orbit.high[k]).max();
+            [low.unwrap_or_default(), high.unwrap_or_default()]
+        };
+        let ends = [ends(0), ends(1)];
+        let most = ends.map(|[low, high]| high.abs_diff(low));
+        let still = (Tick::MAX, Pose::identity());
         Self {
             lattice,
-            folded: LatticeMotion::new(pattern, memberships, lattice),
+            course: LatticeCourse::new(&folded, most),
+            begun: false,
+            most,
             time: Tick::MAX,
             half_angles: vec![HalfAngle::default(); groups],
-            drifts: Vec::new(),
-            offsets: offsets
-                .into_iter()
-                .map(|(cell, classes)| {
-                    let pairs = classes.iter().map(|class| {
-                        let [a, b] = class.orbits.map(|orbit| counts[orbit as usize]);
-                        a * b
-                    });
-                    Offset {
-                        cell,
-                        pairs: pairs.sum(),
-                        classes,
-                    }
-                })
+            circles: (0..)
+                .take(orbits.len())
+                .map(|orbit| circle(folded.corners(orbit)))
                 .collect(),
+            centers: vec![Vector3::zeros(); orbits.len()],
+            centered: Tick::MAX,
+            // Both cells, and their differences.
+            low: ends.map(|[low, high]| low.min(low.saturating_sub(high))),
+            powers: ends.map(|[low, high]| {
+                let all = 2 * high.abs_diff(low) as usize + 1;
+                vec![still; all.max(low.unsigned_abs() as usize + high.unsigned_abs() as usize + 1)]
+            }),
+            offsets: offsets(lattice, &counts, most),
+            counts,
+            folded,
         }
     }
 
-    /// Forgets where the cells are.
-    pub(super) fn forget(&mut self) {
+    /// Begins a motion: tabulates how far all moves.
+    pub(super) fn begin(&mut self, motion: &Motion) {
+        self.time = Tick::MAX;
+        self.centered = Tick::MAX;
+        for (time, _) in self.powers.iter_mut().flatten() {
+            *time = Tick::MAX;
+        }
+        for offset in &mut self.offsets {
+            offset.left = offset.pairs;
+            offset.taken.clear();
+        }
+        self.begun = false;
+        self.fold(motion, 0);
+        let mut course = LatticeCourse::new(&self.folded, self.most);
+        let mut bends = Vec::new();
+        for index in 1..motion.times() {
+            motion.bends(index - 1, &mut bends);
+            let tick = motion.tick(index);
+            for (group, half) in self.half_angles.iter_mut().enumerate() {
+                *half = motion.half_angle(group, tick);
+            }
+            course.push(&mut self.folded, &self.half_angles, &bends);
+        }
+        self.course = course;
+        self.begun = true;
         self.time = Tick::MAX;
     }
 
-    /// Differences of cells.
+    /// Differences of cells, the farthest first.
     pub(super) fn offsets(&self) -> &[Offset] {
         &self.offsets
     }
@@ -91,11 +139,38 @@ impl<'a> Cells<'a> {
             return;
         }
         self.time = time;
-        self.drifts.clear();
-        for (group, half) in self.half_angles.iter_mut().enumerate() {
-            *half = motion.half_angle(group, time);
+        match motion.tabulated(time) {
+            Some(index) if self.begun => self.folded.fold_as(&self.course, index),
+            _ => {
+                for (group, half) in self.half_angles.iter_mut().enumerate() {
+                    *half = motion.half_angle(group, time);
+                }
+                self.folded.fold(&self.half_angles);
+            }
         }
-        self.folded.fold(&self.half_angles);
+    }
+
+    /// So many steps on in space.
+    fn translation(&mut self, cell: [i32; 2]) -> Pose {
+        let [first, second]: [Option<Pose>; 2] = core::array::from_fn(|k| {
+            let power = || self.folded.steps()[k].power(cell[k]);
+            let at = usize::try_from(i64::from(cell[k]) - i64::from(self.low[k]));
+            let known = at.ok().and_then(|at| self.powers[k].get_mut(at));
+            (cell[k] != 0).then(|| {
+                let Some((time, known)) = known else {
+                    return power();
+                };
+                if *time != self.time {
+                    (*time, *known) = (self.time, power());
+                }
+                *known
+            })
+        });
+        match (first, second) {
+            (Some(first), Some(second)) => first * second,
+            (Some(one), None) | (None, Some(one)) => one,
+            (None, None) => Pose::identity(),
+        }
     }
 
     /// The pose of a face, and the place of the flat sheet that it takes to its point.
@@ -108,43 +183,175 @@ impl<'a> Cells<'a> {
         self.fold(motion, time);
         let place = self.lattice.place(face);
         let origin = self.lattice.translation(place.cell);
-        (self.folded.pose(place.orbit, place.cell), origin)
+        let here = self.folded.pose(place.orbit, [0, 0]);
+        (self.translation(place.cell) * here, origin)
     }
 
     /// How far apart two cells are at least.
-    pub(super) fn apart(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
+    pub(super) fn gap(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
         self.fold(motion, time);
-        self.folded.gap_of_cells(self.offsets[offset as usize].cell)
+        let offset = self.offsets[offset as usize].cell;
+        let there = self.translation(offset);
+        self.folded.gap_at(&there)
     }
 
-    /// The end of a step in which two cells come closer by no more than `allowance`, and by how much they
-    /// may: within a factor of two in tabulated times the longest one.
+    /// Where the faces of two cells stand; pairs nearer than `near` are taken to be looked at one by one.
+    pub(super) fn apart(&mut self, motion: &Motion, time: Tick, offset: u32, near: f64) -> Apart {
+        self.fold(motion, time);
+        if self.centered != time {
+            self.centered = time;
+            for (orbit, (center, circle)) in (0..).zip(self.centers.iter_mut().zip(&self.circles)) {
+                *center = self.folded.pose(orbit, [0, 0]).apply(circle.0);
+            }
+        }
+        let index = offset as usize;
+        let cell = self.offsets[index].cell;
+        let there = self.translation(cell);
+        let mut apart = Apart {
+            least: f64::INFINITY,
+            near: Vec::new(),
+        };
+        let orbits = self.circles.len();
+        for b in 0..orbits {
+            let (center, radius) = (there.carry(&self.centers[b]), self.circles[b].1);
+            let end = if cell == [0, 0] { b } else { orbits };
+            for a in 0..end {
+                let bit = a * orbits + b;
+                let taken = self.offsets[index].taken.get(bit / 64);
+                if taken.is_some_and(|word| word >> (bit % 64) & 1 == 1) {
+                    continue;
+                }
+                let distance = (center - self.centers[a]).norm() - radius - self.circles[a].1;
+                if distance < near {
+                    self.take(index, [a, b], &mut apart.near);
+                } else {
+                    apart.least = apart.least.min(distance);
+                }
+            }
+        }
+        apart
+    }
+
+    fn take(&mut self, index: usize, [a, b]: [usize; 2], near: &mut Vec<[FaceId; 2]>) {
+        let orbits = self.circles.len();
+        let offset = &mut self.offsets[index];
+        if offset.taken.is_empty() {
+            offset.taken = vec![0; (orbits * orbits).div_ceil(64)];
+        }
+        let bit = a * orbits + b;
+        offset.taken[bit / 64] |= 1 << (bit % 64);
+        let [column, row] = offset.cell;
+        let (orbits, cell) = if a <= b {
+            ([a, b], offset.cell)
+        } else {
+            ([b, a], [-column, -row])
+        };
+        let class = PairClass {
+            orbits: orbits.map(|orbit| FaceId::new(orbit).0),
+            offset: cell,
+        };
+        if let Some(faces) = self.lattice.pair_of(class) {
+            offset.left = offset.left.saturating_sub(self.counts[a] * self.counts[b]);
+            near.push(faces);
+        }
+    }
+
+    /// By how much cells may come closer until some tabulated times later.
+    pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
+        let from = motion.tabulated(time).unwrap_or_default();
+        let to = (from + count).min(self.course.times() - 1);
+        let offset = self.offsets[offset as usize].cell;
+        self.course.cells([from, to], offset)
+    }
+
+    /// The last tabulated time until which two cells come closer by no more than `allowance`, if one comes
+    /// after `time`, and by how much they may.
     pub(super) fn until(
-        &mut self,
+        &self,
         motion: &Motion,
         time: Tick,
         offset: u32,
         allowance: f64,
     ) -> Option<(Tick, f64)> {
-        self.fold(motion, time);
         let offset = self.offsets[offset as usize].cell;
-        let mut reached = None;
-        for step in 0.. {
-            if step == self.drifts.len() {
-                let end = motion.tabulated_after(time, 1 << step);
-                if self.drifts.last().map_or(time, |(last, _)| *last) == end {
-                    break;
-                }
-                let changes = motion.varied(time, end);
-                self.drifts.push((end, self.folded.drift(&changes)));
-            }
-            let (end, drift) = &self.drifts[step];
-            let moved = drift.between(offset);
-            if moved > allowance {
-                break;
-            }
-            reached = Some((*end, moved));
-        }
-        reached
+        self.last(motion, time, allowance, |times| {
+            self.course.cells(times, offset)
+        })
     }
+
+    /// The same for two faces.
+    pub(super) fn until_of(
+        &self,
+        motion: &Motion,
+        time: Tick,
+        faces: [FaceId; 2],
+        allowance: f64,
+    ) -> Option<(Tick, f64)> {
+        let [from, to] = faces.map(|face| self.lattice.place(face));
+        let offset = [0, 1].map(|k| to.cell[k] - from.cell[k]);
+        self.last(motion, time, allowance, |times| {
+            self.course.faces(times, [from.orbit, to.orbit], offset)
+        })
+    }
+
+    fn last(
+        &self,
+        motion: &Motion,
+        time: Tick,
+        allowance: f64,
+        moved: impl Fn([usize; 2]) -> f64,
+    ) -> Option<(Tick, f64)> {
+        let from = motion.tabulated(time)?;
+        let (mut low, mut high) = (from, self.course.times());
+        let mut reached = None;
+        // Ever longer steps, and then halves of the last.
+        let mut step = 1;
+        while high - low > 1 {
+            let next = if step == 0 {
+                usize::midpoint(low, high)
+            } else {
+                (from + step).min(high - 1)
+            };
+            let by = moved([from, next]);
+            if by <= allowance {
+                (low, reached, step) = (next, Some(by), step * 2);
+            } else {
+                (high, step) = (next, 0);
+            }
+        }
+        reached.map(|by| (motion.tick(low), by))
+    }
+}
+
+/// All differences of cells, the farthest in the flat sheet first.
+fn offsets(lattice: &Lattice, counts: &[u64], [columns, rows]: [u32; 2]) -> Vec<Offset> {
+    let width = 2 * columns as usize + 1;
+    let mut pairs = vec![0; width * (rows as usize + 1)];
+    let class_pairs = |class: &PairClass| {
+        let [a, b] = class.orbits.map(|orbit| counts[orbit as usize]);
+        a * b
+    };
+    for class in lattice.pair_classes() {
+        let [column, row] = class.offset;
+        let back = (row, column) < (0, 0);
+        let column = i64::from(if back { -column } else { column }) + i64::from(columns);
+        let at = row.unsigned_abs() as usize * width + usize::try_from(column).unwrap_or_default();
+        pairs[at] += class_pairs(&class);
+    }
+    let places = (0..).take(rows as usize + 1).flat_map(|row| {
+        let columns = i32::try_from(columns).unwrap_or_default();
+        (-columns..=columns).map(move |column| [column, row])
+    });
+    let offsets = places.zip(pairs).filter(|&(_, pairs)| pairs > 0);
+    let mut offsets: Vec<_> = offsets
+        .map(|(cell, pairs)| Offset {
+            cell,
+            pairs,
+            left: pairs,
+            taken: Vec::new(),
+        })
+        .collect();
+    let length = |offset: &Offset| lattice.translation(offset.cell).norm_squared();
+    offsets.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    offsets
 }

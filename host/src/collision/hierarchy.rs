@@ -189,7 +189,7 @@ impl Builder<'_> {
 const FEW_CORNERS: usize = 8;
 
 /// A circle round some points: round the middle of two of them or of all, the smallest.
-fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
+pub(super) fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
     let few = &points[..if points.len() > FEW_CORNERS {
         0
     } else {

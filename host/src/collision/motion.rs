@@ -7,6 +7,7 @@ use foldpath_core::{Curve, HalfAngle};
 
 use super::contact::Change;
 use super::variation::Variation;
+use crate::folding::Bend;
 
 /// log2 of the ticks of a segment.
 const TICKS: u32 = 36;
@@ -175,16 +176,39 @@ impl Motion {
         ((tick / self.stride + 1) * self.stride).min(self.end())
     }
 
-    /// So many tabulated times after one of them, or the last.
-    pub(super) fn tabulated_after(&self, tick: Tick, count: u64) -> Tick {
-        (tick + count.saturating_mul(self.stride)).min(self.end())
+    /// Number of tabulated times.
+    pub(super) fn times(&self) -> usize {
+        self.clock.len()
     }
 
-    /// For each group the variation between two tabulated times.
-    pub(super) fn varied(&self, from: Tick, to: Tick) -> Vec<f64> {
-        let row = |tick| self.table[self.index(tick) * self.groups..].iter();
-        let both = row(from).zip(row(to)).take(self.groups);
-        both.map(|(from, to)| to - from).collect()
+    /// The position of a time among those tabulated, if it is one.
+    pub(super) fn tabulated(&self, tick: Tick) -> Option<usize> {
+        tick.is_multiple_of(self.stride).then(|| self.index(tick))
+    }
+
+    /// The tabulated time of this position.
+    pub(super) fn tick(&self, index: usize) -> Tick {
+        index as Tick * self.stride
+    }
+
+    /// For each group what it does from a tabulated time to the next.
+    pub(super) fn bends(&self, index: usize, bends: &mut Vec<Bend>) {
+        let (segment, s) = self.place(self.tick(index));
+        let end = s + 1.0 / self.per_segment();
+        bends.clear();
+        bends.extend((0..self.groups).map(|group| {
+            let row = |index: usize| self.table[index * self.groups + group];
+            let variation = &self.variations[segment * self.groups + group];
+            Bend {
+                varied: row(index + 1) - row(index),
+                off: variation.bulge(s, end),
+            }
+        }));
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a power of two")]
+    fn per_segment(&self) -> f64 {
+        ((1 << TICKS) / self.stride) as f64
     }
 
     fn index(&self, tick: Tick) -> usize {

@@ -184,9 +184,6 @@ impl<'a> Sheet<'a> {
 
     /// Forgets all that was made, as for another motion.
     pub(super) fn forget(&mut self) {
-        if let Some(cells) = &mut self.cells {
-            cells.forget();
-        }
         self.half_angles.forget();
         self.frames.forget();
         self.axes.forget();

@@ -38,6 +38,10 @@ const NEAR: f64 = 0.5;
 /// Pieces nearer to each other, by their spheres, than this part of the smaller one's radius are
 /// measured exactly.
 const CLOSE: f64 = 1.0;
+/// Tabulated times over which pairs are to stay apart for which cells stand.
+const LEAP: usize = 2;
+/// Pairs of faces nearer than this part of the median edge are looked at before any other.
+const NEAREST: f64 = 0.5;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
@@ -163,7 +167,8 @@ pub struct SweepCounts {
 struct Pair {
     nodes: [u32; 2],
     kind: Kind,
-    chain: Chain,
+    /// The creases between, once they were asked for.
+    chain: Option<Chain>,
     /// When it was last looked at.
     last: Option<Tick>,
 }
@@ -191,6 +196,8 @@ enum Look {
     Crossing(f64),
     /// To be parted.
     Part,
+    /// To be looked at again after the pairs taken from it.
+    Again,
 }
 
 /// A sheet whose motions are swept for crossings.
@@ -313,9 +320,11 @@ impl<'a> Sweep<'a> {
         self.chains.truncate(self.kept);
         self.sheet.forget();
         let before = self.counts;
-        let offsets = self.sheet.cells.as_ref().map_or(0, |c| c.offsets().len());
-        for offset in (0..).take(offsets) {
-            self.push([0, 0], Kind::Cells(offset), Chain::default(), 0);
+        if let Some(cells) = &mut self.sheet.cells {
+            cells.begin(&motion);
+            for offset in (0..).take(cells.offsets().len()) {
+                self.push([0, 0], Kind::Cells(offset), None, 0);
+            }
         }
         let roots = self.hierarchy.roots.clone();
         for root in roots {
@@ -407,11 +416,16 @@ impl<'a> Sweep<'a> {
                     at,
                 });
             }
-            match self.look(motion, index) {
+            let look = self.look(motion, index);
+            match look {
                 Look::Free => {}
                 Look::Until(later) => {
                     self.pairs[index as usize].last = Some(time);
                     self.due.entry(later).or_default().push(index);
+                }
+                Look::Again => {
+                    due.push(index);
+                    due.extend(self.due.remove(&time).unwrap_or_default());
                 }
                 Look::Part => {
                     self.part(index, time);
@@ -447,7 +461,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    fn push(&mut self, nodes: [u32; 2], kind: Kind, chain: Chain, time: Tick) {
+    fn push(&mut self, nodes: [u32; 2], kind: Kind, chain: Option<Chain>, time: Tick) {
         let index = FaceId::new(self.pairs.len()).0;
         self.pairs.push(Pair {
             nodes,
@@ -459,17 +473,15 @@ impl<'a> Sweep<'a> {
     }
 
     /// What a pair is, and the creases between; `None` if it is never looked at.
-    fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Chain)> {
+    fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Option<Chain>)> {
         let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
         let faces = nodes.map(|node| node.face);
         if a == b {
-            return nodes[0]
-                .children
-                .map(|_| (Kind::Clusters, Chain::default()));
+            return nodes[0].children.map(|_| (Kind::Clusters, None));
         }
         if nodes.iter().any(|node| node.children.is_some()) {
             let chain = self.chains.find(self.pattern, faces, None)?;
-            return Some((Kind::Clusters, chain));
+            return Some((Kind::Clusters, Some(chain)));
         }
         if faces[0] == faces[1] {
             return None;
@@ -478,19 +490,36 @@ impl<'a> Sweep<'a> {
         if self.pieces.joined(a, b) || shared.len() > 1 {
             self.joined += 1;
             // Two vertices shared are ends of a line that is a side of both: about it they turn.
-            return (!self.options.skip_edges).then_some((Kind::Joined, Chain::default()));
+            return (!self.options.skip_edges).then_some((Kind::Joined, None));
         }
         if let Some(&(vertex, corners)) = shared.first()
             && let Some(chain) = self.chains.find(self.pattern, faces, Some(vertex))
         {
-            return Some((Kind::Vertex(corners), chain));
+            return Some((Kind::Vertex(corners), Some(chain)));
         }
         let kind = if self.pieces.meet(a, b) {
             Kind::Meeting
         } else {
             Kind::Pieces
         };
-        Some((kind, self.chains.find(self.pattern, faces, None)?))
+        // Along a lattice the chain is hardly ever needed.
+        let chain = match &self.sheet.cells {
+            Some(_) => None,
+            None => Some(self.chains.find(self.pattern, faces, None)?),
+        };
+        Some((kind, chain))
+    }
+
+    /// The creases between the two of a pair.
+    fn chain(&mut self, index: u32) -> Chain {
+        if let Some(chain) = &self.pairs[index as usize].chain {
+            return chain.clone();
+        }
+        let faces = self.faces(index);
+        let chain = self.chains.find(self.pattern, faces, None);
+        let chain = chain.unwrap_or_default();
+        self.pairs[index as usize].chain = Some(chain.clone());
+        chain
     }
 
     /// The vertices that two pieces share, and which corners those are.
@@ -508,10 +537,6 @@ impl<'a> Sweep<'a> {
 
     /// Puts the pairs of the children in the place of a pair of clusters.
     fn part(&mut self, index: u32, time: Tick) {
-        if let Kind::Cells(offset) = self.pairs[index as usize].kind {
-            self.part_cells(offset, time);
-            return;
-        }
         let [a, b] = self.pairs[index as usize].nodes;
         let children = |node: u32| self.hierarchy.nodes[node as usize].children;
         if a == b {
@@ -535,25 +560,6 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Puts a pair of each class in the place of a pair of cells.
-    fn part_cells(&mut self, offset: u32, time: Tick) {
-        let Some(cells) = &self.sheet.cells else {
-            return;
-        };
-        let pairs = cells.offsets()[offset as usize].classes.iter();
-        let pairs: Vec<_> = pairs
-            .filter_map(|&class| cells.lattice.pair_of(class))
-            .collect();
-        for faces in pairs {
-            let [first, second] = faces.map(|face| self.pieces.of(face));
-            for a in first {
-                for b in second.clone() {
-                    self.add([a, b], time);
-                }
-            }
-        }
-    }
-
     fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
         self.sheet
             .sphere(motion, &self.pieces, &self.hierarchy, node)
@@ -563,10 +569,10 @@ impl<'a> Sweep<'a> {
         let pair = self.pairs[index as usize].clone();
         let nodes = pair.nodes;
         match pair.kind {
-            Kind::Clusters => self.look_at_clusters(motion, &pair),
+            Kind::Clusters => self.look_at_clusters(motion, index, &pair),
             Kind::Cells(offset) => self.look_at_cells(motion, offset),
-            Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, &pair),
-            Kind::Vertex(corners) => self.look_at_sectors(motion, &pair, corners),
+            Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, index, &pair),
+            Kind::Vertex(corners) => self.look_at_sectors(motion, index, &pair, corners),
             Kind::Joined => {
                 self.counts.tested += 1;
                 match self.depth(motion, nodes) {
@@ -578,7 +584,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    fn look_at_clusters(&mut self, motion: &Motion, pair: &Pair) -> Look {
+    fn look_at_clusters(&mut self, motion: &Motion, index: u32, pair: &Pair) -> Look {
         let [a, b] = pair.nodes;
         if a == b || !self.options.skip_bounds {
             return Look::Part;
@@ -589,7 +595,7 @@ impl<'a> Sweep<'a> {
             return Look::Part;
         }
         let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
-        let chain = pair.chain.clone();
+        let chain = self.chain(index);
         self.gather(motion, &chain, |side, axis| {
             axis.distance(&spheres[side].center) + spheres[side].radius
         });
@@ -609,35 +615,64 @@ impl<'a> Sweep<'a> {
 
     fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
         let (time, best) = (self.sheet.time, self.best());
+        let bounds = self.options.skip_bounds;
         let Some(cells) = &mut self.sheet.cells else {
             return Look::Free;
         };
-        let pairs = cells.offsets()[offset as usize].pairs;
-        let apart = cells.apart(motion, time, offset);
-        if apart <= 0.0 || !self.options.skip_bounds {
-            return Look::Part;
+        let mut apart = cells.gap(motion, time, offset);
+        let leap = cells.moved(motion, time, LEAP, offset);
+        if apart <= leap || apart < best || !bounds {
+            let first = best.is_infinite() && bounds && time < motion.end();
+            let near = match first {
+                true => NEAREST * self.pattern.median_edge(),
+                false if bounds => best,
+                false => f64::INFINITY,
+            };
+            let near = leap.max(near);
+            let found = cells.apart(motion, time, offset, near);
+            apart = found.least;
+            if !found.near.is_empty() {
+                self.take(&found.near, time);
+                return Look::Again;
+            }
         }
-        let look = match cells.until(motion, time, offset, apart) {
-            None if time < motion.end() => return Look::Part,
+        let Some(cells) = &self.sheet.cells else {
+            return Look::Free;
+        };
+        self.counts.skipped_bounds += cells.offsets()[offset as usize].left;
+        match cells.until(motion, time, offset, apart) {
             None => Look::Free,
             Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
             Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
             Some((until, _)) => Look::Until(until),
-        };
-        self.counts.skipped_bounds += pairs;
-        look
+        }
     }
 
-    fn look_at_pieces(&mut self, motion: &Motion, pair: &Pair) -> Look {
+    /// Adds the pairs of pieces of pairs of faces.
+    fn take(&mut self, pairs: &[[FaceId; 2]], time: Tick) {
+        for faces in pairs {
+            let [first, second] = faces.map(|face| self.pieces.of(face));
+            for a in first {
+                for b in second.clone() {
+                    self.add([a, b], time);
+                }
+            }
+        }
+    }
+
+    fn look_at_pieces(&mut self, motion: &Motion, index: u32, pair: &Pair) -> Look {
         let [a, b] = pair.nodes;
         let spheres = [a, b].map(|node| self.sphere(motion, node));
         let apart = spheres[0].distance(&spheres[1]);
         let best = self.best();
         let counts = pair.kind == Kind::Pieces;
         let far = apart > CLOSE * spheres[0].radius.min(spheres[1].radius);
-        let chain = pair.chain.clone();
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
+            if let Some(look) = self.along_lattice(motion, index, apart, counts) {
+                return look;
+            }
+            let chain = self.chain(index);
             self.gather(motion, &chain, |side, axis| {
                 axis.distance(&spheres[side].center) + spheres[side].radius
             });
@@ -662,12 +697,22 @@ impl<'a> Sweep<'a> {
                 place: place(motion, self.sheet.time),
             });
         }
+        if let Some(look) = self.along_lattice(motion, index, apart, counts) {
+            return look;
+        }
+        let chain = self.chain(index);
         self.gather_corners(motion, &chain, [a, b]);
         let look = self.after(motion, apart, apart + tolerance, counts);
-        self.at_contact(motion, pair, apart, look)
+        self.at_contact(motion, index, pair.kind, apart, look)
     }
 
-    fn look_at_sectors(&mut self, motion: &Motion, pair: &Pair, corners: [u32; 2]) -> Look {
+    fn look_at_sectors(
+        &mut self,
+        motion: &Motion,
+        index: u32,
+        pair: &Pair,
+        corners: [u32; 2],
+    ) -> Look {
         let [a, b] = pair.nodes;
         self.counts.tested += 1;
         self.put(motion, [a, b], false);
@@ -691,16 +736,24 @@ impl<'a> Sweep<'a> {
         }
         self.levers.clear();
         // Pairs of creases do not turn what is beyond.
-        for link in self.chains.singles(&pair.chain) {
+        let chain = self.chain(index);
+        for link in self.chains.singles(&chain) {
             self.levers.add(link.group, 1.0);
         }
         let look = self.after(motion, angle, angle + tolerance / reach, false);
-        self.at_contact(motion, pair, angle * reach, look)
+        self.at_contact(motion, index, pair.kind, angle * reach, look)
     }
 
     /// The next look at a pair that nearly touches: later, if a plane parts it for longer.
-    fn at_contact(&mut self, motion: &Motion, pair: &Pair, apart: f64, look: Look) -> Look {
-        let (time, tolerance) = (self.sheet.time, self.tolerance(pair.kind));
+    fn at_contact(
+        &mut self,
+        motion: &Motion,
+        index: u32,
+        kind: Kind,
+        apart: f64,
+        look: Look,
+    ) -> Look {
+        let (time, tolerance) = (self.sheet.time, self.tolerance(kind));
         let next = motion.next_tabulated(time);
         let Look::Until(until) = look else {
             return look;
@@ -708,7 +761,7 @@ impl<'a> Sweep<'a> {
         if until >= next || apart > CONTACT * tolerance {
             return look;
         }
-        let parted = self.parted(motion, pair, tolerance);
+        let parted = self.parted(motion, index, tolerance);
         let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
         groups.sort_unstable();
         groups.dedup();
@@ -727,8 +780,9 @@ impl<'a> Sweep<'a> {
     }
 
     /// The planes that part two pieces.
-    fn parted(&mut self, motion: &Motion, pair: &Pair, tolerance: f64) -> Vec<Parted> {
-        let links = self.chains.links(&pair.chain);
+    fn parted(&mut self, motion: &Motion, index: u32, tolerance: f64) -> Vec<Parted> {
+        let (chain, nodes) = (self.chain(index), self.pairs[index as usize].nodes);
+        let links = self.chains.links(&chain);
         let mut places: Vec<_> = links
             .iter()
             .flat_map(|link| {
@@ -752,7 +806,7 @@ impl<'a> Sweep<'a> {
             });
         }
         let placed = self.sheet.placed(&self.pieces);
-        let [a, b] = pair.nodes.map(|node| placed.piece(node));
+        let [a, b] = nodes.map(|node| placed.piece(node));
         let mut all = parted(&a, &b, &self.turns, tolerance);
         // Seen from the other end, creases come the other way round and turn the other way.
         self.turns.reverse();
@@ -856,6 +910,22 @@ impl<'a> Sweep<'a> {
             let away = corners[side].iter().map(|corner| axis.distance(corner));
             away.fold(0.0, f64::max)
         });
+    }
+
+    /// When to look again at a pair of pieces that are `apart`, as the lattice says; `None` if that is not
+    /// after the next tabulated time.
+    fn along_lattice(&self, motion: &Motion, index: u32, apart: f64, counts: bool) -> Option<Look> {
+        let time = self.sheet.time;
+        if time == motion.end() {
+            return Some(Look::Free);
+        }
+        let cells = self.sheet.cells.as_ref()?;
+        let (until, moved) = cells.until_of(motion, time, self.faces(index), apart)?;
+        if !self.options.skip_motion {
+            return Some(Look::Until(motion.next_tabulated(time)));
+        }
+        let free = until == motion.end() && (!counts || apart - moved >= self.best());
+        Some(if free { Look::Free } else { Look::Until(until) })
     }
 
     /// When to look again at a pair of pieces that are `apart` and may come nearer by `allowance`.

@@ -91,8 +91,13 @@ impl Variation {
     pub(super) fn change(&self, s: f64, end: f64) -> Change {
         Change {
             by: self.curve.angle(end) - self.curve.angle(s),
-            off: Rates::of(&self.curve).between(s, end).bulge(),
+            off: self.bulge(s, end),
         }
+    }
+
+    /// No less than the largest distance of the angle from the straight line from `s` to `end`, radians.
+    pub(super) fn bulge(&self, s: f64, end: f64) -> f64 {
+        Rates::of(&self.curve).between(s, end).bulge()
     }
 
     /// Adds the parts of a stretch, and returns the variation up to its end.

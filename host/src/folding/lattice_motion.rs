@@ -3,7 +3,7 @@
 use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::{Vector2, Vector3};
 
-use super::cell_drift::{CellDrift, PlacedHinge, Way};
+use super::lattice_course::{Bend, Folded, LatticeCourse, Passage, Stray};
 use super::map::Pose;
 use super::screw::Screw;
 use crate::pattern::CreasePattern;
@@ -40,9 +40,11 @@ pub struct LatticeMotion {
     loops: Vec<(Hinge, Vector2<f64>)>,
     /// For each orbit the corners of its faces, reduced.
     corners: Ragged<Vector2<f64>>,
-    poses: Vec<Pose>,
-    steps: [Screw; 2],
+    folded: Folded,
     ball: Ball,
+    center: Vector2<f64>,
+    reaches: Vec<(f64, f64)>,
+    passages: Vec<Passage>,
 }
 
 /// A ball round all faces of a cell.
@@ -68,13 +70,26 @@ impl LatticeMotion {
             tree: lattice.tree().iter().map(hinge).collect(),
             loops: steps.map(|(link, &step)| (hinge(link), step)).collect(),
             corners: corners.collect(),
-            poses: vec![Pose::identity(); lattice.orbits().len()],
-            steps: [still; 2],
+            folded: Folded {
+                poses: vec![Pose::identity(); lattice.orbits().len()],
+                steps: [still; 2],
+            },
             ball: Ball {
                 center: Vector3::zeros(),
                 radius: 0.0,
             },
+            center: Vector2::zeros(),
+            reaches: Vec::new(),
+            passages: Vec::new(),
         };
+        let first = &motion.corners[0];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let center = first.iter().sum::<Vector2<f64>>() / first.len() as f64;
+        motion.center = center;
+        motion.reaches = motion.reaches();
+        motion.passages = (0..motion.loops.len())
+            .map(|step| motion.passage(step))
+            .collect();
         motion.fold(&[]);
         motion
     }
@@ -82,12 +97,13 @@ impl LatticeMotion {
     /// Goes to the configuration with these half fold angles of the crease groups; those that are not
     /// given are flat. The sheet has to close there. Cost: O(orbits).
     pub fn fold(&mut self, groups: &[HalfAngle<f64>]) {
+        let Folded { poses, steps } = &mut self.folded;
         for hinge in &self.tree {
-            self.poses[hinge.to as usize] = hinge.cross(&self.poses[hinge.from as usize], groups);
+            poses[hinge.to as usize] = hinge.cross(&poses[hinge.from as usize], groups);
         }
-        for (screw, (hinge, step)) in self.steps.iter_mut().zip(&self.loops) {
-            let ahead = hinge.cross(&self.poses[hinge.from as usize], groups);
-            let here = self.poses[hinge.to as usize];
+        for (screw, (hinge, step)) in steps.iter_mut().zip(&self.loops) {
+            let ahead = hinge.cross(&poses[hinge.from as usize], groups);
+            let here = poses[hinge.to as usize];
             let r_wf = (ahead.r_wf * here.r_wf.inverse()).renormalised();
             // The origin of the face here goes to where the step of the flat sheet is ahead.
             let p_w = ahead.apply(*step) - r_wf.rotate(&here.p_w);
@@ -98,7 +114,7 @@ impl LatticeMotion {
 
     fn ball(&self) -> Ball {
         let folded = || {
-            let orbits = self.poses.iter().zip(self.corners.iter());
+            let orbits = self.folded.poses.iter().zip(self.corners.iter());
             orbits.flat_map(|(pose, corners)| corners.iter().map(|&corner| pose.apply(corner)))
         };
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -118,23 +134,23 @@ impl LatticeMotion {
     /// S₁ and S₂; where there is one step only, the second rests.
     #[must_use]
     pub fn steps(&self) -> &[Screw; 2] {
-        &self.steps
+        &self.folded.steps
     }
 
     /// So many steps on in space.
     #[must_use]
     pub fn translation(&self, cell: [i32; 2]) -> Pose {
         match cell {
-            [i, 0] => self.steps[0].power(i),
-            [0, j] => self.steps[1].power(j),
-            [i, j] => self.steps[0].power(i) * self.steps[1].power(j),
+            [i, 0] => self.folded.steps[0].power(i),
+            [0, j] => self.folded.steps[1].power(j),
+            [i, j] => self.folded.steps[0].power(i) * self.folded.steps[1].power(j),
         }
     }
 
     /// The pose of the face of an orbit in a cell, whether the sheet has it or not, for reduced points.
     #[must_use]
     pub fn pose(&self, orbit: u32, cell: [i32; 2]) -> Pose {
-        let here = self.poses[orbit as usize];
+        let here = self.folded.poses[orbit as usize];
         match cell {
             [0, 0] => here,
             _ => self.translation(cell) * here,
@@ -153,68 +169,101 @@ impl LatticeMotion {
     /// 0 where the balls round them meet.
     #[must_use]
     pub fn gap_of_cells(&self, offset: [i32; 2]) -> f64 {
-        let Ball { center, radius } = self.ball;
-        let there = self.translation(offset).carry(&center);
-        ((there - center).norm() - 2.0 * radius).max(0.0)
+        self.gap_at(&self.translation(offset))
     }
 
-    /// How far cells can move against each other while each group angle changes by no more than its part
-    /// of `changes` (radians; those that are not given do not change) from the configuration at hand.
-    /// Cost: O(orbits).
-    #[must_use]
-    pub fn drift(&self, changes: &[f64]) -> CellDrift {
+    /// The same for a cell moved in space by a motion.
+    pub(crate) fn gap_at(&self, there: &Pose) -> f64 {
         let Ball { center, radius } = self.ball;
-        let mut drift = CellDrift {
-            own: self.own_drift(changes),
-            radius,
-            ways: [Way::default(); 2],
+        let way = there.carry(&center) - center;
+        (way.norm() - 2.0 * radius).max(0.0)
+    }
+
+    /// Goes to the configuration that a course has at one of its times.
+    pub fn fold_as(&mut self, course: &LatticeCourse, time: usize) {
+        self.folded.clone_from(course.at(time));
+        self.ball = self.ball();
+    }
+
+    pub(super) fn folded(&self) -> &Folded {
+        &self.folded
+    }
+
+    /// A point of the first orbit's face that moves with its cell.
+    pub(super) fn center(&self) -> Vector3<f64> {
+        self.center.push(0.0)
+    }
+
+    pub(super) fn corners_of(&self, orbit: usize) -> &[Vector2<f64>] {
+        &self.corners[orbit]
+    }
+
+    /// For each orbit, how far its corners may be off the straight line that they take in the frame of
+    /// the first orbit's face.
+    pub(super) fn strayed(&self, bends: &[Bend]) -> impl Iterator<Item = f64> {
+        let mut strays = vec![Stray::default(); self.reaches.len()];
+        for (hinge, &(way, _)) in self.tree.iter().zip(&self.reaches[1..]) {
+            let bend = bend(hinge.group(), bends);
+            strays[hinge.to as usize] = strays[hinge.from as usize].across(way, bend);
+        }
+        let reaches = self.reaches.iter().map(|&(_, reach)| reach);
+        strays
+            .into_iter()
+            .zip(reaches)
+            .map(|(stray, reach)| stray.to(reach))
+    }
+
+    /// How far the centre of the next cell may be off its straight line, and how far the step's turn.
+    pub(super) fn step_strayed(&self, step: usize, bends: &[Bend]) -> [f64; 2] {
+        let Some(passage) = self.passages.get(step) else {
+            return [0.0; 2];
         };
-        for (k, way) in drift.ways.iter_mut().enumerate().take(self.loops.len()) {
-            *way = Way::new(&self.chain(k), &self.steps[k], center, changes);
-        }
-        drift
-    }
-
-    /// How far a corner of a cell can move in the frame of the first orbit's face: each hinge on the way
-    /// to it moves it by no more than its change times the way from there.
-    fn own_drift(&self, changes: &[f64]) -> f64 {
-        // For each orbit the sum of the changes, and of each times the way, up to the hinge it hangs on.
-        let mut sums = vec![(0.0, 0.0, Vector2::zeros()); self.poses.len()];
-        for hinge in &self.tree {
-            let (turn, shift, pivot) = sums[hinge.from as usize];
-            let way = (hinge.pivot - pivot).norm();
-            let turned = turn + hinge.change(changes);
-            sums[hinge.to as usize] = (turned, shift + turn * way, hinge.pivot);
-        }
-        let drifts = sums.iter().zip(self.corners.iter());
-        let drifts = drifts.map(|((turn, shift, pivot), corners)| {
-            let ways = corners.iter().map(|corner| (corner - pivot).norm());
-            shift + turn * ways.fold(0.0, f64::max)
+        let hinges = passage.hinges.iter();
+        let stray = hinges.fold(Stray::default(), |stray, hinge| {
+            stray.across(hinge.way, bend(hinge.group, bends))
         });
-        drifts.fold(0.0, f64::max)
+        [stray.to(passage.rest), stray.turn()]
     }
 
-    /// The hinges on the way from the first orbit's face to the same a step on, where they are in space.
-    fn chain(&self, step: usize) -> Vec<PlacedHinge> {
-        let (closing, _) = &self.loops[step];
+    /// For each orbit the way to its hinge from the one before it, and from there to the farthest corner.
+    fn reaches(&self) -> Vec<(f64, f64)> {
+        let mut pivots = vec![self.center; self.corners.len()];
+        let mut reaches = vec![(0.0, 0.0); self.corners.len()];
+        for hinge in &self.tree {
+            let to = hinge.to as usize;
+            pivots[to] = hinge.pivot;
+            let corners = self.corners[to].iter();
+            let farthest = corners.map(|corner| (corner - hinge.pivot).norm());
+            let way = (hinge.pivot - pivots[hinge.from as usize]).norm();
+            reaches[to] = (way, farthest.fold(0.0, f64::max));
+        }
+        reaches
+    }
+
+    /// The hinges on the way from the first orbit's face to the same a step on.
+    fn passage(&self, step: usize) -> Passage {
+        let (closing, shift) = &self.loops[step];
         let up = |mut orbit: u32| {
             let mut hinges = Vec::new();
             while let Some(before) = orbit.checked_sub(1) {
                 let hinge = &self.tree[before as usize];
-                hinges.push(hinge);
+                hinges.push((hinge.group(), hinge.pivot));
                 orbit = hinge.from;
             }
             hinges
         };
-        let here = Pose::identity();
-        let there = self.steps[step].motion();
-        let out = up(closing.from).into_iter().rev().chain([closing]);
-        let out = out.map(|hinge| hinge.placed(&here, self, 1.0));
-        // Ways back are crossed from the other side.
+        let mut hinges = up(closing.from);
+        hinges.reverse();
+        hinges.push((closing.group(), closing.pivot));
         let back = up(closing.to).into_iter();
-        out.chain(back.map(|hinge| hinge.placed(&there, self, -1.0)))
-            .collect()
+        hinges.extend(back.map(|(group, pivot)| (group, pivot + shift)));
+        Passage::new(&hinges, self.center, self.center + shift)
     }
+}
+
+fn bend(group: Option<usize>, bends: &[Bend]) -> Bend {
+    let bend = group.and_then(|group| bends.get(group));
+    bend.copied().unwrap_or_default()
 }
 
 impl Hinge {
@@ -254,23 +303,5 @@ impl Hinge {
 
     fn group(&self) -> Option<usize> {
         self.turns.map(|membership| membership.group.index())
-    }
-
-    /// Largest change of its fold angle.
-    fn change(&self, changes: &[f64]) -> f64 {
-        let change = self.group().and_then(|group| changes.get(group));
-        change.map_or(0.0, |change| change.abs())
-    }
-
-    /// The hinge in space, in a cell to which a motion leads, crossed in the sense of `sense`.
-    fn placed(&self, cell: &Pose, motion: &LatticeMotion, sense: f64) -> PlacedHinge {
-        let pose = *cell * motion.poses[self.from as usize];
-        let negative = self.turns.is_some_and(|membership| membership.negative);
-        let sign = if negative { -sense } else { sense };
-        PlacedHinge {
-            group: self.group(),
-            pivot: pose.apply(self.pivot),
-            axis: pose.r_wf.rotate(&self.axis.push(0.0)) * sign,
-        }
     }
 }

@@ -1,9 +1,9 @@
 //! The folding map: the rigid motion of every face, and what it does to the sheet.
 
 mod amplification;
-mod cell_drift;
 mod fit;
 mod holonomy;
+mod lattice_course;
 mod lattice_motion;
 mod map;
 mod rounding;
@@ -11,9 +11,9 @@ mod screw;
 mod tree;
 
 pub use amplification::Amplification;
-pub use cell_drift::CellDrift;
 pub use fit::{laid_on, sheets_laid_on};
 pub use holonomy::Holonomy;
+pub use lattice_course::{Bend, LatticeCourse};
 pub use lattice_motion::LatticeMotion;
 pub use map::{FoldingMap, Pose, Rigidity, deformation};
 pub use rounding::rounding;
