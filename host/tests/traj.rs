@@ -287,9 +287,36 @@ fn without_groups_every_hinge_is_one_and_limits_are_the_largest_found() {
     // Planned for 45 degrees per second.
     assert!((speed.to_degrees() - 45.0).abs() < 1e-3);
     assert!(acceleration.is_finite());
-    // Rounding the knots would pass the largest that there is.
+}
+
+/// ρ = t² in 200 segments: one acceleration throughout, which rounding an angle passes.
+#[test]
+fn rounding_passes_no_limit() {
+    let folder = Folder::new();
+    folder.write("pattern.fold", &strip(&[90.0]).to_string());
+    folder.done("plan pattern.fold --interpolation hermite -o path.fold");
+    let mut path = folder.read_json("path.fold");
+    let frame = path["file_frames"][0].clone();
+    let frames = (0..=200).map(|k| {
+        let t = f64::from(k) * 0.045;
+        let mut frame = frame.clone();
+        let hinge = frame["edges_foldAngle"].as_array().unwrap().len() - 2;
+        frame["foldpath:time"] = json!(t);
+        frame["edges_foldAngle"][hinge] = json!(t * t);
+        frame["foldpath:edges_foldAngleRate"][hinge] = json!(2.0 * t);
+        frame
+    });
+    path["file_frames"] = frames.collect();
+    path["foldpath:maxAcceleration"] = json!(2.0);
+    folder.write("path.fold", &path.to_string());
+    folder.done("export path.fold --to traj -o out.traj");
+    let exported = Exported::of(&folder);
     let [used, _] = exported.used();
     assert!(used.iter().all(|used| *used <= 1.0), "{used:?}");
+    let stretch = exported.duration() / 9.0;
+    // Times near 8 s are rounded by 5e-7 s and angles near 1 by 6e-8, at both ends of each segment: with
+    // 0.3 rad/s and 0.045 s that is 4 % of an acceleration of 0.035 rad/s².
+    assert!((1.0..1.02).contains(&stretch), "{stretch}");
 }
 
 #[test]
