@@ -94,6 +94,7 @@ pub mod sampling;
 mod scalar;
 mod star;
 pub mod trajectory;
+pub mod trajectory_file;
 
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;

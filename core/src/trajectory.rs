@@ -281,6 +281,27 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
         }
     }
 
+    /// The trajectory of these numbers, checked as [`TrajectoryView::new`] does.
+    pub(crate) fn from_parts(
+        interpolation: Interpolation,
+        groups: u16,
+        times: Vec<T, KNOTS>,
+        angles: Vec<T, VALUES>,
+        rates: Vec<T, VALUES>,
+        weights: Vec<[T; 2], VALUES>,
+    ) -> Result<Self, TrajectoryError> {
+        let width = usize::from(groups);
+        TrajectoryView::new(interpolation, width, &times, &angles, &rates, &weights)?;
+        Ok(Self {
+            interpolation,
+            groups,
+            times,
+            angles,
+            rates,
+            weights,
+        })
+    }
+
     /// Adds a knot at the end.
     ///
     /// # Errors
@@ -344,15 +365,6 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Unchecked<T, KN
             rates,
             weights,
         } = arrived;
-        let width = usize::from(groups);
-        TrajectoryView::new(interpolation, width, &times, &angles, &rates, &weights)?;
-        Ok(Self {
-            interpolation,
-            groups,
-            times,
-            angles,
-            rates,
-            weights,
-        })
+        Self::from_parts(interpolation, groups, times, angles, rates, weights)
     }
 }

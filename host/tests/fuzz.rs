@@ -213,6 +213,8 @@ fn plan_and_check(file: &Path) -> Option<()> {
         pattern: &read.pattern,
         vertices: true,
         seed: 0,
+        max_speed: PlanOptions::default().max_speed,
+        max_acceleration: None,
     };
     fs::write(file, writer.text(&plan.path)).unwrap();
     // Where one edge is thousands of times as long as the others, rounding alone opens gaps.
@@ -254,6 +256,8 @@ fn mutated_paths_are_judged_or_refused() {
         pattern: &pattern,
         vertices: true,
         seed: 0,
+        max_speed: PlanOptions::default().max_speed,
+        max_acceleration: None,
     };
     for_mutations(&writer.text(&plan.path), check_and_view);
 }

@@ -200,6 +200,8 @@ fn judge(
         pattern,
         vertices: true,
         seed: 0,
+        max_speed: options.max_speed,
+        max_acceleration: options.max_acceleration,
     };
     let text = writer.text(&plan.path);
     let goal: Vec<f64> = drawing

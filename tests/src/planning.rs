@@ -47,6 +47,8 @@ impl Planned {
             pattern: &self.file.pattern,
             vertices: true,
             seed: 0,
+            max_speed: PlanOptions::default().max_speed,
+            max_acceleration: None,
         };
         writer.text(&self.plan.path)
     }

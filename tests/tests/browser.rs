@@ -35,6 +35,8 @@ fn scene() -> Scene {
         pattern: &pattern,
         vertices: true,
         seed: 0,
+        max_speed: PlanOptions::default().max_speed,
+        max_acceleration: None,
     };
     let directory = tempfile::tempdir().unwrap();
     let written = directory.path().join("path.fold");

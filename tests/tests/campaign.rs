@@ -51,6 +51,8 @@ fn a_spoilt_path_finds_no_agreement() {
             pattern: &pattern,
             vertices: true,
             seed: 0,
+            max_speed: options.max_speed,
+            max_acceleration: options.max_acceleration,
         };
         let goal = drawing.edges.iter().map(|edge| edge.goal.unwrap_or(0.0));
         let goal: Vec<f64> = goal.collect();

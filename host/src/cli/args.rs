@@ -30,6 +30,8 @@ pub(super) enum Command {
     Check(Check),
     /// Write one self-contained page that shows a path
     View(View),
+    /// Write a path for a controller or a spreadsheet
+    Export(Export),
 }
 
 #[derive(Debug, Args)]
@@ -498,4 +500,24 @@ pub(super) struct View {
     /// Page to write, an HTML file
     #[arg(short, long)]
     pub(super) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Export {
+    /// Path, a FOLD animation
+    pub(super) path: PathBuf,
+    /// Format to write
+    #[arg(long, value_enum)]
+    pub(super) to: ExportFormat,
+    /// File to write
+    #[arg(short, long)]
+    pub(super) output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ExportFormat {
+    /// What a controller stores and follows: group angles and rates at the knots, with limits
+    Traj,
+    /// A row a knot: seconds, and the fold angle of each crease group in degrees
+    Csv,
 }

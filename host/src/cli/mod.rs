@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod export;
 mod generate;
 mod info;
 mod plan;
@@ -49,6 +50,7 @@ pub fn main() -> ExitCode {
         args::Command::Plan(args) => plan::run(&args),
         args::Command::Check(args) => check::run(&args),
         args::Command::View(args) => view::run(&args),
+        args::Command::Export(args) => export::run(&args),
     };
     match answer {
         Ok(true) => ExitCode::SUCCESS,

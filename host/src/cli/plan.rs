@@ -83,6 +83,8 @@ pub(super) fn run(args: &Plan) -> Answer {
             pattern: &file.pattern,
             vertices: args.frames == Frames::Full,
             seed: args.seed,
+            max_speed: options.max_speed,
+            max_acceleration: options.max_acceleration,
         };
         write_whole_with(output, |out| writer.write(&plan.path, out))?;
     }

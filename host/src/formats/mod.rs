@@ -1,11 +1,14 @@
 //! Files. Only this module knows their formats.
 
 mod cp;
+pub mod csv;
 mod error;
 pub mod fold;
+mod groups;
 mod output;
 mod segments;
 mod svg;
+pub mod traj;
 
 use std::path::Path;
 

@@ -205,6 +205,8 @@ struct Placer<'a, 's> {
 
 /// Part by which a hinge may exceed its limits before the time is stretched in the end.
 const HASTE: f64 = 0.02;
+/// Part by which the time is stretched more, so that rounding the knots passes no limit.
+const MARGIN: f64 = 1e-5;
 /// Part of the largest distance of two waypoints below which no knot is put between two others.
 const NARROWEST: f64 = 1.0 / 256.0;
 /// Radians: a hinge this far beyond its limit is at it.
@@ -390,6 +392,7 @@ impl Placer<'_, '_> {
             both.for_each(|(a, b)| worse(a, b));
             stretch = f64::max(stretch, self.haste(maker.kind, span));
         }
+        stretch *= 1.0 + MARGIN;
         let start = maker.pace.at(&sites[0])[0];
         let knots = sites.iter().map(|site| {
             let nodes: Vec<Node<f64>> = maker.nodes(site).collect();

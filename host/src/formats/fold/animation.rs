@@ -21,6 +21,10 @@ pub struct PathFile {
     pub interpolation: Interpolation,
     /// For each edge its part in a crease group, `None` for none; empty if the file does not say.
     pub members: Vec<Option<Membership>>,
+    /// Speed that no hinge exceeds, radians per second; `None` if the file does not say, infinite if any.
+    pub max_speed: Option<f64>,
+    /// Acceleration that no hinge exceeds, radians per second squared; likewise.
+    pub max_acceleration: Option<f64>,
     /// The knots from start to goal.
     pub knots: Vec<PathKnot>,
 }
@@ -126,8 +130,26 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
         title: pattern.title,
         pattern: pattern.pattern,
         members,
+        max_speed: rate_limit(&key, "foldpath:maxSpeed")?,
+        max_acceleration: rate_limit(&key, "foldpath:maxAcceleration")?,
         knots,
     })
+}
+
+/// A limit on rates that the file has in degrees: infinite where it is null.
+fn rate_limit(key: &Frame<'_>, name: &'static str) -> Result<Option<f64>, FileError> {
+    let Some(limit) = key.own(name) else {
+        return Ok(None);
+    };
+    if limit.is_null() {
+        return Ok(Some(f64::INFINITY));
+    }
+    let radians = limit.number()?.to_radians();
+    if radians > 0.0 {
+        Ok(Some(radians))
+    } else {
+        Err(limit.expected("a number above 0, or null for none"))
+    }
 }
 
 /// The name of an interpolation in files.

@@ -113,6 +113,10 @@ pub struct PathWriter<'a> {
     pub vertices: bool,
     /// The seed that the path was planned with.
     pub seed: u64,
+    /// Speed that no hinge exceeds, radians per second.
+    pub max_speed: f64,
+    /// Acceleration that no hinge exceeds, radians per second squared, if it was limited.
+    pub max_acceleration: Option<f64>,
 }
 
 impl PathWriter<'_> {
@@ -150,6 +154,9 @@ impl PathWriter<'_> {
             file.list("foldpath:edges_group", groups)?;
             file.list("foldpath:edges_sign", signs)?;
             file.set("foldpath:seed", &self.seed)?;
+            file.set("foldpath:maxSpeed", &self.max_speed.to_degrees())?;
+            let acceleration = self.max_acceleration.map(f64::to_degrees);
+            file.set("foldpath:maxAcceleration", &acceleration)?;
             let out = file.key("file_frames")?;
             let mut before = "[\n{";
             for knot in &path.knots {

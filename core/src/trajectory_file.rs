@@ -1,0 +1,548 @@
+//! Trajectories as they are flashed and streamed: `.traj` files.
+//!
+//! A file is the postcard encoding of these values, one after the other:
+//!
+//! | value | type | meaning |
+//! |---|---|---|
+//! | magic | `[u8; 4]` | `FPTJ` |
+//! | version | `u8` | 1 |
+//! | interpolation | [`Interpolation`] | how the motion between knots is made |
+//! | limits | `Vec<[f32; 4]>` | a group: lower and upper angle, speed, acceleration |
+//! | hinges | `Vec<u32>` | a hinge: twice its group, and 1 more if it turns the opposite way |
+//! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | time; a group: angle, rate and, where N is 4, weight and its rate |
+//! | checksum | `[u8; 4]` | CRC-32 of all bytes before, little endian |
+//!
+//! N is 4 for [`Interpolation::Homogeneous`] and 2 for all others. Radians and seconds throughout. Knots have
+//! one size, so that each is found without reading those before.
+
+use core::fmt;
+
+use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+use heapless::Vec;
+
+use crate::curve::{Curve, Interpolation, Node};
+use crate::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
+use crate::{GroupId, Membership, Scalar};
+
+/// The first bytes of a file.
+pub const MAGIC: [u8; 4] = *b"FPTJ";
+/// The version that is written, and the only one that is read.
+pub const VERSION: u8 = 1;
+
+static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// What a group's hinges are allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroupLimits {
+    /// Smallest fold angle of the group, radians.
+    pub lower: f32,
+    /// Largest fold angle of the group, radians.
+    pub upper: f32,
+    /// Largest speed, radians per second; infinite for any.
+    pub speed: f32,
+    /// Largest acceleration, radians per second squared; infinite for any.
+    pub acceleration: f32,
+}
+
+impl GroupLimits {
+    fn are_sound(&self) -> bool {
+        let angles = self.lower.is_finite() && self.upper.is_finite() && self.lower <= self.upper;
+        angles && self.speed > 0.0 && self.acceleration > 0.0
+    }
+
+    fn allow(&self, angle: f32) -> bool {
+        (self.lower..=self.upper).contains(&angle)
+    }
+}
+
+/// Why bytes are no trajectory, or a trajectory makes no file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileError {
+    /// The file does not begin with [`MAGIC`].
+    Magic,
+    /// The file has this version.
+    Version(u8),
+    /// The file ends within the value that begins at this byte.
+    Truncated(usize),
+    /// The file should end with the byte before this one.
+    Trailing(usize),
+    /// The number at this byte is larger than a `u32`.
+    Number(usize),
+    /// No interpolation has this number.
+    Interpolation(u32),
+    /// More groups than 65,535.
+    Groups,
+    /// The checksum is not that of the bytes before.
+    Checksum,
+    /// The limits of the group of this number, if there is such a group, are no range or not above 0.
+    Limits(usize),
+    /// The hinge of this number follows a group that is not there.
+    Hinge(usize),
+    /// A knot is not fit to follow.
+    Knot(TrajectoryError),
+    /// The angle of this group at this knot is beyond its limits.
+    Angle {
+        /// Number of the knot.
+        knot: usize,
+        /// Number of the group.
+        group: usize,
+    },
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Magic => write!(f, "byte 0: expected the magic number FPTJ"),
+            Self::Version(found) => write!(f, "byte 4: expected version {VERSION}, found {found}"),
+            Self::Truncated(at) => write!(f, "byte {at}: the file ends within the value here"),
+            Self::Trailing(at) => write!(f, "byte {at}: expected the end of the file"),
+            Self::Number(at) => write!(f, "byte {at}: expected a number of at most 32 bits"),
+            Self::Interpolation(found) => {
+                write!(f, "byte 5: expected an interpolation 0 to 3, found {found}")
+            }
+            Self::Groups => write!(f, "expected at most 65535 groups"),
+            Self::Checksum => write!(f, "the checksum is not that of the bytes before it"),
+            Self::Limits(group) => write!(
+                f,
+                "group {group}: expected finite angles in order, a speed and an acceleration above 0"
+            ),
+            Self::Hinge(hinge) => write!(f, "hinge {hinge}: there is no group of its number"),
+            Self::Knot(error) => error.fmt(f),
+            Self::Angle { knot, group } => {
+                write!(
+                    f,
+                    "knot {knot}: the angle of group {group} is beyond its limits"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for FileError {}
+
+/// Writes a trajectory, the limits of its groups and its hinges, piece by piece, as a file.
+///
+/// # Errors
+/// If the limits are not one a group and sound, a hinge follows no group, or an angle is beyond its limits;
+/// nothing is written then.
+pub fn write(
+    trajectory: TrajectoryView<'_, f32>,
+    limits: &[GroupLimits],
+    hinges: &[Membership],
+    sink: impl FnMut(&[u8]),
+) -> Result<(), FileError> {
+    check_to_write(trajectory, limits, hinges)?;
+    let mut out = Writer {
+        sink,
+        digest: CHECKSUM.digest(),
+    };
+    out.bytes(&MAGIC);
+    out.bytes(&[VERSION]);
+    out.count(match trajectory.interpolation() {
+        Interpolation::Linear => 0,
+        Interpolation::Hermite => 1,
+        Interpolation::HalfAngle => 2,
+        Interpolation::Homogeneous => 3,
+    });
+    out.count(limits.len());
+    for group in limits {
+        out.floats(&[group.lower, group.upper, group.speed, group.acceleration]);
+    }
+    out.count(hinges.len());
+    for hinge in hinges {
+        out.count(2 * hinge.group.index() + usize::from(hinge.negative));
+    }
+    out.count(trajectory.len());
+    for knot in (0..trajectory.len()).filter_map(|index| trajectory.knot(index)) {
+        out.floats(&[knot.time]);
+        let mut weights = knot.weights.iter();
+        for (&angle, &rate) in knot.angles.iter().zip(knot.rates) {
+            out.floats(&[angle, rate]);
+            if let Some(weight) = weights.next() {
+                out.floats(weight);
+            }
+        }
+    }
+    let checksum = out.digest.finalize().to_le_bytes();
+    (out.sink)(&checksum);
+    Ok(())
+}
+
+/// What [`write`] refuses.
+fn check_to_write(
+    trajectory: TrajectoryView<'_, f32>,
+    limits: &[GroupLimits],
+    hinges: &[Membership],
+) -> Result<(), FileError> {
+    if limits.len() != trajectory.groups() {
+        return Err(FileError::Limits(limits.len().min(trajectory.groups())));
+    }
+    if u16::try_from(limits.len()).is_err() {
+        return Err(FileError::Groups);
+    }
+    if let Some(group) = limits.iter().position(|limits| !limits.are_sound()) {
+        return Err(FileError::Limits(group));
+    }
+    let outside = |hinge: &Membership| hinge.group.index() >= limits.len();
+    if let Some(hinge) = hinges.iter().position(outside) {
+        return Err(FileError::Hinge(hinge));
+    }
+    for (index, knot) in (0..trajectory.len()).filter_map(|i| Some((i, trajectory.knot(i)?))) {
+        let beyond = |(limits, angle): (&GroupLimits, &f32)| !limits.allow(*angle);
+        if let Some(group) = limits.iter().zip(knot.angles).position(beyond) {
+            return Err(FileError::Angle { knot: index, group });
+        }
+    }
+    Ok(())
+}
+
+/// Writes values in postcard's encoding, with their checksum.
+struct Writer<S> {
+    sink: S,
+    digest: Digest<'static, u32>,
+}
+
+impl<S: FnMut(&[u8])> Writer<S> {
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.digest.update(bytes);
+        (self.sink)(bytes);
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        for value in values {
+            self.bytes(&value.to_le_bytes());
+        }
+    }
+
+    /// Seven bits a byte, the lowest first; the highest bit says that more follow.
+    fn count(&mut self, mut value: usize) {
+        loop {
+            let [low, ..] = value.to_le_bytes();
+            value >>= 7;
+            let more = u8::from(value > 0) << 7;
+            self.bytes(&[low & 0x7f | more]);
+            if more == 0 {
+                break;
+            }
+        }
+    }
+}
+
+/// A trajectory read where it lies: checked bytes in flash or memory.
+#[derive(Clone, Copy, Debug)]
+pub struct TrajectoryFile<'a> {
+    interpolation: Interpolation,
+    groups: u16,
+    knots: usize,
+    hinges: usize,
+    /// Four numbers a group.
+    limits: &'a [[u8; 4]],
+    /// A varint a hinge.
+    hinge_codes: &'a [u8],
+    /// One record a knot.
+    records: &'a [[u8; 4]],
+}
+
+impl<'a> TrajectoryFile<'a> {
+    /// Checks a whole file. Cost: proportional to its bytes, without memory of its own.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: of the lengths, the checksum, the numbers, in this order.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, FileError> {
+        let mut cursor = Cursor { bytes, at: 0 };
+        if cursor.array::<4>()? != MAGIC {
+            return Err(FileError::Magic);
+        }
+        let [version] = cursor.array()?;
+        if version != VERSION {
+            return Err(FileError::Version(version));
+        }
+        let interpolation = match cursor.number()? {
+            0 => Interpolation::Linear,
+            1 => Interpolation::Hermite,
+            2 => Interpolation::HalfAngle,
+            3 => Interpolation::Homogeneous,
+            other => return Err(FileError::Interpolation(other)),
+        };
+        let groups = u16::try_from(cursor.number()?).map_err(|_| FileError::Groups)?;
+        let limits = cursor.floats(usize::from(groups), 4)?;
+        let hinges = cursor.count()?;
+        let first = cursor.at;
+        for _ in 0..hinges {
+            cursor.number()?;
+        }
+        let hinge_codes = bytes.get(first..cursor.at).unwrap_or(&[]);
+        let knots = cursor.count()?;
+        let file = Self {
+            interpolation,
+            groups,
+            knots,
+            hinges,
+            limits,
+            hinge_codes,
+            records: &[],
+        };
+        let file = Self {
+            records: cursor.floats(knots, file.record())?,
+            ..file
+        };
+        let body = bytes.get(..cursor.at).unwrap_or(&[]);
+        let checksum = u32::from_le_bytes(cursor.array()?);
+        if cursor.at < bytes.len() {
+            return Err(FileError::Trailing(cursor.at));
+        }
+        if CHECKSUM.checksum(body) != checksum {
+            return Err(FileError::Checksum);
+        }
+        file.check()?;
+        Ok(file)
+    }
+
+    /// Checks the numbers.
+    fn check(&self) -> Result<(), FileError> {
+        for group in 0..self.groups() {
+            if !self.limits(group).is_some_and(|limits| limits.are_sound()) {
+                return Err(FileError::Limits(group));
+            }
+        }
+        let outside = |hinge: Membership| hinge.group.index() >= self.groups();
+        if let Some(hinge) = self.memberships().position(outside) {
+            return Err(FileError::Hinge(hinge));
+        }
+        let mut before = f32::NEG_INFINITY;
+        for index in 0..self.knots {
+            let missing = FileError::Knot(TrajectoryError::Width(index));
+            let time = self.time(index).ok_or(missing)?;
+            for group in 0..self.groups() {
+                let node = self.node(index, group).ok_or(missing)?;
+                if let Some(error) = node_problem(node, self.interpolation, index) {
+                    return Err(FileError::Knot(error));
+                }
+                let limits = self.limits(group).ok_or(FileError::Limits(group))?;
+                if !limits.allow(node.angle) {
+                    return Err(FileError::Angle { knot: index, group });
+                }
+            }
+            if !time.is_finite() {
+                return Err(FileError::Knot(TrajectoryError::NotFinite(index)));
+            }
+            if time <= before {
+                return Err(FileError::Knot(TrajectoryError::Order(index)));
+            }
+            before = time;
+        }
+        Ok(())
+    }
+
+    /// How the motion between knots is made.
+    #[must_use]
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
+    /// Number of group angles in a knot.
+    #[must_use]
+    pub fn groups(&self) -> usize {
+        usize::from(self.groups)
+    }
+
+    /// Number of hinges.
+    #[must_use]
+    pub fn hinges(&self) -> usize {
+        self.hinges
+    }
+
+    /// Number of knots.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.knots
+    }
+
+    /// Whether there is no knot.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.knots == 0
+    }
+
+    /// Limits of a group.
+    #[must_use]
+    pub fn limits(&self, group: usize) -> Option<GroupLimits> {
+        let (numbers, _) = self.limits.as_chunks::<4>();
+        let [lower, upper, speed, acceleration] = numbers.get(group)?.map(f32::from_le_bytes);
+        Some(GroupLimits {
+            lower,
+            upper,
+            speed,
+            acceleration,
+        })
+    }
+
+    /// Group and sign of each hinge, in order.
+    pub fn memberships(&self) -> impl Iterator<Item = Membership> + use<'a> {
+        let mut cursor = Cursor {
+            bytes: self.hinge_codes,
+            at: 0,
+        };
+        core::iter::from_fn(move || {
+            let code = cursor.number().ok()?;
+            Some(Membership {
+                group: GroupId(code >> 1),
+                negative: code & 1 == 1,
+            })
+        })
+    }
+
+    /// Seconds since the start at a knot.
+    #[must_use]
+    pub fn time(&self, knot: usize) -> Option<f32> {
+        self.number(knot, 0)
+    }
+
+    /// A group at a knot: angle and rate; weight 1 where the interpolation has none.
+    #[must_use]
+    pub fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {
+        if group >= self.groups() {
+            return None;
+        }
+        let width = width(self.interpolation);
+        let place = 1 + group * width;
+        let weight = if width == 4 {
+            [self.number(knot, place + 2)?, self.number(knot, place + 3)?]
+        } else {
+            [1.0, 0.0]
+        };
+        Some(Node {
+            angle: self.number(knot, place)?,
+            rate: self.number(knot, place + 1)?,
+            weight,
+        })
+    }
+
+    /// The motion of a group between knot number `segment` and the next; its parameter runs from 0 at
+    /// the one to 1 at the other, in proportion to time.
+    #[must_use]
+    pub fn curve(&self, segment: usize, group: usize) -> Option<Curve<f32>> {
+        let next = segment.checked_add(1)?;
+        let span = self.time(next)? - self.time(segment)?;
+        let nodes = (self.node(segment, group)?, self.node(next, group)?);
+        Some(Curve::between(self.interpolation, span, nodes.0, nodes.1))
+    }
+
+    /// The trajectory in memory of its own.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::Capacity`] with the first knot that finds no room.
+    pub fn trajectory<const KNOTS: usize, const VALUES: usize>(
+        &self,
+    ) -> Result<Trajectory<f32, KNOTS, VALUES>, TrajectoryError> {
+        let (mut times, mut weights) = (Vec::new(), Vec::new());
+        let (mut angles, mut rates) = (Vec::new(), Vec::new());
+        for index in 0..self.knots {
+            let full = TrajectoryError::Capacity(index);
+            let time = self.time(index).ok_or(TrajectoryError::Width(index))?;
+            times.push(time).map_err(|_| full)?;
+            for group in 0..self.groups() {
+                let node = self.node(index, group);
+                let node = node.ok_or(TrajectoryError::Width(index))?;
+                angles.push(node.angle).map_err(|_| full)?;
+                rates.push(node.rate).map_err(|_| full)?;
+                if self.interpolation == Interpolation::Homogeneous {
+                    weights.push(node.weight).map_err(|_| full)?;
+                }
+            }
+        }
+        Trajectory::from_parts(
+            self.interpolation,
+            self.groups,
+            times,
+            angles,
+            rates,
+            weights,
+        )
+    }
+
+    /// Numbers in a record.
+    fn record(&self) -> usize {
+        1 + self.groups() * width(self.interpolation)
+    }
+
+    /// A number of the record of a knot.
+    fn number(&self, knot: usize, place: usize) -> Option<f32> {
+        let index = knot.checked_mul(self.record())?.checked_add(place)?;
+        self.records.get(index).copied().map(f32::from_le_bytes)
+    }
+}
+
+/// Numbers of a group in a knot.
+fn width(interpolation: Interpolation) -> usize {
+    match interpolation {
+        Interpolation::Homogeneous => 4,
+        _ => 2,
+    }
+}
+
+/// Why the knot of that number cannot hold this group.
+fn node_problem(node: Node<f32>, kind: Interpolation, knot: usize) -> Option<TrajectoryError> {
+    let [weight, grow] = node.weight;
+    if !(node.angle.is_finite() && node.rate.is_finite()) {
+        Some(TrajectoryError::NotFinite(knot))
+    } else if kind == Interpolation::HalfAngle && node.angle.abs() >= f32::PI {
+        Some(TrajectoryError::HalfTurn(knot))
+    } else if !(weight > 0.0 && weight.is_finite() && grow.is_finite()) {
+        Some(TrajectoryError::Weight(knot))
+    } else {
+        None
+    }
+}
+
+/// Bytes that are read, and how far.
+struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    fn take(&mut self, count: usize) -> Result<&'a [u8], FileError> {
+        let truncated = FileError::Truncated(self.at);
+        let end = self.at.checked_add(count).ok_or(truncated)?;
+        let taken = self.bytes.get(self.at..end).ok_or(truncated)?;
+        self.at = end;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], FileError> {
+        let truncated = FileError::Truncated(self.at);
+        self.take(N)?.try_into().map_err(|_| truncated)
+    }
+
+    /// `rows` rows of `width` numbers.
+    fn floats(&mut self, rows: usize, width: usize) -> Result<&'a [[u8; 4]], FileError> {
+        let bytes = rows.checked_mul(width).and_then(|n| n.checked_mul(4));
+        let bytes = bytes.ok_or(FileError::Truncated(self.at))?;
+        let (numbers, _) = self.take(bytes)?.as_chunks();
+        Ok(numbers)
+    }
+
+    fn count(&mut self) -> Result<usize, FileError> {
+        let start = self.at;
+        usize::try_from(self.number()?).map_err(|_| FileError::Number(start))
+    }
+
+    /// A varint of at most 32 bits.
+    fn number(&mut self) -> Result<u32, FileError> {
+        let start = self.at;
+        let mut value = 0;
+        for place in 0..5 {
+            let [byte] = self.array().map_err(|_| FileError::Truncated(start))?;
+            let bits = u32::from(byte & 0x7f);
+            if place == 4 && bits > 0xf {
+                break;
+            }
+            value |= bits << (7 * place);
+            if byte < 0x80 {
+                return Ok(value);
+            }
+        }
+        Err(FileError::Number(start))
+    }
+}

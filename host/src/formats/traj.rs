@@ -1,0 +1,171 @@
+//! `.traj` files: a path in group angles, as a controller stores and follows it.
+
+use core::f64::consts::PI;
+use std::path::Path;
+
+use foldpath_core::Scalar;
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory_file::{GroupLimits, write};
+
+use super::FileError;
+use super::fold::PathFile;
+use super::groups::{GroupPath, unfit};
+use crate::planner::Overshoot;
+
+/// A path as the bytes of a `.traj` file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajFile {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Number of crease groups.
+    pub groups: usize,
+    /// Number of hinges.
+    pub hinges: usize,
+    /// Number of knots.
+    pub knots: usize,
+    /// Seconds from the first knot to the last.
+    pub duration: f64,
+}
+
+/// Part of its limits by which a path may pass them; what it does is made slower, as what rounding does.
+const HASTE: f64 = 0.01;
+/// Times that a path is made slower, since rounded otherwise each time.
+const ROUNDS: usize = 16;
+
+impl TrajFile {
+    /// The path of `file`, rounded to `f32`. It keeps its limits on speed and acceleration as rounded: time is
+    /// stretched by as little as that takes. A limit that the file does not say is the largest found.
+    ///
+    /// # Errors
+    /// If hinges do not turn as their groups do, the path passes its own limits, or controllers cannot
+    /// follow a knot.
+    pub fn of(path: &PathFile, file: &Path) -> Result<Self, FileError> {
+        let exact = GroupPath::of(path, file)?;
+        let ones = vec![1.0; exact.groups];
+        let found = Overshoot::of(exact.view(file)?, &ones, &ones);
+        let speed = limit(path.max_speed, found.speed);
+        let acceleration = limit(path.max_acceleration, found.acceleration);
+        for (key, limit, found) in [
+            ("foldpath:maxSpeed", speed, found.speed),
+            ("foldpath:maxAcceleration", acceleration, found.acceleration),
+        ] {
+            if found > limit.to_f64() * (1.0 + HASTE) {
+                return Err(FileError::Expected {
+                    path: file.to_path_buf(),
+                    place: key.into(),
+                    expected: format!("at least the path's {}", found.to_degrees()),
+                    found: limit.to_f64().to_degrees().to_string(),
+                });
+            }
+        }
+        let [speeds, accelerations] =
+            [speed, acceleration].map(|limit| vec![limit.to_f64(); exact.groups]);
+        let limits = GroupLimits {
+            lower: f32::lit(-PI),
+            upper: f32::lit(PI),
+            speed,
+            acceleration,
+        };
+        let mut stretch = 1.0;
+        for _ in 0..ROUNDS {
+            let rounded = Rounded::of(&exact, stretch);
+            let view = rounded.wide.view(file)?;
+            let excess = Overshoot::of(view, &speeds, &accelerations).stretch();
+            if excess <= 1.0 {
+                return rounded.write(&exact, limits, file);
+            }
+            stretch *= excess;
+        }
+        Err(FileError::Expected {
+            path: file.to_path_buf(),
+            place: "file_frames".into(),
+            expected: "knots far enough apart for numbers of 32 bits".into(),
+            found: format!("a path {stretch} times as slow still passes its limits"),
+        })
+    }
+}
+
+/// A limit, rounded: down if it is known, so that it is kept, else up.
+fn limit(known: Option<f64>, found: f64) -> f32 {
+    let exact = known.unwrap_or(if found > 0.0 { found } else { f64::INFINITY });
+    let nearest = f32::lit(exact);
+    match known {
+        Some(_) if nearest.to_f64() > exact => nearest.next_down(),
+        None if nearest.to_f64() < exact => nearest.next_up(),
+        _ => nearest,
+    }
+}
+
+/// A path in numbers of 32 bits, and the same numbers in 64.
+struct Rounded {
+    times: Vec<f32>,
+    angles: Vec<f32>,
+    rates: Vec<f32>,
+    weights: Vec<[f32; 2]>,
+    wide: GroupPath,
+}
+
+impl Rounded {
+    /// A path that takes `stretch` times as long.
+    fn of(exact: &GroupPath, stretch: f64) -> Self {
+        let start = exact.times.first().copied().unwrap_or(0.0);
+        let round = |numbers: &[f64], factor: f64| -> Vec<f32> {
+            numbers.iter().map(|x| f32::lit(x * factor)).collect()
+        };
+        let times: Vec<f64> = exact.times.iter().map(|time| time - start).collect();
+        let times = round(&times, stretch);
+        let angles = round(&exact.angles, 1.0);
+        let rates = round(&exact.rates, 1.0 / stretch);
+        let weights = exact.weights.iter();
+        let weights: Vec<[f32; 2]> = weights
+            .map(|[weight, rate]| [f32::lit(*weight), f32::lit(rate / stretch)])
+            .collect();
+        let widen = |numbers: &[f32]| numbers.iter().map(|x| x.to_f64()).collect();
+        let wide = GroupPath {
+            interpolation: exact.interpolation,
+            hinges: Vec::new(),
+            groups: exact.groups,
+            times: widen(&times),
+            angles: widen(&angles),
+            rates: widen(&rates),
+            weights: weights.iter().map(|w| w.map(Scalar::to_f64)).collect(),
+        };
+        Self {
+            times,
+            angles,
+            rates,
+            weights,
+            wide,
+        }
+    }
+
+    fn write(
+        &self,
+        exact: &GroupPath,
+        limits: GroupLimits,
+        file: &Path,
+    ) -> Result<TrajFile, FileError> {
+        let view = TrajectoryView::new(
+            exact.interpolation,
+            exact.groups,
+            &self.times,
+            &self.angles,
+            &self.rates,
+            &self.weights,
+        );
+        let view = view.map_err(|error| unfit(file, &error))?;
+        let limits = vec![limits; exact.groups];
+        let mut bytes = Vec::new();
+        write(view, &limits, &exact.hinges, |part| {
+            bytes.extend_from_slice(part);
+        })
+        .map_err(|error| unfit(file, &error))?;
+        Ok(TrajFile {
+            bytes,
+            groups: exact.groups,
+            hinges: exact.hinges.len(),
+            knots: self.times.len(),
+            duration: self.wide.times.last().copied().unwrap_or(0.0),
+        })
+    }
+}
