@@ -89,7 +89,7 @@ impl Placed {
 /// angles, which other programs do not know, only where they save most. `None` if none does with the most
 /// allowed.
 pub(super) fn place(
-    course: &Course<'_>,
+    course: &Course,
     terms: &Terms<'_>,
     solver: &mut ClosureSolver<'_>,
     options: &PlanOptions,
@@ -155,7 +155,7 @@ pub(super) fn place(
 
 /// Ways to let time run that suit an interpolation.
 fn paces(
-    course: &Course<'_>,
+    course: &Course,
     kind: Interpolation,
     terms: &Terms<'_>,
     options: &PlanOptions,
@@ -192,7 +192,7 @@ const LEADS: usize = 8;
 
 /// Places knots on a course.
 struct Placer<'a, 's> {
-    course: &'a Course<'a>,
+    course: &'a Course,
     terms: &'a Terms<'a>,
     solver: &'a mut ClosureSolver<'s>,
     /// Knots beyond which to give up.
@@ -321,21 +321,30 @@ impl Placer<'_, '_> {
         haste(&self.curves, kind, span, self.terms)
     }
 
-    /// The waypoint of that number between the ends. Where a hinge comes to its limit there and turns back,
-    /// the motion stays within it.
+    /// The waypoint of that number between the ends. A hinge at its limit there has come to it or leaves it:
+    /// it does neither at speed.
     fn waypoint(&mut self, index: usize) -> Site {
         let mut site = self.course.site(index);
-        let groups = site.angles.iter().zip(&site.tangent).zip(self.terms.limits);
-        let mut beyond = groups.map(|((angle, rate), (lower, upper))| {
-            *angle <= lower + AT_LIMIT && *rate < 0.0 || *angle >= upper - AT_LIMIT && *rate > 0.0
-        });
-        if beyond.any(|beyond| beyond) {
-            let within = self
-                .solver
-                .project_on_motions(&site.angles, &mut site.tangent);
-            if within.is_none() {
+        let limits = self.terms.limits.iter().zip(&site.angles);
+        let at_limit: Vec<bool> = limits
+            .map(|((lower, upper), angle)| *angle <= lower + AT_LIMIT || *angle >= upper - AT_LIMIT)
+            .collect();
+        let moves = |site: &Site| {
+            let mut rates = at_limit.iter().zip(&site.tangent);
+            rates.any(|(at_limit, rate)| *at_limit && rate.abs() > 0.0)
+        };
+        if moves(&site) {
+            let solver = &mut self.solver;
+            if solver
+                .project_on_motions(&site.angles, &mut site.tangent)
+                .is_none()
+            {
                 site.tangent.fill(0.0);
             }
+            let rates = site.tangent.iter_mut().zip(&at_limit);
+            rates
+                .filter(|(_, at)| **at)
+                .for_each(|(rate, _)| *rate = 0.0);
         }
         site
     }
@@ -436,7 +445,7 @@ struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    fn new(course: &Course<'_>, kind: Interpolation, pace: &'a Pace) -> Self {
+    fn new(course: &Course, kind: Interpolation, pace: &'a Pace) -> Self {
         let last = course.site(course.ways().len() - 1);
         let widest = |group: &usize| last.angles[*group].abs();
         let lead = match pace {
