@@ -205,7 +205,7 @@ struct Placer<'a, 's> {
 
 /// Part by which a hinge may exceed its limits before the time is stretched in the end.
 const HASTE: f64 = 0.02;
-/// Part of the largest distance of two waypoints below which no knot is put between two others.
+/// Part of the distance of the two waypoints around them below which no knot is put between two others.
 const NARROWEST: f64 = 1.0 / 256.0;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
@@ -321,10 +321,15 @@ impl Placer<'_, '_> {
         haste(&self.curves, kind, span, self.terms)
     }
 
-    /// The waypoint of that number between the ends. A hinge at its limit there has come to it or leaves it:
-    /// it does neither at speed.
+    /// The waypoint of that number between the ends.
     fn waypoint(&mut self, index: usize) -> Site {
-        let mut site = self.course.site(index);
+        let site = self.course.site(index);
+        self.within_limits(site)
+    }
+
+    /// A configuration between the ends. A hinge at its limit there has come to it or leaves it: it does
+    /// neither at speed.
+    fn within_limits(&mut self, mut site: Site) -> Site {
         let limits = self.terms.limits.iter().zip(&site.angles);
         let at_limit: Vec<bool> = limits
             .map(|((lower, upper), angle)| *angle <= lower + AT_LIMIT || *angle >= upper - AT_LIMIT)
@@ -354,15 +359,14 @@ impl Placer<'_, '_> {
         if let Some(index) = self.course.waypoint_between(from.way, to.way) {
             return Some(self.waypoint(index));
         }
+        let middle = (from.way + to.way) / 2.0;
         let ways = self.course.ways();
-        let widest = ways
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .fold(0.0, f64::max);
-        if to.way - from.way <= NARROWEST * widest {
+        let next = ways.partition_point(|way| *way <= middle);
+        let around = ways.get(next)? - ways.get(next.checked_sub(1)?)?;
+        if to.way - from.way <= NARROWEST * around {
             return None;
         }
-        self.site_at((from.way + to.way) / 2.0)
+        self.site_at(middle)
     }
 
     /// The configuration at a place.
@@ -375,6 +379,7 @@ impl Placer<'_, '_> {
             return Some(site.clone());
         }
         let site = self.course.closed(self.solver, way)?;
+        let site = self.within_limits(site);
         self.found.push(site.clone());
         Some(site)
     }
