@@ -102,8 +102,12 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         limit("crossings", crossings, 0.0);
     }
     let stars = sheet.stars();
-    let certified = |value: Option<f64>| value.map_or(bound, |value| value.min(bound)) + ROUNDING;
-    for (knot, pair) in path.frames.windows(2).enumerate() {
+    let certified = |value: Option<f64>, other: f64| {
+        value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
+    };
+    // What is no path to the goal is not written, and nothing is said of it between its knots.
+    let pairs = path.frames.windows(2).filter(|_| arrives);
+    for (knot, pair) in pairs.enumerate() {
         let mut limit =
             |what: &str, value, most| limit(&format!("after knot {knot}: {what}"), value, most);
         limit("time back", pair[0].time - pair[1].time, 0.0);
@@ -112,7 +116,7 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         limit(
             "closure",
             worst(closures),
-            certified(plan.certified_closure),
+            certified(plan.certified_closure, 1.0),
         );
         let against = |angles: Vec<f64>| {
             let turns = angles.into_iter().zip(goal);
@@ -123,7 +127,7 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         for angles in shapes(FOLDED) {
             let poses = sheet.fold(&angles);
             let (placed, gap) = (sheet.positions(&poses), sheet.gap(&poses));
-            let most = certified(plan.certified_deformation);
+            let most = certified(plan.certified_deformation, OTHER_TREE);
             limit("gap", gap, most);
             limit("deformation", sheet.deformation(&placed), most);
             // Torn, a sheet may seem to cross where it touches.

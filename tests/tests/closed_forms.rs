@@ -283,7 +283,7 @@ fn rates_lie_along_the_closed_form() {
 fn hermite_interpolation_is_of_fourth_order() {
     for motion in miuras().chain(others()) {
         let planned = Planned::new(motion, Some(Interpolation::Hermite));
-        let coarse = planned.refined();
+        let coarse = planned.refined().refined();
         let (error, name) = (coarse.error_between_knots(), coarse.motion.name.clone());
         let fine = coarse.refined().error_between_knots();
         println!("{name}: {error:e} to {fine:e}");

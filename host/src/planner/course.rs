@@ -10,8 +10,8 @@ use super::solver::ClosureSolver;
 use super::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
 
 /// Waypoints, and the Euclidean length of the way in group angles to each.
-pub(super) struct Course<'a> {
-    waypoints: &'a [Waypoint],
+pub(super) struct Course {
+    waypoints: Vec<Waypoint>,
     ways: Vec<f64>,
 }
 
@@ -36,8 +36,13 @@ impl Site {
 /// A prediction farther from closing than this part of the distance between its waypoints is none.
 const ASTRAY: f64 = 0.1;
 
-impl<'a> Course<'a> {
-    pub(super) fn new(waypoints: &'a [Waypoint]) -> Self {
+/// Waypoints nearer to the one before than this part of the largest such distance are left out: where a
+/// motion turns back at a limit or passes a singular place, their tangents are not those of a smooth way.
+const TOO_NEAR: f64 = 1.0 / 1024.0;
+
+impl Course {
+    pub(super) fn new(waypoints: &[Waypoint]) -> Self {
+        let waypoints = spread(waypoints);
         let mut way = 0.0;
         let pairs = waypoints.windows(2);
         let ways = pairs.map(|pair| {
@@ -220,6 +225,22 @@ impl<'a> Course<'a> {
             }
         })
     }
+}
+
+/// The waypoints that are not too near to the one before. The ends and corners stay.
+fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
+    let pairs = waypoints.windows(2);
+    let widest = pairs.map(|pair| arc_length(&pair[0], &pair[1]));
+    let least = TOO_NEAR * widest.fold(0.0, f64::max);
+    let mut kept: Vec<Waypoint> = Vec::with_capacity(waypoints.len());
+    for (index, waypoint) in waypoints.iter().enumerate() {
+        let corner = max_norm(&waypoint.tangent) <= 0.0;
+        let near = |last: &Waypoint| arc_length(last, waypoint) < least;
+        if index + 1 == waypoints.len() || corner || !kept.last().is_some_and(near) {
+            kept.push(waypoint.clone());
+        }
+    }
+    kept
 }
 
 /// Length of the path between two waypoints: that of the circular arc with their chord whose ends

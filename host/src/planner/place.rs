@@ -89,7 +89,7 @@ impl Placed {
 /// angles, which other programs do not know, only where they save most. `None` if none does with the most
 /// allowed.
 pub(super) fn place(
-    course: &Course<'_>,
+    course: &Course,
     terms: &Terms<'_>,
     solver: &mut ClosureSolver<'_>,
     options: &PlanOptions,
@@ -155,7 +155,7 @@ pub(super) fn place(
 
 /// Ways to let time run that suit an interpolation.
 fn paces(
-    course: &Course<'_>,
+    course: &Course,
     kind: Interpolation,
     terms: &Terms<'_>,
     options: &PlanOptions,
@@ -192,7 +192,7 @@ const LEADS: usize = 8;
 
 /// Places knots on a course.
 struct Placer<'a, 's> {
-    course: &'a Course<'a>,
+    course: &'a Course,
     terms: &'a Terms<'a>,
     solver: &'a mut ClosureSolver<'s>,
     /// Knots beyond which to give up.
@@ -207,7 +207,7 @@ struct Placer<'a, 's> {
 const HASTE: f64 = 0.02;
 /// Part by which the time is stretched more, so that rounding the knots passes no limit.
 const MARGIN: f64 = 1e-5;
-/// Part of the largest distance of two waypoints below which no knot is put between two others.
+/// Part of the distance of the two waypoints around them below which no knot is put between two others.
 const NARROWEST: f64 = 1.0 / 256.0;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
@@ -323,21 +323,35 @@ impl Placer<'_, '_> {
         haste(&self.curves, kind, span, self.terms)
     }
 
-    /// The waypoint of that number between the ends. Where a hinge comes to its limit there and turns back,
-    /// the motion stays within it.
+    /// The waypoint of that number between the ends.
     fn waypoint(&mut self, index: usize) -> Site {
-        let mut site = self.course.site(index);
-        let groups = site.angles.iter().zip(&site.tangent).zip(self.terms.limits);
-        let mut beyond = groups.map(|((angle, rate), (lower, upper))| {
-            *angle <= lower + AT_LIMIT && *rate < 0.0 || *angle >= upper - AT_LIMIT && *rate > 0.0
-        });
-        if beyond.any(|beyond| beyond) {
-            let within = self
-                .solver
-                .project_on_motions(&site.angles, &mut site.tangent);
-            if within.is_none() {
+        let site = self.course.site(index);
+        self.within_limits(site)
+    }
+
+    /// A configuration between the ends. A hinge at its limit there has come to it or leaves it: it does
+    /// neither at speed.
+    fn within_limits(&mut self, mut site: Site) -> Site {
+        let limits = self.terms.limits.iter().zip(&site.angles);
+        let at_limit: Vec<bool> = limits
+            .map(|((lower, upper), angle)| *angle <= lower + AT_LIMIT || *angle >= upper - AT_LIMIT)
+            .collect();
+        let moves = |site: &Site| {
+            let mut rates = at_limit.iter().zip(&site.tangent);
+            rates.any(|(at_limit, rate)| *at_limit && rate.abs() > 0.0)
+        };
+        if moves(&site) {
+            let solver = &mut self.solver;
+            if solver
+                .project_on_motions(&site.angles, &mut site.tangent)
+                .is_none()
+            {
                 site.tangent.fill(0.0);
             }
+            let rates = site.tangent.iter_mut().zip(&at_limit);
+            rates
+                .filter(|(_, at)| **at)
+                .for_each(|(rate, _)| *rate = 0.0);
         }
         site
     }
@@ -347,15 +361,14 @@ impl Placer<'_, '_> {
         if let Some(index) = self.course.waypoint_between(from.way, to.way) {
             return Some(self.waypoint(index));
         }
+        let middle = (from.way + to.way) / 2.0;
         let ways = self.course.ways();
-        let widest = ways
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .fold(0.0, f64::max);
-        if to.way - from.way <= NARROWEST * widest {
+        let next = ways.partition_point(|way| *way <= middle);
+        let around = ways.get(next)? - ways.get(next.checked_sub(1)?)?;
+        if to.way - from.way <= NARROWEST * around {
             return None;
         }
-        self.site_at((from.way + to.way) / 2.0)
+        self.site_at(middle)
     }
 
     /// The configuration at a place.
@@ -368,6 +381,7 @@ impl Placer<'_, '_> {
             return Some(site.clone());
         }
         let site = self.course.closed(self.solver, way)?;
+        let site = self.within_limits(site);
         self.found.push(site.clone());
         Some(site)
     }
@@ -439,7 +453,7 @@ struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    fn new(course: &Course<'_>, kind: Interpolation, pace: &'a Pace) -> Self {
+    fn new(course: &Course, kind: Interpolation, pace: &'a Pace) -> Self {
         let last = course.site(course.ways().len() - 1);
         let widest = |group: &usize| last.angles[*group].abs();
         let lead = match pace {

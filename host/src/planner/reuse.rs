@@ -87,7 +87,7 @@ impl Planning<'_> {
         &mut self,
         reduction: &Reduction,
         found: &Found<'_>,
-        course: &Course<'_>,
+        course: &Course,
     ) -> Option<Placed> {
         let start = Instant::now();
         let (_, signs) = reduction.asked(self.goal);
@@ -149,7 +149,7 @@ impl Planning<'_> {
     }
 
     /// Looks for crossings anywhere on the motion, and ends the path before the first.
-    fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course<'_>) -> Plan {
+    fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
         let start = Instant::now();
         let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
@@ -241,7 +241,7 @@ impl Planning<'_> {
         mut self,
         reduction: &Reduction,
         found: &Found<'_>,
-        course: &Course<'_>,
+        course: &Course,
         crossed: Crossed,
     ) -> Plan {
         let Crossed {
