@@ -91,13 +91,12 @@ impl Exported {
                 }
             }
         }
-        let mut before = vec![vec![0.0; self.groups]; 3];
+        let mut latest = vec![vec![0.0; self.groups]; 3];
         let samples = (0..).map(|k| f64::from(k) * step);
         for t in samples.take_while(|t| *t < self.duration() + 2.0 * step) {
-            before.rotate_left(1);
-            view.sample(t, &mut before[2]);
-            for group in 0..self.groups {
-                let [a, b, c] = [0, 1, 2].map(|k| before[k][group]);
+            latest.rotate_left(1);
+            view.sample(t, &mut latest[2]);
+            for ((a, b), c) in latest[0].iter().zip(&latest[1]).zip(&latest[2]) {
                 raise(1, [(c - b) / step, (c - 2.0 * b + a) / (step * step)]);
             }
         }
@@ -325,7 +324,8 @@ fn what_cannot_be_exported_is_said() {
     let good = folder.read_json("path.fold");
     let hinge = good["foldpath:edges_group"].as_array().unwrap();
     let hinge = hinge.iter().rposition(|group| group.is_u64()).unwrap();
-    let cases: [(&dyn Fn(&mut Value), String); 5] = [
+    type Edit<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(Edit<'_>, String); 5] = [
         (
             &|path| path["foldpath:maxSpeed"] = json!(30.0),
             "foldpath:maxSpeed: expected at least the path's".into(),

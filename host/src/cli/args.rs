@@ -25,7 +25,7 @@ pub(super) enum Command {
     Info(Info),
     /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
     /// way
-    Plan(Plan),
+    Plan(Box<Plan>),
     /// Judge a path afresh: rigidity, closure, signs, steps and crossings at every knot
     Check(Check),
     /// Write one self-contained page that shows a path
