@@ -40,8 +40,6 @@ const NEAR: f64 = 0.5;
 const CLOSE: f64 = 1.0;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
 const LEAP: usize = 2;
-/// Pairs of faces nearer than this part of the median edge are looked at before any other.
-const NEAREST: f64 = 0.5;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
@@ -636,30 +634,63 @@ impl<'a> Sweep<'a> {
         };
         let mut apart = cells.gap(motion, time, offset);
         let leap = astray + cells.moved(motion, time, LEAP, offset);
-        if apart <= leap || apart < best || !bounds {
-            let first = best.is_infinite() && bounds && time < motion.end();
-            let near = match first {
-                true => NEAREST * self.pattern.median_edge(),
-                false if bounds => best,
-                false => f64::INFINITY,
-            };
-            let near = leap.max(near);
-            let found = cells.apart(motion, time, offset, near);
+        let near = if bounds {
+            leap.max(self.options.tolerance * self.pattern.median_edge())
+        } else {
+            f64::INFINITY
+        };
+        let mut measured = 0;
+        if apart <= near || apart < best {
+            let found = cells.apart(motion, time, offset, [near, best]);
             apart = found.least;
             if !found.near.is_empty() {
                 self.take(&found.near, time);
                 return Look::Again;
             }
+            for faces in found.nearest {
+                measured += self.measure(motion, faces);
+            }
         }
+        let best = self.best();
         let Some(cells) = &self.sheet.cells else {
             return Look::Free;
         };
-        self.counts.skipped_bounds += cells.offsets()[offset as usize].left;
+        let left = cells.offsets()[offset as usize].left;
+        self.counts.skipped_bounds += left.saturating_sub(measured);
         match cells.until(motion, time, offset, apart - astray) {
             None => Look::Free,
             Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
             Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
             Some((until, _)) => Look::Until(until),
+        }
+    }
+
+    /// Measures the distance of two faces, if it may be the smallest; returns how many pairs of pieces
+    /// were measured.
+    fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
+        let [first, second] = faces.map(|face| self.pieces.of(face));
+        let mut measured = 0;
+        for a in first {
+            for b in second.clone() {
+                measured += 1;
+                self.counts.tested += 1;
+                self.put(motion, [a, b], false);
+                let placed = self.sheet.placed(&self.pieces);
+                self.note(motion, [a, b], distance(&placed.piece(a), &placed.piece(b)));
+            }
+        }
+        measured
+    }
+
+    /// Notes a distance that is smaller than all before.
+    fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
+        if distance < self.best() {
+            let [first, second] = nodes.map(|node| self.pieces.list[node as usize].face);
+            self.clearance = Some(Clearance {
+                distance,
+                faces: [first.min(second), first.max(second)],
+                place: place(motion, self.sheet.time),
+            });
         }
     }
 
@@ -708,13 +739,8 @@ impl<'a> Sweep<'a> {
                 return Look::Crossing(depth);
             }
         }
-        if counts && apart < best {
-            let [first, second] = [a, b].map(|node| self.pieces.list[node as usize].face);
-            self.clearance = Some(Clearance {
-                distance: apart,
-                faces: [first.min(second), first.max(second)],
-                place: place(motion, self.sheet.time),
-            });
+        if counts {
+            self.note(motion, [a, b], apart);
         }
         if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
             return look;
