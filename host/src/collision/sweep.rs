@@ -39,7 +39,7 @@ const NEAR: f64 = 0.5;
 /// measured exactly.
 const CLOSE: f64 = 1.0;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
-const LEAP: usize = 2;
+const LEAP: usize = 1;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
