@@ -10,6 +10,9 @@ use crate::folding::{LatticeCourse, LatticeMotion, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{Lattice, PairClass};
 
+/// Looks at how far all moves until a time is taken.
+const LOOKS: usize = 4;
+
 /// A lattice that is folded at one time after the other.
 #[derive(Clone, Debug)]
 pub(super) struct Cells<'a> {
@@ -25,8 +28,8 @@ pub(super) struct Cells<'a> {
     /// For each orbit the number of pieces, and a circle round a face, reduced.
     counts: Vec<u64>,
     circles: Vec<(Vector2<f64>, f64)>,
-    /// The middles of those circles in cell `[0, 0]`, if they were asked for at this time.
-    centers: Vec<Vector3<f64>>,
+    /// Where those circles are in cell `[0, 0]`, if they were asked for at this time.
+    disks: Vec<Disk>,
     centered: Tick,
     /// Powers of both steps, from the lowest on, with their times.
     low: [i32; 2],
@@ -46,13 +49,36 @@ pub(super) struct Offset {
     taken: Vec<u64>,
 }
 
+/// A circle in space.
+#[derive(Clone, Copy, Debug)]
+struct Disk {
+    center: Vector3<f64>,
+    normal: Vector3<f64>,
+    radius: f64,
+}
+
+impl Disk {
+    /// No more than the distance of two disks: that of the balls round them, or of one disk from the
+    /// plane of the other.
+    fn apart(&self, other: &Self) -> f64 {
+        let between = other.center - self.center;
+        let balls = between.norm() - self.radius - other.radius;
+        let slant = self.normal.cross(&other.normal).norm();
+        let over = self.normal.dot(&between).abs() - other.radius * slant;
+        let under = other.normal.dot(&between).abs() - self.radius * slant;
+        balls.max(over).max(under)
+    }
+}
+
 /// Where all pairs of two cells stand that are not looked at one by one.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// The smallest distance of their spheres.
+    /// No more than the smallest distance.
     pub(super) least: f64,
-    /// Pairs of faces that are nearer than asked for.
+    /// Pairs of faces that may be too near to stand with the others.
     pub(super) near: Vec<[FaceId; 2]>,
+    /// Others that may be nearer than the nearest found so far.
+    pub(super) nearest: Vec<[FaceId; 2]>,
 }
 
 impl<'a> Cells<'a> {
@@ -87,7 +113,7 @@ impl<'a> Cells<'a> {
                 .take(orbits.len())
                 .map(|orbit| circle(folded.corners(orbit)))
                 .collect(),
-            centers: vec![Vector3::zeros(); orbits.len()],
+            disks: Vec::new(),
             centered: Tick::MAX,
             // Both cells, and their differences.
             low: ends.map(|[low, high]| low.min(low.saturating_sub(high))),
@@ -195,14 +221,28 @@ impl<'a> Cells<'a> {
         self.folded.gap_at(&there)
     }
 
-    /// Where the faces of two cells stand; pairs nearer than `near` are taken to be looked at one by one.
-    pub(super) fn apart(&mut self, motion: &Motion, time: Tick, offset: u32, near: f64) -> Apart {
+    /// Where the faces of two cells stand; pairs no farther apart than `near` are taken to be looked at
+    /// one by one, and those nearer than `best` are named.
+    pub(super) fn apart(
+        &mut self,
+        motion: &Motion,
+        time: Tick,
+        offset: u32,
+        [near, best]: [f64; 2],
+    ) -> Apart {
         self.fold(motion, time);
         if self.centered != time {
             self.centered = time;
-            for (orbit, (center, circle)) in (0..).zip(self.centers.iter_mut().zip(&self.circles)) {
-                *center = self.folded.pose(orbit, [0, 0]).apply(circle.0);
-            }
+            let disks = (0..).zip(&self.circles).map(|(orbit, &(center, radius))| {
+                let pose = self.folded.pose(orbit, [0, 0]);
+                Disk {
+                    center: pose.apply(center),
+                    normal: pose.r_wf.rotate(&Vector3::z()),
+                    radius,
+                }
+            });
+            self.disks.clear();
+            self.disks.extend(disks);
         }
         let index = offset as usize;
         let cell = self.offsets[index].cell;
@@ -210,10 +250,16 @@ impl<'a> Cells<'a> {
         let mut apart = Apart {
             least: f64::INFINITY,
             near: Vec::new(),
+            nearest: Vec::new(),
         };
-        let orbits = self.circles.len();
+        let orbits = self.disks.len();
         for b in 0..orbits {
-            let (center, radius) = (there.carry(&self.centers[b]), self.circles[b].1);
+            let here = self.disks[b];
+            let disk = Disk {
+                center: there.carry(&here.center),
+                normal: there.r_wf.rotate(&here.normal),
+                ..here
+            };
             let end = if cell == [0, 0] { b } else { orbits };
             for a in 0..end {
                 let bit = a * orbits + b;
@@ -221,12 +267,16 @@ impl<'a> Cells<'a> {
                 if taken.is_some_and(|word| word >> (bit % 64) & 1 == 1) {
                     continue;
                 }
-                let distance = (center - self.centers[a]).norm() - radius - self.circles[a].1;
-                if distance < near {
+                let distance = disk.apart(&self.disks[a]);
+                if distance <= near {
                     self.take(index, [a, b], &mut apart.near);
-                } else {
-                    apart.least = apart.least.min(distance);
+                    continue;
                 }
+                if distance < best {
+                    let class = class(cell, [a, b]);
+                    apart.nearest.extend(self.lattice.pair_of(class));
+                }
+                apart.least = apart.least.min(distance);
             }
         }
         apart
@@ -240,16 +290,7 @@ impl<'a> Cells<'a> {
         }
         let bit = a * orbits + b;
         offset.taken[bit / 64] |= 1 << (bit % 64);
-        let [column, row] = offset.cell;
-        let (orbits, cell) = if a <= b {
-            ([a, b], offset.cell)
-        } else {
-            ([b, a], [-column, -row])
-        };
-        let class = PairClass {
-            orbits: orbits.map(|orbit| FaceId::new(orbit).0),
-            offset: cell,
-        };
+        let class = class(offset.cell, [a, b]);
         if let Some(faces) = self.lattice.pair_of(class) {
             offset.left = offset.left.saturating_sub(self.counts[a] * self.counts[b]);
             near.push(faces);
@@ -264,7 +305,7 @@ impl<'a> Cells<'a> {
         self.course.cells([from, to], offset)
     }
 
-    /// The last tabulated time until which two cells come closer by no more than `allowance`, if one comes
+    /// About the last tabulated time until which two cells come closer by no more than `allowance`, if one comes
     /// after `time`, and by how much they may.
     pub(super) fn until(
         &self,
@@ -303,23 +344,43 @@ impl<'a> Cells<'a> {
     ) -> Option<(Tick, f64)> {
         let from = motion.tabulated(time)?;
         let (mut low, mut high) = (from, self.course.times());
-        let mut reached = None;
-        // Ever longer steps, and then halves of the last.
-        let mut step = 1;
-        while high - low > 1 {
-            let next = if step == 0 {
-                usize::midpoint(low, high)
-            } else {
-                (from + step).min(high - 1)
-            };
+        let (mut next, mut reached) = (high - 1, None);
+        // Motion is about even, and a time somewhat before the last is as good.
+        let mut looks = 0;
+        while next > low && (looks < LOOKS || reached.is_none()) {
+            looks += 1;
             let by = moved([from, next]);
             if by <= allowance {
-                (low, reached, step) = (next, Some(by), step * 2);
+                (low, reached) = (next, Some(by));
             } else {
-                (high, step) = (next, 0);
+                high = next;
             }
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "a guess, put between two times"
+            )]
+            let guess = from + (allowance / by * (next - from) as f64) as usize;
+            if high - low < 2 {
+                break;
+            }
+            next = guess.clamp(low + 1, high - 1);
         }
         reached.map(|by| (motion.tick(low), by))
+    }
+}
+
+/// The class of pairs of a face of orbit `a` and one of orbit `b` so many cells on.
+fn class([column, row]: [i32; 2], [a, b]: [usize; 2]) -> PairClass {
+    let (orbits, offset) = if a <= b {
+        ([a, b], [column, row])
+    } else {
+        ([b, a], [-column, -row])
+    };
+    PairClass {
+        orbits: orbits.map(|orbit| FaceId::new(orbit).0),
+        offset,
     }
 }
 

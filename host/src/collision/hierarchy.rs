@@ -195,16 +195,17 @@ pub(super) fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
     } else {
         points.len()
     }];
-    let pairs = few
-        .iter()
-        .flat_map(|a| few.iter().map(move |b| (a + b) / 2.0));
+    let pairs = few.iter().enumerate().flat_map(|(k, a)| {
+        let before = few[..k].iter();
+        before.map(move |b| (a + b) / 2.0)
+    });
     #[allow(clippy::cast_precision_loss, reason = "a mean")]
     let mean = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
     let reach = |center: Vector2<f64>| {
-        let away = points.iter().map(|p| (p - center).norm());
+        let away = points.iter().map(|p| (p - center).norm_squared());
         away.fold(0.0, f64::max)
     };
     let candidates = pairs.chain([mean]).map(|center| (center, reach(center)));
     let least = candidates.min_by(|a, b| a.1.total_cmp(&b.1));
-    least.unwrap_or((mean, 0.0))
+    least.map_or((mean, 0.0), |(center, squared)| (center, squared.sqrt()))
 }

@@ -39,9 +39,7 @@ const NEAR: f64 = 0.5;
 /// measured exactly.
 const CLOSE: f64 = 1.0;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
-const LEAP: usize = 2;
-/// Pairs of faces nearer than this part of the median edge are looked at before any other.
-const NEAREST: f64 = 0.5;
+const LEAP: usize = 1;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
@@ -59,8 +57,12 @@ pub struct SweepOptions {
     pub tolerance: f64,
     /// Largest gap (over the median edge) that the motion tears into the sheet: pairs that meet in a
     /// vertex may cross by as much more. Where it tears, the bounds on motion hold up to the gaps along
-    /// the chains of faces, and no lattice is used.
+    /// the chains of faces.
     pub gap: f64,
+    /// How far (over the median edge) a face may be, as seen from any other, from where the lattice has it
+    /// if the motion tears the sheet. Faces without a common vertex that come so near to each other are
+    /// not decided along the lattice.
+    pub astray: f64,
     /// Pairs are passed over while their motion cannot bring them together. Without, each is looked at at
     /// every tabulated time.
     pub skip_motion: bool,
@@ -79,6 +81,7 @@ impl Default for SweepOptions {
         Self {
             tolerance: CROSSING,
             gap: 0.0,
+            astray: 0.0,
             skip_motion: true,
             skip_bounds: true,
             skip_edges: true,
@@ -194,6 +197,8 @@ enum Look {
     Free,
     /// Crossing this deep.
     Crossing(f64),
+    /// Too near to say on a torn sheet.
+    Unsure,
     /// To be parted.
     Part,
     /// To be looked at again after the pairs taken from it.
@@ -256,8 +261,6 @@ impl<'a> Sweep<'a> {
         options: SweepOptions,
         lattice: Option<&'a Lattice>,
     ) -> Self {
-        // On a torn sheet what moves alike by the lattice does not by the folding map.
-        let lattice = lattice.filter(|_| options.gap <= options.tolerance);
         let pieces = Pieces::new(pattern);
         let hierarchy = match lattice {
             Some(_) => Hierarchy::leaves(&pieces),
@@ -408,13 +411,7 @@ impl<'a> Sweep<'a> {
         let mut deepest: Option<(Crossing, u32)> = None;
         while let Some(index) = due.pop() {
             if self.is_spent() {
-                let faces = self.pairs[index as usize].nodes;
-                let faces = faces.map(|node| self.hierarchy.nodes[node as usize].face);
-                let at = place(motion, time);
-                return Some(SweepVerdict::Undecided {
-                    faces: Some(faces),
-                    at,
-                });
+                return Some(self.undecided(motion, index, time));
             }
             let look = self.look(motion, index);
             match look {
@@ -427,6 +424,7 @@ impl<'a> Sweep<'a> {
                     due.push(index);
                     due.extend(self.due.remove(&time).unwrap_or_default());
                 }
+                Look::Unsure => return Some(self.undecided(motion, index, time)),
                 Look::Part => {
                     self.part(index, time);
                     due.extend(self.due.remove(&time).unwrap_or_default());
@@ -440,6 +438,21 @@ impl<'a> Sweep<'a> {
             }
         }
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
+    }
+
+    fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
+        SweepVerdict::Undecided {
+            faces: Some(self.faces(index)),
+            at: place(motion, time),
+        }
+    }
+
+    /// How far faces may be off in the units of the sheet.
+    fn astray(&self) -> f64 {
+        match self.sheet.cells {
+            Some(_) => self.options.astray * self.pattern.median_edge(),
+            None => 0.0,
+        }
     }
 
     fn is_spent(&mut self) -> bool {
@@ -615,36 +628,69 @@ impl<'a> Sweep<'a> {
 
     fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
         let (time, best) = (self.sheet.time, self.best());
-        let bounds = self.options.skip_bounds;
+        let (bounds, astray) = (self.options.skip_bounds, self.astray());
         let Some(cells) = &mut self.sheet.cells else {
             return Look::Free;
         };
         let mut apart = cells.gap(motion, time, offset);
-        let leap = cells.moved(motion, time, LEAP, offset);
-        if apart <= leap || apart < best || !bounds {
-            let first = best.is_infinite() && bounds && time < motion.end();
-            let near = match first {
-                true => NEAREST * self.pattern.median_edge(),
-                false if bounds => best,
-                false => f64::INFINITY,
-            };
-            let near = leap.max(near);
-            let found = cells.apart(motion, time, offset, near);
+        let leap = astray + cells.moved(motion, time, LEAP, offset);
+        let near = if bounds {
+            leap.max(self.options.tolerance * self.pattern.median_edge())
+        } else {
+            f64::INFINITY
+        };
+        let mut measured = 0;
+        if apart <= near || apart < best {
+            let found = cells.apart(motion, time, offset, [near, best]);
             apart = found.least;
             if !found.near.is_empty() {
                 self.take(&found.near, time);
                 return Look::Again;
             }
+            for faces in found.nearest {
+                measured += self.measure(motion, faces);
+            }
         }
+        let best = self.best();
         let Some(cells) = &self.sheet.cells else {
             return Look::Free;
         };
-        self.counts.skipped_bounds += cells.offsets()[offset as usize].left;
-        match cells.until(motion, time, offset, apart) {
+        let left = cells.offsets()[offset as usize].left;
+        self.counts.skipped_bounds += left.saturating_sub(measured);
+        match cells.until(motion, time, offset, apart - astray) {
             None => Look::Free,
             Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
             Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
             Some((until, _)) => Look::Until(until),
+        }
+    }
+
+    /// Measures the distance of two faces, if it may be the smallest; returns how many pairs of pieces
+    /// were measured.
+    fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
+        let [first, second] = faces.map(|face| self.pieces.of(face));
+        let mut measured = 0;
+        for a in first {
+            for b in second.clone() {
+                measured += 1;
+                self.counts.tested += 1;
+                self.put(motion, [a, b], false);
+                let placed = self.sheet.placed(&self.pieces);
+                self.note(motion, [a, b], distance(&placed.piece(a), &placed.piece(b)));
+            }
+        }
+        measured
+    }
+
+    /// Notes a distance that is smaller than all before.
+    fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
+        if distance < self.best() {
+            let [first, second] = nodes.map(|node| self.pieces.list[node as usize].face);
+            self.clearance = Some(Clearance {
+                distance,
+                faces: [first.min(second), first.max(second)],
+                place: place(motion, self.sheet.time),
+            });
         }
     }
 
@@ -666,43 +712,42 @@ impl<'a> Sweep<'a> {
         let apart = spheres[0].distance(&spheres[1]);
         let best = self.best();
         let counts = pair.kind == Kind::Pieces;
-        let far = apart > CLOSE * spheres[0].radius.min(spheres[1].radius);
+        let astray = self.astray();
+        let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
-            if let Some(look) = self.along_lattice(motion, index, apart, counts) {
+            if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
                 return look;
             }
             let chain = self.chain(index);
             self.gather(motion, &chain, |side, axis| {
                 axis.distance(&spheres[side].center) + spheres[side].radius
             });
-            return self.after(motion, apart, apart, counts);
+            return self.after(motion, apart, apart - astray, counts);
         }
         self.counts.tested += 1;
         self.put(motion, [a, b], false);
         let placed = self.sheet.placed(&self.pieces);
         let apart = distance(&placed.piece(a), &placed.piece(b));
         let tolerance = self.tolerance(pair.kind);
+        if astray > 0.0 && apart <= astray + tolerance {
+            return Look::Unsure;
+        }
         if apart <= tolerance {
             let depth = self.depth(motion, [a, b]);
             if depth > tolerance {
                 return Look::Crossing(depth);
             }
         }
-        if counts && apart < best {
-            let [first, second] = [a, b].map(|node| self.pieces.list[node as usize].face);
-            self.clearance = Some(Clearance {
-                distance: apart,
-                faces: [first.min(second), first.max(second)],
-                place: place(motion, self.sheet.time),
-            });
+        if counts {
+            self.note(motion, [a, b], apart);
         }
-        if let Some(look) = self.along_lattice(motion, index, apart, counts) {
+        if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
             return look;
         }
         let chain = self.chain(index);
         self.gather_corners(motion, &chain, [a, b]);
-        let look = self.after(motion, apart, apart + tolerance, counts);
+        let look = self.after(motion, apart, apart - astray + tolerance, counts);
         self.at_contact(motion, index, pair.kind, apart, look)
     }
 

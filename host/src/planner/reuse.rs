@@ -43,6 +43,9 @@ pub(super) struct Found<'a> {
     pub(super) part: f64,
 }
 
+/// Median edges: where faces may be farther off, their lattice says nothing of crossings.
+const FAR_ASTRAY: f64 = 0.25;
+
 impl Planning<'_> {
     /// Reuses a path on the whole sheet and judges it there.
     pub(super) fn judge(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
@@ -167,13 +170,30 @@ impl Planning<'_> {
         let memberships = reduction.groups.memberships();
         let symmetric = || Lattice::find(self.pattern, memberships);
         let lattice = skips.symmetry.then(symmetric).flatten();
-        let mut sweep = match &lattice {
-            Some(lattice) => Sweep::with_lattice(self.pattern, memberships, options, lattice),
-            None => Sweep::new(self.pattern, memberships, options),
-        };
         let curves = self.plan.path.curves();
-        let verdict = sweep.sweep(&curves);
-        self.plan.collision = sweep.counts();
+        let whole = || {
+            let mut sweep = Sweep::new(self.pattern, memberships, options);
+            (sweep.sweep(&curves), sweep.counts())
+        };
+        let torn = options.gap > options.tolerance;
+        let astray = |lattice: &Lattice| if torn { self.astray(lattice) } else { 0.0 };
+        let near = lattice.as_ref().map(|lattice| (lattice, astray(lattice)));
+        let (verdict, counts) = match near {
+            Some((lattice, astray)) if astray < FAR_ASTRAY => {
+                let options = SweepOptions { astray, ..options };
+                let mut sweep = Sweep::with_lattice(self.pattern, memberships, options, lattice);
+                match sweep.sweep(&curves) {
+                    SweepVerdict::Free(clearance) => {
+                        (SweepVerdict::Free(clearance), sweep.counts())
+                    }
+                    verdict if !torn => (verdict, sweep.counts()),
+                    // On a torn sheet what nearly touches by the lattice may not by the folding map.
+                    _ => whole(),
+                }
+            }
+            _ => whole(),
+        };
+        self.plan.collision = counts;
         self.plan.times.collision += start.elapsed();
         match verdict {
             SweepVerdict::Free(clearance) => {
@@ -233,6 +253,33 @@ impl Planning<'_> {
                 )
             }
         }
+    }
+
+    /// How far, over the median edge, a face may be from where the lattice has it, as seen from another.
+    ///
+    /// Two ways from face to face, one along the tree and one along the steps of the lattice, enclose no
+    /// more vertices than fit in the box of its cells, and each turns what is beyond by its residual.
+    fn astray(&self, lattice: &Lattice) -> f64 {
+        let closure = self.plan.certified_closure.unwrap_or(f64::INFINITY);
+        if !self.pattern.holes().is_empty() {
+            return f64::INFINITY;
+        }
+        let ends = [0, 1].map(|k| {
+            let low = lattice.orbits().iter().map(|orbit| orbit.low[k]).min();
+            let high = lattice.orbits().iter().map(|orbit| orbit.high[k]).max();
+            f64::from(high.unwrap_or_default()) - f64::from(low.unwrap_or_default()) + 1.0
+        });
+        #[allow(clippy::cast_precision_loss, reason = "counts of vertices and faces")]
+        let [vertices, faces, orbits] = [
+            self.pattern.vertices().len(),
+            self.pattern.faces().len(),
+            lattice.orbits().len(),
+        ]
+        .map(|count| count as f64);
+        let enclosed = vertices * orbits / faces * ends[0] * ends[1];
+        let ways = lattice.steps().iter().zip(ends);
+        let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
+        closure * enclosed * reach / self.pattern.median_edge()
     }
 
     /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says
