@@ -215,21 +215,14 @@ impl Planning<'_> {
                 ));
                 self.plan
             }
-            // Where layers touch, what is off the course by what the bound allows may cross.
-            SweepVerdict::Crossing { .. } if found.part > PARTS[1] && !found.retreats => {
-                self.plan.rigidity = Rigidity::default();
-                self.plan.max_closure = 0.0;
-                let nearer = Found {
-                    part: found.part * NEARER,
-                    ..*found
-                };
-                self.judge(reduction, &nearer)
-            }
             SweepVerdict::Crossing {
                 crossing,
                 last_free,
                 ..
             } => {
+                if let Some(plan) = self.nearer(reduction, found) {
+                    return plan;
+                }
                 let free: Option<Vec<f64>> = last_free.map(|place| {
                     let curves = curves[place.segment].iter();
                     let rates = curves
@@ -280,6 +273,26 @@ impl Planning<'_> {
         let ways = lattice.steps().iter().zip(ends);
         let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
         closure * enclosed * reach / self.pattern.median_edge()
+    }
+
+    /// The plan with the motion nearer to the course, if nothing crosses then: where layers touch, what is
+    /// off the course by what the bound allows may cross.
+    fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
+        if found.part <= PARTS[1] || found.retreats {
+            return None;
+        }
+        let mut planning = Planning {
+            plan: self.plan.clone(),
+            ..*self
+        };
+        planning.plan.rigidity = Rigidity::default();
+        planning.plan.max_closure = 0.0;
+        let nearer = Found {
+            part: found.part * NEARER,
+            ..*found
+        };
+        let plan = planning.judge(reduction, &nearer);
+        (plan.outcome == Outcome::Planned).then_some(plan)
     }
 
     /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says

@@ -23,8 +23,10 @@ pub struct Scene {
     pub triangles: Vec<[u32; 3]>,
     /// Every edge of the pattern.
     pub edges: Vec<SceneEdge>,
-    /// The path; at least one knot, in the order of time.
+    /// Shapes on the path, its knots among them; at least one, in the order of time.
     pub knots: Vec<SceneKnot>,
+    /// Number of knots of the path.
+    pub path_knots: usize,
     /// Number of creases, virtual edges not counted.
     pub creases: usize,
     /// Number of crease groups.
@@ -118,6 +120,7 @@ mod tests {
                 gap: 0.0,
                 closure: 0.0,
             }],
+            path_knots: 1,
             creases: 0,
             groups: 0,
             max_deformation: 0.0,

@@ -13,6 +13,9 @@ impl Scene {
     /// the file claims.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
+        let path_knots = path.knots.len();
+        // Between shapes vertices are drawn on straight lines.
+        let path = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
         let leaders = leaders(path);
@@ -62,6 +65,7 @@ impl Scene {
                 })
                 .collect(),
             knots,
+            path_knots,
             creases: pattern.creases().len(),
             groups: leaders.len(),
             max_deformation: worst(|m| m.rigidity.deformation),
@@ -70,6 +74,9 @@ impl Scene {
         }
     }
 }
+
+/// Radians that a hinge turns from one shape to the next at most.
+const STEP: f64 = 0.1;
 
 /// For each curve an edge and its part in its crease group; every crease on its own where the file
 /// has no groups.

@@ -58,7 +58,48 @@ impl PathFile {
         let span = to.time - from.time;
         Some(Curve::between(self.interpolation, span, nodes[0], nodes[1]))
     }
+
+    /// The same path with configurations of its motion between its knots, without rates and positions, so
+    /// that no hinge turns by much more than `step` (radians) from one to the next.
+    #[must_use]
+    pub fn with_steps(&self, step: f64) -> Self {
+        let mut knots: Vec<PathKnot> = self.knots.iter().take(1).cloned().collect();
+        for (segment, pair) in self.knots.windows(2).enumerate() {
+            let edges = (0..self.pattern.edges().len()).map(EdgeId::new);
+            let curves: Vec<_> = edges.filter_map(|edge| self.curve(segment, edge)).collect();
+            let turned = |curve: &Curve<f64>| {
+                let parts = [0.0, 0.25, 0.5, 0.75, 1.0].map(|s| curve.angle(s));
+                parts
+                    .windows(2)
+                    .map(|ends| (ends[1] - ends[0]).abs())
+                    .sum::<f64>()
+            };
+            let most = curves.iter().map(turned).fold(0.0, f64::max);
+            let parts = (most / step).ceil().clamp(1.0, MOST_STEPS);
+            let mut part = 1.0;
+            while part < parts {
+                let s = part / parts;
+                knots.push(PathKnot {
+                    time: pair[0].time + s * (pair[1].time - pair[0].time),
+                    fold_angles: curves.iter().map(|curve| curve.angle(s)).collect(),
+                    rates: None,
+                    weights: None,
+                    vertices: None,
+                    claims: [None; 3],
+                });
+                part += 1.0;
+            }
+            knots.push(pair[1].clone());
+        }
+        Self {
+            knots,
+            ..self.clone()
+        }
+    }
 }
+
+/// Steps that a segment is parted into at most.
+const MOST_STEPS: f64 = 1000.0;
 
 /// One stored configuration.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,74 @@
+//! A motion that crosses strictly between knots is refused by the planner.
+
+use foldpath::collision::CollisionScene;
+use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use nalgebra::Vector2;
+
+/// A unit square with a flap of 0.55 on its left and one on its right. Folded over to 172 and 174 degrees one
+/// lies above the other, but on the way, for two degrees, they pass through each other.
+fn flaps() -> CreasePattern {
+    let xs = [-0.55, 0.0, 1.0, 1.55];
+    let vertices = xs
+        .iter()
+        .flat_map(|&x| [0.0, 1.0].map(|y| Vector2::new(x, y)));
+    let edge = |a: usize, b: usize, letter, goal: Option<f64>| DrawnEdge {
+        ends: [a, b],
+        letter,
+        goal: goal.map(f64::to_radians),
+    };
+    let mut edges = vec![
+        edge(0, 1, Letter::Boundary, None),
+        edge(2, 3, Letter::Valley, Some(172.0)),
+        edge(4, 5, Letter::Valley, Some(174.0)),
+        edge(6, 7, Letter::Boundary, None),
+    ];
+    for left in 0..3 {
+        for side in 0..2 {
+            let (a, b) = (2 * left + side, 2 * left + 2 + side);
+            edges.push(edge(a, b, Letter::Boundary, None));
+        }
+    }
+    CreasePattern::new(Drawing {
+        vertices: vertices.collect(),
+        edges,
+        ..Drawing::default()
+    })
+    .unwrap()
+}
+
+#[test]
+fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
+    let pattern = flaps();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let blind = PlanOptions {
+        collision: false,
+        ..PlanOptions::default()
+    };
+    let unseen = plan(&pattern, &goal, &blind);
+    assert_eq!(unseen.outcome, Outcome::Planned);
+    let tree = SpanningTree::from_central_face(&pattern);
+    let mut scene = CollisionScene::new(&pattern);
+    for knot in &unseen.path.knots {
+        let member = |m: &foldpath_core::Membership| m.apply(knot.angles[m.group.index()]);
+        let angles: Vec<f64> = unseen.path.memberships.iter().map(member).collect();
+        let map = FoldingMap::new(&pattern, &tree, &angles);
+        assert!(scene.deepest_crossing(&map, 0.0).is_none(), "{angles:?}");
+    }
+
+    let seen = plan(&pattern, &goal, &PlanOptions::default());
+    let Outcome::Crossing(crossing) = seen.outcome else {
+        panic!("{:?}", seen.outcome)
+    };
+    let [a, b] = crossing
+        .faces
+        .map(|face| pattern.faces()[face.index()].to_vec());
+    assert!(a.iter().all(|corner| !b.contains(corner)), "{a:?} {b:?}");
+    // The tips meet at 165.13 degrees of 174.
+    assert!(
+        (seen.reached - 165.13 / 174.0).abs() < 1e-3,
+        "{}",
+        seen.reached
+    );
+}

@@ -1,0 +1,122 @@
+//! What the search for crossings skips changes how much it looks at, never its verdict.
+//!
+//! The large patterns without any skipping take minutes:
+//! `cargo test --release -p foldpath-tests --test skips -- --ignored`.
+
+use std::path::{Path, PathBuf};
+
+use foldpath::formats::fold::read_pattern;
+use foldpath::planner::{Goal, Plan, PlanOptions, Skips, plan};
+
+/// Faces up to which a pattern is tried with each switch alone.
+const SMALL: usize = 60;
+
+fn patterns() -> impl Iterator<Item = PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patterns");
+    let files = std::fs::read_dir(folder).unwrap();
+    let files = files.map(|file| file.unwrap().path());
+    files.filter(|file| file.extension().is_some_and(|ending| ending == "fold"))
+}
+
+const ALL: Skips = Skips {
+    symmetry: true,
+    motion: true,
+    bounds: true,
+    edges: true,
+};
+
+const NONE: Skips = Skips {
+    symmetry: false,
+    motion: false,
+    bounds: false,
+    edges: false,
+};
+
+/// Compares the plans of a file with the switches and with everything skipped that can be.
+fn compare(file: &Path, switches: &[Skips]) {
+    let pattern = read_pattern(file).unwrap().pattern;
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let with = |skips| {
+        let options = PlanOptions {
+            skips,
+            ..PlanOptions::default()
+        };
+        plan(&pattern, &goal, &options)
+    };
+    let all = with(ALL);
+    for &skips in switches {
+        let some = with(skips);
+        let name = format!("{} {skips:?}", file.display());
+        assert_eq!(some.outcome.name(), all.outcome.name(), "{name}");
+        assert!((some.reached - all.reached).abs() < 1e-4, "{name}");
+        let clearance = |plan: &Plan| plan.clearance.map(|clearance| clearance.distance);
+        // More looks may see faces nearer to each other.
+        match (clearance(&all), clearance(&some)) {
+            (Some(all), Some(some)) => assert!(some <= all + 1e-9, "{name}: {some} {all}"),
+            (all, some) => assert_eq!(all, some, "{name}"),
+        }
+        let counts = some.collision;
+        let off = [
+            (skips.symmetry, counts.skipped_symmetry),
+            (skips.motion, counts.skipped_motion),
+            (skips.bounds, counts.skipped_bounds),
+            (skips.edges, counts.skipped_edges),
+        ];
+        assert!(
+            off.iter().all(|(skips, count)| *skips || *count == 0),
+            "{name}: {counts:?}"
+        );
+        let sum = counts.tested + off.iter().map(|(_, count)| count).sum::<u64>();
+        assert_eq!(counts.pairs, sum, "{name}: {counts:?}");
+    }
+}
+
+fn is_small(file: &Path) -> bool {
+    read_pattern(file).unwrap().pattern.faces().len() <= SMALL
+}
+
+#[test]
+fn verdicts_do_not_hang_on_what_is_skipped() {
+    let one_off = [
+        Skips {
+            symmetry: false,
+            ..ALL
+        },
+        Skips {
+            motion: false,
+            ..ALL
+        },
+        Skips {
+            bounds: false,
+            ..ALL
+        },
+        Skips {
+            edges: false,
+            ..ALL
+        },
+        NONE,
+    ];
+    let small: Vec<PathBuf> = patterns().filter(|file| is_small(file)).collect();
+    assert!(small.len() >= 5, "{small:?}");
+    for file in small {
+        compare(&file, &one_off);
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn verdicts_of_large_patterns_do_not_either() {
+    for file in patterns().filter(|file| !is_small(file)) {
+        println!("{}", file.display());
+        compare(
+            &file,
+            &[
+                Skips {
+                    symmetry: false,
+                    ..ALL
+                },
+                NONE,
+            ],
+        );
+    }
+}
