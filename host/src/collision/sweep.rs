@@ -40,6 +40,8 @@ const NEAR: f64 = 0.5;
 const CLOSE: f64 = 1.0;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
 const LEAP: usize = 1;
+/// The same for pairs that may be the nearest of all.
+const FOLLOWED: usize = 3;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
@@ -641,6 +643,8 @@ impl<'a> Sweep<'a> {
         };
         let mut measured = 0;
         if apart <= near || apart < best {
+            let far = astray + cells.moved(motion, time, FOLLOWED, offset);
+            let near = near.max(far.min(best));
             let found = cells.apart(motion, time, offset, [near, best]);
             apart = found.least;
             if !found.near.is_empty() {
