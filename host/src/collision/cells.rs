@@ -361,7 +361,7 @@ impl<'a> Cells<'a> {
                 clippy::cast_precision_loss,
                 reason = "a guess, put between two times"
             )]
-            let guess = from + (allowance / by * (next - from) as f64) as usize;
+            let guess = from.saturating_add((allowance / by * (next - from) as f64) as usize);
             if high - low < 2 {
                 break;
             }
