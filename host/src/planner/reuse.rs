@@ -26,6 +26,9 @@ pub(super) const PARTS: [f64; 2] = [0.5, 5e-5];
 const NEARER: f64 = 0.01;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
+/// Cells of a lattice, and faces of a sheet without, beyond which the motion between knots is not swept.
+const MOST_CELLS: usize = 3000;
+const MOST_FACES: usize = 4000;
 /// Radians that it then keeps from where faces meet.
 const ROOM: f64 = 1e-3;
 
@@ -170,12 +173,22 @@ impl Planning<'_> {
         let memberships = reduction.groups.memberships();
         let symmetric = || Lattice::find(self.pattern, memberships);
         let lattice = skips.symmetry.then(symmetric).flatten();
+        let faces = self.pattern.faces().len();
+        let apart = lattice.as_ref().map_or(1, |lattice| lattice.orbits().len());
+        let most = if lattice.is_some() {
+            MOST_CELLS
+        } else {
+            MOST_FACES
+        };
+        if faces / apart > most {
+            return self.sweep_knots(reduction);
+        }
         let curves = self.plan.path.curves();
         let whole = || {
             let mut sweep = Sweep::new(self.pattern, memberships, options);
             (sweep.sweep(&curves), sweep.counts())
         };
-        let torn = options.gap > options.tolerance;
+        let torn = gap > SweepOptions::default().tolerance;
         let astray = |lattice: &Lattice| if torn { self.astray(lattice) } else { 0.0 };
         let near = lattice.as_ref().map(|lattice| (lattice, astray(lattice)));
         let (verdict, counts) = match near {
@@ -246,6 +259,38 @@ impl Planning<'_> {
                 )
             }
         }
+    }
+
+    /// Looks for crossings at the knots alone.
+    fn sweep_knots(mut self, reduction: &Reduction) -> Plan {
+        let start = Instant::now();
+        let mut judge = Judge::new(self.pattern, reduction, true);
+        let angles = self.plan.path.knots.iter().map(|knot| knot.angles.clone());
+        let mut crossings = angles.enumerate().map(|(index, angles)| {
+            let mut knot = Knot {
+                angles,
+                ..Knot::default()
+            };
+            (index, judge.judge(&mut knot))
+        });
+        let crossing = crossings.find_map(|(index, crossing)| Some((index, crossing?)));
+        self.plan.times.collision += start.elapsed();
+        let Some((index, crossing)) = crossing else {
+            self.plan.notes.push(format!(
+                "crossings were looked for at knots only: too many faces ({}) for the motion between them",
+                self.pattern.faces().len()
+            ));
+            return self.plan;
+        };
+        let last = self.plan.path.knots.last().map_or(1.0, |last| last.time);
+        let before = index
+            .checked_sub(1)
+            .map_or(0.0, |before| self.plan.path.knots[before].time);
+        self.plan.reached *= before / last;
+        self.plan.path.knots.truncate(index);
+        let [a, b] = crossing.faces;
+        let reason = format!("faces {a} and {b} pass through each other at knot {index}");
+        self.end(Outcome::Crossing(crossing), reason)
     }
 
     /// How far, over the median edge, a face may be from where the lattice has it, as seen from another.
