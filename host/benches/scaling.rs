@@ -1,5 +1,6 @@
-//! Time of whole plans against the number of faces: Miura sheets from flat to 170 degrees, certified and
-//! free of crossings over the whole motion, without reading and writing.
+//! Time of whole plans against the number of faces: Miura sheets from flat to 170 degrees, certified and free of
+//! crossings over the whole motion (at their knots where there are too many faces for that), without reading
+//! and writing.
 //!
 //! `cargo bench -p foldpath --bench scaling` goes to 160,000 faces; `-- large` to a million. Prints a
 //! table and the exponent, and with `-- plot FILE.svg` draws both.
@@ -20,9 +21,9 @@ fn main() {
     }
     println!("medians of whole plans without reading and writing, seconds\n");
     println!(
-        "| faces | symmetry | solve | place | fold | collision | total | certified deformation | runs |"
+        "| faces | free of crossings | symmetry | solve | place | fold | collision | total | certified deformation | runs |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut sizes = vec![(50, 15), (100, 9), (200, 5), (400, 3)];
     if arguments.iter().any(|argument| argument == "large") {
         sizes.push((1000, 1));
@@ -55,11 +56,7 @@ fn run(size: usize, runs: usize) -> Point {
         ..PlanOptions::default()
     };
     let plans: Vec<Plan> = (0..runs).map(|_| plan(&pattern, &goal, &options)).collect();
-    assert!(
-        plans
-            .iter()
-            .all(|plan| plan.outcome == Outcome::Planned && plan.clearance.is_some())
-    );
+    assert!(plans.iter().all(|plan| plan.outcome == Outcome::Planned));
     let median = |stage: fn(&Plan) -> core::time::Duration| {
         let mut times: Vec<_> = plans.iter().map(stage).collect();
         times.sort_unstable();
@@ -70,8 +67,9 @@ fn run(size: usize, runs: usize) -> Point {
         times.symmetry + times.solve + times.place + times.fold + times.collision
     });
     println!(
-        "| {} | {:.4} | {:.5} | {:.4} | {:.4} | {:.4} | {total:.4} | {:.1e} | {runs} |",
+        "| {} | {} | {:.4} | {:.5} | {:.4} | {:.4} | {:.4} | {total:.4} | {:.1e} | {runs} |",
         pattern.faces().len(),
+        plans[0].clearance.map_or("at knots", |_| "everywhere"),
         median(|p| p.times.symmetry),
         median(|p| p.times.solve),
         median(|p| p.times.place),
