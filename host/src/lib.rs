@@ -10,7 +10,7 @@
 //! 3. [`planner`] follows the motion in group angles from the goal back to the flat sheet with
 //!    [`foldpath_core`]'s solvers, and reuses it on the whole sheet.
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
-//!    looks for faces that pass through each other.
+//!    looks for faces that pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
 //! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it.
 //!

@@ -26,7 +26,7 @@ pub(super) enum Command {
     /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
     /// way
     Plan(Box<Plan>),
-    /// Judge a path afresh: rigidity, closure, signs, steps and crossings at every knot
+    /// Judge a path afresh: rigidity, closure, signs and crossings, at its knots and between them
     Check(Check),
     /// Write one self-contained page that shows a path
     View(View),

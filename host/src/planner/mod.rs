@@ -2,8 +2,8 @@
 //!
 //! Crease groups shrink the problem to a few unknowns and essential vertices to a few closure
 //! conditions. The path is followed from the goal, where it is regular, back to the flat sheet, where
-//! it is not, and then reused on the whole sheet: every knot is expanded to all creases and judged
-//! there.
+//! it is not. Knots are placed on it, as few as a bound on the error between them allows, and the motion is
+//! reused on the whole sheet and judged there.
 
 mod attempt;
 mod chord;

@@ -19,7 +19,7 @@ use crate::symmetry::CreaseGroups;
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Outcome {
-    /// The path reaches the goal, within the bound and free of crossings at every knot.
+    /// The path reaches the goal, within the bound and free of crossings.
     #[default]
     Planned,
     /// The path ends between flat and goal.
@@ -60,7 +60,7 @@ pub struct Times {
     pub place: Duration,
     /// Folding the whole sheet at every knot and measuring it.
     pub fold: Duration,
-    /// Looking for crossings at every knot.
+    /// Looking for crossings.
     pub collision: Duration,
 }
 
