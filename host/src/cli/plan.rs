@@ -233,6 +233,10 @@ fn summary(
             json.max_closure,
         );
     }
+    if let Some(certified) = json.certified_deformation {
+        text +=
+            &format!("  certified    deformation and gap {certified:.1e} over the whole motion\n");
+    }
     if plan.essential_faces > 0 {
         text += &format!(
             "  essential    {} faces, deformation {:.1e}, gap {:.1e}\n",
@@ -241,10 +245,15 @@ fn summary(
     }
     text += &match args.collision {
         Switch::Off => "  crossings    not looked for\n".to_string(),
-        Switch::On => format!(
-            "  crossings    {} pairs of faces over the motion, {} tested\n",
-            json.collision.pairs, json.collision.tested
-        ),
+        Switch::On => {
+            let clearance = json.min_clearance.map_or_else(String::new, |clearance| {
+                format!("; smallest clearance {clearance:.3e}")
+            });
+            format!(
+                "  crossings    {} pairs of faces over the motion, {} tested{clearance}\n",
+                json.collision.pairs, json.collision.tested
+            )
+        }
     };
     text += &format!(
         "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \

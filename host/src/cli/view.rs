@@ -15,7 +15,7 @@ pub(super) fn run(args: &View) -> Answer {
         "{}: {} faces, {} knots, page written to {}\n",
         scene.title,
         scene.faces.len(),
-        scene.knots.len(),
+        scene.path_knots,
         args.output.display()
     ))?;
     Ok(true)
