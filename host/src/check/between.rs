@@ -152,7 +152,8 @@ pub(super) fn check_shapes(
         let end = if index == 0 { 0.0 } else { 1.0 };
         let mut deepest: Option<Crossing> = None;
         let mut place = end;
-        for at in inside.chain([end]) {
+        // Knots have been measured: only crossings are looked for there.
+        for at in inside.chain(scene.is_some().then_some(end)) {
             let between = segment.filter(|_| at < 1.0);
             let angles = between.map_or_else(
                 || crease_angles(pattern, knot),
@@ -179,11 +180,7 @@ pub(super) fn check_shapes(
                 at: place,
             }));
     }
-    let failures = [
-        worst_sample(options, verdict),
-        first_crossing(path, verdict),
-    ];
-    verdict.failures.extend(failures.into_iter().flatten());
+    verdict.failures.extend(worst_sample(options, verdict));
 }
 
 /// So many places inside a segment, evenly.

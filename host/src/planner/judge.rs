@@ -21,8 +21,6 @@ pub(super) struct Judge<'a> {
     pub(super) keep_vertices: bool,
     /// Time spent folding and measuring.
     pub(super) fold: Duration,
-    /// Time spent looking for crossings.
-    pub(super) collision: Duration,
 }
 
 impl<'a> Judge<'a> {
@@ -35,24 +33,22 @@ impl<'a> Judge<'a> {
         let tree = &reduction.tree;
         let map = FoldingMap::new(pattern, tree, &vec![0.0; pattern.creases().len()]);
         let fold = start.elapsed();
-        let start = Instant::now();
-        let scene = collision.then(|| CollisionScene::new(pattern));
         Self {
             pattern,
             reduction,
             tree,
             map,
-            scene,
+            scene: collision.then(|| CollisionScene::new(pattern)),
             keep_vertices: false,
             fold,
-            collision: start.elapsed(),
         }
     }
 
     /// Folds the sheet at a knot, notes there what is measured, and returns the deepest crossing.
     pub(super) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
         let start = Instant::now();
-        let rigidity = self.place(&knot.angles);
+        self.place(&knot.angles);
+        let rigidity = self.map.rigidity(self.pattern, self.tree);
         knot.closure = self.reduction.closure(&knot.angles).max(rigidity.twist);
         knot.deformation = rigidity.deformation;
         knot.gap = rigidity.gap;
@@ -63,22 +59,22 @@ impl<'a> Judge<'a> {
         self.crossing(rigidity.gap)
     }
 
-    /// Folds the sheet and measures it.
-    fn place(&mut self, angles: &[f64]) -> Rigidity {
+    /// The deepest crossing at a knot that has been judged.
+    pub(super) fn crossing_at(&mut self, knot: &Knot) -> Option<Crossing> {
+        self.place(&knot.angles);
+        self.crossing(knot.gap)
+    }
+
+    /// Folds the sheet.
+    fn place(&mut self, angles: &[f64]) {
         let memberships = self.reduction.groups.memberships();
-        let map = &mut self.map;
-        map.fold_groups(self.pattern, self.tree, memberships, angles);
-        map.rigidity(self.pattern, self.tree)
+        self.map
+            .fold_groups(self.pattern, self.tree, memberships, angles);
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
-        let start = Instant::now();
-        let crossing = self
-            .scene
-            .as_mut()
-            .and_then(|scene| scene.deepest_crossing(&self.map, gap));
-        self.collision += start.elapsed();
-        crossing
+        let scene = self.scene.as_mut()?;
+        scene.deepest_crossing(&self.map, gap)
     }
 
     /// Worst deformation and gap of the essential crease pattern over some configurations, and its number

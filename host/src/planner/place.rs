@@ -117,6 +117,7 @@ pub(super) fn place(
         None if terms.stars.is_empty() => &all[1..2],
         None => &all,
     };
+    let optimal = (options.pace == Timing::Optimal).then(|| [fastest(course, terms)]);
     let mut best: Option<Placed> = None;
     for &kind in kinds {
         let certain = |placed: &Placed| {
@@ -133,8 +134,15 @@ pub(super) fn place(
                 _ => best.knots.len() - 1,
             };
         }
-        for pace in paces(course, kind, terms, options) {
-            let Some(placed) = placer.place(kind, &pace) else {
+        let sparse;
+        let paces: &[Pace] = if let Some(optimal) = &optimal {
+            optimal
+        } else {
+            sparse = sparse_paces(course, kind);
+            &sparse
+        };
+        for pace in paces {
+            let Some(placed) = placer.place(kind, pace) else {
                 continue;
             };
             let better = best.as_ref().is_none_or(|best| {
@@ -153,29 +161,26 @@ pub(super) fn place(
     best
 }
 
-/// Ways to let time run that suit an interpolation.
-fn paces(
-    course: &Course,
-    kind: Interpolation,
-    terms: &Terms<'_>,
-    options: &PlanOptions,
-) -> Vec<Pace> {
-    let groups = course.site(0).angles.len();
+/// The fastest pace of a course.
+fn fastest(course: &Course, terms: &Terms<'_>) -> Pace {
+    let groups = terms.limits.len();
     let parts = (GRID / groups.max(1)).clamp(1, PARTS);
-    match (options.pace, kind) {
-        (Timing::Optimal, _) => match course.fastest(parts, terms) {
-            Ok(law) => vec![Pace::Optimal(law)],
-            Err(_) => vec![Pace::Way],
-        },
-        (Timing::Sparse, Interpolation::HalfAngle) => {
-            (0..groups.min(LEADS)).map(Pace::HalfAngle).collect()
-        }
-        (Timing::Sparse, Interpolation::Homogeneous) => {
-            let leads = 0..groups.min(LEADS);
+    match course.fastest(parts, terms) {
+        Ok(law) => Pace::Optimal(law),
+        Err(_) => Pace::Way,
+    }
+}
+
+/// Ways to let time run with which an interpolation may need few knots.
+fn sparse_paces(course: &Course, kind: Interpolation) -> Vec<Pace> {
+    let leads = 0..course.site(0).angles.len().min(LEADS);
+    match kind {
+        Interpolation::HalfAngle => leads.map(Pace::HalfAngle).collect(),
+        Interpolation::Homogeneous => {
             let angles = leads.clone().map(Pace::Angle);
             angles.chain(leads.map(Pace::HalfAngle)).collect()
         }
-        (Timing::Sparse, _) => vec![Pace::Way],
+        Interpolation::Linear | Interpolation::Hermite => vec![Pace::Way],
     }
 }
 
@@ -320,7 +325,15 @@ impl Placer<'_, '_> {
     /// How much too fast the hinges of the present curves are: the factor by which time has to be
     /// stretched.
     fn haste(&self, kind: Interpolation, span: f64) -> f64 {
-        haste(&self.curves, kind, span, self.terms)
+        let peaks = self.curves.iter().map(peaks);
+        let most = peaks.fold([0.0; 2], |most, peaks| {
+            [0, 1].map(|k| f64::max(most[k], peaks[k]))
+        });
+        let speed = most[0] / (span * self.terms.speed);
+        if kind == Interpolation::Linear {
+            return speed;
+        }
+        speed.max((most[1] / (span * span * self.terms.acceleration)).sqrt())
     }
 
     /// The waypoint of that number between the ends.
@@ -429,19 +442,6 @@ impl Placer<'_, '_> {
             loops,
         })
     }
-}
-
-/// How much too fast hinges are on a segment of that duration: by the factor that time has to be
-/// stretched.
-fn haste(curves: &[Curve<f64>], kind: Interpolation, span: f64, terms: &Terms<'_>) -> f64 {
-    let most = curves.iter().map(peaks).fold([0.0; 2], |most, peaks| {
-        [0, 1].map(|k| f64::max(most[k], peaks[k]))
-    });
-    let speed = most[0] / (span * terms.speed);
-    if kind == Interpolation::Linear {
-        return speed;
-    }
-    speed.max((most[1] / (span * span * terms.acceleration)).sqrt())
 }
 
 /// Makes the curves between places.

@@ -8,7 +8,7 @@ use super::follow::{Stop, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
-use super::reuse::{Found, PARTS};
+use super::reuse::{FIRST_PART, Found};
 use super::solver::Work;
 use super::{Goal, PlanOptions, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
@@ -301,7 +301,7 @@ impl<'a> Planning<'a> {
             accepted: attempt.accepted,
             reached: attempt.reached,
             retreats: self.plan.goal_closure > CLOSED,
-            part: PARTS[0],
+            part: FIRST_PART,
         };
         let mut plan = self.judge(&attempt.reduction, &found);
         if plan.outcome == Outcome::Planned {
@@ -462,7 +462,7 @@ impl<'a> Planning<'a> {
             accepted: self.options.bound,
             reached: 1.0,
             retreats: false,
-            part: PARTS[0],
+            part: FIRST_PART,
         };
         Some(planning.judge(reduction, &found))
     }

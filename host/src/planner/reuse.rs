@@ -20,17 +20,21 @@ const MOST_KNOTS: usize = 20_000;
 /// Deformation that the motion between knots is certified for where the bound allows more: what `check`
 /// asks for by default.
 const CERTIFIED: f64 = 1e-3;
-/// Part of it that is aimed at first, as another route to a certificate may be less sharp; and the least.
-pub(super) const PARTS: [f64; 2] = [0.5, 5e-5];
+/// Part of it that is aimed at first, as another route to a certificate may be less sharp.
+pub(super) const FIRST_PART: f64 = 0.5;
+/// The least part aimed at.
+const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
 const NEARER: f64 = 0.01;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
+/// Radians that it then keeps from where faces meet.
+const ROOM: f64 = 1e-3;
 /// Cells of a lattice, and faces of a sheet without, beyond which the motion between knots is not swept.
 const MOST_CELLS: usize = 3000;
 const MOST_FACES: usize = 4000;
-/// Radians that it then keeps from where faces meet.
-const ROOM: f64 = 1e-3;
+/// Median edges: where faces may be farther off, their lattice says nothing of crossings.
+const FAR_ASTRAY: f64 = 0.25;
 
 /// A path to reuse.
 pub(super) struct Found<'a> {
@@ -45,9 +49,6 @@ pub(super) struct Found<'a> {
     /// Part of the bound that the motion between knots is certified for.
     pub(super) part: f64,
 }
-
-/// Median edges: where faces may be farther off, their lattice says nothing of crossings.
-const FAR_ASTRAY: f64 = 0.25;
 
 impl Planning<'_> {
     /// Reuses a path on the whole sheet and judges it there.
@@ -265,15 +266,8 @@ impl Planning<'_> {
     fn sweep_knots(mut self, reduction: &Reduction) -> Plan {
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, true);
-        let angles = self.plan.path.knots.iter().map(|knot| knot.angles.clone());
-        let mut crossings = angles.enumerate().map(|(index, angles)| {
-            let mut knot = Knot {
-                angles,
-                ..Knot::default()
-            };
-            (index, judge.judge(&mut knot))
-        });
-        let crossing = crossings.find_map(|(index, crossing)| Some((index, crossing?)));
+        let mut knots = self.plan.path.knots.iter().enumerate();
+        let crossing = knots.find_map(|(index, knot)| Some((index, judge.crossing_at(knot)?)));
         self.plan.times.collision += start.elapsed();
         let Some((index, crossing)) = crossing else {
             self.plan.notes.push(format!(
@@ -323,7 +317,7 @@ impl Planning<'_> {
     /// The plan with the motion nearer to the course, if nothing crosses then: where layers touch, what is
     /// off the course by what the bound allows may cross.
     fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
-        if found.part <= PARTS[1] || found.retreats {
+        if found.part <= LEAST_PART || found.retreats {
             return None;
         }
         let mut planning = Planning {
@@ -396,16 +390,13 @@ impl Planning<'_> {
     fn torn(&mut self) -> Option<String> {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
-        let within = [whole.deformation, whole.gap, self.plan.max_closure];
-        if within.iter().all(|value| *value <= bound) {
+        let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);
+        if within([whole.deformation, whole.gap, self.plan.max_closure]) {
             return None;
         }
         let knots = &self.plan.path.knots;
-        let torn = |knot: &Knot| {
-            let within = [knot.deformation, knot.gap, knot.closure];
-            !within.iter().all(|value| *value <= bound)
-        };
-        let good = knots.iter().take_while(|knot| !torn(knot)).last();
+        let holds = |knot: &&Knot| within([knot.deformation, knot.gap, knot.closure]);
+        let good = knots.iter().take_while(holds).last();
         if let (Some(good), Some(last)) = (good, knots.last()) {
             self.plan.reached *= if last.time > 0.0 {
                 good.time / last.time
