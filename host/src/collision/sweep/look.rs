@@ -1,0 +1,451 @@
+//! Looks at pairs: how far apart they are at a time, and until when they stay apart.
+
+use super::{Kind, Look, Pair, Sweep, place};
+use crate::collision::chains::Chain;
+use crate::collision::contact::{Change, Parted, Turn, parted};
+use crate::collision::hierarchy::Sphere;
+use crate::collision::motion::{Motion, Tick};
+use crate::collision::separation::{Sector, distance};
+use crate::collision::sheet::Axis;
+use crate::collision::sweep::Clearance;
+use crate::pattern::FaceId;
+
+/// Clusters nearer to each other than this part of the larger one's radius are parted.
+const NEAR: f64 = 0.5;
+/// Pieces nearer to each other, by their spheres, than this part of the smaller one's radius are
+/// measured exactly.
+const CLOSE: f64 = 1.0;
+/// Tabulated times over which pairs are to stay apart for which cells stand.
+const LEAP: usize = 1;
+/// The same for pairs that may be the nearest of all.
+const FOLLOWED: usize = 3;
+/// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
+/// a tolerance is the step that a plane then allows.
+const CONTACT: f64 = 1e3;
+
+impl Sweep<'_> {
+    fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
+        self.sheet
+            .sphere(motion, &self.pieces, &self.hierarchy, node)
+    }
+
+    pub(super) fn look(&mut self, motion: &Motion, index: u32) -> Look {
+        let pair = self.pairs[index as usize].clone();
+        let nodes = pair.nodes;
+        match pair.kind {
+            Kind::Clusters => self.look_at_clusters(motion, index, &pair),
+            Kind::Cells(offset) => self.look_at_cells(motion, offset),
+            Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, index, &pair),
+            Kind::Vertex(corners) => self.look_at_sectors(motion, index, &pair, corners),
+            Kind::Joined => {
+                self.counts.tested += 1;
+                match self.depth(motion, nodes) {
+                    depth if depth > 0.0 => Look::Crossing(depth),
+                    _ if self.sheet.time == motion.end() => Look::Free,
+                    _ => Look::Until(motion.next_tabulated(self.sheet.time)),
+                }
+            }
+        }
+    }
+
+    fn look_at_clusters(&mut self, motion: &Motion, index: u32, pair: &Pair) -> Look {
+        let [a, b] = pair.nodes;
+        if a == b || !self.options.skip_bounds {
+            return Look::Part;
+        }
+        let spheres = [a, b].map(|node| self.sphere(motion, node));
+        let distance = spheres[0].distance(&spheres[1]);
+        if distance <= NEAR * spheres[0].radius.max(spheres[1].radius) {
+            return Look::Part;
+        }
+        let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
+        let chain = self.chain(index);
+        self.gather(motion, &chain, |side, axis| {
+            axis.distance(&spheres[side].center) + spheres[side].radius
+        });
+        for node in [a, b] {
+            self.levers.any += self.spread(motion, node);
+        }
+        let time = self.sheet.time;
+        let until = motion.tabulated_until(&self.levers, time, distance);
+        let look = match until {
+            Some(until) => self.next(motion, until, distance, true),
+            None if time == motion.end() => Look::Free,
+            None => return Look::Part,
+        };
+        self.counts.skipped_bounds += u64::from(nodes[0].pieces) * u64::from(nodes[1].pieces);
+        look
+    }
+
+    fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
+        let (time, best) = (self.sheet.time, self.best());
+        let (bounds, astray) = (self.options.skip_bounds, self.astray());
+        let Some(cells) = &mut self.sheet.cells else {
+            return Look::Free;
+        };
+        let mut apart = cells.gap(motion, time, offset);
+        let leap = astray + cells.moved(motion, time, LEAP, offset);
+        let near = if bounds {
+            leap.max(self.options.tolerance * self.pattern.median_edge())
+        } else {
+            f64::INFINITY
+        };
+        let mut measured = 0;
+        if apart <= near || apart < best {
+            let far = astray + cells.moved(motion, time, FOLLOWED, offset);
+            let near = near.max(far.min(best));
+            let found = cells.apart(motion, time, offset, [near, best]);
+            apart = found.least;
+            if !found.near.is_empty() {
+                self.take(&found.near, time);
+                return Look::Again;
+            }
+            for faces in found.nearest {
+                measured += self.measure(motion, faces);
+            }
+        }
+        let best = self.best();
+        let Some(cells) = &self.sheet.cells else {
+            return Look::Free;
+        };
+        let left = cells.offsets()[offset as usize].left;
+        self.counts.skipped_bounds += left.saturating_sub(measured);
+        match cells.until(motion, time, offset, apart - astray) {
+            None => Look::Free,
+            Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
+            Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
+            Some((until, _)) => Look::Until(until),
+        }
+    }
+
+    /// Measures the distance of two faces, if it may be the smallest; returns how many pairs of pieces
+    /// were measured.
+    fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
+        let [first, second] = faces.map(|face| self.pieces.of(face));
+        let mut measured = 0;
+        for a in first {
+            for b in second.clone() {
+                measured += 1;
+                self.counts.tested += 1;
+                self.put(motion, [a, b], false);
+                let placed = self.sheet.placed(&self.pieces);
+                self.note(motion, [a, b], distance(&placed.piece(a), &placed.piece(b)));
+            }
+        }
+        measured
+    }
+
+    /// Notes a distance that is smaller than all before.
+    fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
+        if distance < self.best() {
+            let [first, second] = nodes.map(|node| self.pieces.list[node as usize].face);
+            self.clearance = Some(Clearance {
+                distance,
+                faces: [first.min(second), first.max(second)],
+                place: place(motion, self.sheet.time),
+            });
+        }
+    }
+
+    /// Adds the pairs of pieces of pairs of faces.
+    fn take(&mut self, pairs: &[[FaceId; 2]], time: Tick) {
+        for faces in pairs {
+            let [first, second] = faces.map(|face| self.pieces.of(face));
+            for a in first {
+                for b in second.clone() {
+                    self.add([a, b], time);
+                }
+            }
+        }
+    }
+
+    fn look_at_pieces(&mut self, motion: &Motion, index: u32, pair: &Pair) -> Look {
+        let [a, b] = pair.nodes;
+        let spheres = [a, b].map(|node| self.sphere(motion, node));
+        let apart = spheres[0].distance(&spheres[1]);
+        let best = self.best();
+        let counts = pair.kind == Kind::Pieces;
+        let astray = self.astray();
+        let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
+        if self.options.skip_bounds && far && (apart >= best || !counts) {
+            self.counts.skipped_bounds += 1;
+            if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
+                return look;
+            }
+            let chain = self.chain(index);
+            self.gather(motion, &chain, |side, axis| {
+                axis.distance(&spheres[side].center) + spheres[side].radius
+            });
+            return self.after(motion, apart, apart - astray, counts);
+        }
+        self.counts.tested += 1;
+        self.put(motion, [a, b], false);
+        let placed = self.sheet.placed(&self.pieces);
+        let apart = distance(&placed.piece(a), &placed.piece(b));
+        let tolerance = self.tolerance(pair.kind);
+        if astray > 0.0 && apart <= astray + tolerance {
+            return Look::Unsure;
+        }
+        if apart <= tolerance {
+            let depth = self.depth(motion, [a, b]);
+            if depth > tolerance {
+                return Look::Crossing(depth);
+            }
+        }
+        if counts {
+            self.note(motion, [a, b], apart);
+        }
+        if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
+            return look;
+        }
+        let chain = self.chain(index);
+        self.gather_corners(motion, &chain, [a, b]);
+        let look = self.after(motion, apart, apart - astray + tolerance, counts);
+        self.at_contact(motion, index, pair.kind, apart, look)
+    }
+
+    fn look_at_sectors(
+        &mut self,
+        motion: &Motion,
+        index: u32,
+        pair: &Pair,
+        corners: [u32; 2],
+    ) -> Look {
+        let [a, b] = pair.nodes;
+        self.counts.tested += 1;
+        self.put(motion, [a, b], false);
+        let placed = self.sheet.placed(&self.pieces);
+        let faces = [placed.piece(a), placed.piece(b)];
+        let sectors: [Sector; 2] =
+            core::array::from_fn(|k| Sector::of(&faces[k], corners[k] as usize));
+        let reach = |k: usize| {
+            let apex = faces[k].corners[corners[k] as usize];
+            let away = faces[k].corners.iter().map(|corner| (corner - apex).norm());
+            away.fold(0.0, f64::max)
+        };
+        let reach = reach(0).min(reach(1));
+        let angle = sectors[0].separation(&sectors[1]);
+        let tolerance = self.tolerance(pair.kind);
+        if angle * reach <= tolerance {
+            let depth = self.depth(motion, [a, b]);
+            if depth > tolerance {
+                return Look::Crossing(depth);
+            }
+        }
+        self.levers.clear();
+        // Pairs of creases do not turn what is beyond.
+        let chain = self.chain(index);
+        for link in self.chains.singles(&chain) {
+            self.levers.add(link.group, 1.0);
+        }
+        let look = self.after(motion, angle, angle + tolerance / reach, false);
+        self.at_contact(motion, index, pair.kind, angle * reach, look)
+    }
+
+    /// The next look at a pair that nearly touches: later, if a plane parts it for longer.
+    fn at_contact(
+        &mut self,
+        motion: &Motion,
+        index: u32,
+        kind: Kind,
+        apart: f64,
+        look: Look,
+    ) -> Look {
+        let (time, tolerance) = (self.sheet.time, self.tolerance(kind));
+        let next = motion.next_tabulated(time);
+        let Look::Until(until) = look else {
+            return look;
+        };
+        if until >= next || apart > CONTACT * tolerance {
+            return look;
+        }
+        let parted = self.parted(motion, index, tolerance);
+        let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let none = Change { by: 0.0, off: 0.0 };
+        self.changes.resize(self.groups, none);
+        let mut reached = until;
+        for to in motion.halves(until, next) {
+            motion.changes(&groups, time, to, &mut self.changes);
+            let holds = |parted: &Parted| parted.holds(&self.changes, tolerance);
+            if !parted.iter().any(holds) {
+                break;
+            }
+            reached = to;
+        }
+        Look::Until(reached)
+    }
+
+    /// The planes that part two pieces.
+    fn parted(&mut self, motion: &Motion, index: u32, tolerance: f64) -> Vec<Parted> {
+        let (chain, nodes) = (self.chain(index), self.pairs[index as usize].nodes);
+        let links = self.chains.links(&chain);
+        let mut places: Vec<_> = links
+            .iter()
+            .flat_map(|link| {
+                let both = link.creases.into_iter().zip(link.places);
+                both.map(|(crease, (place, along))| (place, along, crease, link.group))
+            })
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        self.turns.clear();
+        for (_, along, crease, group) in places {
+            let axis = self.sheet.axis(motion, crease);
+            self.turns.push(Turn {
+                group,
+                point: axis.point,
+                about: if along {
+                    axis.direction
+                } else {
+                    -axis.direction
+                },
+            });
+        }
+        let placed = self.sheet.placed(&self.pieces);
+        let [a, b] = nodes.map(|node| placed.piece(node));
+        let mut all = parted(&a, &b, &self.turns, tolerance);
+        // Seen from the other end, creases come the other way round and turn the other way.
+        self.turns.reverse();
+        for turn in &mut self.turns {
+            turn.about = -turn.about;
+        }
+        all.extend(parted(&b, &a, &self.turns, tolerance));
+        all
+    }
+
+    /// What is less deep between such pairs is contact.
+    pub(super) fn tolerance(&self, kind: Kind) -> f64 {
+        let gap = match kind {
+            Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
+            Kind::Clusters | Kind::Cells(_) | Kind::Pieces => 0.0,
+        };
+        (self.options.tolerance + gap) * self.pattern.median_edge()
+    }
+
+    fn best(&self) -> f64 {
+        let best = self.clearance.map(|clearance| clearance.distance);
+        best.unwrap_or(f64::INFINITY)
+    }
+
+    fn put(&mut self, motion: &Motion, nodes: [u32; 2], joined: bool) {
+        for node in nodes {
+            self.sheet.put(motion, &self.pieces, node, joined);
+        }
+    }
+
+    /// How deep two pieces cross.
+    pub(super) fn depth(&mut self, motion: &Motion, [a, b]: [u32; 2]) -> f64 {
+        self.put(motion, [a, b], true);
+        let tolerance = self.options.tolerance * self.pattern.median_edge();
+        self.sheet.placed(&self.pieces).depth(a, b, tolerance)
+    }
+
+    /// Sums up the levers of a chain of creases, each the distance from one end of the chain (0 or 1) as
+    /// `reach` says: those up to some crease that of the first, the others that of the second.
+    fn gather(&mut self, motion: &Motion, chain: &Chain, reach: impl Fn(usize, &Axis) -> f64) {
+        self.levers.clear();
+        let sheet = &mut self.sheet;
+        for link in self.chains.pairs(chain) {
+            self.levers.add(link.group, sheet.width(motion, link));
+        }
+        let singles = self.chains.singles(chain);
+        let Some(last) = singles.len().checked_sub(1) else {
+            return;
+        };
+        let mut lever =
+            |side: usize, k: usize| reach(side, &sheet.axis(motion, singles[k].creases[0]));
+        let (mut ends, mut levers) = ([0, last], [lever(0, 0), lever(1, last)]);
+        for _ in singles {
+            let side = usize::from(levers[1] < levers[0]);
+            self.levers.add(singles[ends[side]].group, levers[side]);
+            if ends[0] == ends[1] {
+                return;
+            }
+            ends[side] = if side == 0 { ends[0] + 1 } else { ends[1] - 1 };
+            levers[side] = lever(side, ends[side]);
+        }
+    }
+
+    /// How far points of a cluster may move, as seen from its face, for each radian that the group varies
+    /// which varies most.
+    fn spread(&mut self, motion: &Motion, node: u32) -> f64 {
+        let Some(children) = self.hierarchy.nodes[node as usize].children else {
+            return 0.0;
+        };
+        if let Some(spread) = self.sheet.spread_of(node) {
+            return spread;
+        }
+        let mut spread = 0.0_f64;
+        for (side, child) in children.into_iter().enumerate() {
+            let mut sum = self.spread(motion, child);
+            let sphere = self.sphere(motion, child);
+            let chain = &self.within[node as usize][side];
+            for link in self.chains.pairs(chain) {
+                sum += self.sheet.width(motion, link);
+            }
+            for link in self.chains.singles(chain) {
+                let axis = self.sheet.axis(motion, link.creases[0]);
+                sum += axis.distance(&sphere.center) + sphere.radius;
+            }
+            spread = spread.max(sum);
+        }
+        self.sheet.set_spread(node, spread);
+        spread
+    }
+
+    /// The same for two pieces that are in their places.
+    fn gather_corners(&mut self, motion: &Motion, chain: &Chain, nodes: [u32; 2]) {
+        let ranges = nodes.map(|node| self.pieces.list[node as usize].corners());
+        let corners = ranges.map(|range| self.sheet.corners(range).to_vec());
+        self.gather(motion, chain, |side, axis| {
+            let away = corners[side].iter().map(|corner| axis.distance(corner));
+            away.fold(0.0, f64::max)
+        });
+    }
+
+    /// When to look again at a pair of pieces that are `apart`, as the lattice says; `None` if that is not
+    /// after the next tabulated time.
+    fn along_lattice(&self, motion: &Motion, index: u32, apart: f64, counts: bool) -> Option<Look> {
+        let time = self.sheet.time;
+        if time == motion.end() {
+            return Some(Look::Free);
+        }
+        let cells = self.sheet.cells.as_ref()?;
+        let (until, moved) = cells.until_of(motion, time, self.faces(index), apart)?;
+        if !self.options.skip_motion {
+            return Some(Look::Until(motion.next_tabulated(time)));
+        }
+        let free = until == motion.end() && (!counts || apart - moved >= self.best());
+        Some(if free { Look::Free } else { Look::Until(until) })
+    }
+
+    /// When to look again at a pair of pieces that are `apart` and may come nearer by `allowance`.
+    fn after(&self, motion: &Motion, apart: f64, allowance: f64, counts: bool) -> Look {
+        let time = self.sheet.time;
+        if time == motion.end() {
+            return Look::Free;
+        }
+        let until = motion.tabulated_until(&self.levers, time, allowance);
+        let until = until.unwrap_or_else(|| motion.until(&self.levers, time, allowance));
+        self.next(motion, until, apart, counts)
+    }
+
+    /// The next look at a pair that is free until some time; at the end only if the pair may be the
+    /// nearest there.
+    fn next(&self, motion: &Motion, until: Tick, apart: f64, counts: bool) -> Look {
+        let time = self.sheet.time;
+        let until = if self.options.skip_motion {
+            until
+        } else {
+            until.min(motion.next_tabulated(time))
+        };
+        let moved = || motion.moved(&self.levers, until) - motion.moved(&self.levers, time);
+        let free = until == motion.end() && self.options.skip_motion;
+        if free && (!counts || apart - moved() >= self.best()) {
+            return Look::Free;
+        }
+        Look::Until(until)
+    }
+}

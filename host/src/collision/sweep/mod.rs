@@ -1,0 +1,484 @@
+//! Whether faces pass through each other anywhere on a motion.
+//!
+//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996,
+//! 2.3): two faces at a distance need no look until they may have come so far. Differs from the source
+//! in the bound on their motion. Between two faces lies a chain of creases. Turn one of them alone, and
+//! points of the faces come closer by no more than the angle times the distance of either point from the
+//! crease; turn all of them one after the other, from the middle of the chain outwards, and these are
+//! distances where the sheet is now. So a pair is free until the sum over its chain of variation of
+//! angle times distance has used up its distance: whatever the motion does in between, as long as the
+//! sheet closes.
+//!
+//! Where two faces share a vertex their distance is 0, but they lie in sectors round it, and cross only
+//! if the arcs of the sectors on the unit sphere do: there the same holds for angles.
+//!
+//! Clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
+//! by opposite angles about parallel lines count together, as far as they are apart.
+
+mod look;
+mod verdict;
+
+pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
+
+use core::f64::consts::PI;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use foldpath_core::{Curve, Membership};
+
+use super::cells::Cells;
+use super::chains::{Chain, Chains};
+use super::contact::{Change, Turn};
+use super::hierarchy::Hierarchy;
+use super::motion::{Levers, Motion, Tick};
+use super::pieces::Pieces;
+use super::scene::Crossing;
+use super::sheet::Sheet;
+use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::symmetry::Lattice;
+
+/// Looks between two glances at the clock.
+const CLOCK: u64 = 256;
+/// The last free place is found to this part of a segment: 2^-20.
+const LAST_FREE: Tick = 1 << 16;
+/// The same for hinges that turn past half a turn.
+const OVERTURNED: f64 = 1e-6;
+
+/// Two clusters, or two pieces, to look at again.
+#[derive(Clone, Debug)]
+struct Pair {
+    nodes: [u32; 2],
+    kind: Kind,
+    /// The creases between, once they were asked for.
+    chain: Option<Chain>,
+    /// When it was last looked at.
+    last: Option<Tick>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Clusters,
+    /// Cells whose difference has this number.
+    Cells(u32),
+    Pieces,
+    /// Pieces that meet in a place of the flat sheet, as on both sides of a cut.
+    Meeting,
+    /// Pieces that share a vertex: positions of their corners there.
+    Vertex([u32; 2]),
+    Joined,
+}
+
+/// A look at a pair.
+enum Look {
+    /// Free up to this time.
+    Until(Tick),
+    /// Free to the end.
+    Free,
+    /// Crossing this deep.
+    Crossing(f64),
+    /// Too near to say on a torn sheet.
+    Unsure,
+    /// To be parted.
+    Part,
+    /// To be looked at again after the pairs taken from it.
+    Again,
+}
+
+/// A sheet whose motions are swept for crossings.
+#[derive(Clone, Debug)]
+pub struct Sweep<'a> {
+    pattern: &'a CreasePattern,
+    memberships: Vec<Membership>,
+    groups: usize,
+    options: SweepOptions,
+    pieces: Pieces,
+    hierarchy: Hierarchy,
+    sheet: Sheet<'a>,
+    chains: Chains,
+    /// For each cluster the chains from its face to those of its children, and their length in the list.
+    within: Vec<[Chain; 2]>,
+    kept: usize,
+    levers: Levers,
+    turns: Vec<Turn>,
+    changes: Vec<Change>,
+    pairs: Vec<Pair>,
+    due: BTreeMap<Tick, Vec<u32>>,
+    clearance: Option<Clearance>,
+    counts: SweepCounts,
+    looks: u64,
+    /// Pairs found joined.
+    joined: u64,
+}
+
+impl<'a> Sweep<'a> {
+    /// For each crease of the pattern its group and sign; creases without stay flat. Cost: about
+    /// O(faces log faces).
+    #[must_use]
+    pub fn new(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+    ) -> Self {
+        Self::build(pattern, memberships, options, None)
+    }
+
+    /// The same for a sheet that closes all along its motions, with its lattice found for the same
+    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces + classes of pairs).
+    #[must_use]
+    pub fn with_lattice(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: &'a Lattice,
+    ) -> Self {
+        Self::build(pattern, memberships, options, Some(lattice))
+    }
+
+    fn build(
+        pattern: &'a CreasePattern,
+        memberships: &[Membership],
+        options: SweepOptions,
+        lattice: Option<&'a Lattice>,
+    ) -> Self {
+        let pieces = Pieces::new(pattern);
+        let hierarchy = match lattice {
+            Some(_) => Hierarchy::leaves(&pieces),
+            None => Hierarchy::new(&pieces),
+        };
+        let groups = memberships.iter().map(|m| m.group.index() + 1);
+        let groups = groups.max().unwrap_or_default();
+        let cells =
+            lattice.map(|lattice| Cells::new(pattern, memberships, groups, &pieces, lattice));
+        let mut chains = Chains::new(pattern, memberships, lattice.is_some());
+        let within = hierarchy.nodes.iter().map(|node| {
+            let children = node.children.unwrap_or_default();
+            children.map(|child| {
+                let faces = [node.face, hierarchy.nodes[child as usize].face];
+                let chain = node
+                    .children
+                    .and_then(|_| chains.find(pattern, faces, None));
+                chain.unwrap_or_default()
+            })
+        });
+        Self {
+            pattern,
+            memberships: memberships.to_vec(),
+            groups,
+            options,
+            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy, cells),
+            within: within.collect(),
+            kept: chains.len(),
+            chains,
+            levers: Levers::new(groups),
+            turns: Vec::new(),
+            changes: Vec::new(),
+            pairs: Vec::new(),
+            due: BTreeMap::new(),
+            clearance: None,
+            counts: SweepCounts::default(),
+            looks: 0,
+            joined: 0,
+            pieces,
+            hierarchy,
+        }
+    }
+
+    /// What was looked at since the sheet was taken up.
+    #[must_use]
+    pub fn counts(&self) -> SweepCounts {
+        self.counts
+    }
+
+    /// Sweeps a motion: for each segment a curve for each crease group.
+    pub fn sweep(&mut self, segments: &[Vec<Curve<f64>>]) -> SweepVerdict {
+        let motion = Motion::new(segments, self.groups);
+        if !motion.is_finite() {
+            let at = place(&motion, 0);
+            return SweepVerdict::Undecided { faces: None, at };
+        }
+        (self.clearance, self.looks, self.joined) = (None, 0, 0);
+        self.pairs.clear();
+        self.due.clear();
+        self.chains.truncate(self.kept);
+        self.sheet.forget();
+        let before = self.counts;
+        if let Some(cells) = &mut self.sheet.cells {
+            cells.begin(&motion);
+            for offset in (0..).take(cells.offsets().len()) {
+                self.push([0, 0], Kind::Cells(offset), None, 0);
+            }
+        }
+        let roots = self.hierarchy.roots.clone();
+        for root in roots {
+            self.add([root, root], 0);
+        }
+        let mut times = 0;
+        let verdict = loop {
+            let Some((time, due)) = self.due.pop_first() else {
+                break SweepVerdict::Free(self.clearance);
+            };
+            times += 1;
+            if let Some(verdict) = self.look_at_all(&motion, time, due) {
+                break verdict;
+            }
+        };
+        self.count(times, before);
+        match self.overturned(&motion) {
+            Some((at, overturned)) if at.is_before(&verdict) => overturned,
+            _ => verdict,
+        }
+    }
+
+    /// The first hinge that turns past half a turn: so do the faces that it joins pass through each other.
+    fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
+        let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
+        let at = Place { segment, s };
+        let creases = self.pattern.creases().iter().zip(&self.memberships);
+        let edges = creases.filter(|(_, member)| member.group.index() == group);
+        let mut edges = edges.map(|(&edge, _)| self.pattern.edge(edge));
+        let (edge, faces) = edges.find_map(|edge| Some((edge, edge.inner_faces()?)))?;
+        let [from, to] = edge.ends.map(|end| self.pattern.vertices()[end.index()]);
+        let width = |face: FaceId| {
+            let corners = self.pattern.faces()[face.index()].iter();
+            let corners = corners.map(|v| self.pattern.vertices()[v.index()] - from);
+            let away = corners.map(|corner| corner.perp(&(to - from)).abs());
+            away.fold(0.0, f64::max) / (to - from).norm()
+        };
+        let depth = (angle.abs() - PI).sin().abs() * width(faces[0]).min(width(faces[1]));
+        Some((
+            at,
+            SweepVerdict::Crossing {
+                crossing: Crossing::new(faces, depth),
+                at,
+                last_free: (segment > 0 || s > 0.0).then_some(Place {
+                    segment,
+                    s: (s - OVERTURNED).max(0.0),
+                }),
+            },
+        ))
+    }
+
+    /// Completes the counts after so many configurations.
+    fn count(&mut self, times: u64, before: SweepCounts) {
+        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
+        let [looked_at, joined] = match &self.sheet.cells {
+            Some(cells) => {
+                let pairs = cells.offsets().iter().map(|offset| offset.pairs);
+                [pairs.sum::<u64>().min(alike), self.joined]
+            }
+            None => [alike, joined],
+        };
+        let counts = &mut self.counts;
+        counts.pairs += times * alike;
+        counts.skipped_symmetry += times * (alike - looked_at);
+        if self.options.skip_edges {
+            counts.skipped_edges += times * joined;
+        }
+        let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
+        let looked = looked(counts) - looked(&before);
+        counts.skipped_motion += (times * looked_at).saturating_sub(looked);
+    }
+
+    /// Looks at all pairs that are due.
+    fn look_at_all(
+        &mut self,
+        motion: &Motion,
+        time: Tick,
+        mut due: Vec<u32>,
+    ) -> Option<SweepVerdict> {
+        self.sheet.time = time;
+        let mut deepest: Option<(Crossing, u32)> = None;
+        while let Some(index) = due.pop() {
+            if self.is_spent() {
+                return Some(self.undecided(motion, index, time));
+            }
+            let look = self.look(motion, index);
+            match look {
+                Look::Free => {}
+                Look::Until(later) => {
+                    self.pairs[index as usize].last = Some(time);
+                    self.due.entry(later).or_default().push(index);
+                }
+                Look::Again => {
+                    due.push(index);
+                    due.extend(self.due.remove(&time).unwrap_or_default());
+                }
+                Look::Unsure => return Some(self.undecided(motion, index, time)),
+                Look::Part => {
+                    self.part(index, time);
+                    due.extend(self.due.remove(&time).unwrap_or_default());
+                }
+                Look::Crossing(depth) => {
+                    let crossing = Crossing::new(self.faces(index), depth);
+                    if deepest.is_none_or(|(deepest, _)| crossing.exceeds(&deepest)) {
+                        deepest = Some((crossing, index));
+                    }
+                }
+            }
+        }
+        deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
+    }
+
+    fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
+        SweepVerdict::Undecided {
+            faces: Some(self.faces(index)),
+            at: place(motion, time),
+        }
+    }
+
+    /// How far faces may be off in the units of the sheet.
+    fn astray(&self) -> f64 {
+        match self.sheet.cells {
+            Some(_) => self.options.astray * self.pattern.median_edge(),
+            None => 0.0,
+        }
+    }
+
+    fn is_spent(&mut self) -> bool {
+        self.looks += 1;
+        let late = |deadline| Instant::now() >= deadline;
+        self.looks > self.options.max_looks
+            || self.looks % CLOCK == 1 && self.options.deadline.is_some_and(late)
+    }
+
+    fn faces(&self, pair: u32) -> [FaceId; 2] {
+        let nodes = self.pairs[pair as usize].nodes;
+        nodes.map(|node| self.hierarchy.nodes[node as usize].face)
+    }
+
+    /// Adds a pair to look at.
+    fn add(&mut self, nodes: [u32; 2], time: Tick) {
+        if let Some((kind, chain)) = self.classify(nodes) {
+            self.push(nodes, kind, chain, time);
+        }
+    }
+
+    fn push(&mut self, nodes: [u32; 2], kind: Kind, chain: Option<Chain>, time: Tick) {
+        let index = FaceId::new(self.pairs.len()).0;
+        self.pairs.push(Pair {
+            nodes,
+            kind,
+            chain,
+            last: None,
+        });
+        self.due.entry(time).or_default().push(index);
+    }
+
+    /// What a pair is, and the creases between; `None` if it is never looked at.
+    fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Option<Chain>)> {
+        let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
+        let faces = nodes.map(|node| node.face);
+        if a == b {
+            return nodes[0].children.map(|_| (Kind::Clusters, None));
+        }
+        if nodes.iter().any(|node| node.children.is_some()) {
+            let chain = self.chains.find(self.pattern, faces, None)?;
+            return Some((Kind::Clusters, Some(chain)));
+        }
+        if faces[0] == faces[1] {
+            return None;
+        }
+        let shared = self.shared(a, b);
+        if self.pieces.joined(a, b) || shared.len() > 1 {
+            self.joined += 1;
+            // Two vertices shared are ends of a line that is a side of both: about it they turn.
+            return (!self.options.skip_edges).then_some((Kind::Joined, None));
+        }
+        if let Some(&(vertex, corners)) = shared.first()
+            && let Some(chain) = self.chains.find(self.pattern, faces, Some(vertex))
+        {
+            return Some((Kind::Vertex(corners), Some(chain)));
+        }
+        let kind = if self.pieces.meet(a, b) {
+            Kind::Meeting
+        } else {
+            Kind::Pieces
+        };
+        // Along a lattice the chain is hardly ever needed.
+        let chain = match &self.sheet.cells {
+            Some(_) => None,
+            None => Some(self.chains.find(self.pattern, faces, None)?),
+        };
+        Some((kind, chain))
+    }
+
+    /// The creases between the two of a pair.
+    fn chain(&mut self, index: u32) -> Chain {
+        if let Some(chain) = &self.pairs[index as usize].chain {
+            return chain.clone();
+        }
+        let faces = self.faces(index);
+        let chain = self.chains.find(self.pattern, faces, None);
+        let chain = chain.unwrap_or_default();
+        self.pairs[index as usize].chain = Some(chain.clone());
+        chain
+    }
+
+    /// The vertices that two pieces share, and which corners those are.
+    fn shared(&self, a: u32, b: u32) -> Vec<(VertexId, [u32; 2])> {
+        let corners = |piece: u32| {
+            let corners = self.pieces.list[piece as usize].corners();
+            (0..).zip(&self.pieces.vertices[corners])
+        };
+        let both = corners(a).flat_map(|(k, v)| {
+            let same = corners(b).filter(move |(_, w)| v == *w);
+            same.map(move |(l, _)| (*v, [k, l]))
+        });
+        both.collect()
+    }
+
+    /// Puts the pairs of the children in the place of a pair of clusters.
+    fn part(&mut self, index: u32, time: Tick) {
+        let [a, b] = self.pairs[index as usize].nodes;
+        let children = |node: u32| self.hierarchy.nodes[node as usize].children;
+        if a == b {
+            if let Some([left, right]) = children(a) {
+                for pair in [[left, left], [left, right], [right, right]] {
+                    self.add(pair, time);
+                }
+            }
+            return;
+        }
+        let [first, second] = [a, b].map(|node| self.sheet.radius(node));
+        let pairs = match (children(a), children(b)) {
+            (Some(parts), other) if other.is_none() || first >= second => {
+                parts.map(|part| [part, b])
+            }
+            (_, Some(parts)) => parts.map(|part| [a, part]),
+            _ => return,
+        };
+        for pair in pairs {
+            self.add(pair, time);
+        }
+    }
+
+    /// The verdict on a crossing found at a time: the place is narrowed down from the last look at the
+    /// pair.
+    fn first(&mut self, motion: &Motion, found: Crossing, index: u32, time: Tick) -> SweepVerdict {
+        let pair = self.pairs[index as usize].clone();
+        let tolerance = self.tolerance(pair.kind);
+        let (mut crossing, mut high) = (found, time);
+        let mut low = pair.last;
+        while let Some(free) = low
+            && high - free > LAST_FREE
+        {
+            self.sheet.time = (free + high) / 2;
+            let depth = self.depth(motion, pair.nodes);
+            if depth > tolerance {
+                (crossing, high) = (Crossing::new(found.faces, depth), self.sheet.time);
+            } else {
+                low = Some(self.sheet.time);
+            }
+        }
+        SweepVerdict::Crossing {
+            crossing,
+            at: place(motion, high),
+            last_free: low.map(|low| place(motion, low)),
+        }
+    }
+}
+
+fn place(motion: &Motion, tick: Tick) -> Place {
+    let (segment, s) = motion.place(tick);
+    Place { segment, s }
+}
