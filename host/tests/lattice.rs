@@ -583,7 +583,9 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
             off: 0.0,
         })
         .collect();
-    course.push(&mut sheet.motion(from), &halves(to), &bends);
+    let half_way: Vec<f64> = from.iter().zip(to).map(|(a, b)| (a + b) / 2.0).collect();
+    let configurations = [&halves(&half_way)[..], &halves(to)];
+    course.push(&mut sheet.motion(from), configurations, &bends, [f64::INFINITY; 2]);
     let parts = [0.2, 0.5, 0.8, 1.0].map(|part| {
         let between = from
             .iter()

@@ -1,17 +1,26 @@
 //! The cells of a tessellation along a motion: where their faces are, and how long two of them stay apart.
 
-use foldpath_core::{HalfAngle, Membership};
+use core::ops::{Range, RangeInclusive};
+
+use foldpath_core::closure::residual;
+use foldpath_core::{Curve, HalfAngle, LoopsView, Membership, Spoke, StarsView, norm};
 use nalgebra::{Vector2, Vector3};
 
 use super::hierarchy::circle;
 use super::motion::{Motion, Tick};
-use super::pieces::Pieces;
-use crate::folding::{LatticeCourse, LatticeMotion, Pose};
+use super::near_cells::Block;
+use super::pieces::count;
+use crate::certificate::SegmentCertifier;
+use crate::folding::{Drift, LatticeCourse, LatticeMotion, Pose, Stretch};
 use crate::pattern::{CreasePattern, FaceId};
-use crate::symmetry::{Lattice, PairClass};
+use crate::symmetry::{Lattice, Orbit, PairClass};
 
 /// Looks at how far all moves until a time is taken.
 const LOOKS: usize = 4;
+/// A step that turns by no more, at the end of a segment, is held for a translation.
+const TRANSLATION: f64 = 1e-3;
+/// Differences of cells that are looked at, at most.
+const MOST_OFFSETS: usize = 6000;
 
 /// A lattice that is folded at one time after the other.
 #[derive(Clone, Debug)]
@@ -34,17 +43,20 @@ pub(super) struct Cells<'a> {
     /// Powers of both steps, from the lowest on, with their times.
     low: [i32; 2],
     powers: [Vec<(Tick, Pose)>; 2],
+    /// Those that were woken, and the same in order.
     offsets: Vec<Offset>,
+    known: Vec<[i32; 2]>,
+    all_awake: bool,
+    /// For each row of differences, once it was asked for, the columns that there are.
+    columns: Vec<Option<RangeInclusive<i32>>>,
 }
 
 /// A difference of cells, which stands for the opposite one too.
 #[derive(Clone, Debug)]
 pub(super) struct Offset {
     cell: [i32; 2],
-    /// Number of pairs of pieces.
-    pub(super) pairs: u64,
-    /// Those that are not looked at one by one.
-    pub(super) left: u64,
+    /// Number of pairs of pieces that are not looked at one by one.
+    left: u64,
     /// A bit for each pair of orbits: whether it is; none as long as all are not.
     taken: Vec<u64>,
 }
@@ -82,16 +94,15 @@ pub(super) struct Apart {
 }
 
 impl<'a> Cells<'a> {
-    /// Cost: O(classes of pairs).
+    /// Cost: O(faces of a cell + cells along both steps).
     pub(super) fn new(
         pattern: &CreasePattern,
         memberships: &[Membership],
         groups: usize,
-        pieces: &Pieces,
         lattice: &'a Lattice,
     ) -> Self {
         let orbits = lattice.orbits();
-        let count = |orbit: &crate::symmetry::Orbit| pieces.of(orbit.representative).len() as u64;
+        let count = |orbit: &Orbit| count(pattern, orbit.representative) as u64;
         let counts: Vec<_> = orbits.iter().map(count).collect();
         let folded = LatticeMotion::new(pattern, memberships, lattice);
         let ends = |k: usize| {
@@ -121,7 +132,10 @@ impl<'a> Cells<'a> {
                 let all = 2 * high.abs_diff(low) as usize + 1;
                 vec![still; all.max(low.unsigned_abs() as usize + high.unsigned_abs() as usize + 1)]
             }),
-            offsets: offsets(lattice, &counts, most),
+            offsets: Vec::new(),
+            known: Vec::new(),
+            all_awake: false,
+            columns: vec![None; most[1] as usize + 1],
             counts,
             folded,
         }
@@ -134,30 +148,143 @@ impl<'a> Cells<'a> {
         for (time, _) in self.powers.iter_mut().flatten() {
             *time = Tick::MAX;
         }
-        for offset in &mut self.offsets {
-            offset.left = offset.pairs;
-            offset.taken.clear();
-        }
+        self.offsets.clear();
+        self.known.clear();
+        self.all_awake = false;
         self.begun = false;
         self.fold(motion, 0);
         let mut course = LatticeCourse::new(&self.folded, self.most);
+        let stars = [0, 1].map(|step| self.folded.turning(step));
+        let mut certifier = SegmentCertifier::default();
+        let [mut half_way, mut to] = [(); 2].map(|()| self.half_angles.clone());
         let mut bends = Vec::new();
-        for index in 1..motion.times() {
-            motion.bends(index - 1, &mut bends);
-            let tick = motion.tick(index);
-            for (group, half) in self.half_angles.iter_mut().enumerate() {
-                *half = motion.half_angle(group, tick);
+        let mut index = 0;
+        for (last, curves) in motion.segments() {
+            let turns = stars.each_ref().map(|star| turn(&mut certifier, star, &curves));
+            while index < last {
+                motion.bends(index, &mut bends);
+                motion.half_angles(motion.half_way(index), &mut half_way);
+                index += 1;
+                motion.half_angles(motion.tick(index), &mut to);
+                course.push(&mut self.folded, [&half_way, &to], &bends, turns);
             }
-            course.push(&mut self.folded, &self.half_angles, &bends);
         }
         self.course = course;
         self.begun = true;
         self.time = Tick::MAX;
     }
 
-    /// Differences of cells, the farthest first.
-    pub(super) fn offsets(&self) -> &[Offset] {
-        &self.offsets
+    /// The number of pieces of the sheet, and of pairs of them for which no other stands.
+    pub(super) fn count(&self) -> [u64; 2] {
+        let orbits = self.counts.len();
+        let pieces = self.lattice.places().iter();
+        let pieces = pieces.map(|place| self.counts[place.orbit as usize]);
+        let pairs = (0..orbits).flat_map(|b| (0..=b).map(move |a| [a, b]));
+        let pairs = pairs.map(|[a, b]| {
+            let [columns, rows] = self.reach([a, b]).map(|[low, high]| u64::from(high.abs_diff(low)) + 1);
+            let offsets = if a == b { columns * rows / 2 } else { columns * rows };
+            self.counts[a] * self.counts[b] * offsets
+        });
+        [pieces.sum(), pairs.sum()]
+    }
+
+    /// Least and largest differences of the cells of two orbits.
+    fn reach(&self, orbits: [usize; 2]) -> [[i32; 2]; 2] {
+        let [a, b] = orbits.map(|orbit| &self.lattice.orbits()[orbit]);
+        [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
+    }
+
+    /// Number of pairs of pieces so many cells apart; what is counted may be missing where the sheet is no
+    /// parallelogram.
+    fn pairs(&self, cell: [i32; 2]) -> u64 {
+        let orbits = self.counts.len();
+        let pairs = (0..orbits).flat_map(|b| {
+            let end = if cell == [0, 0] { b } else { orbits };
+            (0..end).map(move |a| [a, b])
+        });
+        let there = pairs.filter(|&pair| {
+            let reach = self.reach(pair);
+            (0..2).all(|k| (reach[k][0]..=reach[k][1]).contains(&cell[k]))
+        });
+        there.map(|[a, b]| self.counts[a] * self.counts[b]).sum()
+    }
+
+    /// Differences of cells that may come within `near` of each other from a tabulated time to the next, less
+    /// those that were woken before; their numbers follow one another, the nearest comes last. All of them
+    /// where steps turn, or `near` is infinite; `None` if there are too many.
+    pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
+        let first = self.offsets.len();
+        if !self.all_awake {
+            self.fold(motion, time);
+            let from = motion.tabulated(time).unwrap_or_default();
+            let times = [from, (from + 1).min(self.course.times() - 1)];
+            let mut woken = match self.translated(times, near) {
+                Some(block) => {
+                    let mut cells = block.cells();
+                    cells.retain(|cell| self.known.binary_search(cell).is_err());
+                    cells.retain(|&cell| self.exists(cell));
+                    cells.retain(|&cell| {
+                        self.gap(cell) - self.course.cells(times, cell) <= near
+                    });
+                    cells
+                }
+                None => {
+                    self.all_awake = true;
+                    self.all()?
+                }
+            };
+            let length = |cell: &[i32; 2]| self.lattice.translation(*cell).norm_squared();
+            woken.sort_by(|a, b| length(b).total_cmp(&length(a)));
+            for cell in woken {
+                self.enter(cell);
+            }
+        }
+        let numbers = [first, self.offsets.len()].map(|number| FaceId::new(number).0);
+        (self.offsets.len() <= MOST_OFFSETS).then_some(numbers[0]..numbers[1])
+    }
+
+    /// Whether the sheet has two cells so far apart, or cells between which these are.
+    fn exists(&mut self, [column, row]: [i32; 2]) -> bool {
+        let columns = &mut self.columns[row.unsigned_abs() as usize];
+        columns.get_or_insert_with(|| self.lattice.columns_apart(row)).contains(&column)
+    }
+
+    fn enter(&mut self, cell: [i32; 2]) {
+        let (pairs, known) = (self.pairs(cell), self.known.binary_search(&cell));
+        if let Err(at) = known
+            && pairs > 0
+        {
+            self.known.insert(at, cell);
+            self.offsets.push(Offset {
+                cell,
+                left: pairs,
+                taken: Vec::new(),
+            });
+        }
+    }
+
+    /// All differences of cells, unless there are too many.
+    fn all(&mut self) -> Option<Vec<[i32; 2]>> {
+        let [most, rows] = self.most.map(|most| i32::try_from(most).unwrap_or(i32::MAX));
+        let count = (2 * self.most[0] as usize + 1).checked_mul(self.most[1] as usize + 1)?;
+        let cells = |row| (-most..=most).map(move |column| [column, row]);
+        let half = |&[column, row]: &[i32; 2]| row > 0 || column >= 0;
+        let cells = (0..=rows).flat_map(cells).filter(half);
+        (count <= MOST_OFFSETS).then(|| cells.filter(|&cell| self.exists(cell)).collect())
+    }
+
+    /// The cells that may come within `near` if both steps are translations, or may be held for such.
+    fn translated(&self, times: [usize; 2], near: f64) -> Option<Block> {
+        let Drift { own, shifts, turned } = self.course.drift(times);
+        let (ways, bent) = self.folded.ways(self.most);
+        let radius = self.folded.radius();
+        let slack = turned + bent;
+        (near.is_finite() && slack <= radius).then_some(Block {
+            ways,
+            shifts,
+            near: 2.0 * radius + near + own + slack,
+            most: self.most,
+        })
     }
 
     fn fold(&mut self, motion: &Motion, time: Tick) {
@@ -168,9 +295,7 @@ impl<'a> Cells<'a> {
         match motion.tabulated(time) {
             Some(index) if self.begun => self.folded.fold_as(&self.course, index),
             _ => {
-                for (group, half) in self.half_angles.iter_mut().enumerate() {
-                    *half = motion.half_angle(group, time);
-                }
+                motion.half_angles(time, &mut self.half_angles);
                 self.folded.fold(&self.half_angles);
             }
         }
@@ -213,11 +338,14 @@ impl<'a> Cells<'a> {
         (self.translation(place.cell) * here, origin)
     }
 
-    /// How far apart two cells are at least.
-    pub(super) fn gap(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
+    /// How far apart two cells whose difference has this number are at least.
+    pub(super) fn gap_of(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
         self.fold(motion, time);
-        let offset = self.offsets[offset as usize].cell;
-        let there = self.translation(offset);
+        self.gap(self.offsets[offset as usize].cell)
+    }
+
+    fn gap(&mut self, cell: [i32; 2]) -> f64 {
+        let there = self.translation(cell);
         self.folded.gap_at(&there)
     }
 
@@ -297,16 +425,25 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// By how much cells may come closer until some tabulated times later.
-    pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
-        let from = motion.tabulated(time).unwrap_or_default();
-        let to = (from + count).min(self.course.times() - 1);
-        let offset = self.offsets[offset as usize].cell;
-        self.course.cells([from, to], offset)
+    /// Number of pairs of pieces of two cells that are not looked at one by one.
+    pub(super) fn left(&self, offset: u32) -> u64 {
+        self.offsets[offset as usize].left
     }
 
-    /// About the last tabulated time until which two cells come closer by no more than `allowance`, if one comes
-    /// after `time`, and by how much they may.
+    /// Whether there are no others to wake.
+    pub(super) fn are_all_awake(&self) -> bool {
+        self.all_awake
+    }
+
+    /// By how much cells may come closer until some tabulated times later.
+    pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
+        let mut stretch = motion.rest(time);
+        stretch.to = (stretch.to + count).min(self.course.times() - 1);
+        self.course.cells(stretch, self.offsets[offset as usize].cell)
+    }
+
+    /// About the last time until which two cells come closer by no more than `allowance`, if there is one after
+    /// `time`, and by how much they may: a tabulated time, or one before the next of these.
     pub(super) fn until(
         &self,
         motion: &Motion,
@@ -315,8 +452,8 @@ impl<'a> Cells<'a> {
         allowance: f64,
     ) -> Option<(Tick, f64)> {
         let offset = self.offsets[offset as usize].cell;
-        self.last(motion, time, allowance, |times| {
-            self.course.cells(times, offset)
+        self.last(motion, time, allowance, |stretch| {
+            self.course.cells(stretch, offset)
         })
     }
 
@@ -330,8 +467,8 @@ impl<'a> Cells<'a> {
     ) -> Option<(Tick, f64)> {
         let [from, to] = faces.map(|face| self.lattice.place(face));
         let offset = [0, 1].map(|k| to.cell[k] - from.cell[k]);
-        self.last(motion, time, allowance, |times| {
-            self.course.faces(times, [from.orbit, to.orbit], offset)
+        self.last(motion, time, allowance, |stretch| {
+            self.course.faces(stretch, [from.orbit, to.orbit], offset)
         })
     }
 
@@ -340,16 +477,21 @@ impl<'a> Cells<'a> {
         motion: &Motion,
         time: Tick,
         allowance: f64,
-        moved: impl Fn([usize; 2]) -> f64,
+        moved: impl Fn(Stretch) -> f64,
     ) -> Option<(Tick, f64)> {
-        let from = motion.tabulated(time)?;
-        let (mut low, mut high) = (from, self.course.times());
-        let (mut next, mut reached) = (high - 1, None);
+        let rest = motion.rest(time);
+        let moved_to = |to: usize| moved(Stretch { to, ..rest });
+        let (mut low, mut high) = (rest.from, self.course.times());
+        let mut reached = (rest.head > 0.0).then(|| moved_to(low));
+        if reached.is_some_and(|by| by > allowance) {
+            return motion.before_next(time, allowance, moved);
+        }
+        let mut next = high - 1;
         // Motion is about even, and a time somewhat before the last is as good.
         let mut looks = 0;
         while next > low && (looks < LOOKS || reached.is_none()) {
             looks += 1;
-            let by = moved([from, next]);
+            let by = moved_to(next);
             if by <= allowance {
                 (low, reached) = (next, Some(by));
             } else {
@@ -361,13 +503,29 @@ impl<'a> Cells<'a> {
                 clippy::cast_precision_loss,
                 reason = "a guess, put between two times"
             )]
-            let guess = from.saturating_add((allowance / by * (next - from) as f64) as usize);
+            let guess = rest.from.saturating_add((allowance / by * (next - rest.from) as f64) as usize);
             if high - low < 2 {
                 break;
             }
             next = guess.clamp(low + 1, high - 1);
         }
-        reached.map(|by| (motion.tick(low), by))
+        match reached {
+            Some(by) => Some((motion.tick(low), by)),
+            None => motion.before_next(time, allowance, moved),
+        }
+    }
+}
+
+/// How far creases one after the other turn what is beyond from one time of a segment to another, at most
+/// (chord on the unit sphere); infinite if they do not always turn it back.
+fn turn(certifier: &mut SegmentCertifier, creases: &[Spoke<f64>], curves: &[Curve<f64>]) -> f64 {
+    let end: Vec<_> = curves.iter().map(|curve| curve.half_angle(1.0)).collect();
+    let ends = [FaceId::new(creases.len()).0];
+    match StarsView::new(creases, &ends, curves.len()) {
+        Some(stars) if stars.iter().all(|star| norm(&residual(star, &end)) <= TRANSLATION) => {
+            2.0 * certifier.closure(stars, LoopsView::none(), curves).worst()
+        }
+        _ => f64::INFINITY,
     }
 }
 
@@ -382,37 +540,4 @@ fn class([column, row]: [i32; 2], [a, b]: [usize; 2]) -> PairClass {
         orbits: orbits.map(|orbit| FaceId::new(orbit).0),
         offset,
     }
-}
-
-/// All differences of cells, the farthest in the flat sheet first.
-fn offsets(lattice: &Lattice, counts: &[u64], [columns, rows]: [u32; 2]) -> Vec<Offset> {
-    let width = 2 * columns as usize + 1;
-    let mut pairs = vec![0; width * (rows as usize + 1)];
-    let class_pairs = |class: &PairClass| {
-        let [a, b] = class.orbits.map(|orbit| counts[orbit as usize]);
-        a * b
-    };
-    for class in lattice.pair_classes() {
-        let [column, row] = class.offset;
-        let back = (row, column) < (0, 0);
-        let column = i64::from(if back { -column } else { column }) + i64::from(columns);
-        let at = row.unsigned_abs() as usize * width + usize::try_from(column).unwrap_or_default();
-        pairs[at] += class_pairs(&class);
-    }
-    let places = (0..).take(rows as usize + 1).flat_map(|row| {
-        let columns = i32::try_from(columns).unwrap_or_default();
-        (-columns..=columns).map(move |column| [column, row])
-    });
-    let offsets = places.zip(pairs).filter(|&(_, pairs)| pairs > 0);
-    let mut offsets: Vec<_> = offsets
-        .map(|(cell, pairs)| Offset {
-            cell,
-            pairs,
-            left: pairs,
-            taken: Vec::new(),
-        })
-        .collect();
-    let length = |offset: &Offset| lattice.translation(offset.cell).norm_squared();
-    offsets.sort_by(|a, b| length(b).total_cmp(&length(a)));
-    offsets
 }

@@ -6,7 +6,6 @@ use foldpath_core::Membership;
 use nalgebra::Vector2;
 
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
-use crate::ragged::Ragged;
 
 /// Creases whose directions differ by no more, in radians, are parallel: what they are off moves points a
 /// thousand edges away by less than counts as a crossing.
@@ -53,11 +52,8 @@ impl Crossed {
 
 /// Chains, one behind the other in one list.
 #[derive(Clone, Debug)]
-pub(super) struct Chains {
-    neighbours: Ragged<(FaceId, EdgeId)>,
-    /// For each edge its direction.
-    directions: Vec<Vector2<f64>>,
-    memberships: Vec<Membership>,
+pub(super) struct Chains<'a> {
+    memberships: &'a [Membership],
     links: Vec<Link>,
     /// For each face, once it was asked for, the steps from it to all others; none on large sheets.
     known: Vec<Vec<u32>>,
@@ -73,7 +69,7 @@ const MANY: usize = 1 << 12;
 /// A search that passes from face to face.
 #[derive(Clone, Debug, Default)]
 struct Search {
-    /// Steps to each face found; [`u32::MAX`] for the others.
+    /// For each face found the steps to it and one; 0 for the others.
     steps: Vec<u32>,
     /// The faces found.
     open: VecDeque<FaceId>,
@@ -81,16 +77,15 @@ struct Search {
 }
 
 impl Search {
-    fn forget(&mut self, faces: usize) {
-        self.steps.resize(faces, u32::MAX);
+    fn forget(&mut self) {
         for face in self.found.drain(..) {
-            self.steps[face.index()] = u32::MAX;
+            self.steps[face.index()] = 0;
         }
         self.open.clear();
     }
 
     fn reach(&mut self, face: FaceId, steps: u32) {
-        if self.steps[face.index()] == u32::MAX {
+        if self.steps[face.index()] == 0 {
             self.steps[face.index()] = steps;
             self.found.push(face);
             self.open.push_back(face);
@@ -98,21 +93,20 @@ impl Search {
     }
 }
 
-impl Chains {
+impl<'a> Chains<'a> {
     /// For faces that are `near` each other, or for any.
-    pub(super) fn new(pattern: &CreasePattern, memberships: &[Membership], near: bool) -> Self {
-        let direction = |index: usize| {
-            let edge = EdgeId::new(index);
-            pattern.direction(edge, pattern.edge(edge).ends[0])
-        };
+    pub(super) fn new(pattern: &CreasePattern, memberships: &'a [Membership], near: bool) -> Self {
+        let faces = pattern.faces().len();
+        let keeps = !near && faces <= MANY;
         Self {
-            neighbours: pattern.neighbours(),
-            directions: (0..pattern.edges().len()).map(direction).collect(),
-            memberships: memberships.to_vec(),
+            memberships,
             links: Vec::new(),
-            keeps: !near && pattern.faces().len() <= MANY,
-            known: vec![Vec::new(); pattern.faces().len()],
-            searched: Search::default(),
+            known: vec![Vec::new(); if keeps { faces } else { 0 }],
+            keeps,
+            searched: Search {
+                steps: vec![0; faces],
+                ..Search::default()
+            },
             crossed: Vec::new(),
             way: Vec::new(),
         }
@@ -163,7 +157,7 @@ impl Chains {
         } else {
             &self.searched.steps
         };
-        if steps[from.index()] == u32::MAX {
+        if steps[from.index()] == 0 {
             return None;
         }
         let start = self.links.len();
@@ -171,13 +165,12 @@ impl Chains {
         let (mut face, mut heading) = (from, Vector2::zeros());
         self.crossed.clear();
         while face != to {
-            let ahead = self.neighbours[face.index()].iter().copied();
-            let ahead = ahead.filter(|&(next, edge)| {
-                steps[next.index()] < steps[face.index()] && ends_at(pattern, edge, round)
+            let ahead = pattern.beyond(face).filter(|&(next, edge)| {
+                steps[next.index()] + 1 == steps[face.index()] && ends_at(pattern, edge, round)
             });
-            let bend = |edge: EdgeId| self.directions[edge.index()].perp(&heading).abs();
+            let bend = |edge: EdgeId| direction(pattern, edge).perp(&heading).abs();
             let (next, edge) = ahead.min_by(|a, b| bend(a.1).total_cmp(&bend(b.1)))?;
-            heading = self.directions[edge.index()];
+            heading = direction(pattern, edge);
             way.push((edge, next));
             face = next;
         }
@@ -211,14 +204,14 @@ impl Chains {
         from: Option<FaceId>,
     ) {
         let search = &mut self.searched;
-        search.forget(self.known.len());
-        search.reach(to, 0);
+        search.forget();
+        search.reach(to, 1);
         while let Some(face) = search.open.pop_front() {
             let steps = search.steps[face.index()] + 1;
-            if from.is_some_and(|from| search.steps[from.index()] < steps) {
+            if from.is_some_and(|from| (1..steps).contains(&search.steps[from.index()])) {
                 return;
             }
-            for &(beyond, edge) in &self.neighbours[face.index()] {
+            for (beyond, edge) in pattern.beyond(face) {
                 if ends_at(pattern, edge, round) {
                     search.reach(beyond, steps);
                 }
@@ -235,7 +228,7 @@ impl Chains {
             return;
         };
         let left = pattern.edge(edge).faces[0] == Some(beyond);
-        let direction = self.directions[edge.index()];
+        let direction = direction(pattern, edge);
         let crossed = Crossed {
             crease,
             member,
@@ -254,6 +247,10 @@ impl Chains {
             _ => self.crossed.push(crossed),
         }
     }
+}
+
+fn direction(pattern: &CreasePattern, edge: EdgeId) -> Vector2<f64> {
+    pattern.direction(edge, pattern.edge(edge).ends[0])
 }
 
 /// Whether an edge ends at a vertex, if one is given.

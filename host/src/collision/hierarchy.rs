@@ -62,16 +62,24 @@ pub(super) struct Hierarchy {
 impl Hierarchy {
     /// Every piece on its own.
     pub(super) fn leaves(pieces: &Pieces) -> Self {
-        let leaf = |piece: &super::pieces::Piece| Node {
-            children: None,
-            pieces: 1,
-            face: piece.face,
-        };
-        let circle = |piece: &super::pieces::Piece| circle(&pieces.flat[piece.corners()]);
-        Self {
-            nodes: pieces.list.iter().map(leaf).collect(),
+        let mut hierarchy = Self {
+            nodes: Vec::new(),
             roots: Vec::new(),
-            circles: pieces.list.iter().map(circle).collect(),
+            circles: Vec::new(),
+        };
+        hierarchy.extend(pieces);
+        hierarchy
+    }
+
+    /// Takes up the pieces that were made since, where every piece is on its own.
+    pub(super) fn extend(&mut self, pieces: &Pieces) {
+        for piece in &pieces.list[self.nodes.len()..] {
+            self.nodes.push(Node {
+                children: None,
+                pieces: 1,
+                face: piece.face,
+            });
+            self.circles.push(circle(&pieces.flat[piece.corners()]));
         }
     }
 
@@ -139,7 +147,7 @@ impl Builder<'_> {
         let members = &self.members[node as usize];
         let joints = members
             .iter()
-            .flat_map(|&p| &self.pieces.joints[p as usize]);
+            .flat_map(|&p| self.pieces.joints(p));
         let others = joints.map(|joint| self.cluster[joint.piece as usize]);
         let size = |other: u32| {
             let both = [node, other].map(|n| self.center(n));

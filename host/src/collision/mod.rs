@@ -11,6 +11,7 @@ mod contact;
 mod crossing;
 mod hierarchy;
 mod motion;
+mod near_cells;
 mod pieces;
 mod scene;
 mod separation;

@@ -7,16 +7,18 @@ use foldpath_core::{Curve, HalfAngle};
 
 use super::contact::Change;
 use super::variation::Variation;
-use crate::folding::Bend;
+use crate::folding::{Bend, Stretch};
 
 /// log2 of the ticks of a segment.
 const TICKS: u32 = 36;
 /// Times at which variation is tabulated: about so many in all, a power of two a segment.
-const TABULATED: usize = 128;
+const TABULATED: usize = 64;
 /// Numbers tabulated at most, unless one time a segment makes more.
 const MOST_TABULATED: usize = 1 << 16;
 /// Places of a step's length that the next time may have: looks at different pairs then coincide.
 const PLACES: u64 = 4;
+/// Small parts of the interval between tabulated times.
+const SMALL_PARTS: u32 = 64;
 
 /// A time: segments, in units of 2^-36.
 pub(super) type Tick = u64;
@@ -160,6 +162,13 @@ impl Motion {
         variation.map_or_else(HalfAngle::default, |v| v.curve().half_angle(s))
     }
 
+    /// The same for all groups.
+    pub(super) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
+        for (group, half) in half_angles.iter_mut().enumerate() {
+            *half = self.half_angle(group, tick);
+        }
+    }
+
     /// Changes of all groups that are asked for, from one time to another of the same segment.
     pub(super) fn changes(&self, groups: &[u32], from: Tick, to: Tick, changes: &mut [Change]) {
         let (segment, s) = self.place(from);
@@ -176,11 +185,6 @@ impl Motion {
         ((tick / self.stride + 1) * self.stride).min(self.end())
     }
 
-    /// Number of tabulated times.
-    pub(super) fn times(&self) -> usize {
-        self.clock.len()
-    }
-
     /// The position of a time among those tabulated, if it is one.
     pub(super) fn tabulated(&self, tick: Tick) -> Option<usize> {
         tick.is_multiple_of(self.stride).then(|| self.index(tick))
@@ -189,6 +193,61 @@ impl Motion {
     /// The tabulated time of this position.
     pub(super) fn tick(&self, index: usize) -> Tick {
         index as Tick * self.stride
+    }
+
+    /// The rest of the interval between tabulated times that a time is in; nothing at a tabulated time.
+    pub(super) fn rest(&self, tick: Tick) -> Stretch {
+        let next = self.index(tick + self.stride - 1);
+        let rest = self.tick(next) - tick;
+        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
+        Stretch {
+            head: rest as f64 / self.stride as f64,
+            from: next,
+            to: next,
+        }
+    }
+
+    /// About the last time after `tick` and before the next tabulated one until which points have `moved` by no
+    /// more than `allowance`, and by how much they have; `None` if that is not well after it.
+    pub(super) fn before_next(
+        &self,
+        tick: Tick,
+        allowance: f64,
+        moved: impl Fn(Stretch) -> f64,
+    ) -> Option<(Tick, f64)> {
+        if tick >= self.end() {
+            return None;
+        }
+        let next = self.index(tick) + 1;
+        let until = |part: u32| {
+            let head = f64::from(part) / f64::from(SMALL_PARTS);
+            moved(Stretch { head, from: next, to: next })
+        };
+        let steady = 2.0 * until(1) - until(2);
+        let each = until(2) - until(1);
+        let most = f64::from(SMALL_PARTS - 1);
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of parts, put between two"
+        )]
+        let part = ((allowance - steady) / each).clamp(0.0, most) as u32;
+        let (later, by) = (tick + Tick::from(part) * (self.stride / Tick::from(SMALL_PARTS)), until(part));
+        (part > 0 && by <= allowance && later <= self.next_tabulated(tick)).then_some((later, by))
+    }
+
+    /// The time half way from a tabulated one to the next.
+    pub(super) fn half_way(&self, index: usize) -> Tick {
+        self.tick(index) + self.stride / 2
+    }
+
+    /// The curves of the groups over the segments, with the position of each segment's last tabulated time.
+    pub(super) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
+        let all = self.variations.chunks(self.groups.max(1)).enumerate();
+        all.map(|(segment, variations)| {
+            let curves = variations.iter().map(|variation| *variation.curve());
+            (self.index(((segment + 1) as Tick) << TICKS), curves.collect())
+        })
     }
 
     /// For each group what it does from a tabulated time to the next.

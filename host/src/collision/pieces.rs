@@ -1,10 +1,11 @@
 //! The faces of a sheet cut in convex pieces, and how deep two of them cross where they are placed.
 
+use core::ops::Range;
+
 use nalgebra::{Vector2, Vector3};
 
 use super::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
-use crate::ragged::Ragged;
 
 /// A crossing deeper than this part of the median edge counts; what is less is contact.
 pub(super) const CROSSING: f64 = 1e-6;
@@ -20,7 +21,7 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    pub(super) fn corners(self) -> core::ops::Range<usize> {
+    pub(super) fn corners(self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 }
@@ -33,56 +34,119 @@ pub(super) struct Joint {
     ends: [u32; 2],
 }
 
-/// The convex pieces of all faces of a pattern.
+/// The convex pieces of the faces of a pattern, of all or of those that were asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
     pub(super) list: Vec<Piece>,
     /// For each corner its vertex, and its place in the flat sheet.
     pub(super) vertices: Vec<VertexId>,
     pub(super) flat: Vec<Vector2<f64>>,
-    pub(super) joints: Ragged<Joint>,
+    /// For each face its first piece and that behind its last; both 0 for those not asked for.
+    of_faces: Vec<[u32; 2]>,
+    joints: Vec<Joint>,
+    /// For each piece its part of the list of joints, once it was asked for.
+    joints_of: Vec<Option<[u32; 2]>>,
 }
 
 impl Pieces {
-    /// Cost: O(faces).
+    /// Those of all faces, and what joins them. Cost: O(faces).
     pub(super) fn new(pattern: &CreasePattern) -> Self {
-        let mut vertices: Vec<VertexId> = Vec::new();
-        let mut list = Vec::new();
-        let mut add = |face: usize, piece: &[VertexId]| {
-            let start = vertices.len();
-            vertices.extend(piece);
-            let id = |n: usize| VertexId::new(n).0;
-            list.push(Piece {
-                face: FaceId::new(face),
-                sheet: pattern.sheet_of_faces()[face],
-                start: id(start),
-                end: id(vertices.len()),
-            });
-        };
-        for (face, cycle) in pattern.faces().iter().enumerate() {
-            if is_convex(pattern, cycle) {
-                add(face, cycle);
-            } else {
-                for triangle in &pattern.triangles()[face] {
-                    add(face, triangle);
-                }
-            }
+        let mut pieces = Self::none(pattern);
+        for face in (0..pattern.faces().len()).map(FaceId::new) {
+            pieces.load(pattern, face);
         }
-        let flat = vertices.iter().map(|v| pattern.vertices()[v.index()]);
+        for piece in (0..).take(pieces.list.len()) {
+            pieces.join(pattern, piece);
+        }
+        pieces
+    }
+
+    /// Those of no face yet.
+    pub(super) fn none(pattern: &CreasePattern) -> Self {
         Self {
-            flat: flat.collect(),
-            joints: joints(&list, &vertices),
-            list,
-            vertices,
+            list: Vec::new(),
+            vertices: Vec::new(),
+            flat: Vec::new(),
+            of_faces: vec![[0; 2]; pattern.faces().len()],
+            joints: Vec::new(),
+            joints_of: Vec::new(),
         }
     }
 
-    /// Pairs of pieces of the same sheet, and how many of them a side joins.
+    /// The pieces of a face, made if they are not yet there.
+    pub(super) fn load(&mut self, pattern: &CreasePattern, face: FaceId) -> Range<u32> {
+        if self.of_faces[face.index()] == [0; 2] {
+            let start = self.list.len();
+            let cycle = &pattern.faces()[face.index()];
+            if is_convex(pattern, cycle) {
+                self.add(pattern, face, cycle);
+            } else {
+                for triangle in &pattern.triangles()[face.index()] {
+                    self.add(pattern, face, triangle);
+                }
+            }
+            let range = [start, self.list.len()];
+            self.of_faces[face.index()] = range.map(|n| FaceId::new(n).0);
+        }
+        let [start, end] = self.of_faces[face.index()];
+        start..end
+    }
+
+    fn add(&mut self, pattern: &CreasePattern, face: FaceId, piece: &[VertexId]) {
+        let start = self.vertices.len();
+        self.vertices.extend(piece);
+        let flat = piece.iter().map(|v| pattern.vertices()[v.index()]);
+        self.flat.extend(flat);
+        let [start, end] = [start, self.vertices.len()].map(|n| VertexId::new(n).0);
+        self.list.push(Piece {
+            face,
+            sheet: pattern.sheet_of_faces()[face.index()],
+            start,
+            end,
+        });
+        self.joints_of.push(None);
+    }
+
+    /// Finds the sides that a piece shares with others, which are made if they are not yet there.
+    pub(super) fn join(&mut self, pattern: &CreasePattern, piece: u32) {
+        if self.joints_of[piece as usize].is_some() {
+            return;
+        }
+        let first = self.joints.len();
+        let Piece { face, start, end, .. } = self.list[piece as usize];
+        for from in start..end {
+            let ends = [from, if from + 1 == end { start } else { from + 1 }];
+            let side = ends.map(|corner| self.vertices[corner as usize]);
+            let inner = self.load(pattern, face).find(|&other| self.has_side(other, side));
+            let joined = inner.or_else(|| {
+                let (beyond, _) = pattern.beyond_side(face, side)?;
+                self.load(pattern, beyond).find(|&other| self.has_side(other, side))
+            });
+            self.joints.extend(joined.map(|piece| Joint { piece, ends }));
+        }
+        let range = [first, self.joints.len()].map(|n| FaceId::new(n).0);
+        self.joints_of[piece as usize] = Some(range);
+    }
+
+    /// Whether a piece has the side from the second vertex to the first.
+    fn has_side(&self, piece: u32, [to, from]: [VertexId; 2]) -> bool {
+        let corners = &self.vertices[self.list[piece as usize].corners()];
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).any(|(a, b)| [*a, *b] == [from, to])
+    }
+
+    /// The sides that a piece shares with others, once they were found.
+    pub(super) fn joints(&self, piece: u32) -> &[Joint] {
+        let [first, end] = self.joints_of[piece as usize].unwrap_or_default();
+        &self.joints[first as usize..end as usize]
+    }
+
+    /// Pairs of pieces of the same sheet, and how many of them a side joins, where all are there.
     pub(super) fn count_pairs(&self, sheets: usize) -> [u64; 2] {
         // Two faces may share several sides in a line.
         let mut joined: Vec<(u32, u32)> = (0..)
-            .zip(self.joints.iter())
-            .flat_map(|(a, list)| list.iter().map(move |joint| (a, joint.piece)))
+            .take(self.list.len())
+            .flat_map(|a| self.joints(a).iter().map(move |joint| (a, joint.piece)))
             .filter(|(a, b)| a < b)
             .collect();
         joined.sort_unstable();
@@ -95,20 +159,9 @@ impl Pieces {
         [alike.sum(), joined.len() as u64]
     }
 
-    /// The pieces of a face.
-    pub(super) fn of(&self, face: FaceId) -> core::ops::Range<u32> {
-        let bound = |before: bool| {
-            let at = self
-                .list
-                .partition_point(|piece| piece.face < face || !before && piece.face == face);
-            FaceId::new(at).0
-        };
-        bound(true)..bound(false)
-    }
-
     /// Whether a side joins the pieces.
     pub(super) fn joined(&self, a: u32, b: u32) -> bool {
-        self.joints[a as usize].iter().any(|joint| joint.piece == b)
+        self.joints(a).iter().any(|joint| joint.piece == b)
     }
 
     /// Whether the pieces meet in a place of the flat sheet. Those on the two sides of a cut do, although
@@ -117,6 +170,12 @@ impl Pieces {
         let [a, b] = [a, b].map(|index| &self.flat[self.list[index as usize].corners()]);
         a.iter().any(|p| b.contains(p))
     }
+}
+
+/// Number of convex pieces that a face is cut in.
+pub(super) fn count(pattern: &CreasePattern, face: FaceId) -> usize {
+    let whole = is_convex(pattern, &pattern.faces()[face.index()]);
+    if whole { 1 } else { pattern.triangles()[face.index()].len() }
 }
 
 /// Pieces where a configuration puts them.
@@ -151,7 +210,7 @@ impl<'a> Placed<'a> {
         if !self.piece(a).stands_on(&self.piece(b), tolerance) {
             return 0.0;
         }
-        let joints = self.pieces.joints[a as usize].iter();
+        let joints = self.pieces.joints(a).iter();
         let depths = joints.filter(|joint| joint.piece != b).map(|joint| {
             let side = joint.ends.map(|end| self.folded[end as usize]);
             let both = [&self.piece(a), &self.piece(joint.piece)];
@@ -169,36 +228,4 @@ fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
         // Straight corners, as on the sides of waterbomb units, are convex.
         turn >= -1e-12 * (b - a).norm() * (c - b).norm()
     })
-}
-
-/// For each piece, the sides that it shares with others: the other piece, and which of its own corners
-/// are the ends of the side.
-fn joints(pieces: &[Piece], corners: &[VertexId]) -> Ragged<Joint> {
-    let mut sides: Vec<([VertexId; 2], u32, [u32; 2])> = Vec::with_capacity(corners.len());
-    for (index, piece) in (0..).zip(pieces) {
-        for from in piece.start..piece.end {
-            let to = if from + 1 == piece.end {
-                piece.start
-            } else {
-                from + 1
-            };
-            let [a, b] = [from, to].map(|corner| corners[corner as usize]);
-            sides.push(([a.min(b), a.max(b)], index, [from, to]));
-        }
-    }
-    sides.sort_unstable();
-    let twins = sides.windows(2).filter(|w| w[0].0 == w[1].0);
-    let both: Vec<_> = twins
-        .flat_map(|w| {
-            let joint = |other: usize, own: usize| Joint {
-                piece: w[other].1,
-                ends: w[own].2,
-            };
-            [
-                (w[0].1 as usize, joint(1, 0)),
-                (w[1].1 as usize, joint(0, 1)),
-            ]
-        })
-        .collect();
-    crate::ragged::group_by_key(pieces.len(), &both)
 }

@@ -11,32 +11,53 @@ use super::pieces::{Pieces, Placed};
 use crate::folding::SpanningTree;
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
-/// Things that hold for one time only.
+/// Things that hold for one time only; memory is taken for those asked for.
 #[derive(Clone, Debug)]
 struct Fresh<T> {
-    items: Vec<T>,
-    times: Vec<Tick>,
+    /// For each the number of its item, from 1; 0 as long as there is none.
+    numbers: Vec<u32>,
+    items: Vec<(Tick, T)>,
 }
 
-impl<T: Clone> Fresh<T> {
-    fn new(count: usize, item: T) -> Self {
+impl<T> Fresh<T> {
+    fn new(count: usize) -> Self {
         Self {
-            items: vec![item; count],
-            times: vec![Tick::MAX; count],
+            numbers: vec![0; count],
+            items: Vec::new(),
         }
     }
 
+    fn number(&self, index: usize) -> Option<usize> {
+        let number = self.numbers.get(index)?;
+        (*number as usize).checked_sub(1)
+    }
+
+    /// The last one, of whatever time.
+    fn last(&self, index: usize) -> Option<&T> {
+        self.number(index).map(|number| &self.items[number].1)
+    }
+
     fn get(&self, index: usize, time: Tick) -> Option<&T> {
-        (self.times[index] == time).then(|| &self.items[index])
+        let (at, item) = &self.items[self.number(index)?];
+        (*at == time).then_some(item)
     }
 
     fn forget(&mut self) {
-        self.times.fill(Tick::MAX);
+        for (time, _) in &mut self.items {
+            *time = Tick::MAX;
+        }
     }
 
     fn set(&mut self, index: usize, time: Tick, item: T) {
-        self.items[index] = item;
-        self.times[index] = time;
+        if index >= self.numbers.len() {
+            self.numbers.resize(index + 1, 0);
+        }
+        if let Some(number) = self.number(index) {
+            self.items[number] = (time, item);
+        } else {
+            self.items.push((time, item));
+            self.numbers[index] = FaceId::new(self.items.len()).0;
+        }
     }
 }
 
@@ -80,14 +101,6 @@ struct Reached {
     axis: Vector2<f64>,
 }
 
-/// The line of a crease in the flat sheet, and a face that it is a side of.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    face: FaceId,
-    point: Vector2<f64>,
-    direction: Vector2<f64>,
-}
-
 /// The line of a crease in space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
@@ -105,12 +118,12 @@ impl Axis {
 /// A sheet that is folded at one time after the other.
 #[derive(Clone, Debug)]
 pub(super) struct Sheet<'a> {
+    pattern: &'a CreasePattern,
     pub(super) time: Tick,
     /// Where the lattice says where faces are.
     pub(super) cells: Option<Cells<'a>>,
-    /// For each face but the roots.
+    /// For each face but the roots, where there is no lattice.
     reached: Vec<Option<Reached>>,
-    lines: Vec<Line>,
     half_angles: Fresh<HalfAngle<f64>>,
     frames: Fresh<Frame>,
     axes: Fresh<Axis>,
@@ -126,17 +139,16 @@ pub(super) struct Sheet<'a> {
 
 impl<'a> Sheet<'a> {
     pub(super) fn new(
-        pattern: &CreasePattern,
+        pattern: &'a CreasePattern,
         memberships: &[Membership],
         groups: usize,
-        pieces: &Pieces,
-        hierarchy: &Hierarchy,
         cells: Option<Cells<'a>>,
     ) -> Self {
         let tree = cells
             .is_none()
             .then(|| SpanningTree::from_central_face(pattern));
-        let mut reached = vec![None; pattern.faces().len()];
+        let faces = pattern.faces().len();
+        let mut reached = vec![None; if tree.is_some() { faces } else { 0 }];
         for step in tree.iter().flat_map(SpanningTree::steps) {
             let membership = step.crease.and_then(|c| memberships.get(c.index()));
             reached[step.face.index()] = Some(Reached {
@@ -146,36 +158,18 @@ impl<'a> Sheet<'a> {
                 axis: step.axis,
             });
         }
-        let lines = pattern.creases().iter().map(|&id| {
-            let edge = pattern.edge(id);
-            Line {
-                face: edge.faces[0].unwrap_or_default(),
-                point: pattern.vertices()[edge.ends[0].index()],
-                direction: pattern.direction(id, edge.ends[0]),
-            }
-        });
-        let zero = Vector3::zeros();
-        let frame = Frame::new(Rotation::identity(), Vector2::zeros(), zero);
-        let axis = Axis {
-            point: zero,
-            direction: zero,
-        };
-        let sphere = Sphere {
-            center: zero,
-            radius: 0.0,
-        };
         Self {
+            pattern,
             time: 0,
             cells,
-            lines: lines.collect(),
-            half_angles: Fresh::new(groups, HalfAngle::default()),
-            frames: Fresh::new(reached.len(), frame),
-            axes: Fresh::new(pattern.creases().len(), axis),
-            spheres: Fresh::new(hierarchy.nodes.len(), sphere),
-            spreads: Fresh::new(hierarchy.nodes.len(), 0.0),
-            placed: vec![Tick::MAX; pieces.list.len()],
-            folded: vec![zero; pieces.flat.len()],
-            normals: vec![zero; pieces.list.len()],
+            half_angles: Fresh::new(groups),
+            frames: Fresh::new(faces),
+            axes: Fresh::new(pattern.creases().len()),
+            spheres: Fresh::new(0),
+            spreads: Fresh::new(0),
+            placed: Vec::new(),
+            folded: Vec::new(),
+            normals: Vec::new(),
             way: Vec::new(),
             open: Vec::new(),
             reached,
@@ -194,7 +188,8 @@ impl<'a> Sheet<'a> {
 
     /// The radius of the sphere last made round a cluster.
     pub(super) fn radius(&self, node: u32) -> f64 {
-        self.spheres.items[node as usize].radius
+        let sphere = self.spheres.last(node as usize);
+        sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
     /// Places of corners that were put.
@@ -255,11 +250,13 @@ impl<'a> Sheet<'a> {
         if let Some(axis) = self.axes.get(crease.index(), self.time) {
             return *axis;
         }
-        let line = self.lines[crease.index()];
-        let frame = self.frame(motion, line.face);
+        let id = self.pattern.creases()[crease.index()];
+        let edge = self.pattern.edge(id);
+        let start = edge.ends[0];
+        let frame = self.frame(motion, edge.faces[0].unwrap_or_default());
         let axis = Axis {
-            point: frame.apply(line.point),
-            direction: frame.turn(line.direction),
+            point: frame.apply(self.pattern.vertices()[start.index()]),
+            direction: frame.turn(self.pattern.direction(id, start)),
         };
         self.axes.set(crease.index(), self.time, axis);
         axis
@@ -291,15 +288,19 @@ impl<'a> Sheet<'a> {
     ) -> Sphere {
         let mut open = core::mem::take(&mut self.open);
         open.push(node);
+        let mut last = None;
         while let Some(&node) = open.last() {
-            let index = node as usize;
-            if let Some(sphere) = self.sphere_of(motion, pieces, hierarchy, node, &mut open) {
-                self.spheres.set(index, self.time, sphere);
+            last = self.sphere_of(motion, pieces, hierarchy, node, &mut open);
+            if let Some(sphere) = last {
+                self.spheres.set(node as usize, self.time, sphere);
                 open.pop();
             }
         }
         self.open = open;
-        self.spheres.items[node as usize]
+        last.unwrap_or(Sphere {
+            center: Vector3::zeros(),
+            radius: f64::INFINITY,
+        })
     }
 
     /// The sphere of a cluster; without those of its children, none, but the children are then `open`.
@@ -333,14 +334,17 @@ impl<'a> Sheet<'a> {
     /// Puts a piece, and with `joined` those that a side joins to it, in their places.
     pub(super) fn put(&mut self, motion: &Motion, pieces: &Pieces, piece: u32, joined: bool) {
         if joined {
-            for joint in &pieces.joints[piece as usize] {
+            for joint in pieces.joints(piece) {
                 self.put(motion, pieces, joint.piece, false);
             }
         }
+        self.placed.resize(pieces.list.len(), Tick::MAX);
         if self.placed[piece as usize] == self.time {
             return;
         }
         self.placed[piece as usize] = self.time;
+        self.normals.resize(pieces.list.len(), Vector3::zeros());
+        self.folded.resize(pieces.flat.len(), Vector3::zeros());
         let part = pieces.list[piece as usize];
         let frame = self.frame(motion, part.face);
         self.normals[piece as usize] = frame.x_w.cross(&frame.y_w);

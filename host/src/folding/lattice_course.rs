@@ -1,6 +1,6 @@
 //! How far the cells and faces of a folded tessellation move along a motion.
 
-use foldpath_core::HalfAngle;
+use foldpath_core::{HalfAngle, Rotation, Spoke};
 use nalgebra::{Vector2, Vector3};
 
 use super::lattice_motion::LatticeMotion;
@@ -20,12 +20,13 @@ pub struct Bend {
 /// Sums over the intervals of a motion that bound how far any face moves as seen from any other, at all
 /// times, whether the sheet closes between the configurations given or not.
 ///
-/// Why. Let x be a point beyond hinges 1 … n, whose angles change by δₖ, δₖ = λ (change over the interval)
-/// up to an `off` of bₖ, and vary by vₖ. x is its value at the beginning, and its derivative times δ, and a
-/// rest of no more than ½ Σⱼ Σₖ vⱼ vₖ L(max(j, k)), where Lₖ is the way from hinge k to x from pivot to
-/// pivot, which no folding makes longer. At the end of the interval x is known. So in between it is no
-/// farther from the straight line to there than Σⱼ Σₖ vⱼ vₖ L(max(j, k)) + Σₖ bₖ Lₖ, which is of second
-/// order: what x moves is the chord and that. The same without levers holds for the rotation.
+/// Why. Let x be a point beyond hinges 1 … n, whose angles change by δₖ, evenly up to an `off` of bₖ, and vary
+/// by vₖ ≥ |δₖ|. Let Lₖ be the way from hinge k to x from pivot to pivot, which no folding makes longer. If all
+/// angles changed evenly, the third derivative of x would be no more than Σⱼ Σₖ Σₗ vⱼ vₖ vₗ L(max(j, k, l)), and x
+/// no farther than √3/216 of that from the quadratic through its values at the beginning, half way and at the
+/// end. As they do not, x is off by up to Σₖ bₖ Lₖ, and so is its value half way. Along the quadratic x moves no
+/// faster than the chord and twice the second difference of the three an interval; so much it *leads*, and it
+/// *strays* from there. The same without levers holds for the rotation.
 ///
 /// With a step S before and A after, Aⁿ x - Sⁿ x is the sum over m of Aⁿ⁻ᵐ (A S⁻¹ z - z) with z = Sᵐ x, which
 /// is bounded by the motion of one point, the next cell's centre, and the turn times the distance of z from
@@ -36,11 +37,46 @@ pub struct LatticeCourse {
     /// Largest counts of steps that are asked for.
     most: [f64; 2],
     orbits: usize,
-    /// For each time the sums of each term.
-    sums: Vec<Terms>,
+    /// For each time the sums of each term for the intervals before.
+    sums: Vec<Parts<Terms>>,
     /// For each time and orbit the sum of what its faces move in the frame of their cell.
-    own: Vec<f64>,
+    own: Vec<Parts<f64>>,
     folded: Vec<Folded>,
+    /// Corners of the cell at the last time.
+    places: Vec<Vector3<f64>>,
+}
+
+/// Bounds on the motion of a cell so many steps on: the sum of `own`, the `shifts` times the counts of steps, and
+/// `turned`, which serves all counts that are asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drift {
+    pub(crate) own: f64,
+    pub(crate) shifts: [f64; 2],
+    pub(crate) turned: f64,
+}
+
+/// Bounds on what moves evenly over an interval, and on how far it may be from there.
+#[derive(Clone, Copy, Debug, Default)]
+struct Parts<T> {
+    lead: T,
+    stray: T,
+}
+
+/// A part of a course: some of the interval before the first time, from 0 to 1, and all up to the second.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    /// The part of the interval before.
+    pub head: f64,
+    /// The first time.
+    pub from: usize,
+    /// The second time.
+    pub to: usize,
+}
+
+impl From<[usize; 2]> for Stretch {
+    fn from([from, to]: [usize; 2]) -> Self {
+        Self { head: 0.0, from, to }
+    }
 }
 
 /// A configuration of the cell and its steps.
@@ -89,26 +125,74 @@ impl Reach {
     }
 
     fn times(self, turn: f64) -> Self {
-        Self {
-            length: self.length * turn,
-            width: self.width * turn,
-            pitch: self.pitch * turn,
-        }
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            length: self.length + other.length,
-            width: self.width + other.width,
-            pitch: self.pitch + other.pitch,
-        }
+        Self::default().plus(self, turn)
     }
 
     /// For `steps` in `ways` ways.
-    fn sum(&self, since: &Self, steps: f64, ways: f64) -> f64 {
-        let straight = steps * (self.length - since.length);
-        let round = ways * (self.width - since.width) + steps * (self.pitch - since.pitch);
+    fn sum(&self, steps: f64, ways: f64) -> f64 {
+        let straight = steps * self.length;
+        let round = ways * self.width + steps * self.pitch;
         straight.min(round)
+    }
+}
+
+/// Sums of bounds, and parts of them.
+trait Linear: Copy {
+    /// The sum with `other`, so many times.
+    fn plus(self, other: Self, times: f64) -> Self;
+}
+
+impl Linear for f64 {
+    fn plus(self, other: Self, times: f64) -> Self {
+        self + other * times
+    }
+}
+
+impl Linear for Reach {
+    fn plus(self, other: Self, times: f64) -> Self {
+        Self {
+            length: self.length.plus(other.length, times),
+            width: self.width.plus(other.width, times),
+            pitch: self.pitch.plus(other.pitch, times),
+        }
+    }
+}
+
+impl Linear for StepTerms {
+    fn plus(self, other: Self, times: f64) -> Self {
+        Self {
+            shift: self.shift.plus(other.shift, times),
+            reach: self.reach.plus(other.reach, times),
+        }
+    }
+}
+
+impl Linear for Terms {
+    fn plus(self, other: Self, times: f64) -> Self {
+        Self {
+            own: self.own.plus(other.own, times),
+            first: self.first.plus(other.first, times),
+            second: self.second.plus(other.second, times),
+            across: self.across.plus(other.across, times),
+        }
+    }
+}
+
+/// What a stretch adds up to, from the sums at each time.
+///
+/// In a part of an interval what strays may do so at its beginning and at its end.
+fn over<T: Linear>(sums: impl Fn(usize) -> Parts<T>, stretch: Stretch) -> T {
+    let Stretch { head, from, to } = stretch;
+    let [since, until] = [from, to].map(&sums);
+    let whole = until.lead.plus(until.stray, 1.0);
+    let whole = whole.plus(since.lead, -1.0).plus(since.stray, -1.0);
+    match from.checked_sub(1).map(sums) {
+        Some(before) if head > 0.0 => {
+            let lead = since.lead.plus(before.lead, -1.0);
+            let stray = since.stray.plus(before.stray, -1.0);
+            whole.plus(lead, head).plus(stray, 2.0)
+        }
+        _ => whole,
     }
 }
 
@@ -120,9 +204,10 @@ impl LatticeCourse {
         Self {
             most: most.map(f64::from),
             orbits,
-            sums: vec![Terms::default()],
-            own: vec![0.0; orbits],
+            sums: vec![Parts::default()],
+            own: vec![Parts::default(); orbits],
             folded: vec![start.folded().clone()],
+            places: start.places().to_vec(),
         }
     }
 
@@ -137,90 +222,150 @@ impl LatticeCourse {
         &self.folded[time]
     }
 
-    /// Goes on to another configuration, with what each group angle does on the way. Cost: O(orbits).
-    pub fn push(&mut self, motion: &mut LatticeMotion, to: &[HalfAngle<f64>], bends: &[Bend]) {
+    /// Goes on half way and to the end of an interval, with what each group angle does over it, and for each
+    /// step how far it turns at most (chord on the unit sphere), if that is known. Cost: O(orbits).
+    pub fn push(
+        &mut self,
+        motion: &mut LatticeMotion,
+        [half_way, to]: [&[HalfAngle<f64>]; 2],
+        bends: &[Bend],
+        known: [f64; 2],
+    ) {
+        motion.fold(half_way);
+        let middle = (motion.steps().map(|step| step.motion()), motion.places().to_vec());
         motion.fold(to);
         let (before, after) = (&self.folded[self.folded.len() - 1], motion.folded());
         let center = motion.center();
         let last = self.own.len() - self.orbits;
-        let (mut most, mut radius) = (0.0_f64, 0.0_f64);
-        for (orbit, strayed) in motion.strayed(bends).enumerate() {
-            let poses = [before.poses[orbit], after.poses[orbit]];
-            let mut farthest = 0.0_f64;
-            for &corner in motion.corners_of(orbit) {
-                let [from, to] = poses.map(|pose| pose.apply(corner));
-                farthest = farthest.max((to - from).norm_squared());
+        let three = self.places.iter().zip(&middle.1).zip(motion.places());
+        let mut three = three.map(|((from, half), to)| (from, path([*from, *half, *to])));
+        let (mut most, mut radius) = (Parts::<f64>::default(), 0.0_f64);
+        for (orbit, stray) in motion.strayed(bends).enumerate() {
+            let mut lead = 0.0_f64;
+            for (from, moved) in three.by_ref().take(motion.corners_of(orbit).len()) {
+                lead = lead.max(moved);
                 radius = radius.max((from - center).norm_squared());
             }
-            let moved = farthest.sqrt() + strayed;
-            most = most.max(moved);
-            self.own.push(self.own[last + orbit] + moved);
+            most.lead = most.lead.max(lead);
+            most.stray = most.stray.max(stray);
+            let sum = self.own[last + orbit];
+            self.own.push(Parts {
+                lead: sum.lead + lead,
+                stray: sum.stray + stray,
+            });
         }
         let radius = radius.sqrt();
-        let mut steps = [(0.0, 0.0, Reach::default()); 2];
+        let mut steps = [(Parts::default(), Parts::default(), Reach::default()); 2];
         for (k, (shift, turn, reach)) in steps.iter_mut().enumerate() {
-            let [from, to] = [before, after].map(|folded| folded.steps[k].motion());
+            let three = [before.steps[k].motion(), middle.0[k], after.steps[k].motion()];
             let [off, turn_off] = motion.step_strayed(k, bends);
-            let turned = to.r_wf * from.r_wf.inverse();
-            // Of a chord on the unit sphere.
-            *turn = 2.0 * turned.v.norm() + turn_off;
-            *shift = (to.carry(&center) - from.carry(&center)).norm() + off + *turn * radius;
+            let lead = turn_of(three.map(|step| step.r_wf));
+            // What is known of a turn holds from any time to any other.
+            let (lead, stray) = if lead + turn_off <= known[k] {
+                (lead, turn_off)
+            } else {
+                (0.0, known[k])
+            };
+            *turn = Parts { lead, stray };
+            *shift = Parts {
+                lead: path(three.map(|step| step.carry(&center))) + lead * radius,
+                stray: off + stray * radius,
+            };
             *reach = Reach::new(&before.steps[k], center, self.most[k]);
         }
-        let [
-            (shift, turn, reach),
-            (second_shift, second_turn, second_reach),
-        ] = steps;
-        let sum = self.sums[self.sums.len() - 1];
-        self.sums.push(Terms {
-            own: sum.own + most,
+        let [(shift, turn, reach), (second_shift, second_turn, second_reach)] = steps;
+        let terms = |part: fn(&Parts<f64>) -> f64| Terms {
+            own: part(&most),
             first: StepTerms {
-                shift: sum.first.shift + shift,
-                reach: sum.first.reach.plus(reach.times(turn)),
+                shift: part(&shift),
+                reach: reach.times(part(&turn)),
             },
             second: StepTerms {
-                shift: sum.second.shift + second_shift,
-                reach: sum.second.reach.plus(second_reach.times(second_turn)),
+                shift: part(&second_shift),
+                reach: second_reach.times(part(&second_turn)),
             },
-            across: sum.across.plus(second_reach.times(turn)),
+            across: second_reach.times(part(&turn)),
+        };
+        let sum = self.sums[self.sums.len() - 1];
+        self.sums.push(Parts {
+            lead: sum.lead.plus(terms(|parts| parts.lead), 1.0),
+            stray: sum.stray.plus(terms(|parts| parts.stray), 1.0),
         });
         self.folded.push(motion.folded().clone());
+        self.places.copy_from_slice(motion.places());
     }
 
-    /// How far a cell moves, as a body that does not change itself, as seen from that so many steps
-    /// back, from one time to any until another.
-    fn moved(&self, [from, to]: [usize; 2], offset: [i32; 2]) -> f64 {
+    /// How far a cell moves, as a body that does not change itself, as seen from that so many steps back.
+    fn moved(terms: &Terms, offset: [i32; 2]) -> f64 {
         if offset == [0, 0] {
             return 0.0;
         }
-        let (since, until) = (&self.sums[from], &self.sums[to]);
         let [i, j] = offset.map(|count| f64::from(count).abs());
-        let own = |step: &StepTerms, since: &StepTerms, n: f64| {
-            let steps = n * (n + 1.0) / 2.0;
-            n * (step.shift - since.shift) + step.reach.sum(&since.reach, steps, n)
-        };
-        own(&until.first, &since.first, i)
-            + own(&until.second, &since.second, j)
-            + i * until.across.sum(&since.across, j, 1.0)
+        let shifts = i * terms.first.shift + j * terms.second.shift;
+        shifts + terms.turned([i, j])
     }
 
-    /// How far any face of a cell may move as seen from any face of that so many steps back, from one
-    /// time to any until another.
+    /// What bounds the motion of cells over a stretch: see [`cells`](Self::cells).
+    pub(crate) fn drift(&self, stretch: impl Into<Stretch>) -> Drift {
+        let terms = over(|time| self.sums[time], stretch.into());
+        Drift {
+            own: 2.0 * terms.own,
+            shifts: [terms.first.shift, terms.second.shift],
+            turned: terms.turned(self.most),
+        }
+    }
+
+    /// How far any face of a cell may move as seen from any face of that so many steps back, from the
+    /// beginning of a stretch to any time before its end.
     #[must_use]
-    pub fn cells(&self, [from, to]: [usize; 2], offset: [i32; 2]) -> f64 {
-        2.0 * (self.sums[to].own - self.sums[from].own) + self.moved([from, to], offset)
+    pub fn cells(&self, stretch: impl Into<Stretch>, offset: [i32; 2]) -> f64 {
+        let terms = over(|time| self.sums[time], stretch.into());
+        2.0 * terms.own + Self::moved(&terms, offset)
     }
 
     /// The same for a face of the second orbit as seen from one of the first, so many steps back.
     #[must_use]
-    pub fn faces(&self, [from, to]: [usize; 2], orbits: [u32; 2], offset: [i32; 2]) -> f64 {
+    pub fn faces(&self, stretch: impl Into<Stretch>, orbits: [u32; 2], offset: [i32; 2]) -> f64 {
+        let stretch = stretch.into();
         let own = |orbit: u32| {
-            let at = |time: usize| self.own[time * self.orbits + orbit as usize];
-            at(to) - at(from)
+            let sums = |time: usize| self.own[time * self.orbits + orbit as usize];
+            over(sums, stretch)
         };
-        orbits.map(own).iter().sum::<f64>() + self.moved([from, to], offset)
+        let moved = match offset {
+            [0, 0] => 0.0,
+            _ => Self::moved(&over(|time| self.sums[time], stretch), offset),
+        };
+        orbits.map(own).iter().sum::<f64>() + moved
     }
 }
+
+impl Terms {
+    /// What turns of the steps move what is so many of them on.
+    fn turned(&self, [i, j]: [f64; 2]) -> f64 {
+        let own = |step: &StepTerms, n: f64| step.reach.sum(n * (n + 1.0) / 2.0, n);
+        own(&self.first, i) + own(&self.second, j) + i * self.across.sum(j, 1.0)
+    }
+}
+
+/// How far a point moves along the quadratic through three places, at the most over an interval.
+fn path([from, half, to]: [Vector3<f64>; 3]) -> f64 {
+    let second = from - half * 2.0 + to;
+    (to - from).norm() + 2.0 * second.norm()
+}
+
+/// The same for a point at distance 1 from the centre of a turn.
+///
+/// As seen from half way a rotation is 1 + 2w[v]ₓ + 2[v]ₓ².
+fn turn_of([from, half, to]: [Rotation<f64>; 3]) -> f64 {
+    let whole = to * from.inverse();
+    let [a, b] = [from, to].map(|end| end * half.inverse());
+    let second = (a.v * a.w + b.v * b.w).norm() + a.v.norm_squared() + b.v.norm_squared();
+    2.0 * whole.v.norm() + 4.0 * second
+}
+
+/// Largest distance of a function from the quadratic through its values at 0, 1/2 and 1, over its largest
+/// third derivative: √3/216.
+const CUBIC: f64 = 0.008_018_753_738_744_8;
 
 /// A point's way over the hinges before it: what they vary, what they bend, and the bends times the ways.
 #[derive(Clone, Copy, Debug, Default)]
@@ -237,7 +382,9 @@ impl Stray {
         Self {
             varied: self.varied + varied,
             shift: self.to(way),
-            turn: self.turn + varied * (varied + 2.0 * self.varied) + off.min(varied),
+            turn: self.turn
+                + CUBIC * ((self.varied + varied).powi(3) - self.varied.powi(3))
+                + 2.0 * off.min(varied),
         }
     }
 
@@ -255,7 +402,8 @@ impl Stray {
 /// A hinge on the way from a cell to the next, and the way to it from the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passed {
-    pub(super) group: Option<usize>,
+    /// The hinge as one of a star; `None` if it stays flat.
+    pub(super) spoke: Option<Spoke<f64>>,
     pub(super) way: f64,
 }
 
@@ -267,17 +415,17 @@ pub(super) struct Passage {
 }
 
 impl Passage {
-    /// From the groups and pivots of the hinges, unfolded, from a cell's centre to the next one's.
+    /// From the hinges and their pivots, unfolded, from a cell's centre to the next one's.
     pub(super) fn new(
-        hinges: &[(Option<usize>, Vector2<f64>)],
+        hinges: &[(Option<Spoke<f64>>, Vector2<f64>)],
         center: Vector2<f64>,
         next: Vector2<f64>,
     ) -> Self {
         let mut before = center;
-        let passed = hinges.iter().map(|&(group, pivot)| {
+        let passed = hinges.iter().map(|&(spoke, pivot)| {
             let way = (pivot - before).norm();
             before = pivot;
-            Passed { group, way }
+            Passed { spoke, way }
         });
         let hinges = passed.collect();
         Self {

@@ -1,6 +1,6 @@
 //! The folded sheet in terms of its lattice: one cell, and the motions that lead from cell to cell.
 
-use foldpath_core::{HalfAngle, Membership, Rotation};
+use foldpath_core::{HalfAngle, Membership, Rotation, Spoke};
 use nalgebra::{Vector2, Vector3};
 
 use super::lattice_course::{Bend, Folded, LatticeCourse, Passage, Stray};
@@ -41,6 +41,8 @@ pub struct LatticeMotion {
     /// For each orbit the corners of its faces, reduced.
     corners: Ragged<Vector2<f64>>,
     folded: Folded,
+    /// Corners of the cell in space, as `corners`.
+    places: Vec<Vector3<f64>>,
     ball: Ball,
     center: Vector2<f64>,
     reaches: Vec<(f64, f64)>,
@@ -74,6 +76,7 @@ impl LatticeMotion {
                 poses: vec![Pose::identity(); lattice.orbits().len()],
                 steps: [still; 2],
             },
+            places: Vec::new(),
             ball: Ball {
                 center: Vector3::zeros(),
                 radius: 0.0,
@@ -109,20 +112,20 @@ impl LatticeMotion {
             let p_w = ahead.apply(*step) - r_wf.rotate(&here.p_w);
             *screw = Screw::new(Pose::new(r_wf, p_w));
         }
-        self.ball = self.ball();
+        self.place();
     }
 
-    fn ball(&self) -> Ball {
-        let folded = || {
-            let orbits = self.folded.poses.iter().zip(self.corners.iter());
-            orbits.flat_map(|(pose, corners)| corners.iter().map(|&corner| pose.apply(corner)))
-        };
+    /// Puts the corners of the cell in their places, and a ball round them.
+    fn place(&mut self) {
+        self.places.clear();
+        for (pose, corners) in self.folded.poses.iter().zip(self.corners.iter()) {
+            self.places.extend(corners.iter().map(|&corner| pose.apply(corner)));
+        }
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
-        let count = self.corners.items().len() as f64;
-        let center = folded().sum::<Vector3<f64>>() / count;
-        let farthest = folded().map(|p| (p - center).norm_squared());
-        let radius = farthest.fold(0.0, f64::max).sqrt();
-        Ball { center, radius }
+        let center = self.places.iter().sum::<Vector3<f64>>() / self.places.len() as f64;
+        let away = self.places.iter().map(|p| (p - center).norm_squared());
+        let radius = away.fold(0.0, f64::max).sqrt();
+        self.ball = Ball { center, radius };
     }
 
     /// Corners of the faces of an orbit in the flat sheet, reduced.
@@ -179,14 +182,36 @@ impl LatticeMotion {
         (way.norm() - 2.0 * radius).max(0.0)
     }
 
+    /// Radius of the ball round a cell.
+    pub(crate) fn radius(&self) -> f64 {
+        self.ball.radius
+    }
+
+    /// How each step moves the centre of a cell, and how far the centre so many steps on may be from there
+    /// for what the steps turn.
+    pub(crate) fn ways(&self, most: [u32; 2]) -> ([Vector3<f64>; 2], f64) {
+        let center = self.ball.center;
+        let motions = self.folded.steps.map(|step| step.motion());
+        let ways = motions.map(|motion| motion.carry(&center) - center);
+        let [i, j] = most.map(f64::from);
+        let [first, second] = motions.map(|motion| 2.0 * motion.r_wf.v.norm());
+        let [a, b] = ways.map(|way| way.norm());
+        (ways, i * first * (i / 2.0 * a + j * b) + j * j / 2.0 * second * b)
+    }
+
     /// Goes to the configuration that a course has at one of its times.
     pub fn fold_as(&mut self, course: &LatticeCourse, time: usize) {
         self.folded.clone_from(course.at(time));
-        self.ball = self.ball();
+        self.place();
     }
 
     pub(super) fn folded(&self) -> &Folded {
         &self.folded
+    }
+
+    /// Corners of the faces of the cell in space, orbit after orbit.
+    pub(super) fn places(&self) -> &[Vector3<f64>] {
+        &self.places
     }
 
     /// A point of the first orbit's face that moves with its cell.
@@ -220,9 +245,17 @@ impl LatticeMotion {
         };
         let hinges = passage.hinges.iter();
         let stray = hinges.fold(Stray::default(), |stray, hinge| {
-            stray.across(hinge.way, bend(hinge.group, bends))
+            let group = hinge.spoke.map(|spoke| spoke.group.index());
+            stray.across(hinge.way, bend(group, bends))
         });
         [stray.to(passage.rest), stray.turn()]
+    }
+
+    /// The creases that turn what is a step on, in order, as if round a vertex: they close where the step is a
+    /// translation.
+    pub(crate) fn turning(&self, step: usize) -> Vec<Spoke<f64>> {
+        let hinges = self.passages.get(step).map(|passage| passage.hinges.iter());
+        hinges.into_iter().flatten().filter_map(|hinge| hinge.spoke).collect()
     }
 
     /// For each orbit the way to its hinge from the one before it, and from there to the farthest corner.
@@ -247,16 +280,23 @@ impl LatticeMotion {
             let mut hinges = Vec::new();
             while let Some(before) = orbit.checked_sub(1) {
                 let hinge = &self.tree[before as usize];
-                hinges.push((hinge.group(), hinge.pivot));
+                hinges.push((hinge.spoke(), hinge.pivot));
                 orbit = hinge.from;
             }
             hinges
         };
         let mut hinges = up(closing.from);
         hinges.reverse();
-        hinges.push((closing.group(), closing.pivot));
+        hinges.push((closing.spoke(), closing.pivot));
         let back = up(closing.to).into_iter();
-        hinges.extend(back.map(|(group, pivot)| (group, pivot + shift)));
+        // The other way a hinge turns what is beyond back.
+        hinges.extend(back.map(|(spoke, pivot)| {
+            let spoke = spoke.map(|spoke| Spoke {
+                negative: !spoke.negative,
+                ..spoke
+            });
+            (spoke, pivot + shift)
+        }));
         Passage::new(&hinges, self.center, self.center + shift)
     }
 }
@@ -303,5 +343,13 @@ impl Hinge {
 
     fn group(&self) -> Option<usize> {
         self.turns.map(|membership| membership.group.index())
+    }
+
+    fn spoke(&self) -> Option<Spoke<f64>> {
+        self.turns.map(|Membership { group, negative }| Spoke {
+            group,
+            negative,
+            direction: self.axis.into(),
+        })
     }
 }

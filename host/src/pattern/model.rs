@@ -244,6 +244,29 @@ impl CreasePattern {
         crate::ragged::group_by_key(self.faces.len(), pairs)
     }
 
+    /// The faces beyond the sides of a face, and the edge between. Cost: O(degrees of its vertices).
+    pub fn beyond(&self, face: FaceId) -> impl Iterator<Item = (FaceId, EdgeId)> + '_ {
+        let cycle = &self.faces[face.index()];
+        let next = cycle.iter().cycle().skip(1);
+        let sides = cycle.iter().zip(next);
+        sides.filter_map(move |(from, to)| self.beyond_side(face, [*from, *to]))
+    }
+
+    /// The face beyond the side of a face between two vertices, and the edge between. Cost: O(degree of the
+    /// first).
+    #[must_use]
+    pub fn beyond_side(&self, face: FaceId, [from, to]: [VertexId; 2]) -> Option<(FaceId, EdgeId)> {
+        self.stars[from.index()].iter().find_map(|&id| {
+            let edge = self.edge(id);
+            let [left, right] = edge.inner_faces().filter(|_| edge.ends.contains(&to))?;
+            match face {
+                _ if face == left => Some((right, id)),
+                _ if face == right => Some((left, id)),
+                _ => None,
+            }
+        })
+    }
+
     /// What was assumed about the drawing where it was silent or odd, in words.
     #[must_use]
     pub fn assumptions(&self) -> &[String] {

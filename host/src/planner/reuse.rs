@@ -30,8 +30,7 @@ const NEARER: f64 = 0.01;
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
 const ROOM: f64 = 1e-3;
-/// Cells of a lattice, and faces of a sheet without, beyond which the motion between knots is not swept.
-const MOST_CELLS: usize = 3000;
+/// Faces of a sheet without a lattice beyond which the motion between knots is not swept.
 const MOST_FACES: usize = 4000;
 /// Median edges: where faces may be farther off, their lattice says nothing of crossings.
 const FAR_ASTRAY: f64 = 0.25;
@@ -175,13 +174,7 @@ impl Planning<'_> {
         let symmetric = || Lattice::find(self.pattern, memberships);
         let lattice = skips.symmetry.then(symmetric).flatten();
         let faces = self.pattern.faces().len();
-        let apart = lattice.as_ref().map_or(1, |lattice| lattice.orbits().len());
-        let most = if lattice.is_some() {
-            MOST_CELLS
-        } else {
-            MOST_FACES
-        };
-        if faces / apart > most {
+        if lattice.is_none() && faces > MOST_FACES {
             return self.sweep_knots(reduction);
         }
         let curves = self.plan.path.curves();
@@ -219,6 +212,7 @@ impl Planning<'_> {
                 let reason = "out of time while looking for crossings".into();
                 self.end(Outcome::Timeout, reason)
             }
+            SweepVerdict::Undecided { faces: None, .. } => self.sweep_knots(reduction),
             SweepVerdict::Undecided { faces, at } => {
                 let faces = faces.map_or(String::new(), |[a, b]| format!(" of faces {a} and {b}"));
                 self.plan.notes.push(format!(

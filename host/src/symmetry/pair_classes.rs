@@ -64,17 +64,43 @@ impl Lattice {
         low..=high
     }
 
-    /// A pair of faces of the class, if the sheet has one. Cost: O(faces of the orbit) times a logarithm.
+    /// Differences of columns of cells so many rows apart, none left out. Cost: O(rows x orbits).
+    pub(crate) fn columns_apart(&self, rows: i32) -> RangeInclusive<i32> {
+        let ends = |orbit: &Orbit| [orbit.low[1], orbit.high[1]];
+        let all = self.orbits().iter().map(ends);
+        let all = all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let [low, high] = all.unwrap_or_default();
+        let columns = |row: i32| {
+            let rows = self.orbits().iter().filter_map(|orbit| span(self.row(orbit, row)));
+            rows.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        };
+        let both = (low..=high).filter_map(|row| {
+            let [[a, b], [c, d]] = [columns(row)?, columns(row.saturating_add(rows))?];
+            Some([c - b, d - a])
+        });
+        let [first, last] = both
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+            .unwrap_or([1, 0]);
+        first..=last
+    }
+
+    /// A pair of faces of the class, in the middle of the sheet rather than at its border, if the sheet has
+    /// one. Cost: O(faces of the orbit) times a logarithm, if it has none there.
     #[must_use]
     pub fn pair_of(&self, class: PairClass) -> Option<[FaceId; 2]> {
         let [orbit, other] = class.orbits;
         let [dx, dy] = class.offset;
         let from = self.orbits().get(orbit as usize)?;
-        (from.low[1]..=from.high[1]).find_map(|row| {
-            self.row(from, row).iter().find_map(|&(column, face)| {
-                let cell = [column.checked_add(dx)?, row.checked_add(dy)?];
-                let place = Place { orbit: other, cell };
-                Some([face, self.face_at(place)?])
+        let pair = |face: FaceId, [column, row]: [i32; 2]| {
+            let cell = [column.checked_add(dx)?, row.checked_add(dy)?];
+            let place = Place { orbit: other, cell };
+            Some([face, self.face_at(place)?])
+        };
+        let middle = from.representative;
+        pair(middle, self.place(middle).cell).or_else(|| {
+            (from.low[1]..=from.high[1]).find_map(|row| {
+                let mut faces = self.row(from, row).iter();
+                faces.find_map(|&(column, face)| pair(face, [column, row]))
             })
         })
     }

@@ -34,6 +34,7 @@ impl Sweep<'_> {
         let nodes = pair.nodes;
         match pair.kind {
             Kind::Clusters => self.look_at_clusters(motion, index, &pair),
+            Kind::Far => self.look_far(motion),
             Kind::Cells(offset) => self.look_at_cells(motion, offset),
             Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, index, &pair),
             Kind::Vertex(corners) => self.look_at_sectors(motion, index, &pair, corners),
@@ -77,13 +78,43 @@ impl Sweep<'_> {
         look
     }
 
+    /// Looks for cells that come near each other until the next tabulated time.
+    fn look_far(&mut self, motion: &Motion) -> Look {
+        let (time, best, astray) = (self.sheet.time, self.best(), self.astray());
+        let touching = self.options.tolerance * self.pattern.median_edge();
+        let Some(cells) = &mut self.sheet.cells else {
+            return Look::Free;
+        };
+        // As long as none is known to be the nearest, more and more of them.
+        if best == f64::INFINITY {
+            self.far = 2.0 * self.far + self.pattern.median_edge() / 2.0;
+        }
+        let near = astray + touching.max(self.far.min(best));
+        let skips = self.options.skip_bounds && self.options.skip_motion;
+        let near = if skips { near } else { f64::INFINITY };
+        let Some(woken) = cells.wake(motion, time, near) else {
+            return Look::Unsure;
+        };
+        let is_last = woken.is_empty() && (best.is_finite() || cells.are_all_awake());
+        for offset in woken {
+            self.push([0, 0], Kind::Cells(offset), None, time);
+        }
+        if !is_last {
+            Look::Again
+        } else if time == motion.end() {
+            Look::Free
+        } else {
+            Look::Until(motion.next_tabulated(time))
+        }
+    }
+
     fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
         let (time, best) = (self.sheet.time, self.best());
         let (bounds, astray) = (self.options.skip_bounds, self.astray());
         let Some(cells) = &mut self.sheet.cells else {
             return Look::Free;
         };
-        let mut apart = cells.gap(motion, time, offset);
+        let mut apart = cells.gap_of(motion, time, offset);
         let leap = astray + cells.moved(motion, time, LEAP, offset);
         let near = if bounds {
             leap.max(self.options.tolerance * self.pattern.median_edge())
@@ -108,7 +139,7 @@ impl Sweep<'_> {
         let Some(cells) = &self.sheet.cells else {
             return Look::Free;
         };
-        let left = cells.offsets()[offset as usize].left;
+        let left = cells.left(offset);
         self.counts.skipped_bounds += left.saturating_sub(measured);
         match cells.until(motion, time, offset, apart - astray) {
             None => Look::Free,
@@ -121,7 +152,7 @@ impl Sweep<'_> {
     /// Measures the distance of two faces, if it may be the smallest; returns how many pairs of pieces
     /// were measured.
     fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
-        let [first, second] = faces.map(|face| self.pieces.of(face));
+        let [first, second] = faces.map(|face| self.load(face));
         let mut measured = 0;
         for a in first {
             for b in second.clone() {
@@ -150,7 +181,7 @@ impl Sweep<'_> {
     /// Adds the pairs of pieces of pairs of faces.
     fn take(&mut self, pairs: &[[FaceId; 2]], time: Tick) {
         for faces in pairs {
-            let [first, second] = faces.map(|face| self.pieces.of(face));
+            let [first, second] = faces.map(|face| self.load(face));
             for a in first {
                 for b in second.clone() {
                     self.add([a, b], time);
@@ -319,7 +350,7 @@ impl Sweep<'_> {
     pub(super) fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Clusters | Kind::Cells(_) | Kind::Pieces => 0.0,
+            Kind::Clusters | Kind::Far | Kind::Cells(_) | Kind::Pieces => 0.0,
         };
         (self.options.tolerance + gap) * self.pattern.median_edge()
     }
@@ -337,6 +368,12 @@ impl Sweep<'_> {
 
     /// How deep two pieces cross.
     pub(super) fn depth(&mut self, motion: &Motion, [a, b]: [u32; 2]) -> f64 {
+        for piece in [a, b] {
+            self.pieces.join(self.pattern, piece);
+        }
+        if self.sheet.cells.is_some() {
+            self.hierarchy.extend(&self.pieces);
+        }
         self.put(motion, [a, b], true);
         let tolerance = self.options.tolerance * self.pattern.median_edge();
         self.sheet.placed(&self.pieces).depth(a, b, tolerance)

@@ -21,6 +21,7 @@ mod verdict;
 pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 
 use core::f64::consts::PI;
+use core::ops::Range;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -58,6 +59,8 @@ struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Clusters,
+    /// All cells that were not yet near each other.
+    Far,
     /// Cells whose difference has this number.
     Cells(u32),
     Pieces,
@@ -88,13 +91,13 @@ enum Look {
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     pattern: &'a CreasePattern,
-    memberships: Vec<Membership>,
+    memberships: &'a [Membership],
     groups: usize,
     options: SweepOptions,
     pieces: Pieces,
     hierarchy: Hierarchy,
     sheet: Sheet<'a>,
-    chains: Chains,
+    chains: Chains<'a>,
     /// For each cluster the chains from its face to those of its children, and their length in the list.
     within: Vec<[Chain; 2]>,
     kept: usize,
@@ -108,6 +111,8 @@ pub struct Sweep<'a> {
     looks: u64,
     /// Pairs found joined.
     joined: u64,
+    /// How near cells have to be to be looked at, as long as no distance is known.
+    far: f64,
 }
 
 impl<'a> Sweep<'a> {
@@ -116,18 +121,18 @@ impl<'a> Sweep<'a> {
     #[must_use]
     pub fn new(
         pattern: &'a CreasePattern,
-        memberships: &[Membership],
+        memberships: &'a [Membership],
         options: SweepOptions,
     ) -> Self {
         Self::build(pattern, memberships, options, None)
     }
 
     /// The same for a sheet that closes all along its motions, with its lattice found for the same
-    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces + classes of pairs).
+    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces), and little of it.
     #[must_use]
     pub fn with_lattice(
         pattern: &'a CreasePattern,
-        memberships: &[Membership],
+        memberships: &'a [Membership],
         options: SweepOptions,
         lattice: &'a Lattice,
     ) -> Self {
@@ -136,19 +141,23 @@ impl<'a> Sweep<'a> {
 
     fn build(
         pattern: &'a CreasePattern,
-        memberships: &[Membership],
+        memberships: &'a [Membership],
         options: SweepOptions,
         lattice: Option<&'a Lattice>,
     ) -> Self {
-        let pieces = Pieces::new(pattern);
-        let hierarchy = match lattice {
-            Some(_) => Hierarchy::leaves(&pieces),
-            None => Hierarchy::new(&pieces),
+        let (pieces, hierarchy) = if lattice.is_some() {
+            // The others are made when they are asked for.
+            let pieces = Pieces::none(pattern);
+            let hierarchy = Hierarchy::leaves(&pieces);
+            (pieces, hierarchy)
+        } else {
+            let pieces = Pieces::new(pattern);
+            let hierarchy = Hierarchy::new(&pieces);
+            (pieces, hierarchy)
         };
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
-        let cells =
-            lattice.map(|lattice| Cells::new(pattern, memberships, groups, &pieces, lattice));
+        let cells = lattice.map(|lattice| Cells::new(pattern, memberships, groups, lattice));
         let mut chains = Chains::new(pattern, memberships, lattice.is_some());
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
@@ -162,10 +171,10 @@ impl<'a> Sweep<'a> {
         });
         Self {
             pattern,
-            memberships: memberships.to_vec(),
+            memberships,
             groups,
             options,
-            sheet: Sheet::new(pattern, memberships, groups, &pieces, &hierarchy, cells),
+            sheet: Sheet::new(pattern, memberships, groups, cells),
             within: within.collect(),
             kept: chains.len(),
             chains,
@@ -178,6 +187,7 @@ impl<'a> Sweep<'a> {
             counts: SweepCounts::default(),
             looks: 0,
             joined: 0,
+            far: 0.0,
             pieces,
             hierarchy,
         }
@@ -196,7 +206,7 @@ impl<'a> Sweep<'a> {
             let at = place(&motion, 0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        (self.clearance, self.looks, self.joined) = (None, 0, 0);
+        (self.clearance, self.looks, self.joined, self.far) = (None, 0, 0, 0.0);
         self.pairs.clear();
         self.due.clear();
         self.chains.truncate(self.kept);
@@ -204,9 +214,7 @@ impl<'a> Sweep<'a> {
         let before = self.counts;
         if let Some(cells) = &mut self.sheet.cells {
             cells.begin(&motion);
-            for offset in (0..).take(cells.offsets().len()) {
-                self.push([0, 0], Kind::Cells(offset), None, 0);
-            }
+            self.push([0, 0], Kind::Far, None, 0);
         }
         let roots = self.hierarchy.roots.clone();
         for root in roots {
@@ -233,7 +241,7 @@ impl<'a> Sweep<'a> {
     fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
         let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
         let at = Place { segment, s };
-        let creases = self.pattern.creases().iter().zip(&self.memberships);
+        let creases = self.pattern.creases().iter().zip(self.memberships);
         let edges = creases.filter(|(_, member)| member.group.index() == group);
         let mut edges = edges.map(|(&edge, _)| self.pattern.edge(edge));
         let (edge, faces) = edges.find_map(|edge| Some((edge, edge.inner_faces()?)))?;
@@ -260,13 +268,13 @@ impl<'a> Sweep<'a> {
 
     /// Completes the counts after so many configurations.
     fn count(&mut self, times: u64, before: SweepCounts) {
-        let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
-        let [looked_at, joined] = match &self.sheet.cells {
-            Some(cells) => {
-                let pairs = cells.offsets().iter().map(|offset| offset.pairs);
-                [pairs.sum::<u64>().min(alike), self.joined]
-            }
-            None => [alike, joined],
+        let [alike, looked_at, joined] = if let Some(cells) = &self.sheet.cells {
+            let [pieces, pairs] = cells.count();
+            let alike = pieces * pieces.saturating_sub(1) / 2;
+            [alike, pairs.min(alike), self.joined]
+        } else {
+            let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
+            [alike, alike, joined]
         };
         let counts = &mut self.counts;
         counts.pairs += times * alike;
@@ -320,8 +328,9 @@ impl<'a> Sweep<'a> {
     }
 
     fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
+        let one = self.pairs[index as usize].kind != Kind::Far;
         SweepVerdict::Undecided {
-            faces: Some(self.faces(index)),
+            faces: one.then(|| self.faces(index)),
             at: place(motion, time),
         }
     }
@@ -344,6 +353,15 @@ impl<'a> Sweep<'a> {
     fn faces(&self, pair: u32) -> [FaceId; 2] {
         let nodes = self.pairs[pair as usize].nodes;
         nodes.map(|node| self.hierarchy.nodes[node as usize].face)
+    }
+
+    /// The pieces of a face.
+    fn load(&mut self, face: FaceId) -> Range<u32> {
+        let pieces = self.pieces.load(self.pattern, face);
+        if self.sheet.cells.is_some() {
+            self.hierarchy.extend(&self.pieces);
+        }
+        pieces
     }
 
     /// Adds a pair to look at.
@@ -379,9 +397,9 @@ impl<'a> Sweep<'a> {
             return None;
         }
         let shared = self.shared(a, b);
-        if self.pieces.joined(a, b) || shared.len() > 1 {
+        if shared.len() > 1 {
             self.joined += 1;
-            // Two vertices shared are ends of a line that is a side of both: about it they turn.
+            // They are ends of a line that is a side of both: about it they turn.
             return (!self.options.skip_edges).then_some((Kind::Joined, None));
         }
         if let Some(&(vertex, corners)) = shared.first()

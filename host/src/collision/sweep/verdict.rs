@@ -95,7 +95,7 @@ pub enum SweepVerdict {
         /// A place up to which no pair crosses; `None` if some do from the beginning.
         last_free: Option<Place>,
     },
-    /// The budget is spent, or the motion is not finite.
+    /// The budget is spent, the motion is not finite, or too many cells of a lattice that turns may meet.
     Undecided {
         /// The pair that was looked at last, if any.
         faces: Option<[FaceId; 2]>,
