@@ -19,6 +19,8 @@ use crate::symmetry::{Lattice, Orbit, PairClass};
 const LOOKS: usize = 4;
 /// A step that turns by no more, at the end of a segment, is held for a translation.
 const TRANSLATION: f64 = 1e-3;
+/// Tabulated times for which cells are woken.
+pub(super) const AHEAD: usize = 4;
 /// Differences of cells that are looked at, at most.
 const MOST_OFFSETS: usize = 6000;
 
@@ -209,7 +211,7 @@ impl<'a> Cells<'a> {
         there.map(|[a, b]| self.counts[a] * self.counts[b]).sum()
     }
 
-    /// Differences of cells that may come within `near` of each other from a tabulated time to the next, less
+    /// Differences of cells that may come within `near` of each other from a tabulated time to the `AHEAD`th next, less
     /// those that were woken before; their numbers follow one another, the nearest comes last. All of them
     /// where steps turn, or `near` is infinite; `None` if there are too many.
     pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
@@ -217,7 +219,7 @@ impl<'a> Cells<'a> {
         if !self.all_awake {
             self.fold(motion, time);
             let from = motion.tabulated(time).unwrap_or_default();
-            let times = [from, (from + 1).min(self.course.times() - 1)];
+            let times = [from, (from + AHEAD).min(self.course.times() - 1)];
             let mut woken = match self.translated(times, near) {
                 Some(block) => {
                     let mut cells = block.cells();

@@ -182,7 +182,12 @@ impl Motion {
 
     /// The first tabulated time after `tick`.
     pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
-        ((tick / self.stride + 1) * self.stride).min(self.end())
+        self.tabulated_after(tick, 1)
+    }
+
+    /// So many tabulated times after `tick`, or the last.
+    pub(super) fn tabulated_after(&self, tick: Tick, count: usize) -> Tick {
+        ((tick / self.stride + count as Tick) * self.stride).min(self.end())
     }
 
     /// The position of a time among those tabulated, if it is one.

@@ -11,7 +11,8 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// Where they do not meet, two sides are nearest to each other, or a corner of one to the inside of the
 /// other. Sides that have all of the other piece behind them need no look: what is nearest to a point of
-/// one is beyond it, in front of another side, or over the inside. Cost: O(product of corners).
+/// one is beyond it, in front of another side, or over the inside. Nor do those that are farther from the
+/// other's plane. Cost: O(product of corners).
 #[must_use]
 pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
     let (ahead_of_a, over_a) = ahead(a, b);
@@ -22,16 +23,30 @@ pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
             nearest = nearest.min(sides_to_inside(corners, piece));
         }
     }
-    if nearest <= 0.0 {
-        return 0.0;
-    }
     let mut squared = nearest * nearest;
-    for (_, [from, to]) in sides(a).enumerate().filter(|(k, _)| ahead_of_a.holds(*k)) {
-        for (_, [start, end]) in sides(b).enumerate().filter(|(k, _)| ahead_of_b.holds(*k)) {
-            squared = squared.min(segments_squared([from, to], [start, end]));
+    for (k, side) in sides(a).enumerate() {
+        if !ahead_of_a.holds(k) || b.square_from_plane(side) >= squared {
+            continue;
+        }
+        for (k, other) in sides(b).enumerate() {
+            if ahead_of_b.holds(k) && a.square_from_plane(other) < squared {
+                squared = squared.min(segments_squared(side, other));
+            }
         }
     }
     squared.sqrt()
+}
+
+impl ConvexPiece<'_> {
+    /// Square of the least distance of a segment from the plane of the piece.
+    fn square_from_plane(&self, ends: [&Vector3<f64>; 2]) -> f64 {
+        let [a, b] = ends.map(|end| self.normal.dot(&(end - self.corners[0])));
+        if a * b <= 0.0 {
+            return 0.0;
+        }
+        let least = a.abs().min(b.abs());
+        least * least
+    }
 }
 
 /// Sides of a piece by their positions, those past the 64th always in.
@@ -49,17 +64,20 @@ impl Sides {
 fn ahead(piece: &ConvexPiece<'_>, other: &ConvexPiece<'_>) -> (Sides, bool) {
     let (mut found, mut over) = (0, true);
     for (side, [from, to]) in sides(piece).enumerate() {
-        let outward = (to - from).cross(&piece.normal);
-        let slack = ROUNDING * outward.norm_squared();
+        let along = to - from;
+        let outward = along.cross(&piece.normal);
+        let limit = outward.dot(from);
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
         for corner in other.corners {
-            let out = outward.dot(&(corner - from));
-            (least, most) = (least.min(out), most.max(out));
+            let out = outward.dot(corner);
+            least = if out < least { out } else { least };
+            most = if out > most { out } else { most };
         }
-        if most >= -slack && side < 64 {
+        let slack = ROUNDING * (along.norm_squared() + limit.abs());
+        if most >= limit - slack && side < 64 {
             found |= 1 << side;
         }
-        over &= least <= slack;
+        over &= least <= limit + slack;
     }
     (Sides(found), over)
 }
@@ -94,8 +112,7 @@ fn inside(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> bool {
 
 fn sides<'a>(piece: &ConvexPiece<'a>) -> impl Iterator<Item = [&'a Vector3<f64>; 2]> {
     let corners = piece.corners;
-    let next = corners.iter().skip(1).chain(corners.first());
-    corners.iter().zip(next).map(|(from, to)| [from, to])
+    (0..corners.len()).map(|k| [&corners[k], &corners[if k + 1 == corners.len() { 0 } else { k + 1 }]])
 }
 
 /// Squared distance of two segments.

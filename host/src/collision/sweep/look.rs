@@ -1,6 +1,7 @@
 //! Looks at pairs: how far apart they are at a time, and until when they stay apart.
 
 use super::{Kind, Look, Pair, Sweep, place};
+use crate::collision::cells::AHEAD;
 use crate::collision::chains::Chain;
 use crate::collision::contact::{Change, Parted, Turn, parted};
 use crate::collision::hierarchy::Sphere;
@@ -78,7 +79,7 @@ impl Sweep<'_> {
         look
     }
 
-    /// Looks for cells that come near each other until the next tabulated time.
+    /// Looks for cells that come near each other soon.
     fn look_far(&mut self, motion: &Motion) -> Look {
         let (time, best, astray) = (self.sheet.time, self.best(), self.astray());
         let touching = self.options.tolerance * self.pattern.median_edge();
@@ -104,7 +105,7 @@ impl Sweep<'_> {
         } else if time == motion.end() {
             Look::Free
         } else {
-            Look::Until(motion.next_tabulated(time))
+            Look::Until(motion.tabulated_after(time, AHEAD))
         }
     }
 
