@@ -49,15 +49,18 @@ pub(super) struct Cells<'a> {
     offsets: Vec<Offset>,
     known: Vec<[i32; 2]>,
     all_awake: bool,
-    /// For each row of differences, once it was asked for, the columns that there are.
-    columns: Vec<Option<RangeInclusive<i32>>>,
+    /// For each row of differences, once it was asked for, the columns that there are between each orbit and each
+    /// other.
+    columns: Vec<Option<Vec<RangeInclusive<i32>>>>,
 }
 
 /// A difference of cells, which stands for the opposite one too.
 #[derive(Clone, Debug)]
 pub(super) struct Offset {
     cell: [i32; 2],
-    /// Number of pairs of pieces that are not looked at one by one.
+    /// Number of pairs of pieces.
+    pairs: u64,
+    /// Those that are not looked at one by one.
     left: u64,
     /// A bit for each pair of orbits: whether it is; none as long as all are not.
     taken: Vec<u64>,
@@ -187,7 +190,12 @@ impl<'a> Cells<'a> {
             let offsets = if a == b { columns * rows / 2 } else { columns * rows };
             self.counts[a] * self.counts[b] * offsets
         });
-        [pieces.sum(), pairs.sum()]
+        let pairs = if self.all_awake {
+            self.offsets.iter().map(|offset| offset.pairs).sum()
+        } else {
+            pairs.sum()
+        };
+        [pieces.sum(), pairs]
     }
 
     /// Least and largest differences of the cells of two orbits.
@@ -196,19 +204,23 @@ impl<'a> Cells<'a> {
         [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
     }
 
-    /// Number of pairs of pieces so many cells apart; what is counted may be missing where the sheet is no
-    /// parallelogram.
-    fn pairs(&self, cell: [i32; 2]) -> u64 {
+    /// Number of pairs of pieces so many cells apart.
+    fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
         let orbits = self.counts.len();
-        let pairs = (0..orbits).flat_map(|b| {
-            let end = if cell == [0, 0] { b } else { orbits };
-            (0..end).map(move |a| [a, b])
+        let columns = self.columns[row.unsigned_abs() as usize].get_or_insert_with(|| {
+            let pairs = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
+            let columns = pairs.map(|pair| {
+                let pair = pair.map(|orbit| &self.lattice.orbits()[orbit]);
+                self.lattice.columns_between(pair, row)
+            });
+            columns.collect()
         });
-        let there = pairs.filter(|&pair| {
-            let reach = self.reach(pair);
-            (0..2).all(|k| (reach[k][0]..=reach[k][1]).contains(&cell[k]))
+        let within = [column, row] == [0, 0];
+        let first = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
+        let there = first.zip(columns).filter(|([a, b], columns)| {
+            columns.contains(&column) && (!within || a < b)
         });
-        there.map(|[a, b]| self.counts[a] * self.counts[b]).sum()
+        there.map(|([a, b], _)| self.counts[a] * self.counts[b]).sum()
     }
 
     /// Differences of cells that may come within `near` of each other from a tabulated time to the `AHEAD`th next, less
@@ -224,7 +236,7 @@ impl<'a> Cells<'a> {
                 Some(block) => {
                     let mut cells = block.cells();
                     cells.retain(|cell| self.known.binary_search(cell).is_err());
-                    cells.retain(|&cell| self.exists(cell));
+                    cells.retain(|&cell| self.pairs(cell) > 0);
                     cells.retain(|&cell| {
                         self.gap(cell) - self.course.cells(times, cell) <= near
                     });
@@ -245,12 +257,6 @@ impl<'a> Cells<'a> {
         (self.offsets.len() <= MOST_OFFSETS).then_some(numbers[0]..numbers[1])
     }
 
-    /// Whether the sheet has two cells so far apart, or cells between which these are.
-    fn exists(&mut self, [column, row]: [i32; 2]) -> bool {
-        let columns = &mut self.columns[row.unsigned_abs() as usize];
-        columns.get_or_insert_with(|| self.lattice.columns_apart(row)).contains(&column)
-    }
-
     fn enter(&mut self, cell: [i32; 2]) {
         let (pairs, known) = (self.pairs(cell), self.known.binary_search(&cell));
         if let Err(at) = known
@@ -259,6 +265,7 @@ impl<'a> Cells<'a> {
             self.known.insert(at, cell);
             self.offsets.push(Offset {
                 cell,
+                pairs,
                 left: pairs,
                 taken: Vec::new(),
             });
@@ -266,13 +273,13 @@ impl<'a> Cells<'a> {
     }
 
     /// All differences of cells, unless there are too many.
-    fn all(&mut self) -> Option<Vec<[i32; 2]>> {
+    fn all(&self) -> Option<Vec<[i32; 2]>> {
         let [most, rows] = self.most.map(|most| i32::try_from(most).unwrap_or(i32::MAX));
         let count = (2 * self.most[0] as usize + 1).checked_mul(self.most[1] as usize + 1)?;
         let cells = |row| (-most..=most).map(move |column| [column, row]);
         let half = |&[column, row]: &[i32; 2]| row > 0 || column >= 0;
         let cells = (0..=rows).flat_map(cells).filter(half);
-        (count <= MOST_OFFSETS).then(|| cells.filter(|&cell| self.exists(cell)).collect())
+        (count <= MOST_OFFSETS).then(|| cells.collect())
     }
 
     /// The cells that may come within `near` if both steps are translations, or may be held for such.

@@ -52,8 +52,8 @@ impl Lattice {
         .map(move |offset| PairClass { orbits, offset })
     }
 
-    /// Differences of columns of faces so many rows apart.
-    fn columns_between(&self, [a, b]: [&Orbit; 2], rows: i32) -> RangeInclusive<i32> {
+    /// Differences of columns of faces so many rows apart, and where a row has gaps perhaps others. Cost: O(rows).
+    pub(crate) fn columns_between(&self, [a, b]: [&Orbit; 2], rows: i32) -> RangeInclusive<i32> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for row in a.low[1]..=a.high[1] {
             let (from, to) = (self.row(a, row), self.row(b, row.saturating_add(rows)));
@@ -62,26 +62,6 @@ impl Lattice {
             }
         }
         low..=high
-    }
-
-    /// Differences of columns of cells so many rows apart, none left out. Cost: O(rows x orbits).
-    pub(crate) fn columns_apart(&self, rows: i32) -> RangeInclusive<i32> {
-        let ends = |orbit: &Orbit| [orbit.low[1], orbit.high[1]];
-        let all = self.orbits().iter().map(ends);
-        let all = all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-        let [low, high] = all.unwrap_or_default();
-        let columns = |row: i32| {
-            let rows = self.orbits().iter().filter_map(|orbit| span(self.row(orbit, row)));
-            rows.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-        };
-        let both = (low..=high).filter_map(|row| {
-            let [[a, b], [c, d]] = [columns(row)?, columns(row.saturating_add(rows))?];
-            Some([c - b, d - a])
-        });
-        let [first, last] = both
-            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-            .unwrap_or([1, 0]);
-        first..=last
     }
 
     /// A pair of faces of the class, in the middle of the sheet rather than at its border, if the sheet has
