@@ -19,7 +19,7 @@ const CLOSE: f64 = 1.0;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
 const LEAP: usize = 1;
 /// The same for pairs that may be the nearest of all.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 6;
 /// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
