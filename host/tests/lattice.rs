@@ -585,7 +585,12 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
         .collect();
     let half_way: Vec<f64> = from.iter().zip(to).map(|(a, b)| (a + b) / 2.0).collect();
     let configurations = [&halves(&half_way)[..], &halves(to)];
-    course.push(&mut sheet.motion(from), configurations, &bends, [f64::INFINITY; 2]);
+    course.push(
+        &mut sheet.motion(from),
+        configurations,
+        &bends,
+        [f64::INFINITY; 2],
+    );
     let parts = [0.2, 0.5, 0.8, 1.0].map(|part| {
         let between = from
             .iter()

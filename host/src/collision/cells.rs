@@ -165,7 +165,9 @@ impl<'a> Cells<'a> {
         let mut bends = Vec::new();
         let mut index = 0;
         for (last, curves) in motion.segments() {
-            let turns = stars.each_ref().map(|star| turn(&mut certifier, star, &curves));
+            let turns = stars
+                .each_ref()
+                .map(|star| turn(&mut certifier, star, &curves));
             while index < last {
                 motion.bends(index, &mut bends);
                 motion.half_angles(motion.half_way(index), &mut half_way);
@@ -186,8 +188,14 @@ impl<'a> Cells<'a> {
         let pieces = pieces.map(|place| self.counts[place.orbit as usize]);
         let pairs = (0..orbits).flat_map(|b| (0..=b).map(move |a| [a, b]));
         let pairs = pairs.map(|[a, b]| {
-            let [columns, rows] = self.reach([a, b]).map(|[low, high]| u64::from(high.abs_diff(low)) + 1);
-            let offsets = if a == b { columns * rows / 2 } else { columns * rows };
+            let [columns, rows] = self
+                .reach([a, b])
+                .map(|[low, high]| u64::from(high.abs_diff(low)) + 1);
+            let offsets = if a == b {
+                columns * rows / 2
+            } else {
+                columns * rows
+            };
             self.counts[a] * self.counts[b] * offsets
         });
         let pairs = if self.all_awake {
@@ -217,10 +225,12 @@ impl<'a> Cells<'a> {
         });
         let within = [column, row] == [0, 0];
         let first = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
-        let there = first.zip(columns).filter(|([a, b], columns)| {
-            columns.contains(&column) && (!within || a < b)
-        });
-        there.map(|([a, b], _)| self.counts[a] * self.counts[b]).sum()
+        let there = first
+            .zip(columns)
+            .filter(|([a, b], columns)| columns.contains(&column) && (!within || a < b));
+        there
+            .map(|([a, b], _)| self.counts[a] * self.counts[b])
+            .sum()
     }
 
     /// Differences of cells that may come within `near` of each other from a tabulated time to the `AHEAD`th next, less
@@ -237,9 +247,7 @@ impl<'a> Cells<'a> {
                     let mut cells = block.cells();
                     cells.retain(|cell| self.known.binary_search(cell).is_err());
                     cells.retain(|&cell| self.pairs(cell) > 0);
-                    cells.retain(|&cell| {
-                        self.gap(cell) - self.course.cells(times, cell) <= near
-                    });
+                    cells.retain(|&cell| self.gap(cell) - self.course.cells(times, cell) <= near);
                     cells
                 }
                 None => {
@@ -274,7 +282,9 @@ impl<'a> Cells<'a> {
 
     /// All differences of cells, unless there are too many.
     fn all(&self) -> Option<Vec<[i32; 2]>> {
-        let [most, rows] = self.most.map(|most| i32::try_from(most).unwrap_or(i32::MAX));
+        let [most, rows] = self
+            .most
+            .map(|most| i32::try_from(most).unwrap_or(i32::MAX));
         let count = (2 * self.most[0] as usize + 1).checked_mul(self.most[1] as usize + 1)?;
         let cells = |row| (-most..=most).map(move |column| [column, row]);
         let half = |&[column, row]: &[i32; 2]| row > 0 || column >= 0;
@@ -284,7 +294,11 @@ impl<'a> Cells<'a> {
 
     /// The cells that may come within `near` if both steps are translations, or may be held for such.
     fn translated(&self, times: [usize; 2], near: f64) -> Option<Block> {
-        let Drift { own, shifts, turned } = self.course.drift(times);
+        let Drift {
+            own,
+            shifts,
+            turned,
+        } = self.course.drift(times);
         let (ways, bent) = self.folded.ways(self.most);
         let radius = self.folded.radius();
         let slack = turned + bent;
@@ -448,7 +462,8 @@ impl<'a> Cells<'a> {
     pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
         let mut stretch = motion.rest(time);
         stretch.to = (stretch.to + count).min(self.course.times() - 1);
-        self.course.cells(stretch, self.offsets[offset as usize].cell)
+        self.course
+            .cells(stretch, self.offsets[offset as usize].cell)
     }
 
     /// About the last time until which two cells come closer by no more than `allowance`, if there is one after
@@ -512,7 +527,9 @@ impl<'a> Cells<'a> {
                 clippy::cast_precision_loss,
                 reason = "a guess, put between two times"
             )]
-            let guess = rest.from.saturating_add((allowance / by * (next - rest.from) as f64) as usize);
+            let guess = rest
+                .from
+                .saturating_add((allowance / by * (next - rest.from) as f64) as usize);
             if high - low < 2 {
                 break;
             }
@@ -531,7 +548,11 @@ fn turn(certifier: &mut SegmentCertifier, creases: &[Spoke<f64>], curves: &[Curv
     let end: Vec<_> = curves.iter().map(|curve| curve.half_angle(1.0)).collect();
     let ends = [FaceId::new(creases.len()).0];
     match StarsView::new(creases, &ends, curves.len()) {
-        Some(stars) if stars.iter().all(|star| norm(&residual(star, &end)) <= TRANSLATION) => {
+        Some(stars)
+            if stars
+                .iter()
+                .all(|star| norm(&residual(star, &end)) <= TRANSLATION) =>
+        {
             2.0 * certifier.closure(stars, LoopsView::none(), curves).worst()
         }
         _ => f64::INFINITY,

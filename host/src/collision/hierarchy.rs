@@ -145,9 +145,7 @@ impl Builder<'_> {
     /// there is one.
     fn partner(&self, node: u32, fresh: usize) -> Option<u32> {
         let members = &self.members[node as usize];
-        let joints = members
-            .iter()
-            .flat_map(|&p| self.pieces.joints(p));
+        let joints = members.iter().flat_map(|&p| self.pieces.joints(p));
         let others = joints.map(|joint| self.cluster[joint.piece as usize]);
         let size = |other: u32| {
             let both = [node, other].map(|n| self.center(n));

@@ -226,7 +226,11 @@ impl Motion {
         let next = self.index(tick) + 1;
         let until = |part: u32| {
             let head = f64::from(part) / f64::from(SMALL_PARTS);
-            moved(Stretch { head, from: next, to: next })
+            moved(Stretch {
+                head,
+                from: next,
+                to: next,
+            })
         };
         let steady = 2.0 * until(1) - until(2);
         let each = until(2) - until(1);
@@ -237,7 +241,10 @@ impl Motion {
             reason = "a number of parts, put between two"
         )]
         let part = ((allowance - steady) / each).clamp(0.0, most) as u32;
-        let (later, by) = (tick + Tick::from(part) * (self.stride / Tick::from(SMALL_PARTS)), until(part));
+        let (later, by) = (
+            tick + Tick::from(part) * (self.stride / Tick::from(SMALL_PARTS)),
+            until(part),
+        );
         (part > 0 && by <= allowance && later <= self.next_tabulated(tick)).then_some((later, by))
     }
 
@@ -251,7 +258,10 @@ impl Motion {
         let all = self.variations.chunks(self.groups.max(1)).enumerate();
         all.map(|(segment, variations)| {
             let curves = variations.iter().map(|variation| *variation.curve());
-            (self.index(((segment + 1) as Tick) << TICKS), curves.collect())
+            (
+                self.index(((segment + 1) as Tick) << TICKS),
+                curves.collect(),
+            )
         })
     }
 

@@ -23,7 +23,9 @@ impl Block {
     /// none of its real i holds for none in the rows beyond, which are larger by a factor.
     pub(super) fn cells(&self) -> Vec<[i32; 2]> {
         let mut cells = Vec::new();
-        let [columns, rows] = self.most.map(|most| i32::try_from(most).unwrap_or(i32::MAX));
+        let [columns, rows] = self
+            .most
+            .map(|most| i32::try_from(most).unwrap_or(i32::MAX));
         for row in 0..=rows {
             let ahead = self.columns(row, 1.0);
             let back = self.columns(row, -1.0);
@@ -95,7 +97,10 @@ mod tests {
                     let half = row > 0 || row == 0 && column >= 0;
                     near += usize::from(is_near && half);
                     let [i, j] = if half { [column, row] } else { [-column, -row] };
-                    assert!(!is_near || cells.contains(&[i, j]), "{block:?} {column} {row}");
+                    assert!(
+                        !is_near || cells.contains(&[i, j]),
+                        "{block:?} {column} {row}"
+                    );
                 }
             }
         }

@@ -113,16 +113,22 @@ impl Pieces {
             return;
         }
         let first = self.joints.len();
-        let Piece { face, start, end, .. } = self.list[piece as usize];
+        let Piece {
+            face, start, end, ..
+        } = self.list[piece as usize];
         for from in start..end {
             let ends = [from, if from + 1 == end { start } else { from + 1 }];
             let side = ends.map(|corner| self.vertices[corner as usize]);
-            let inner = self.load(pattern, face).find(|&other| self.has_side(other, side));
+            let inner = self
+                .load(pattern, face)
+                .find(|&other| self.has_side(other, side));
             let joined = inner.or_else(|| {
                 let (beyond, _) = pattern.beyond_side(face, side)?;
-                self.load(pattern, beyond).find(|&other| self.has_side(other, side))
+                self.load(pattern, beyond)
+                    .find(|&other| self.has_side(other, side))
             });
-            self.joints.extend(joined.map(|piece| Joint { piece, ends }));
+            self.joints
+                .extend(joined.map(|piece| Joint { piece, ends }));
         }
         let range = [first, self.joints.len()].map(|n| FaceId::new(n).0);
         self.joints_of[piece as usize] = Some(range);
@@ -132,7 +138,10 @@ impl Pieces {
     fn has_side(&self, piece: u32, [to, from]: [VertexId; 2]) -> bool {
         let corners = &self.vertices[self.list[piece as usize].corners()];
         let next = corners.iter().cycle().skip(1);
-        corners.iter().zip(next).any(|(a, b)| [*a, *b] == [from, to])
+        corners
+            .iter()
+            .zip(next)
+            .any(|(a, b)| [*a, *b] == [from, to])
     }
 
     /// The sides that a piece shares with others, once they were found.
@@ -175,7 +184,11 @@ impl Pieces {
 /// Number of convex pieces that a face is cut in.
 pub(super) fn count(pattern: &CreasePattern, face: FaceId) -> usize {
     let whole = is_convex(pattern, &pattern.faces()[face.index()]);
-    if whole { 1 } else { pattern.triangles()[face.index()].len() }
+    if whole {
+        1
+    } else {
+        pattern.triangles()[face.index()].len()
+    }
 }
 
 /// Pieces where a configuration puts them.

@@ -112,7 +112,12 @@ fn inside(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> bool {
 
 fn sides<'a>(piece: &ConvexPiece<'a>) -> impl Iterator<Item = [&'a Vector3<f64>; 2]> {
     let corners = piece.corners;
-    (0..corners.len()).map(|k| [&corners[k], &corners[if k + 1 == corners.len() { 0 } else { k + 1 }]])
+    (0..corners.len()).map(|k| {
+        [
+            &corners[k],
+            &corners[if k + 1 == corners.len() { 0 } else { k + 1 }],
+        ]
+    })
 }
 
 /// Squared distance of two segments.
@@ -188,5 +193,98 @@ impl Sector {
             other.sides.map(|side| self.below_angle(&side)),
         ];
         a[0].min(a[1]).min(b[0].min(b[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foldpath_core::{HalfAngle, Rotation};
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    /// A number between -1 and 1.
+    fn noise(random: &mut Pcg64) -> f64 {
+        #[allow(clippy::cast_precision_loss, reason = "a random number")]
+        let part = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+        2.0 * part - 1.0
+    }
+
+    /// A convex polygon round the origin, turned and moved.
+    fn polygon(random: &mut Pcg64, r_wf: Rotation<f64>, p_w: Vector3<f64>) -> Vec<Vector3<f64>> {
+        let mut angles: Vec<_> = (0..3 + random.next_u64() % 4)
+            .map(|_| core::f64::consts::PI * noise(random))
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        let corner = |angle: &f64| Vector3::new(angle.cos(), angle.sin(), 0.0);
+        angles
+            .iter()
+            .map(|a| r_wf.rotate(&corner(a)) + p_w)
+            .collect()
+    }
+
+    fn random_rotation(random: &mut Pcg64) -> Rotation<f64> {
+        let [a, b, c] = [(); 3].map(|()| HalfAngle::of(3.0 * noise(random)));
+        let turn = |half, direction| Rotation::about_crease(half, direction);
+        turn(a, [1.0, 0.0]) * turn(b, [0.0, 1.0]) * turn(c, [1.0, 0.0])
+    }
+
+    /// The point of a polygon nearest to another: that of its plane, or else of a side.
+    fn project(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> Vector3<f64> {
+        let down = point - piece.normal * piece.normal.dot(&(point - piece.corners[0]));
+        if inside(piece, &down) {
+            return down;
+        }
+        let on_sides = sides(piece).map(|[from, to]| {
+            let along = to - from;
+            let s = along.dot(&(point - from)) / along.norm_squared();
+            from + along * s.clamp(0.0, 1.0)
+        });
+        let nearer =
+            |a: &Vector3<f64>, b: &Vector3<f64>| (a - point).norm().total_cmp(&(b - point).norm());
+        on_sides.min_by(nearer).unwrap()
+    }
+
+    /// Projections to one and the other in turn come no nearer to each other than the pieces are, and in the
+    /// end about as near.
+    #[test]
+    fn no_two_points_are_nearer_than_the_distance() {
+        let mut random = Pcg64::new(11, 2);
+        let (mut apart, mut met) = (0, 0);
+        for round in 0..3000 {
+            let first = random_rotation(&mut random);
+            let shift = Vector3::from_fn(|_, _| 1.6 * noise(&mut random));
+            // Some lie over each other corner by corner, some are parallel, some in a plane.
+            let (r_wf, shift) = match round % 4 {
+                0 => (first, first.rotate(&Vector3::new(0.0, 0.0, shift.x))),
+                1 => (first, shift),
+                2 => (
+                    first,
+                    first.rotate(&Vector3::new(2.0 * shift.x, 2.0 * shift.y, 0.0)),
+                ),
+                _ => (random_rotation(&mut random), shift),
+            };
+            let a = polygon(&mut random, first, Vector3::zeros());
+            let b = match round % 4 {
+                0 => a.iter().map(|corner| corner + shift).collect(),
+                _ => polygon(&mut random, r_wf, shift),
+            };
+            let [a, b] = [(&a, first), (&b, r_wf)].map(|(corners, turn)| ConvexPiece {
+                corners,
+                normal: turn.rotate(&Vector3::z()),
+            });
+            let found = distance(&a, &b);
+            let mut point = a.corners[0];
+            let mut nearest = f64::INFINITY;
+            for _ in 0..2000 {
+                let other = project(&b, &point);
+                point = project(&a, &other);
+                nearest = nearest.min((other - point).norm());
+            }
+            assert!(found <= nearest + 1e-12, "{round}: {found} {nearest}");
+            assert!(nearest <= found + 2e-2, "{round}: {found} {nearest}");
+            if found > 0.0 { apart += 1 } else { met += 1 }
+        }
+        assert!(apart > 1000 && met > 50, "{apart} {met}");
     }
 }

@@ -75,7 +75,11 @@ pub struct Stretch {
 
 impl From<[usize; 2]> for Stretch {
     fn from([from, to]: [usize; 2]) -> Self {
-        Self { head: 0.0, from, to }
+        Self {
+            head: 0.0,
+            from,
+            to,
+        }
     }
 }
 
@@ -232,7 +236,10 @@ impl LatticeCourse {
         known: [f64; 2],
     ) {
         motion.fold(half_way);
-        let middle = (motion.steps().map(|step| step.motion()), motion.places().to_vec());
+        let middle = (
+            motion.steps().map(|step| step.motion()),
+            motion.places().to_vec(),
+        );
         motion.fold(to);
         let (before, after) = (&self.folded[self.folded.len() - 1], motion.folded());
         let center = motion.center();
@@ -257,7 +264,11 @@ impl LatticeCourse {
         let radius = radius.sqrt();
         let mut steps = [(Parts::default(), Parts::default(), Reach::default()); 2];
         for (k, (shift, turn, reach)) in steps.iter_mut().enumerate() {
-            let three = [before.steps[k].motion(), middle.0[k], after.steps[k].motion()];
+            let three = [
+                before.steps[k].motion(),
+                middle.0[k],
+                after.steps[k].motion(),
+            ];
             let [off, turn_off] = motion.step_strayed(k, bends);
             let lead = turn_of(three.map(|step| step.r_wf));
             // What is known of a turn holds from any time to any other.
@@ -273,7 +284,10 @@ impl LatticeCourse {
             };
             *reach = Reach::new(&before.steps[k], center, self.most[k]);
         }
-        let [(shift, turn, reach), (second_shift, second_turn, second_reach)] = steps;
+        let [
+            (shift, turn, reach),
+            (second_shift, second_turn, second_reach),
+        ] = steps;
         let terms = |part: fn(&Parts<f64>) -> f64| Terms {
             own: part(&most),
             first: StepTerms {

@@ -119,7 +119,8 @@ impl LatticeMotion {
     fn place(&mut self) {
         self.places.clear();
         for (pose, corners) in self.folded.poses.iter().zip(self.corners.iter()) {
-            self.places.extend(corners.iter().map(|&corner| pose.apply(corner)));
+            self.places
+                .extend(corners.iter().map(|&corner| pose.apply(corner)));
         }
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
         let center = self.places.iter().sum::<Vector3<f64>>() / self.places.len() as f64;
@@ -196,7 +197,10 @@ impl LatticeMotion {
         let [i, j] = most.map(f64::from);
         let [first, second] = motions.map(|motion| 2.0 * motion.r_wf.v.norm());
         let [a, b] = ways.map(|way| way.norm());
-        (ways, i * first * (i / 2.0 * a + j * b) + j * j / 2.0 * second * b)
+        (
+            ways,
+            i * first * (i / 2.0 * a + j * b) + j * j / 2.0 * second * b,
+        )
     }
 
     /// Goes to the configuration that a course has at one of its times.
@@ -255,7 +259,11 @@ impl LatticeMotion {
     /// translation.
     pub(crate) fn turning(&self, step: usize) -> Vec<Spoke<f64>> {
         let hinges = self.passages.get(step).map(|passage| passage.hinges.iter());
-        hinges.into_iter().flatten().filter_map(|hinge| hinge.spoke).collect()
+        hinges
+            .into_iter()
+            .flatten()
+            .filter_map(|hinge| hinge.spoke)
+            .collect()
     }
 
     /// For each orbit the way to its hinge from the one before it, and from there to the farthest corner.

@@ -277,14 +277,22 @@ impl<'a> Sweep<'a> {
             [alike, alike, joined]
         };
         let counts = &mut self.counts;
-        counts.pairs += times * alike;
-        counts.skipped_symmetry += times * (alike - looked_at);
         if self.options.skip_edges {
             counts.skipped_edges += times * joined;
         }
         let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
         let looked = looked(counts) - looked(&before);
-        counts.skipped_motion += (times * looked_at).saturating_sub(looked);
+        // Without this skip only times between the tabulated ones, of pairs that touch, pass others over.
+        let skipped_motion = (times * looked_at).saturating_sub(looked);
+        let skipped_motion = if self.options.skip_motion {
+            skipped_motion
+        } else {
+            0
+        };
+        let skipped_symmetry = times * (alike - looked_at);
+        counts.skipped_motion += skipped_motion;
+        counts.skipped_symmetry += skipped_symmetry;
+        counts.pairs += looked + skipped_motion + skipped_symmetry;
     }
 
     /// Looks at all pairs that are due.
