@@ -7,6 +7,7 @@ use super::course::Course;
 use super::follow::{Waypoint, max_difference};
 use super::judge::Judge;
 use super::knots::Knot;
+use super::options::Skips;
 use super::place::{Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
@@ -30,7 +31,7 @@ const NEARER: f64 = 0.01;
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
 const ROOM: f64 = 1e-3;
-/// Faces of a sheet without a lattice beyond which the motion between knots is not swept.
+/// Faces beyond which the motion between knots is not swept without a lattice.
 const MOST_FACES: usize = 4000;
 /// Median edges: where faces may be farther off, their lattice says nothing of crossings.
 const FAR_ASTRAY: f64 = 0.25;
@@ -156,7 +157,7 @@ impl Planning<'_> {
 
     /// Looks for crossings anywhere on the motion, and ends the path before the first.
     fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
-        let start = Instant::now();
+        let mut start = Instant::now();
         let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
         let gap = certified.max(self.plan.rigidity.gap);
@@ -165,6 +166,12 @@ impl Planning<'_> {
             // Where faces are certified to be only up to the gap, they touch or cross by less.
             tolerance: SweepOptions::default().tolerance.max(gap.min(CERTIFIED)),
             deadline: self.deadline,
+            // Who wants to look at everything may.
+            max_looks: if skips == Skips::default() {
+                SweepOptions::default().max_looks
+            } else {
+                u64::MAX
+            },
             skip_motion: skips.motion,
             skip_bounds: skips.bounds,
             skip_edges: skips.edges,
@@ -173,32 +180,37 @@ impl Planning<'_> {
         let memberships = reduction.groups.memberships();
         let symmetric = || Lattice::find(self.pattern, memberships);
         let lattice = skips.symmetry.then(symmetric).flatten();
-        let faces = self.pattern.faces().len();
-        if lattice.is_none() && faces > MOST_FACES {
-            return self.sweep_knots(reduction);
-        }
-        let curves = self.plan.path.curves();
-        let whole = || {
-            let mut sweep = Sweep::new(self.pattern, memberships, options);
-            (sweep.sweep(&curves), sweep.counts())
-        };
         let torn = gap > SweepOptions::default().tolerance;
         let astray = |lattice: &Lattice| if torn { self.astray(lattice) } else { 0.0 };
         let near = lattice.as_ref().map(|lattice| (lattice, astray(lattice)));
-        let (verdict, counts) = match near {
-            Some((lattice, astray)) if astray < FAR_ASTRAY => {
-                let options = SweepOptions { astray, ..options };
-                let mut sweep = Sweep::with_lattice(self.pattern, memberships, options, lattice);
-                match sweep.sweep(&curves) {
-                    SweepVerdict::Free(clearance) => {
-                        (SweepVerdict::Free(clearance), sweep.counts())
-                    }
-                    verdict if !torn => (verdict, sweep.counts()),
-                    // On a torn sheet what nearly touches by the lattice may not by the folding map.
-                    _ => whole(),
-                }
+        let near = near.filter(|(_, astray)| *astray < FAR_ASTRAY);
+        let curves = self.plan.path.curves();
+        let along = near.map(|(lattice, astray)| {
+            let options = SweepOptions { astray, ..options };
+            let mut sweep = Sweep::with_lattice(self.pattern, memberships, options, lattice);
+            (sweep.sweep(&curves), sweep.counts())
+        });
+        let (verdict, counts) = match along {
+            Some((SweepVerdict::Free(clearance), counts)) => {
+                (SweepVerdict::Free(clearance), counts)
             }
-            _ => whole(),
+            Some(found) if !torn => found,
+            // On a torn sheet what nearly touches by the lattice may not by the folding map.
+            _ => {
+                self.plan.times.collision += start.elapsed();
+                let nearer = lattice.and_then(|_| self.nearer(reduction, found));
+                let decided =
+                    |plan: &Plan| matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_));
+                if let Some(plan) = nearer.filter(decided) {
+                    return plan;
+                }
+                if self.pattern.faces().len() > MOST_FACES {
+                    return self.sweep_knots(reduction);
+                }
+                start = Instant::now();
+                let mut sweep = Sweep::new(self.pattern, memberships, options);
+                (sweep.sweep(&curves), sweep.counts())
+            }
         };
         self.plan.collision = counts;
         self.plan.times.collision += start.elapsed();
@@ -228,7 +240,8 @@ impl Planning<'_> {
                 last_free,
                 ..
             } => {
-                if let Some(plan) = self.nearer(reduction, found) {
+                let nearer = self.nearer(reduction, found);
+                if let Some(plan) = nearer.filter(|plan| plan.outcome == Outcome::Planned) {
                     return plan;
                 }
                 let free: Option<Vec<f64>> = last_free.map(|place| {
@@ -308,8 +321,8 @@ impl Planning<'_> {
         closure * enclosed * reach / self.pattern.median_edge()
     }
 
-    /// The plan with the motion nearer to the course, if nothing crosses then: where layers touch, what is
-    /// off the course by what the bound allows may cross.
+    /// The plan with the motion nearer to the course, unless it is as near as it gets: where layers touch, what
+    /// is off the course by what the bound allows may cross.
     fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
         if found.part <= LEAST_PART || found.retreats {
             return None;
@@ -324,8 +337,7 @@ impl Planning<'_> {
             part: found.part * NEARER,
             ..*found
         };
-        let plan = planning.judge(reduction, &nearer);
-        (plan.outcome == Outcome::Planned).then_some(plan)
+        Some(planning.judge(reduction, &nearer))
     }
 
     /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says
