@@ -9,6 +9,7 @@ use foldpath_core::{
 use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
+use super::isometry::StarImage;
 use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
@@ -318,29 +319,10 @@ fn groups_key(star: &[Spoke<f64>]) -> u64 {
     mixed.fold(0, u64::wrapping_add)
 }
 
-/// How the spokes of a star lie on those of another.
-#[derive(Clone, Copy)]
-struct Image {
-    /// The spoke on which the first one lies.
-    first: usize,
-    mirrored: bool,
-}
-
-impl Image {
-    /// The spoke of `star` on which spoke `k` lies.
-    fn of<'s>(&self, k: usize, star: &'s [Spoke<f64>]) -> &'s Spoke<f64> {
-        // Positions from n on are those from 0 once more.
-        let n = star.len();
-        let wrapped = |k: usize| if k < n { k } else { k - n };
-        let k = wrapped(k);
-        &star[wrapped(self.first + if self.mirrored { wrapped(n - k) } else { k })]
-    }
-}
-
 /// How star `a` lies on star `b`, if both are the same condition.
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<Image> {
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<StarImage> {
     let n = a.len();
-    let matches = |image: &Image, flipped: bool| {
+    let matches = |image: &StarImage, flipped: bool| {
         let same_crease = |k: usize| {
             let (from, to) = (&a[k], image.of(k, b));
             from.group == to.group && (from.negative == to.negative) != flipped
@@ -358,13 +340,13 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
         (0..n).all(same_crease) && (0..n).all(same_sector)
     };
     let both = [false, true];
-    let images = (0..n).flat_map(|first| both.map(|mirrored| Image { first, mirrored }));
+    let images = (0..n).flat_map(|first| both.map(|mirrored| StarImage { first, mirrored }));
     let mut images = images.filter(|_| n == b.len());
     images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
 }
 
 /// How far the residuals of two stars may differ of which one lies on the other.
-fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: Image) -> f64 {
+fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: StarImage) -> f64 {
     let turned = |[x, y]: [f64; 2]| Vector2::new(x, if image.mirrored { -y } else { y });
     let from = turned(a[0].direction);
     let to = Vector2::from(image.of(0, b).direction);
