@@ -106,7 +106,7 @@ impl Chains {
             pattern.direction(edge, pattern.edge(edge).ends[0])
         };
         Self {
-            neighbours: pattern.neighbours(),
+            neighbours: pattern.neighbours().clone(),
             directions: (0..pattern.edges().len()).map(direction).collect(),
             memberships: memberships.to_vec(),
             links: Vec::new(),

@@ -141,17 +141,21 @@ impl FoldingMap {
     /// Folds the sheet by the fold angles of its creases (radians). Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree, fold_angles: &[f64]) -> Self {
-        let mut map = Self {
-            half_angles: vec![HalfAngle::default(); pattern.creases().len()],
-            poses: vec![Pose::identity(); tree.faces()],
-            vertices: vec![Vector3::zeros(); pattern.vertices().len()],
-            struts: pattern
-                .struts()
-                .map(|ends| Strut::new(pattern, ends))
-                .collect(),
-        };
+        let mut map = Self::flat(pattern);
         map.fold(pattern, tree, fold_angles);
         map
+    }
+
+    /// The sheet as it is drawn.
+    #[must_use]
+    pub fn flat(pattern: &CreasePattern) -> Self {
+        let struts = pattern.struts().map(|ends| Strut::new(pattern, ends));
+        Self {
+            half_angles: vec![HalfAngle::default(); pattern.creases().len()],
+            poses: vec![Pose::identity(); pattern.faces().len()],
+            vertices: pattern.vertices().iter().map(|v| v.push(0.0)).collect(),
+            struts: struts.collect(),
+        }
     }
 
     /// Replaces this map by that at another configuration of the same sheet.
@@ -345,7 +349,7 @@ mod tests {
     fn a_torn_sheet_is_measured_as_defined() {
         let (pattern, tree, memberships) = sheet();
         let angles = [0.3, -1.1, 2.0];
-        let mut map = FoldingMap::new(&pattern, &tree, &vec![0.0; memberships.len()]);
+        let mut map = FoldingMap::flat(&pattern);
         map.fold_groups(&pattern, &tree, &memberships, &angles);
         let rigidity = map.rigidity(&pattern, &tree);
 
@@ -386,7 +390,7 @@ mod tests {
         let creases = memberships.iter();
         let creases: Vec<_> = creases.map(|m| m.apply(angles[m.group.index()])).collect();
         let single = FoldingMap::new(&pattern, &tree, &creases);
-        let mut grouped = FoldingMap::new(&pattern, &tree, &vec![0.0; creases.len()]);
+        let mut grouped = FoldingMap::flat(&pattern);
         grouped.fold_groups(&pattern, &tree, &memberships, &angles);
         assert_eq!(single.poses(), grouped.poses());
     }

@@ -50,6 +50,7 @@ pub struct CreasePattern {
     pub(super) stars: Ragged<EdgeId>,
     pub(super) real: Vec<bool>,
     pub(super) corners: Ragged<FaceId>,
+    pub(super) neighbours: Ragged<(FaceId, EdgeId)>,
     pub(super) triangles: Ragged<[VertexId; 3]>,
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
@@ -211,7 +212,6 @@ impl CreasePattern {
     pub(super) fn find_sheets(&self) -> Vec<u32> {
         const NONE: u32 = u32::MAX;
         let mut sheets = vec![NONE; self.faces.len()];
-        let neighbours = self.neighbours();
         let mut open = Vec::new();
         let mut next = 0;
         for start in 0..sheets.len() {
@@ -221,7 +221,7 @@ impl CreasePattern {
             sheets[start] = next;
             open.push(start);
             while let Some(face) = open.pop() {
-                for &(beyond, _) in &neighbours[face] {
+                for &(beyond, _) in &self.neighbours[face] {
                     if sheets[beyond.index()] == NONE {
                         sheets[beyond.index()] = next;
                         open.push(beyond.index());
@@ -235,7 +235,12 @@ impl CreasePattern {
 
     /// For each face the faces beyond its edges, and the edge between.
     #[must_use]
-    pub fn neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
+    pub fn neighbours(&self) -> &Ragged<(FaceId, EdgeId)> {
+        &self.neighbours
+    }
+
+    /// The same, found from the edges.
+    pub(super) fn find_neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
         let edges = (0..).map(EdgeId).zip(&self.edges);
         let inner = edges.filter_map(|(id, edge)| Some((id, edge.inner_faces()?)));
         let pairs = inner.flat_map(|(edge, [left, right])| {

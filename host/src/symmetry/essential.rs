@@ -71,8 +71,8 @@ impl ReducedStars {
         membership: impl Fn(CreaseId) -> Membership,
     ) -> Self {
         let mut stars = Self {
-            vertices: Vec::new(),
-            spokes: Ragged::default(),
+            vertices: Vec::with_capacity(pattern.vertices().len()),
+            spokes: Ragged::with_capacity(pattern.vertices().len(), 2 * pattern.creases().len()),
             loops: Ragged::default(),
             holes: Vec::new(),
             places: Vec::new(),
