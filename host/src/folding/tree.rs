@@ -46,7 +46,7 @@ impl SpanningTree {
         let mut tree = Self {
             roots: Vec::new(),
             steps: Vec::with_capacity(pattern.faces().len()),
-            loops: Vec::new(),
+            loops: Vec::with_capacity(pattern.edges().len().saturating_sub(pattern.faces().len())),
             faces: pattern.faces().len(),
             holonomy: OnceLock::new(),
         };
@@ -69,9 +69,8 @@ impl SpanningTree {
         while let Some(parent) = open.pop_front() {
             for &(face, edge_id) in &pattern.neighbours()[parent.index()] {
                 let new = !done[face.index()];
-                let crossed = [parent, face].map(|face| by[face.index()] == Some(edge_id));
-                // Every other edge is met from both sides; once is enough.
-                if !new && (crossed.contains(&true) || parent > face) {
+                // Every edge is met from both sides; once is enough.
+                if !new && (by[parent.index()] == Some(edge_id) || parent > face) {
                     continue;
                 }
                 let edge = pattern.edge(edge_id);
