@@ -326,15 +326,18 @@ impl Strut {
 }
 
 fn strain(struts: impl Iterator<Item = Strut>, vertices: &[Vector3<f64>]) -> f64 {
-    // The least and the greatest square of a distance over that in the flat sheet.
-    let (mut least, mut greatest) = (1.0, 1.0);
+    // The bits of the least and the greatest square of a distance over that in the flat sheet: of numbers
+    // that are not negative they are in the same order, those of NaN last.
+    let mut least = 1.0_f64.to_bits();
+    let mut greatest = least;
     for Strut { ends, square } in struts {
         let [a, b] = ends.map(|end| vertices[end.index()]);
-        let ratio = (b - a).norm_squared() / square;
-        greatest = largest([greatest, ratio]);
-        least = f64::min(least, ratio);
+        let ratio = ((b - a).norm_squared() / square).to_bits();
+        greatest = greatest.max(ratio);
+        least = least.min(ratio);
     }
-    larger(greatest.sqrt() - 1.0, 1.0 - least.sqrt())
+    let [least, greatest] = [least, greatest].map(|bits| f64::from_bits(bits).sqrt());
+    larger(greatest - 1.0, 1.0 - least)
 }
 
 #[cfg(test)]
