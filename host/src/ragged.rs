@@ -20,6 +20,15 @@ impl<T> Default for Ragged<T> {
 }
 
 impl<T> Ragged<T> {
+    /// No list, with room for so many `lists` of so many `items` in all.
+    #[must_use]
+    pub fn with_capacity(lists: usize, items: usize) -> Self {
+        Self {
+            items: Vec::with_capacity(items),
+            ends: Vec::with_capacity(lists),
+        }
+    }
+
     /// Adds a list at the end.
     ///
     /// # Panics

@@ -131,7 +131,7 @@ fn a_crossing_is_found_where_the_faces_meet() {
     let folder = Folder::new();
     let pattern = format!("{PATTERNS}/waterbomb-12x22-crossing.fold");
     let plan = folder
-        .run(&format!("plan {pattern} --json"))
+        .run(&format!("plan {pattern} --bound 1e-6 --json"))
         .with_status(1)
         .json();
     assert_eq!(plan["outcome"], "crossing");
@@ -146,7 +146,7 @@ fn a_crossing_is_found_where_the_faces_meet() {
 
     let blind = folder
         .done(&format!(
-            "plan {pattern} --collision off -o path.fold --json"
+            "plan {pattern} --bound 1e-6 --collision off -o path.fold --json"
         ))
         .json();
     assert_eq!(blind["outcome"], "planned");

@@ -7,7 +7,7 @@ use foldpath::formats::fold::read_pattern;
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, closure_of, plan};
-use foldpath::symmetry::CreaseGroups;
+use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use nalgebra::{Rotation2, Vector2};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
@@ -106,6 +106,28 @@ fn letters_alone_give_the_groups_of_the_goal() {
         let with_goal = CreasePattern::new(drawing.clone()).unwrap();
         let expected = partition(&with_goal, &CreaseGroups::find(&with_goal));
         check_same(without_goal(drawing), &expected, count, name);
+    }
+}
+
+#[test]
+fn what_all_stars_close_by_is_told_by_those_that_differ() {
+    let mut random = Pcg64::new(3, 5);
+    for (name, drawing, count) in sheets() {
+        let pattern = CreasePattern::new(drawing).unwrap();
+        let all = ReducedStars::all(&pattern, &CreaseGroups::find(&pattern));
+        let distinct = all.distinct();
+        let [few, many] = [&distinct, &all].map(|stars| stars.vertices().len());
+        assert!(4 * few < many, "{name}: {few} of {many}");
+        for _ in 0..20 {
+            let x: Vec<f64> = (0..count).map(|_| 3.0 * noise(&mut random)).collect();
+            let worst = all.residuals(&x).into_iter().fold(0.0, f64::max);
+            assert!(worst > 1e-3);
+            assert_eq!(
+                distinct.largest_residual(&x).to_bits(),
+                worst.to_bits(),
+                "{name}"
+            );
+        }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::symmetry::ReducedStars;
 /// Takes bounds on the closure of the essential vertices to bounds on deformation, gap and twist of a whole
 /// sheet, as [`FoldingMap::rigidity`](crate::folding::FoldingMap::rigidity) measures them.
 #[derive(Clone, Debug)]
-pub struct SheetCertifier {
-    holonomy: Holonomy,
+pub struct SheetCertifier<'t> {
+    holonomy: &'t Holonomy,
     /// What rounding adds.
     rounding: Rigidity,
     /// Each vertex with a condition, the essential star that stands for it, and what they may differ by.
@@ -20,14 +20,18 @@ pub struct SheetCertifier {
     hole_bounds: Vec<[f64; 2]>,
 }
 
-impl SheetCertifier {
+impl<'t> SheetCertifier<'t> {
     /// Of a sheet folded along this tree, with the stars and loops of all its vertices and holes. `None`
     /// as of [`Holonomy::new`].
     #[must_use]
-    pub fn new(pattern: &CreasePattern, tree: &SpanningTree, all: &ReducedStars) -> Option<Self> {
+    pub fn new(
+        pattern: &CreasePattern,
+        tree: &'t SpanningTree,
+        all: &ReducedStars,
+    ) -> Option<Self> {
         let stars = all.vertices().iter().zip(all.represented());
         Some(Self {
-            holonomy: Holonomy::new(pattern, tree)?,
+            holonomy: tree.holonomy(pattern)?,
             rounding: rounding(pattern, tree),
             stars: stars.map(|(&v, (star, off))| (v, star, off)).collect(),
             holes: all.holes().to_vec(),

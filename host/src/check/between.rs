@@ -144,7 +144,7 @@ pub(super) fn check_shapes(
 ) {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
-    let mut map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
+    let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     for (index, knot) in path.knots.iter().enumerate() {
         let segment = index.checked_sub(1).filter(|_| options.samples > 0);

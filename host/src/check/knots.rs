@@ -17,7 +17,7 @@ const CLAIM_FLOOR: f64 = 1e-9;
 pub fn measure(path: &PathFile) -> Vec<Measured> {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
-    let mut map = FoldingMap::new(pattern, &tree, &vec![0.0; pattern.creases().len()]);
+    let mut map = FoldingMap::flat(pattern);
     let knots = path.knots.iter().map(|knot| {
         let angles = crease_angles(pattern, knot);
         map.fold(pattern, &tree, &angles);

@@ -165,7 +165,8 @@ impl<'a> Chains<'a> {
         let (mut face, mut heading) = (from, Vector2::zeros());
         self.crossed.clear();
         while face != to {
-            let ahead = pattern.beyond(face).filter(|&(next, edge)| {
+            let ahead = pattern.neighbours()[face.index()].iter().copied();
+            let ahead = ahead.filter(|&(next, edge)| {
                 steps[next.index()] + 1 == steps[face.index()] && ends_at(pattern, edge, round)
             });
             let bend = |edge: EdgeId| direction(pattern, edge).perp(&heading).abs();
@@ -211,7 +212,7 @@ impl<'a> Chains<'a> {
             if from.is_some_and(|from| (1..steps).contains(&search.steps[from.index()])) {
                 return;
             }
-            for (beyond, edge) in pattern.beyond(face) {
+            for &(beyond, edge) in &pattern.neighbours()[face.index()] {
                 if ends_at(pattern, edge, round) {
                     search.reach(beyond, steps);
                 }

@@ -1,6 +1,5 @@
 //! How much larger than the closure residuals of its vertices the errors of a folded sheet can be.
 
-use super::holonomy::Holonomy;
 use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::{CreasePattern, EdgeId, Passage};
@@ -9,7 +8,7 @@ use crate::pattern::{CreasePattern, EdgeId, Passage};
 /// than its factor times the largest residual |r(v)| of a real vertex. Answers an open question of
 /// [XiLien2015](crate#references): what essential bound a bound on the whole sheet asks for.
 ///
-/// It is what [`Holonomy`], where the reasons are, says of residuals of 1. A sheet with holes has a residual
+/// It is what [`Holonomy`](super::Holonomy), where the reasons are, says of residuals of 1. A sheet with holes has a residual
 /// |r(v)| of rotation and one |t| of translation, in units of its size, of each hole too.
 ///
 /// It holds for every configuration. How much of it was filled, at most, in `host/tests/amplification.rs`:
@@ -31,7 +30,7 @@ pub struct Amplification {
 }
 
 impl Amplification {
-    /// The factors of a sheet folded along this tree. `None` as of [`Holonomy::new`]. Cost: linear.
+    /// The factors of a sheet folded along this tree. `None` as of [`Holonomy::new`](super::Holonomy::new). Cost: linear.
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
         let turns = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
@@ -45,7 +44,7 @@ impl Amplification {
             deformation,
             gap,
             twist,
-        } = Holonomy::new(pattern, tree)?.rigidity(&vertices, &holes);
+        } = tree.holonomy(pattern)?.rigidity(&vertices, &holes);
         Some(Self {
             gap,
             deformation,

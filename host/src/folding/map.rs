@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::tree::{SpanningTree, Step};
 use crate::numbers::largest;
-use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
 
 /// Rigid motion of a face from the flat sheet (frame f) to space (frame w): x_w = r_wf x_f + p_w.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,10 +130,14 @@ fn larger(a: f64, b: f64) -> f64 {
 /// the next, so that a path allocates once.
 #[derive(Clone, Debug)]
 pub struct FoldingMap {
-    /// Of each crease.
+    /// Of each group, or of each crease.
     half_angles: Vec<HalfAngle<f64>>,
+    /// Group and sign of each crease; nothing where each is its own.
+    memberships: Vec<Membership>,
     poses: Vec<Pose>,
     vertices: Vec<Vector3<f64>>,
+    /// Largest distance between two positions that faces give the same vertex.
+    gap: f64,
     struts: Vec<Strut>,
 }
 
@@ -141,22 +145,29 @@ impl FoldingMap {
     /// Folds the sheet by the fold angles of its creases (radians). Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree, fold_angles: &[f64]) -> Self {
-        let mut map = Self {
-            half_angles: vec![HalfAngle::default(); pattern.creases().len()],
-            poses: vec![Pose::identity(); tree.faces()],
-            vertices: vec![Vector3::zeros(); pattern.vertices().len()],
-            struts: pattern
-                .struts()
-                .map(|ends| Strut::new(pattern, ends))
-                .collect(),
-        };
+        let mut map = Self::flat(pattern);
         map.fold(pattern, tree, fold_angles);
         map
     }
 
+    /// The sheet as it is drawn.
+    #[must_use]
+    pub fn flat(pattern: &CreasePattern) -> Self {
+        let struts = pattern.struts().map(|ends| Strut::new(pattern, ends));
+        Self {
+            half_angles: Vec::new(),
+            memberships: Vec::new(),
+            poses: vec![Pose::identity(); pattern.faces().len()],
+            vertices: pattern.vertices().iter().map(|v| v.push(0.0)).collect(),
+            gap: 0.0,
+            struts: struts.collect(),
+        }
+    }
+
     /// Replaces this map by that at another configuration of the same sheet.
     pub fn fold(&mut self, pattern: &CreasePattern, tree: &SpanningTree, fold_angles: &[f64]) {
-        closure::half_angles(fold_angles, &mut self.half_angles);
+        self.turn(fold_angles);
+        self.memberships.clear();
         self.place(pattern, tree);
     }
 
@@ -169,12 +180,26 @@ impl FoldingMap {
         memberships: &[Membership],
         angles: &[f64],
     ) {
-        let mut groups = vec![HalfAngle::default(); angles.len()];
-        closure::half_angles(angles, &mut groups);
-        for (half, membership) in self.half_angles.iter_mut().zip(memberships) {
-            *half = groups[membership.group.index()].signed(membership.negative);
-        }
+        self.turn(angles);
+        self.memberships.clear();
+        self.memberships.extend_from_slice(memberships);
         self.place(pattern, tree);
+    }
+
+    /// Takes in the angles (radians) of groups or creases.
+    fn turn(&mut self, angles: &[f64]) {
+        self.half_angles.resize(angles.len(), HalfAngle::default());
+        closure::half_angles(angles, &mut self.half_angles);
+    }
+
+    /// The half angle of a crease; flat if no angle was given.
+    #[inline]
+    fn half_angle(&self, crease: CreaseId) -> HalfAngle<f64> {
+        let half = |index: usize| self.half_angles.get(index).copied().unwrap_or_default();
+        match self.memberships.get(crease.index()) {
+            Some(of) => half(of.group.index()).signed(of.negative),
+            None => half(crease.index()),
+        }
     }
 
     /// Places faces and vertices by the half angles.
@@ -194,13 +219,42 @@ impl FoldingMap {
             };
             self.poses[step.face.index()] = pose;
         }
+        self.place_vertices(pattern);
+    }
+
+    /// Places the vertices, each by the first of its faces, and measures how far the others have it from
+    /// there.
+    fn place_vertices(&mut self, pattern: &CreasePattern) {
+        let mut positions = Vec::new();
+        // The square of the widest distance so far.
+        let mut widest = 0.0;
         let vertices = self.vertices.iter_mut().zip(pattern.vertices());
         for ((folded, &flat), faces) in vertices.zip(pattern.corners().iter()) {
-            *folded = match faces.first() {
-                Some(witness) => self.poses[witness.index()].apply(flat),
-                None => flat.push(0.0),
+            let at = |face: &FaceId| self.poses[face.index()].apply(flat);
+            let Some((first, others)) = faces.split_first() else {
+                *folded = flat.push(0.0);
+                continue;
             };
+            let place = at(first);
+            *folded = place;
+            let mut reach = 0.0;
+            for face in others {
+                reach = largest([reach, (at(face) - place).norm_squared()]);
+            }
+            // No two are farther apart than twice the reach from the first.
+            if 4.0 * reach <= widest {
+                continue;
+            }
+            widest = largest([widest, reach]);
+            positions.clear();
+            positions.extend(others.iter().map(at));
+            for (index, a) in positions.iter().enumerate() {
+                for b in &positions[..index] {
+                    widest = largest([widest, (a - b).norm_squared()]);
+                }
+            }
         }
+        self.gap = widest.sqrt();
     }
 
     /// Rotation of the face that a step reaches, by that of its parent and the step's fold angle.
@@ -208,7 +262,7 @@ impl FoldingMap {
     fn beyond(&self, step: &Step) -> Rotation<f64> {
         let r_wp = self.poses[step.parent.index()].r_wf;
         match step.crease {
-            Some(crease) => r_wp.across_crease(self.half_angles[crease.index()], step.axis.into()),
+            Some(crease) => r_wp.across_crease(self.half_angle(crease), step.axis.into()),
             None => r_wp,
         }
     }
@@ -240,38 +294,9 @@ impl FoldingMap {
         });
         Rigidity {
             deformation: strain(self.struts.iter().copied(), &self.vertices),
-            gap: self.gap(pattern),
+            gap: self.gap / pattern.median_edge(),
             twist: 2.0 * largest(twists).sqrt(),
         }
-    }
-
-    fn gap(&self, pattern: &CreasePattern) -> f64 {
-        let mut positions = Vec::new();
-        // The square of the widest distance so far.
-        let mut widest = 0.0;
-        let vertices = pattern.vertices().iter().zip(&self.vertices);
-        for ((&flat, folded), faces) in vertices.zip(pattern.corners().iter()) {
-            // The first face is where the folded position comes from.
-            let others = faces.get(1..).unwrap_or_default();
-            let at = |face: &FaceId| self.poses[face.index()].apply(flat);
-            let mut reach = 0.0;
-            for face in others {
-                reach = largest([reach, (at(face) - folded).norm_squared()]);
-            }
-            // No two are farther apart than twice the reach from the first.
-            if 4.0 * reach <= widest {
-                continue;
-            }
-            widest = largest([widest, reach]);
-            positions.clear();
-            positions.extend(others.iter().map(at));
-            for (index, a) in positions.iter().enumerate() {
-                for b in &positions[..index] {
-                    widest = largest([widest, (a - b).norm_squared()]);
-                }
-            }
-        }
-        widest.sqrt() / pattern.median_edge()
     }
 }
 
@@ -301,15 +326,18 @@ impl Strut {
 }
 
 fn strain(struts: impl Iterator<Item = Strut>, vertices: &[Vector3<f64>]) -> f64 {
-    // The least and the greatest square of a distance over that in the flat sheet.
-    let (mut least, mut greatest) = (1.0, 1.0);
+    // The bits of the least and the greatest square of a distance over that in the flat sheet: of numbers
+    // that are not negative they are in the same order, those of NaN last.
+    let mut least = 1.0_f64.to_bits();
+    let mut greatest = least;
     for Strut { ends, square } in struts {
         let [a, b] = ends.map(|end| vertices[end.index()]);
-        let ratio = (b - a).norm_squared() / square;
-        greatest = largest([greatest, ratio]);
-        least = f64::min(least, ratio);
+        let ratio = ((b - a).norm_squared() / square).to_bits();
+        greatest = greatest.max(ratio);
+        least = least.min(ratio);
     }
-    larger(greatest.sqrt() - 1.0, 1.0 - least.sqrt())
+    let [least, greatest] = [least, greatest].map(|bits| f64::from_bits(bits).sqrt());
+    larger(greatest - 1.0, 1.0 - least)
 }
 
 #[cfg(test)]
@@ -345,7 +373,7 @@ mod tests {
     fn a_torn_sheet_is_measured_as_defined() {
         let (pattern, tree, memberships) = sheet();
         let angles = [0.3, -1.1, 2.0];
-        let mut map = FoldingMap::new(&pattern, &tree, &vec![0.0; memberships.len()]);
+        let mut map = FoldingMap::flat(&pattern);
         map.fold_groups(&pattern, &tree, &memberships, &angles);
         let rigidity = map.rigidity(&pattern, &tree);
 
@@ -386,7 +414,7 @@ mod tests {
         let creases = memberships.iter();
         let creases: Vec<_> = creases.map(|m| m.apply(angles[m.group.index()])).collect();
         let single = FoldingMap::new(&pattern, &tree, &creases);
-        let mut grouped = FoldingMap::new(&pattern, &tree, &vec![0.0; creases.len()]);
+        let mut grouped = FoldingMap::flat(&pattern);
         grouped.fold_groups(&pattern, &tree, &memberships, &angles);
         assert_eq!(single.poses(), grouped.poses());
     }

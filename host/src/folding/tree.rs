@@ -1,9 +1,11 @@
 //! A spanning tree of the faces, from a central one.
 
 use std::collections::VecDeque;
+use std::sync::OnceLock;
 
 use nalgebra::Vector2;
 
+use super::holonomy::Holonomy;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::ragged::Ragged;
 
@@ -31,6 +33,8 @@ pub struct SpanningTree {
     steps: Vec<Step>,
     loops: Vec<Step>,
     faces: usize,
+    /// What its loops enclose, once somebody asked.
+    holonomy: OnceLock<Option<Holonomy>>,
 }
 
 impl SpanningTree {
@@ -42,37 +46,31 @@ impl SpanningTree {
         let mut tree = Self {
             roots: Vec::new(),
             steps: Vec::with_capacity(pattern.faces().len()),
-            loops: Vec::new(),
+            loops: Vec::with_capacity(pattern.edges().len().saturating_sub(pattern.faces().len())),
             faces: pattern.faces().len(),
+            holonomy: OnceLock::new(),
         };
         let mut done = vec![false; tree.faces];
         for start in 0..tree.faces {
             if !done[start] {
-                let root = central(&neighbours, FaceId::new(start));
-                tree.grow(pattern, &neighbours, root, &mut done);
+                let root = central(neighbours, FaceId::new(start));
+                tree.grow(pattern, root, &mut done);
             }
         }
         tree
     }
 
-    fn grow(
-        &mut self,
-        pattern: &CreasePattern,
-        neighbours: &Ragged<(FaceId, EdgeId)>,
-        root: FaceId,
-        done: &mut [bool],
-    ) {
+    fn grow(&mut self, pattern: &CreasePattern, root: FaceId, done: &mut [bool]) {
         self.roots.push(root);
         done[root.index()] = true;
         // The edge by which a face was reached.
         let mut by = vec![None; self.faces];
         let mut open = VecDeque::from([root]);
         while let Some(parent) = open.pop_front() {
-            for &(face, edge_id) in &neighbours[parent.index()] {
+            for &(face, edge_id) in &pattern.neighbours()[parent.index()] {
                 let new = !done[face.index()];
-                let crossed = [parent, face].map(|face| by[face.index()] == Some(edge_id));
-                // Every other edge is met from both sides; once is enough.
-                if !new && (crossed.contains(&true) || parent > face) {
+                // Every edge is met from both sides; once is enough.
+                if !new && (by[parent.index()] == Some(edge_id) || parent > face) {
                     continue;
                 }
                 let edge = pattern.edge(edge_id);
@@ -115,6 +113,12 @@ impl SpanningTree {
     #[must_use]
     pub fn loops(&self) -> &[Step] {
         &self.loops
+    }
+
+    /// What the loops enclose, of the pattern that this is the tree of. `None` as of [`Holonomy::new`].
+    pub fn holonomy(&self, pattern: &CreasePattern) -> Option<&Holonomy> {
+        let holonomy = self.holonomy.get_or_init(|| Holonomy::new(pattern, self));
+        holonomy.as_ref()
     }
 
     /// Number of faces.

@@ -77,6 +77,7 @@ impl CreasePattern {
             stars,
             real,
             corners,
+            neighbours: Ragged::default(),
             triangles,
             diagonals,
             median_edge,
@@ -87,6 +88,7 @@ impl CreasePattern {
             assumptions,
             repairs: Vec::new(),
         };
+        pattern.neighbours = pattern.find_neighbours();
         pattern.sheets = pattern.find_sheets();
         pattern.holes = pattern.find_holes();
         if pattern.sheets() > 1 {

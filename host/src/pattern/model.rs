@@ -50,6 +50,7 @@ pub struct CreasePattern {
     pub(super) stars: Ragged<EdgeId>,
     pub(super) real: Vec<bool>,
     pub(super) corners: Ragged<FaceId>,
+    pub(super) neighbours: Ragged<(FaceId, EdgeId)>,
     pub(super) triangles: Ragged<[VertexId; 3]>,
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
@@ -211,7 +212,6 @@ impl CreasePattern {
     pub(super) fn find_sheets(&self) -> Vec<u32> {
         const NONE: u32 = u32::MAX;
         let mut sheets = vec![NONE; self.faces.len()];
-        let neighbours = self.neighbours();
         let mut open = Vec::new();
         let mut next = 0;
         for start in 0..sheets.len() {
@@ -221,7 +221,7 @@ impl CreasePattern {
             sheets[start] = next;
             open.push(start);
             while let Some(face) = open.pop() {
-                for &(beyond, _) in &neighbours[face] {
+                for &(beyond, _) in &self.neighbours[face] {
                     if sheets[beyond.index()] == NONE {
                         sheets[beyond.index()] = next;
                         open.push(beyond.index());
@@ -235,36 +235,18 @@ impl CreasePattern {
 
     /// For each face the faces beyond its edges, and the edge between.
     #[must_use]
-    pub fn neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
+    pub fn neighbours(&self) -> &Ragged<(FaceId, EdgeId)> {
+        &self.neighbours
+    }
+
+    /// The same, found from the edges.
+    pub(super) fn find_neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
         let edges = (0..).map(EdgeId).zip(&self.edges);
         let inner = edges.filter_map(|(id, edge)| Some((id, edge.inner_faces()?)));
         let pairs = inner.flat_map(|(edge, [left, right])| {
             [(left.index(), (right, edge)), (right.index(), (left, edge))]
         });
         crate::ragged::group_by_key(self.faces.len(), pairs)
-    }
-
-    /// The faces beyond the sides of a face, and the edge between. Cost: O(degrees of its vertices).
-    pub fn beyond(&self, face: FaceId) -> impl Iterator<Item = (FaceId, EdgeId)> + '_ {
-        let cycle = &self.faces[face.index()];
-        let next = cycle.iter().cycle().skip(1);
-        let sides = cycle.iter().zip(next);
-        sides.filter_map(move |(from, to)| self.beyond_side(face, [*from, *to]))
-    }
-
-    /// The face beyond the side of a face between two vertices, and the edge between. Cost: O(degree of the
-    /// first).
-    #[must_use]
-    pub fn beyond_side(&self, face: FaceId, [from, to]: [VertexId; 2]) -> Option<(FaceId, EdgeId)> {
-        self.stars[from.index()].iter().find_map(|&id| {
-            let edge = self.edge(id);
-            let [left, right] = edge.inner_faces().filter(|_| edge.ends.contains(&to))?;
-            match face {
-                _ if face == left => Some((right, id)),
-                _ if face == right => Some((left, id)),
-                _ => None,
-            }
-        })
     }
 
     /// What was assumed about the drawing where it was silent or odd, in words.

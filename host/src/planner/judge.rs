@@ -31,7 +31,7 @@ impl<'a> Judge<'a> {
     ) -> Self {
         let start = Instant::now();
         let tree = &reduction.tree;
-        let map = FoldingMap::new(pattern, tree, &vec![0.0; pattern.creases().len()]);
+        let map = FoldingMap::flat(pattern);
         let fold = start.elapsed();
         Self {
             pattern,
@@ -89,7 +89,7 @@ impl<'a> Judge<'a> {
             return (Rigidity::default(), 0);
         };
         let tree = SpanningTree::from_central_face(&part);
-        let mut map = FoldingMap::new(&part, &tree, &vec![0.0; creases.len()]);
+        let mut map = FoldingMap::flat(&part);
         let mut worst = Rigidity::default();
         for angles in configurations {
             let angle = |crease| {

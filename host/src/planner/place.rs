@@ -2,6 +2,7 @@
 //! of the hinges allow.
 
 use core::f64::consts::PI;
+use std::collections::HashMap;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
@@ -64,19 +65,39 @@ impl Pace {
 pub(super) struct Placed {
     pub(super) interpolation: Interpolation,
     pub(super) knots: Vec<Knot>,
-    /// Bound on the closure residual of each star over the whole motion.
-    pub(super) stars: Vec<f64>,
-    /// Of the rotation and the translation of each loop.
-    pub(super) loops: Vec<[f64; 2]>,
+    /// On the closure over the whole motion.
+    bounds: Bounds,
 }
 
-impl Placed {
-    /// Bounds on the closure over the whole motion.
-    pub(super) fn closure(&self) -> Closure<'_> {
+/// Bounds on the closure over some of the motion.
+struct Bounds {
+    /// Of each star.
+    stars: Vec<f64>,
+    /// Of the rotation and the translation of each loop.
+    loops: Vec<[f64; 2]>,
+}
+
+impl Bounds {
+    fn closure(&self) -> Closure<'_> {
         Closure {
             stars: &self.stars,
             loops: &self.loops,
         }
+    }
+
+    /// Those over this and over another part of the motion.
+    fn take_in(&mut self, other: &Self) {
+        let loops = self.loops.as_flattened_mut().iter_mut();
+        let others = other.stars.iter().chain(other.loops.as_flattened());
+        for (worst, bound) in self.stars.iter_mut().chain(loops).zip(others) {
+            *worst = worst.max(*bound);
+        }
+    }
+}
+
+impl Placed {
+    pub(super) fn closure(&self) -> Closure<'_> {
+        self.bounds.closure()
     }
 
     /// Seconds from the first knot to the last.
@@ -102,6 +123,7 @@ pub(super) fn place(
         certifier: SegmentCertifier::default(),
         found: Vec::new(),
         curves: Vec::new(),
+        known: HashMap::new(),
     };
     if course.ways().len() < 2 {
         return placer.alone();
@@ -206,6 +228,8 @@ struct Placer<'a, 's> {
     /// Configurations found on the course apart from its waypoints.
     found: Vec<Site>,
     curves: Vec<Curve<f64>>,
+    /// Bounds on the closure of segments that keep the terms, by the ways of their ends.
+    known: HashMap<[u64; 2], Bounds>,
 }
 
 /// Part by which a hinge may exceed its limits before the time is stretched in the end.
@@ -228,8 +252,7 @@ impl Placer<'_, '_> {
                 angles: first.angles,
                 ..Knot::default()
             }],
-            stars: vec![0.0; self.terms.stars.vertices().len()],
-            loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
+            bounds: self.closed(),
         })
     }
 
@@ -237,6 +260,7 @@ impl Placer<'_, '_> {
     /// they get is said by the bound on closure. `None` if that takes too many, or the interpolation does
     /// not pass where the course does.
     fn place(&mut self, kind: Interpolation, pace: &Pace) -> Option<Placed> {
+        self.known.clear();
         let maker = Maker::new(self.course, kind, pace);
         let last = self.course.ways().len().checked_sub(1)?;
         let mut sites = vec![self.course.site(0)];
@@ -308,18 +332,39 @@ impl Placer<'_, '_> {
         if !within || paced && self.haste(maker.kind, span) > 1.0 + HASTE {
             return Some(false);
         }
-        Some(
-            terms
-                .closure
-                .is_none_or(|most| self.closure().worst() <= most),
-        )
+        let Some(most) = terms.closure else {
+            return Some(true);
+        };
+        // Most of what does not close enough is seen in the middle.
+        let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
+        if terms.stars.largest_residual(&middle) > most {
+            return Some(false);
+        }
+        let bounds = self.bounds();
+        let fits = bounds.closure().worst() <= most;
+        if fits {
+            self.known.insert(key(from, to), bounds);
+        }
+        Some(fits)
     }
 
     /// Bounds on the closure over the present curves.
-    fn closure(&mut self) -> Closure<'_> {
+    fn bounds(&mut self) -> Bounds {
         let stars = self.terms.stars;
         let (stars, loops) = (stars.view(), stars.loops());
-        self.certifier.closure(stars, loops, &self.curves)
+        let Closure { stars, loops } = self.certifier.closure(stars, loops, &self.curves);
+        Bounds {
+            stars: stars.to_vec(),
+            loops: loops.to_vec(),
+        }
+    }
+
+    /// Those where nothing moves.
+    fn closed(&self) -> Bounds {
+        Bounds {
+            stars: vec![0.0; self.terms.stars.vertices().len()],
+            loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
+        }
     }
 
     /// How much too fast the hinges of the present curves are: the factor by which time has to be
@@ -401,22 +446,12 @@ impl Placer<'_, '_> {
 
     /// The knots at these places, with the time stretched so that no hinge is too fast.
     fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
-        let mut stars = vec![0.0; self.terms.stars.vertices().len()];
-        let mut loops = vec![[0.0; 2]; self.terms.stars.holes().len()];
+        let mut bounds = self.closed();
         let mut stretch = 0.0;
         for pair in sites.windows(2) {
             let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
-            let closure = self.closure();
-            let worse = |worst: &mut f64, bound: &f64| *worst = worst.max(*bound);
-            stars
-                .iter_mut()
-                .zip(closure.stars)
-                .for_each(|(a, b)| worse(a, b));
-            let both = loops
-                .as_flattened_mut()
-                .iter_mut()
-                .zip(closure.loops.as_flattened());
-            both.for_each(|(a, b)| worse(a, b));
+            let known = self.known.remove(&key(&pair[0], &pair[1]));
+            bounds.take_in(&known.unwrap_or_else(|| self.bounds()));
             stretch = f64::max(stretch, self.haste(maker.kind, span));
         }
         stretch *= 1.0 + MARGIN;
@@ -438,10 +473,14 @@ impl Placer<'_, '_> {
         Some(Placed {
             interpolation: maker.kind,
             knots: knots.collect(),
-            stars,
-            loops,
+            bounds,
         })
     }
+}
+
+/// Names the segment between two places.
+fn key(from: &Site, to: &Site) -> [u64; 2] {
+    [from, to].map(|site| site.way.to_bits())
 }
 
 /// Makes the curves between places.

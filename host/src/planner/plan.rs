@@ -132,6 +132,9 @@ pub(super) struct Planning<'a> {
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
     pub(super) deadline: Option<Instant>,
+    /// Closure residual of the goal as it stands, all creases on their own, if they all have an angle and it
+    /// was asked for.
+    pub(super) asked_closure: Option<f64>,
     pub(super) plan: Plan,
 }
 
@@ -144,6 +147,7 @@ impl<'a> Planning<'a> {
             deadline: options
                 .timeout
                 .and_then(|timeout| Instant::now().checked_add(timeout)),
+            asked_closure: None,
             plan: Plan::default(),
         }
     }
@@ -160,7 +164,10 @@ impl<'a> Planning<'a> {
         let start = Instant::now();
         let pattern = self.pattern;
         let symmetries = self.symmetries();
-        let exact = !symmetries.is_empty() && self.goal_is_exact();
+        if !symmetries.is_empty() {
+            self.asked_closure = closure_of(pattern, &self.goal.fold_angles);
+        }
+        let exact = self.asked_closure.is_some_and(|closure| closure <= CLOSED);
         self.plan.times.symmetry += start.elapsed();
         // Symmetry is a shortcut: what it does not find is looked for without.
         let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
@@ -235,12 +242,6 @@ impl<'a> Planning<'a> {
         }
         found.retain(|(groups, _)| groups.len() < self.pattern.creases().len());
         found
-    }
-
-    /// Whether the goal closes as it stands, all creases on their own.
-    fn goal_is_exact(&self) -> bool {
-        let closure = closure_of(self.pattern, &self.goal.fold_angles);
-        closure.is_some_and(|closure| closure <= CLOSED)
     }
 
     /// Notes what the path is made of.
@@ -322,11 +323,14 @@ impl<'a> Planning<'a> {
     /// Says how far the goal was moved, if it was.
     fn moved_goal(&mut self, attempt: &Attempt) {
         let start = Instant::now();
-        let angles = attempt.reduction.groups.expand(attempt.last());
-        let asked = self.goal.fold_angles.iter().zip(angles);
-        // Free hinges as they close.
-        let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
-        self.plan.goal_closure = closure_of(self.pattern, &angles).unwrap_or(0.0);
+        let closure = self.asked_closure.or_else(|| {
+            let angles = attempt.reduction.groups.expand(attempt.last());
+            let asked = self.goal.fold_angles.iter().zip(angles);
+            // Free hinges as they close.
+            let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
+            closure_of(self.pattern, &angles)
+        });
+        self.plan.goal_closure = closure.unwrap_or(0.0);
         self.plan.times.symmetry += start.elapsed();
         if self.plan.goal_closure > CLOSED {
             self.plan.notes.push(format!(

@@ -18,6 +18,8 @@ pub(super) struct Reduction {
     pub(super) all: ReducedStars,
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
+    /// Those of all stars that differ in some bit.
+    distinct: ReducedStars,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
@@ -57,6 +59,7 @@ impl Reduction {
         let tree = SpanningTree::from_central_face(pattern);
         Self {
             essential: all.essential(),
+            distinct: all.distinct(),
             all,
             vertices: options.vertices,
             limits: group_limits(&groups, options),
@@ -166,7 +169,7 @@ impl Reduction {
 
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
-        self.all.largest_residual(angles)
+        self.distinct.largest_residual(angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.

@@ -9,6 +9,7 @@ use foldpath_core::{
 use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
+use super::isometry::StarImage;
 use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
@@ -32,8 +33,17 @@ pub struct ReducedStars {
     unknowns: usize,
     /// Sector angles this close, in radians, are the same.
     same_angle: f64,
-    /// For each star the first one with the same closure condition, once somebody asked.
-    conditions: OnceLock<Vec<usize>>,
+    /// What stars are alike, once somebody asked.
+    likeness: OnceLock<Likeness>,
+}
+
+/// What stars are alike.
+#[derive(Clone, Debug)]
+struct Likeness {
+    /// For each star the first one that is the same bit by bit.
+    twins: Vec<usize>,
+    /// For each star the first one with the same closure condition.
+    conditions: Vec<usize>,
 }
 
 impl ReducedStars {
@@ -61,14 +71,14 @@ impl ReducedStars {
         membership: impl Fn(CreaseId) -> Membership,
     ) -> Self {
         let mut stars = Self {
-            vertices: Vec::new(),
-            spokes: Ragged::default(),
+            vertices: Vec::with_capacity(pattern.vertices().len()),
+            spokes: Ragged::with_capacity(pattern.vertices().len(), 2 * pattern.creases().len()),
             loops: Ragged::default(),
             holes: Vec::new(),
             places: Vec::new(),
             unknowns,
             same_angle: SAME_ANGLE * tolerance,
-            conditions: OnceLock::new(),
+            likeness: OnceLock::new(),
         };
         for hole in 0..pattern.holes().len() {
             stars.add_loop(pattern, &membership, hole);
@@ -127,23 +137,29 @@ impl ReducedStars {
     /// takes one to the other, group by group, with all signs kept or all exchanged. Every loop is kept.
     #[must_use]
     pub fn essential(&self) -> Self {
-        let mut essential = Self {
-            vertices: Vec::new(),
-            spokes: Ragged::default(),
+        self.firsts(&self.likeness().conditions)
+    }
+
+    /// The stars that differ in a bit from all before, and every loop: as coordinates are rounded, a few of
+    /// each condition. Their residuals are those of all stars, each bit of them.
+    #[must_use]
+    pub fn distinct(&self) -> Self {
+        self.firsts(&self.likeness().twins)
+    }
+
+    /// The stars that are the first of those like them, and every loop.
+    fn firsts(&self, first: &[usize]) -> Self {
+        let stars = || (0..first.len()).filter(|&star| first[star] == star);
+        Self {
+            vertices: stars().map(|star| self.vertices[star]).collect(),
+            spokes: stars().map(|star| self.spokes[star].to_vec()).collect(),
             loops: self.loops.clone(),
             holes: self.holes.clone(),
             places: self.places.clone(),
             unknowns: self.unknowns,
             same_angle: self.same_angle,
-            conditions: OnceLock::new(),
-        };
-        for (index, &first) in self.conditions().iter().enumerate() {
-            if first == index {
-                essential.vertices.push(self.vertices[index]);
-                essential.spokes.push(self.spokes[index].iter().copied());
-            }
+            likeness: OnceLock::new(),
         }
-        essential
     }
 
     /// For each star the one of [`essential`](Self::essential) that stands for it, and by how much their
@@ -151,47 +167,47 @@ impl ReducedStars {
     /// the roughness of the sheet.
     #[must_use]
     pub fn represented(&self) -> Vec<(usize, f64)> {
-        let mut place = vec![0; self.vertices.len()];
+        let Likeness { twins, conditions } = self.likeness();
+        let mut stars: Vec<(usize, f64)> = Vec::with_capacity(twins.len());
         let mut count = 0;
-        let conditions = self.conditions().iter().enumerate();
-        let stars = conditions.map(|(index, &first)| {
-            if first == index {
-                place[index] = count;
+        for (star, (&twin, &first)) in twins.iter().zip(conditions).enumerate() {
+            stars.push(if twin < star {
+                stars[twin]
+            } else if first < star {
+                let (from, to) = (&self.spokes[first], &self.spokes[star]);
+                let image = same_condition(from, to, self.same_angle);
+                let off = image.map_or(f64::INFINITY, |image| difference(from, to, image));
+                (stars[first].0, off)
+            } else {
                 count += 1;
-                return (place[index], 0.0);
-            }
-            let (from, to) = (&self.spokes[first], &self.spokes[index]);
-            let image = same_condition(from, to, self.same_angle);
-            let off = image.map_or(f64::INFINITY, |image| difference(from, to, image));
-            (place[first], off)
-        });
-        stars.collect()
+                (count - 1, 0.0)
+            });
+        }
+        stars
     }
 
-    /// For each star the first one with the same closure condition. Cost: linear in the spokes.
-    fn conditions(&self) -> &[usize] {
-        self.conditions.get_or_init(|| {
-            // The first stars of their conditions, in chains of those with the same groups.
-            let mut heads: HashMap<u64, usize> = HashMap::new();
-            let mut next = vec![None; self.spokes.len()];
-            let stars = self.spokes.iter().enumerate();
-            let first = stars.map(|(index, star)| {
-                let head = heads.entry(groups_key(star));
-                let mut link = Some(*head.or_insert(index)).filter(|head| *head != index);
-                let mut last = index;
-                while let Some(other) = link {
-                    if same_condition(&self.spokes[other], star, self.same_angle).is_some() {
-                        return other;
-                    }
-                    last = other;
-                    link = next[other];
-                }
-                if last != index {
-                    next[last] = Some(index);
-                }
-                index
-            });
-            first.collect()
+    /// What stars are alike. Cost: linear in the spokes.
+    fn likeness(&self) -> &Likeness {
+        self.likeness.get_or_init(|| {
+            let [mut by_bits, mut by_groups] = [HashMap::new(), HashMap::new()];
+            let mut twins = Vec::with_capacity(self.spokes.len());
+            let mut conditions: Vec<usize> = Vec::with_capacity(self.spokes.len());
+            for (star, spokes) in self.spokes.iter().enumerate() {
+                let same_bits = |other: usize| {
+                    let other = self.spokes[other].iter();
+                    spokes.iter().map(bits).eq(other.map(bits))
+                };
+                let twin = first_alike(&mut by_bits, bits_key(spokes), star, same_bits);
+                twins.push(twin);
+                conditions.push(if twin < star {
+                    conditions[twin]
+                } else {
+                    first_alike(&mut by_groups, groups_key(spokes), star, |other| {
+                        same_condition(&self.spokes[other], spokes, self.same_angle).is_some()
+                    })
+                });
+            }
+            Likeness { twins, conditions }
         })
     }
 
@@ -263,6 +279,36 @@ impl ReducedStars {
     }
 }
 
+/// The first star that is the `same` as this, of those with the same key; this if none before is.
+fn first_alike(
+    firsts: &mut HashMap<u64, Vec<usize>>,
+    key: u64,
+    star: usize,
+    same: impl Fn(usize) -> bool,
+) -> usize {
+    let firsts = firsts.entry(key).or_default();
+    let before = firsts.iter().copied().find(|&before| same(before));
+    before.unwrap_or_else(|| {
+        firsts.push(star);
+        star
+    })
+}
+
+/// All that a spoke is, so that spokes that are equal turn residuals alike to the last bit.
+fn bits(spoke: &Spoke<f64>) -> [u64; 3] {
+    let [x, y] = spoke.direction.map(f64::to_bits);
+    let turn = u64::from(spoke.group.0) << 1 | u64::from(spoke.negative);
+    [turn, x, y]
+}
+
+/// A number that stars of the same bits share, and others hardly ever do.
+fn bits_key(star: &[Spoke<f64>]) -> u64 {
+    // Digits of the golden ratio mix bits well.
+    star.iter().flat_map(bits).fold(0, |key: u64, bits| {
+        (key.rotate_left(29) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    })
+}
+
 /// A number that stars with the same groups share, whatever their order, and others hardly ever do.
 fn groups_key(star: &[Spoke<f64>]) -> u64 {
     // Digits of the golden ratio and of the root of 2 mix bits well.
@@ -273,29 +319,10 @@ fn groups_key(star: &[Spoke<f64>]) -> u64 {
     mixed.fold(0, u64::wrapping_add)
 }
 
-/// How the spokes of a star lie on those of another.
-#[derive(Clone, Copy)]
-struct Image {
-    /// The spoke on which the first one lies.
-    first: usize,
-    mirrored: bool,
-}
-
-impl Image {
-    /// The spoke of `star` on which spoke `k` lies.
-    fn of<'s>(&self, k: usize, star: &'s [Spoke<f64>]) -> &'s Spoke<f64> {
-        // Positions from n on are those from 0 once more.
-        let n = star.len();
-        let wrapped = |k: usize| if k < n { k } else { k - n };
-        let k = wrapped(k);
-        &star[wrapped(self.first + if self.mirrored { wrapped(n - k) } else { k })]
-    }
-}
-
 /// How star `a` lies on star `b`, if both are the same condition.
-fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<Image> {
+fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<StarImage> {
     let n = a.len();
-    let matches = |image: &Image, flipped: bool| {
+    let matches = |image: &StarImage, flipped: bool| {
         let same_crease = |k: usize| {
             let (from, to) = (&a[k], image.of(k, b));
             from.group == to.group && (from.negative == to.negative) != flipped
@@ -313,13 +340,13 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
         (0..n).all(same_crease) && (0..n).all(same_sector)
     };
     let both = [false, true];
-    let images = (0..n).flat_map(|first| both.map(|mirrored| Image { first, mirrored }));
+    let images = (0..n).flat_map(|first| both.map(|mirrored| StarImage { first, mirrored }));
     let mut images = images.filter(|_| n == b.len());
     images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
 }
 
 /// How far the residuals of two stars may differ of which one lies on the other.
-fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: Image) -> f64 {
+fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: StarImage) -> f64 {
     let turned = |[x, y]: [f64; 2]| Vector2::new(x, if image.mirrored { -y } else { y });
     let from = turned(a[0].direction);
     let to = Vector2::from(image.of(0, b).direction);
@@ -374,7 +401,7 @@ fn meeting_point(pattern: &CreasePattern, part: &BTreeSet<FaceId>) -> Option<Ver
 /// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
 /// faces round the vertices between.
 fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<FaceId> {
-    let conditions = all.conditions();
+    let conditions = &all.likeness().conditions[..];
     let Some(&start) = all.vertices.first() else {
         return (0..pattern.faces().len().min(1)).map(FaceId::new).collect();
     };

@@ -12,7 +12,7 @@
 use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector2;
 
-use super::isometry::Isometry;
+use super::isometry::{Isometry, StarImage};
 use super::parity::ParitySets;
 use super::places::Places;
 use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
@@ -207,7 +207,8 @@ struct Ray {
     direction: Vector2<f64>,
     crease: CreaseId,
     letter: Letter,
-    goal: Option<f64>,
+    /// Radians; NaN for none.
+    goal: f64,
 }
 
 impl Ray {
@@ -218,13 +219,19 @@ impl Ray {
         } else {
             self.letter
         };
-        let same_goal = match (self.goal, image.goal) {
-            (Some(a), Some(b)) => (if flips { a + b } else { a - b }).abs() <= SAME_GOAL,
-            (None, None) => true,
-            _ => false,
-        };
-        letter == image.letter && same_goal
+        let goal = if flips { -self.goal } else { self.goal };
+        let no_goal = goal.is_nan() && image.goal.is_nan();
+        letter == image.letter && (no_goal || (goal - image.goal).abs() <= SAME_GOAL)
     }
+}
+
+/// Vertices with congruent stars.
+struct Kind {
+    /// The first of them.
+    vertex: VertexId,
+    /// Whether all congruences of its star with itself are known to turn hinges alike. Then one that takes
+    /// it to another star tells all that the others do.
+    settled: bool,
 }
 
 struct Search<'a> {
@@ -238,6 +245,8 @@ struct Search<'a> {
     found: Vec<(CreaseId, CreaseId)>,
     /// For each vertex the last isometry, by its number, that took another to it.
     image_of: Vec<u32>,
+    /// For each crease the last isometry of which its image was noted, as seen from one end or the other.
+    noted: Vec<u32>,
     isometries: u32,
     /// Square of the largest difference between directions that were taken for one.
     worst: f64,
@@ -247,19 +256,19 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
-        let rays = pattern.stars().iter().enumerate().map(|(vertex, star)| {
-            let vertex = VertexId::new(vertex);
-            star.iter().filter_map(move |&id| {
+        let stars = pattern.stars();
+        let mut rays = Ragged::with_capacity(stars.len(), stars.items().len());
+        for (vertex, star) in stars.iter().enumerate() {
+            rays.push(star.iter().filter_map(|&id| {
                 let edge = pattern.edge(id);
                 Some(Ray {
-                    direction: pattern.direction(id, vertex),
+                    direction: pattern.direction(id, VertexId::new(vertex)),
                     crease: edge.crease?,
                     letter: edge.letter,
-                    goal: edge.goal,
+                    goal: edge.goal.unwrap_or(f64::NAN),
                 })
-            })
-        });
-        let rays: Ragged<Ray> = rays.collect();
+            }));
+        }
         let real = pattern.real_vertices();
         let real = real.filter(|v| !rays[v.index()].is_empty()).collect();
         Self {
@@ -269,8 +278,9 @@ impl<'a> Search<'a> {
             rays,
             real,
             sets: single(pattern),
-            found: Vec::new(),
+            found: Vec::with_capacity(pattern.creases().len()),
             image_of: vec![0; pattern.vertices().len()],
+            noted: vec![0; pattern.creases().len()],
             isometries: 0,
             worst: 0.0,
             budget: BUDGET + PASSES * pattern.vertices().len(),
@@ -280,68 +290,75 @@ impl<'a> Search<'a> {
     /// The groups, the number of kinds of stars, and the largest difference between directions that
     /// were taken for one.
     fn run(mut self) -> (CreaseGroups, usize, f64) {
-        // One vertex for each kind of star seen so far.
-        let mut kinds: Vec<VertexId> = Vec::new();
+        let mut kinds: Vec<Kind> = Vec::new();
         for index in 0..self.real.len() {
             let vertex = self.real[index];
             let mut known = false;
-            for &kind in &kinds {
-                if self.rays[kind.index()].len() != self.rays[vertex.index()].len() {
-                    continue;
+            for kind in &mut kinds {
+                if self.rays[kind.vertex.index()].len() == self.rays[vertex.index()].len() {
+                    known |= self.try_all(kind, vertex);
                 }
-                known |= self.try_all(kind, vertex);
             }
             if !known {
-                kinds.push(vertex);
-                self.try_all(vertex, vertex);
+                let settled = false;
+                let mut kind = Kind { vertex, settled };
+                self.try_all(&mut kind, vertex);
+                kinds.push(kind);
             }
         }
         let groups = CreaseGroups::from_sets(self.pattern, self.sets, self.tolerance);
         (groups, kinds.len(), self.worst.sqrt())
     }
 
-    /// Tries every isometry that takes the star of one vertex to that of the other. Returns whether
-    /// the stars are congruent at all.
-    fn try_all(&mut self, from: VertexId, to: VertexId) -> bool {
-        let mut congruent = false;
-        let turned_over = [false, true];
+    /// Tries every isometry that takes the star of the kind to that of a vertex, as long as any may tell
+    /// something new. Returns whether the stars are congruent at all.
+    fn try_all(&mut self, kind: &mut Kind, to: VertexId) -> bool {
+        let from = kind.vertex;
+        let [mut congruent, mut all_known] = [false, true];
         let degree = self.rays[to.index()].len();
-        let ray = self.rays[from.index()][0];
-        for (mirrors, flips) in turned_over
+        let both = [false, true];
+        let turned_over = both
             .iter()
-            .flat_map(|m| turned_over.map(|f| (*m, f)))
-        {
-            for first in 0..degree {
-                let image = &self.rays[to.index()][first];
-                if !ray.agrees(image, flips) {
-                    continue;
-                }
-                let mut isometry = Isometry::between(
-                    [from, to].map(|v| self.pattern.vertices()[v.index()]),
-                    [ray.direction, image.direction],
-                    mirrors,
-                    flips,
-                );
-                self.found.clear();
-                if !self.maps_star(&isometry, from, to, self.star_tolerance()) {
-                    continue;
-                }
-                congruent = true;
-                let mut pairs = self.found.iter();
-                let sets = &mut self.sets;
-                let mut news =
-                    pairs.any(|(a, b)| !sets.related(a.index(), b.index(), isometry.flips));
-                if news && self.tolerance > SAME_PLACE {
-                    isometry = self.fitted(isometry, from);
-                }
-                if news {
-                    news = self.budget > 0 && self.is_symmetry(&isometry);
-                }
-                if news {
-                    self.join(isometry.flips);
-                }
+            .flat_map(|mirrored| both.map(|flips| (*mirrored, flips)));
+        let ways = turned_over.flat_map(|way| (0..degree).map(move |first| (way, first)));
+        for ((mirrored, flips), first) in ways {
+            let image = StarImage { first, mirrored };
+            let [rays, images] = [from, to].map(|v| &self.rays[v.index()]);
+            let mut pairs = rays
+                .iter()
+                .enumerate()
+                .map(|(k, ray)| (ray, image.of(k, images)));
+            if !pairs.clone().all(|(ray, image)| ray.agrees(image, flips)) {
+                continue;
             }
+            let sets = &mut self.sets;
+            let mut known = pairs
+                .all(|(ray, image)| sets.related(ray.crease.index(), image.crease.index(), flips));
+            if known && congruent {
+                continue;
+            }
+            let mut isometry = Isometry::between(
+                [from, to].map(|v| self.pattern.vertices()[v.index()]),
+                [rays[0].direction, image.of(0, images).direction],
+                mirrored,
+                flips,
+            );
+            if !self.maps_star(&isometry, from, to, self.star_tolerance()) {
+                continue;
+            }
+            congruent = true;
+            if known && kind.settled {
+                return true;
+            }
+            if !known && self.tolerance > SAME_PLACE {
+                isometry = self.fitted(isometry, from);
+            }
+            if !known && self.budget > 0 && self.is_symmetry(&isometry) {
+                known = self.join(flips);
+            }
+            all_known &= known;
         }
+        kind.settled |= congruent && all_known;
         congruent
     }
 
@@ -414,7 +431,11 @@ impl<'a> Search<'a> {
             match found {
                 Some(image) if ray.agrees(image, isometry.flips) => {
                     self.worst = self.worst.max(off(image));
-                    self.found.push((ray.crease, image.crease));
+                    let noted = &mut self.noted[ray.crease.index()];
+                    if *noted != self.isometries {
+                        *noted = self.isometries;
+                        self.found.push((ray.crease, image.crease));
+                    }
                     matched += 1;
                 }
                 Some(_) => return false,
@@ -466,12 +487,14 @@ impl<'a> Search<'a> {
     }
 
     /// Joins the pairs of one isometry, all or none: they may contradict each other where letters do
-    /// not say, or take goal angles too far apart.
-    fn join(&mut self, flips: bool) {
+    /// not say, or take goal angles too far apart. Returns whether they are.
+    fn join(&mut self, flips: bool) -> bool {
         let mut joined = self.sets.clone();
         let consistent = |&(a, b): &(CreaseId, CreaseId)| joined.join(a.index(), b.index(), flips);
-        if self.found.iter().all(consistent) {
+        let joins = self.found.iter().all(consistent);
+        if joins {
             self.sets = joined;
         }
+        joins
     }
 }

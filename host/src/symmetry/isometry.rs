@@ -82,3 +82,22 @@ impl Isometry {
         }
     }
 }
+
+/// How the spokes of a star lie on those of another of as many.
+#[derive(Clone, Copy)]
+pub(super) struct StarImage {
+    /// The spoke on which the first one lies.
+    pub(super) first: usize,
+    pub(super) mirrored: bool,
+}
+
+impl StarImage {
+    /// The spoke of `star` on which spoke `k` lies.
+    pub(super) fn of<'s, S>(&self, k: usize, star: &'s [S]) -> &'s S {
+        // Positions from n on are those from 0 once more.
+        let n = star.len();
+        let wrapped = |k: usize| if k < n { k } else { k - n };
+        let k = wrapped(k);
+        &star[wrapped(self.first + if self.mirrored { wrapped(n - k) } else { k })]
+    }
+}
