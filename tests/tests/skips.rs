@@ -1,7 +1,4 @@
 //! What the search for crossings skips changes how much it looks at, never its verdict.
-//!
-//! The large patterns without any skipping take minutes:
-//! `cargo test --release -p foldpath-tests --test skips -- --ignored`.
 
 use std::path::{Path, PathBuf};
 
@@ -104,7 +101,6 @@ fn verdicts_do_not_hang_on_what_is_skipped() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
 fn verdicts_of_large_patterns_do_not_either() {
     for file in patterns().filter(|file| !is_small(file)) {
         println!("{}", file.display());

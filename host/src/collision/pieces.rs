@@ -123,9 +123,15 @@ impl Pieces {
                 .load(pattern, face)
                 .find(|&other| self.has_side(other, side));
             let joined = inner.or_else(|| {
-                let (beyond, _) = pattern.beyond_side(face, side)?;
-                self.load(pattern, beyond)
-                    .find(|&other| self.has_side(other, side))
+                let mut neighbours = pattern.neighbours()[face.index()].iter();
+                neighbours.find_map(|&(beyond, edge)| {
+                    let ends = pattern.edge(edge).ends;
+                    if !side.iter().all(|end| ends.contains(end)) {
+                        return None;
+                    }
+                    let mut pieces = self.load(pattern, beyond);
+                    pieces.find(|&other| self.has_side(other, side))
+                })
             });
             self.joints
                 .extend(joined.map(|piece| Joint { piece, ends }));
