@@ -33,6 +33,9 @@ const RETREAT: f64 = 0.02;
 const ROOM: f64 = 1e-3;
 /// Faces beyond which the motion between knots is not swept without a lattice.
 const MOST_FACES: usize = 4000;
+/// Faces up to which a torn sheet is swept without its lattice at once: a motion nearer to its course would
+/// have more knots.
+const FEW_FACES: usize = 400;
 /// Median edges: where faces may be farther off, their lattice says nothing of crossings.
 const FAR_ASTRAY: f64 = 0.25;
 
@@ -198,7 +201,8 @@ impl Planning<'_> {
             // On a torn sheet what nearly touches by the lattice may not by the folding map.
             _ => {
                 self.plan.times.collision += start.elapsed();
-                let nearer = lattice.and_then(|_| self.nearer(reduction, found));
+                let many = lattice.is_some() && self.pattern.faces().len() > FEW_FACES;
+                let nearer = many.then(|| self.nearer(reduction, found)).flatten();
                 let decided =
                     |plan: &Plan| matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_));
                 if let Some(plan) = nearer.filter(decided) {
