@@ -3,6 +3,8 @@
 
 use std::time::Instant;
 
+use foldpath_core::Membership;
+
 use super::course::Course;
 use super::follow::{Waypoint, max_difference};
 use super::judge::Judge;
@@ -12,7 +14,7 @@ use super::place::{Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use crate::certificate::SheetCertifier;
-use crate::collision::{Crossing, Sweep, SweepOptions, SweepVerdict};
+use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::folding::Rigidity;
 use crate::symmetry::Lattice;
 
@@ -158,63 +160,75 @@ impl Planning<'_> {
         self.plan.path.knots = placed.knots;
     }
 
-    /// Looks for crossings anywhere on the motion, and ends the path before the first.
-    fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
-        let mut start = Instant::now();
+    /// What the search for crossings is asked.
+    fn sweep_options(&self) -> SweepOptions {
         let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
         let gap = certified.max(self.plan.rigidity.gap);
-        let options = SweepOptions {
+        let usual = SweepOptions::default();
+        SweepOptions {
             gap,
             // Where faces are certified to be only up to the gap, they touch or cross by less.
-            tolerance: SweepOptions::default().tolerance.max(gap.min(CERTIFIED)),
+            tolerance: usual.tolerance.max(gap.min(CERTIFIED)),
             deadline: self.deadline,
             // Who wants to look at everything may.
             max_looks: if skips == Skips::default() {
-                SweepOptions::default().max_looks
+                usual.max_looks
             } else {
                 u64::MAX
             },
             skip_motion: skips.motion,
             skip_bounds: skips.bounds,
             skip_edges: skips.edges,
-            ..SweepOptions::default()
-        };
+            ..usual
+        }
+    }
+
+    /// Looks for crossings along the lattice, if the sheet is where that has it.
+    fn sweep_lattice(
+        &self,
+        lattice: &Lattice,
+        memberships: &[Membership],
+        options: SweepOptions,
+    ) -> Option<(SweepVerdict, SweepCounts)> {
+        let torn = options.gap > SweepOptions::default().tolerance;
+        let astray = if torn { self.astray(lattice) } else { 0.0 };
+        let options = SweepOptions { astray, ..options };
+        let mut sweep = (astray < FAR_ASTRAY)
+            .then(|| Sweep::with_lattice(self.pattern, memberships, options, lattice))?;
+        let verdict = sweep.sweep(&self.plan.path.curves());
+        // On a torn sheet what nearly touches by the lattice may not by the folding map.
+        let decided = !torn || matches!(verdict, SweepVerdict::Free(_));
+        decided.then(|| (verdict, sweep.counts()))
+    }
+
+    /// Looks for crossings anywhere on the motion, and ends the path before the first.
+    fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
+        let mut start = Instant::now();
+        let options = self.sweep_options();
         let memberships = reduction.groups.memberships();
         let symmetric = || Lattice::find(self.pattern, memberships);
-        let lattice = skips.symmetry.then(symmetric).flatten();
-        let torn = gap > SweepOptions::default().tolerance;
-        let astray = |lattice: &Lattice| if torn { self.astray(lattice) } else { 0.0 };
-        let near = lattice.as_ref().map(|lattice| (lattice, astray(lattice)));
-        let near = near.filter(|(_, astray)| *astray < FAR_ASTRAY);
-        let curves = self.plan.path.curves();
-        let along = near.map(|(lattice, astray)| {
-            let options = SweepOptions { astray, ..options };
-            let mut sweep = Sweep::with_lattice(self.pattern, memberships, options, lattice);
-            (sweep.sweep(&curves), sweep.counts())
-        });
-        let (verdict, counts) = match along {
-            Some((SweepVerdict::Free(clearance), counts)) => {
-                (SweepVerdict::Free(clearance), counts)
-            }
-            Some(found) if !torn => found,
-            // On a torn sheet what nearly touches by the lattice may not by the folding map.
-            _ => {
-                self.plan.times.collision += start.elapsed();
-                let many = lattice.is_some() && self.pattern.faces().len() > FEW_FACES;
-                let nearer = many.then(|| self.nearer(reduction, found)).flatten();
+        let lattice = self.options.skips.symmetry.then(symmetric).flatten();
+        let along = lattice.as_ref();
+        let along = along.and_then(|lattice| self.sweep_lattice(lattice, memberships, options));
+        let (verdict, counts) = if let Some(found) = along {
+            found
+        } else {
+            self.plan.times.collision += start.elapsed();
+            let faces = self.pattern.faces().len();
+            if lattice.is_some() && faces > FEW_FACES {
                 let decided =
                     |plan: &Plan| matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_));
-                if let Some(plan) = nearer.filter(decided) {
+                if let Some(plan) = self.nearer(reduction, found).filter(decided) {
                     return plan;
                 }
-                if self.pattern.faces().len() > MOST_FACES {
-                    return self.sweep_knots(reduction);
-                }
-                start = Instant::now();
-                let mut sweep = Sweep::new(self.pattern, memberships, options);
-                (sweep.sweep(&curves), sweep.counts())
             }
+            if faces > MOST_FACES {
+                return self.sweep_knots(reduction);
+            }
+            start = Instant::now();
+            let mut sweep = Sweep::new(self.pattern, memberships, options);
+            (sweep.sweep(&self.plan.path.curves()), sweep.counts())
         };
         self.plan.collision = counts;
         self.plan.times.collision += start.elapsed();
@@ -248,6 +262,7 @@ impl Planning<'_> {
                 if let Some(plan) = nearer.filter(|plan| plan.outcome == Outcome::Planned) {
                     return plan;
                 }
+                let curves = self.plan.path.curves();
                 let free: Option<Vec<f64>> = last_free.map(|place| {
                     let curves = curves[place.segment].iter();
                     let rates = curves
