@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use foldpath::folding::{Bend, FoldingMap, LatticeCourse, LatticeMotion, SpanningTree};
 use foldpath::generate::{Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, EdgeId, FaceId};
-use foldpath::symmetry::{CreaseGroups, Lattice, PairClass, Place};
+use foldpath::symmetry::{CreaseGroups, Lattice, PairClass, Place, ReducedStars};
 use foldpath_core::{HalfAngle, Membership};
 use nalgebra::{Rotation2, Vector2, Vector3};
 use rand_pcg::Pcg64;
@@ -569,6 +569,36 @@ fn a_sheet_with_a_hole_has_a_lattice_and_two_sheets_have_none() {
     let (pattern, memberships) = without(36..45);
     assert_eq!(pattern.sheets(), 2);
     assert!(Sheet::with(pattern, memberships).is_none());
+}
+
+/// Where the sheet does not close, the lattice and the folding map differ by no more than is said.
+#[test]
+fn faces_go_no_farther_astray_than_their_vertices_allow() {
+    let mut random = Pcg64::new(21, 4);
+    let mut fullest = 0.0_f64;
+    for (name, drawing) in [
+        ("miura", miura(6, 7, 0.5)),
+        ("waterbomb", waterbomb(6, 8, 0.5)),
+        ("yoshimura", yoshimura(8, 8, 0.3)),
+        ("square twist", square_twist(4, 4, 0.5)),
+    ] {
+        let sheet = Sheet::new(drawing);
+        let groups = CreaseGroups::find(&sheet.pattern);
+        let stars = ReducedStars::all(&sheet.pattern, &groups);
+        for round in 0..12 {
+            let size = 10_f64.powi(-2 - round % 4);
+            let angles = sheet.goal().into_iter();
+            let angles: Vec<_> = angles
+                .map(|angle| angle + size * noise(&mut random))
+                .collect();
+            let residual = stars.largest_residual(&angles);
+            let most = sheet.lattice.astray(&sheet.pattern, residual) * sheet.pattern.median_edge();
+            let off = sheet.disagreement(&angles);
+            assert!(off <= most + 1e-12, "{name} {size:e}: {off:e} {most:e}");
+            fullest = fullest.max(off / most);
+        }
+    }
+    assert!(fullest > 0.01, "of use: {fullest}");
 }
 
 /// How much of the course from some group angles to others is filled: corners of a cell against corners of

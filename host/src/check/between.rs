@@ -16,7 +16,7 @@ use crate::symmetry::{Lattice, ReducedStars};
 const ENOUGH_LOOKS: u64 = 200_000;
 
 /// Up to so many faces all pairs are swept, where the planner lets one stand for those that move alike.
-const MANY_FACES: usize = 20_000;
+const MANY_FACES: usize = 4000;
 
 /// Closure between knots, and with it the deformation of the whole sheet, by the most that it adds up to.
 pub(super) fn check_closure(
@@ -107,6 +107,12 @@ pub(super) fn check_crossings(
     let members = motion.groups.memberships();
     let large = pattern.faces().len() > MANY_FACES && !failed;
     let lattice = large.then(|| Lattice::find(pattern, members)).flatten();
+    if let Some(lattice) = &lattice
+        && options.gap > options.tolerance
+    {
+        options.astray = lattice.astray(pattern, verdict.closure_bound());
+    }
+    let lattice = lattice.filter(|_| options.astray < SweepOptions::FAR_ASTRAY);
     let mut sweep = match &lattice {
         Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
         None => Sweep::new(pattern, members, options),

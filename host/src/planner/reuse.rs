@@ -38,8 +38,6 @@ const MOST_FACES: usize = 4000;
 /// Faces up to which a torn sheet is swept without its lattice at once: a motion nearer to its course would
 /// have more knots.
 const FEW_FACES: usize = 400;
-/// Median edges: where faces may be farther off, their lattice says nothing of crossings.
-const FAR_ASTRAY: f64 = 0.25;
 
 /// A path to reuse.
 pub(super) struct Found<'a> {
@@ -192,9 +190,14 @@ impl Planning<'_> {
         options: SweepOptions,
     ) -> Option<(SweepVerdict, SweepCounts)> {
         let torn = options.gap > SweepOptions::default().tolerance;
-        let astray = if torn { self.astray(lattice) } else { 0.0 };
+        let closure = self.plan.certified_closure.unwrap_or(f64::INFINITY);
+        let astray = if torn {
+            lattice.astray(self.pattern, closure)
+        } else {
+            0.0
+        };
         let options = SweepOptions { astray, ..options };
-        let mut sweep = (astray < FAR_ASTRAY)
+        let mut sweep = (astray < SweepOptions::FAR_ASTRAY)
             .then(|| Sweep::with_lattice(self.pattern, memberships, options, lattice))?;
         let verdict = sweep.sweep(&self.plan.path.curves());
         // On a torn sheet what nearly touches by the lattice may not by the folding map.
@@ -311,33 +314,6 @@ impl Planning<'_> {
         let [a, b] = crossing.faces;
         let reason = format!("faces {a} and {b} pass through each other at knot {index}");
         self.end(Outcome::Crossing(crossing), reason)
-    }
-
-    /// How far, over the median edge, a face may be from where the lattice has it, as seen from another.
-    ///
-    /// Two ways from face to face, one along the tree and one along the steps of the lattice, enclose no
-    /// more vertices than fit in the box of its cells, and each turns what is beyond by its residual.
-    fn astray(&self, lattice: &Lattice) -> f64 {
-        let closure = self.plan.certified_closure.unwrap_or(f64::INFINITY);
-        if !self.pattern.holes().is_empty() {
-            return f64::INFINITY;
-        }
-        let ends = [0, 1].map(|k| {
-            let low = lattice.orbits().iter().map(|orbit| orbit.low[k]).min();
-            let high = lattice.orbits().iter().map(|orbit| orbit.high[k]).max();
-            f64::from(high.unwrap_or_default()) - f64::from(low.unwrap_or_default()) + 1.0
-        });
-        #[allow(clippy::cast_precision_loss, reason = "counts of vertices and faces")]
-        let [vertices, faces, orbits] = [
-            self.pattern.vertices().len(),
-            self.pattern.faces().len(),
-            lattice.orbits().len(),
-        ]
-        .map(|count| count as f64);
-        let enclosed = vertices * orbits / faces * ends[0] * ends[1];
-        let ways = lattice.steps().iter().zip(ends);
-        let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
-        closure * enclosed * reach / self.pattern.median_edge()
     }
 
     /// The plan with the motion nearer to the course, unless it is as near as it gets: where layers touch, what

@@ -159,6 +159,34 @@ impl Lattice {
         &self.loops
     }
 
+    /// How far, over the median edge, a face may be from where the lattice has it, as seen from another, if stars
+    /// close to `closure` only (norms of residuals); infinite round holes.
+    ///
+    /// Two ways from face to face, one along a tree and one along the steps of the lattice, enclose no more
+    /// vertices than fit in the box of its cells, and each turns what is beyond by its residual.
+    #[must_use]
+    pub fn astray(&self, pattern: &CreasePattern, closure: f64) -> f64 {
+        if !pattern.holes().is_empty() {
+            return f64::INFINITY;
+        }
+        let ends = [0, 1].map(|k| {
+            let low = self.orbits.iter().map(|orbit| orbit.low[k]).min();
+            let high = self.orbits.iter().map(|orbit| orbit.high[k]).max();
+            f64::from(high.unwrap_or_default()) - f64::from(low.unwrap_or_default()) + 1.0
+        });
+        #[allow(clippy::cast_precision_loss, reason = "counts of vertices and faces")]
+        let [vertices, faces, orbits] = [
+            pattern.vertices().len(),
+            pattern.faces().len(),
+            self.orbits.len(),
+        ]
+        .map(|count| count as f64);
+        let enclosed = vertices * orbits / faces * ends[0] * ends[1];
+        let ways = self.steps.iter().zip(ends);
+        let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
+        closure * enclosed * reach / pattern.median_edge()
+    }
+
     /// Largest distance in the flat sheet, in its units, between a corner moved by a step and the one it
     /// is taken for.
     #[must_use]

@@ -32,6 +32,11 @@ pub struct SweepOptions {
     pub deadline: Option<Instant>,
 }
 
+impl SweepOptions {
+    /// Where faces may go [`astray`](Self::astray) as far, their lattice says nothing of crossings.
+    pub const FAR_ASTRAY: f64 = 0.25;
+}
+
 impl Default for SweepOptions {
     fn default() -> Self {
         Self {
