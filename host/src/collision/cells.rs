@@ -16,7 +16,7 @@ use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{Lattice, Orbit, PairClass};
 
 /// Looks at how far all moves until a time is taken.
-const LOOKS: usize = 4;
+const LOOKS: usize = 2;
 /// A step that turns by no more, at the end of a segment, is held for a translation.
 const TRANSLATION: f64 = 1e-3;
 /// Tabulated times for which cells are woken.

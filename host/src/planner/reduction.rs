@@ -1,6 +1,7 @@
 //! The problem that is solved: crease groups as unknowns, some stars as conditions, and the goal in
 //! these terms.
 
+use core::cell::OnceCell;
 use core::f64::consts::PI;
 use std::time::Instant;
 
@@ -9,7 +10,7 @@ use super::solver::{ClosureSolver, Work};
 use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
-use crate::symmetry::{CreaseGroups, ReducedStars};
+use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
 /// The unknowns and conditions of a plan.
 pub(super) struct Reduction {
@@ -28,6 +29,8 @@ pub(super) struct Reduction {
     pub(super) tree: SpanningTree,
     /// How much larger than the closure residuals errors of the whole sheet can be.
     pub(super) amplification: Option<f64>,
+    /// The lattice of the groups, if it was asked for.
+    lattice: OnceCell<Option<Lattice>>,
 }
 
 /// What stands in the way.
@@ -67,7 +70,14 @@ impl Reduction {
             deadline,
             amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
             tree,
+            lattice: OnceCell::new(),
         }
+    }
+
+    /// The lattice of the groups, if the sheet has one.
+    pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
+        let lattice = || Lattice::find(pattern, self.groups.memberships());
+        self.lattice.get_or_init(lattice).as_ref()
     }
 
     /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is

@@ -208,12 +208,13 @@ impl Planning<'_> {
     /// Looks for crossings anywhere on the motion, and ends the path before the first.
     fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
         let mut start = Instant::now();
+        let symmetric = self.options.skips.symmetry;
+        let lattice = symmetric.then(|| reduction.lattice(self.pattern)).flatten();
+        self.plan.times.symmetry += start.elapsed();
+        start = Instant::now();
         let options = self.sweep_options();
         let memberships = reduction.groups.memberships();
-        let symmetric = || Lattice::find(self.pattern, memberships);
-        let lattice = self.options.skips.symmetry.then(symmetric).flatten();
-        let along = lattice.as_ref();
-        let along = along.and_then(|lattice| self.sweep_lattice(lattice, memberships, options));
+        let along = lattice.and_then(|lattice| self.sweep_lattice(lattice, memberships, options));
         let (verdict, counts) = if let Some(found) = along {
             found
         } else {

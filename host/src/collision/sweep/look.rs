@@ -15,7 +15,7 @@ use crate::pattern::FaceId;
 const NEAR: f64 = 0.5;
 /// Pieces nearer to each other, by their spheres, than this part of the smaller one's radius are
 /// measured exactly.
-const CLOSE: f64 = 1.0;
+const CLOSE: f64 = 0.5;
 /// Tabulated times over which pairs are to stay apart for which cells stand.
 const LEAP: usize = 1;
 /// The same for pairs that may be the nearest of all.
