@@ -56,8 +56,8 @@
 //!
 //! # Guaranteed
 //!
-//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's: the
-//! same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
+//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's and its
+//! own: the same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
 //! caller; too little is a reported outcome. Nothing here panics.
 //!
 //! # Not guaranteed
@@ -92,6 +92,7 @@ mod objective;
 mod rotation;
 pub mod sampling;
 mod scalar;
+mod sine;
 mod star;
 pub mod trajectory;
 pub mod trajectory_file;
