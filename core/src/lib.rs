@@ -90,6 +90,7 @@ pub mod least_squares;
 pub mod levenberg_marquardt;
 mod objective;
 mod rotation;
+pub mod path_clock;
 pub mod sampling;
 mod scalar;
 mod sine;
