@@ -79,18 +79,21 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
 
+pub mod acceptance;
 pub mod closure;
 mod curve;
 mod dense;
 mod folding_matrix;
+pub mod follower;
 pub mod gradient;
 mod group;
 pub mod hole;
 pub mod least_squares;
 pub mod levenberg_marquardt;
+mod limits;
 mod objective;
-mod rotation;
 pub mod path_clock;
+mod rotation;
 pub mod sampling;
 mod scalar;
 mod sine;
@@ -103,6 +106,7 @@ pub use dense::DenseNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
 pub use hole::{LoopView, LoopsView};
+pub use limits::GroupLimits;
 pub use objective::{Objective, norm};
 pub use rotation::{HalfAngle, Rotation};
 pub use scalar::Scalar;

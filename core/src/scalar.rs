@@ -56,6 +56,8 @@ pub trait Scalar:
 
     /// The number nearest to `value`.
     fn lit(value: f64) -> Self;
+    /// The number nearest to a whole one.
+    fn whole(value: u32) -> Self;
     /// This number as `f64`, exactly.
     fn to_f64(self) -> f64;
     /// Absolute value.
@@ -99,6 +101,15 @@ macro_rules! scalar {
                 reason = "rounding to the nearest number of the type is what is asked for"
             )]
             fn lit(value: f64) -> Self {
+                value as $type
+            }
+            #[inline]
+            #[allow(
+                clippy::cast_precision_loss,
+                clippy::cast_lossless,
+                reason = "rounding to the nearest number of the type is what is asked for"
+            )]
+            fn whole(value: u32) -> Self {
                 value as $type
             }
             #[inline]

@@ -1,0 +1,633 @@
+//! Follows a path: from setpoints to the angles of each moment.
+//!
+//! A state machine without a clock of its own. Setpoints are [accepted](Follower::accept) one after the other
+//! into a queue; [`Follower::tick`], called at a steady pace, moves along the queued path as fast as the
+//! [path clock](crate::path_clock) lets it. Whatever slows or holds the motion does so through that clock, so that
+//! the sheet stays where it closes.
+//!
+//! | state | meaning | left by |
+//! |---|---|---|
+//! | [Idle](State::Idle) | no path | [`load`](Follower::load) |
+//! | [Ready](State::Ready) | a path that has not begun | [`start`](Follower::start) |
+//! | [Running](State::Running) | the clock runs, or is slowed by a hinge | the path's end, whatever holds it, a stalled hinge |
+//! | [Holding](State::Holding) | braking, or at rest on the path; [`reason`](Follower::reason) says why | [`resume`](Follower::resume), or what it waits for |
+//! | [Done](State::Done) | at the last setpoint of the path | [`load`](Follower::load) |
+//! | [Faulted](State::Faulted) | a hinge stalled | [`clear`](Follower::clear) |
+//!
+//! An empty queue and a lagging hinge hold the motion only while they last. All else holds it until
+//! [`resume`](Follower::resume), whatever else happens in between.
+
+use heapless::Deque;
+use serde::{Deserialize, Serialize};
+
+use crate::acceptance::{self, Refusal, Setpoint, SheetView};
+use crate::path_clock::{ClockLimits, PathClock};
+use crate::{Curve, Interpolation, Membership, Scalar};
+
+/// Part of its rate that the clock keeps while a hinge lags by almost the most: less, and a stalled hinge
+/// would never be found to lag by more.
+const CREEP: f64 = 0.1;
+
+/// What a follower does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// There is no path.
+    #[default]
+    Idle,
+    /// There is a path, and the motion has not begun.
+    Ready,
+    /// Moving along the path.
+    Running,
+    /// Slowing down along the path, or at rest on it.
+    Holding,
+    /// At the end of the path.
+    Done,
+    /// A hinge has stalled; nothing moves.
+    Faulted,
+}
+
+/// Why a follower does not run at full speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reason {
+    /// Nothing keeps it.
+    #[default]
+    None,
+    /// The host asked for it.
+    Asked,
+    /// The queue has run dry.
+    Underrun,
+    /// The host has been silent for too long.
+    Silence,
+    /// This hinge lags.
+    Lag(u32),
+    /// The stop line.
+    StopLine,
+    /// A setpoint was refused.
+    Refused(Refusal),
+    /// This hinge has stalled.
+    Stalled(u32),
+}
+
+/// Why a command is not carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Denial {
+    /// Not in this state.
+    State,
+    /// The sheet moves.
+    Moving,
+    /// The sheet has more groups than there is room for, or none.
+    Groups,
+    /// No setpoint is queued.
+    Empty,
+    /// The place to begin at is not on the first segment.
+    Place,
+    /// This group stands too far from the beginning of the path.
+    Jump(u16),
+    /// The stop line is drawn, or no one has asked to go on since something held the motion.
+    Held,
+}
+
+/// A place on a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place<T> {
+    /// Number of the knot at it or before it.
+    pub knot: u32,
+    /// Seconds behind that knot.
+    pub into: T,
+}
+
+/// Options of a [`Follower`]. Times in microseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options<T> {
+    /// How fast the path clock may change. An acceleration of a hinge grows by at most its speed times this.
+    pub clock: ClockLimits<T>,
+    /// Silence of the host after which the motion holds.
+    pub silence: u32,
+    /// No tick passes for longer than this.
+    pub longest_tick: u32,
+    /// Distance between a hinge and its command from which on the clock slows, radians.
+    pub lag: T,
+    /// Distance from which on it holds. Braking takes the command on by up to speed / (2 · brake).
+    pub most_lag: T,
+    /// Time that a hinge may lag by so much before the motion fails.
+    pub stall: u32,
+    /// How far each group may stand from where a path begins, radians.
+    pub jump: T,
+}
+
+impl<T: Scalar> Default for Options<T> {
+    fn default() -> Self {
+        Self {
+            clock: ClockLimits {
+                rise: T::lit(4.0),
+                brake: T::lit(4.0),
+            },
+            silence: 250_000,
+            longest_tick: 10_000,
+            lag: T::lit(0.05),
+            most_lag: T::lit(0.15),
+            stall: 1_000_000,
+            jump: T::lit(0.01),
+        }
+    }
+}
+
+/// The hinge that was last seen farthest from its command.
+#[derive(Clone, Copy, Debug)]
+struct Lag<T> {
+    hinge: u32,
+    distance: T,
+}
+
+/// A follower of at most `GROUPS` groups and `KNOTS` setpoints at a time.
+#[derive(Clone, Debug)]
+pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
+    options: Options<T>,
+    state: State,
+    /// What holds the motion until it is asked to go on.
+    latch: Reason,
+    /// Whether the stop line is drawn.
+    line: bool,
+    clock: PathClock<T>,
+    now: u64,
+    heard: u64,
+    lag: Option<Lag<T>>,
+    /// Since when a hinge has lagged by the most.
+    lagging: Option<u64>,
+
+    interpolation: Interpolation,
+    groups: usize,
+    bounds: [[T; 2]; GROUPS],
+    next: u32,
+    ended: bool,
+    /// The first is the one at or before the place on the path.
+    queue: Deque<Setpoint<T, GROUPS>, KNOTS>,
+    /// The segment behind the first setpoint, its seconds, and how many of them have passed.
+    curves: [Curve<T>; GROUPS],
+    span: T,
+    into: T,
+    /// What rounding has kept from `into`.
+    carry: T,
+
+    /// Whether `angles` have been commanded, or measured.
+    stands: bool,
+    angles: [T; GROUPS],
+    rates: [T; GROUPS],
+}
+
+impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
+    /// An idle follower that does not know where the hinges are.
+    #[must_use]
+    pub fn new(options: Options<T>) -> Self {
+        Self {
+            options,
+            state: State::Idle,
+            latch: Reason::None,
+            line: false,
+            clock: PathClock::new(options.clock),
+            now: 0,
+            heard: 0,
+            lag: None,
+            lagging: None,
+            interpolation: Interpolation::default(),
+            groups: 0,
+            bounds: [[T::zero(); 2]; GROUPS],
+            next: 0,
+            ended: false,
+            queue: Deque::new(),
+            curves: [Curve::Angle([T::zero(); 4]); GROUPS],
+            span: T::zero(),
+            into: T::zero(),
+            carry: T::zero(),
+            stands: false,
+            angles: [T::zero(); GROUPS],
+            rates: [T::zero(); GROUPS],
+        }
+    }
+
+    /// What it does.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// What holds or slows the motion.
+    #[must_use]
+    pub fn reason(&self) -> Reason {
+        match (self.state, self.latch, self.lag) {
+            (State::Faulted, _, Some(lag)) => Reason::Stalled(lag.hinge),
+            (_, Reason::None, Some(lag)) if self.moves() && self.lags(lag) => {
+                Reason::Lag(lag.hinge)
+            }
+            (State::Holding, Reason::None, _) => Reason::Underrun,
+            (_, latch, _) => latch,
+        }
+    }
+
+    /// Seconds of the path in a second, from 0 to 1.
+    #[must_use]
+    pub fn rate(&self) -> T {
+        self.clock.rate()
+    }
+
+    /// Where on the path the commanded angles are.
+    #[must_use]
+    pub fn place(&self) -> Place<T> {
+        Place {
+            knot: self.queue.front().map_or(self.next, |first| first.number),
+            into: self.into,
+        }
+    }
+
+    /// Number of the setpoint that is expected next.
+    #[must_use]
+    pub fn next(&self) -> u32 {
+        self.next
+    }
+
+    /// Setpoints for which there is room.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        KNOTS.saturating_sub(self.queue.len())
+    }
+
+    /// Seconds of the path that are queued ahead.
+    #[must_use]
+    pub fn left(&self) -> T {
+        match (self.queue.front(), self.queue.back()) {
+            (Some(first), Some(last)) => (last.time - first.time - self.into).max(T::zero()),
+            _ => T::zero(),
+        }
+    }
+
+    /// Commanded angle of each group, radians; none before it is known where the groups stand.
+    #[must_use]
+    pub fn angles(&self) -> &[T] {
+        self.known(&self.angles)
+    }
+
+    /// Rate of each group, radians per second of the world.
+    #[must_use]
+    pub fn rates(&self) -> &[T] {
+        self.known(&self.rates)
+    }
+
+    fn known<'a>(&self, values: &'a [T]) -> &'a [T] {
+        let groups = if self.stands { self.groups } else { 0 };
+        values.get(..groups).unwrap_or(&[])
+    }
+
+    /// Commanded angle of a hinge, radians.
+    #[must_use]
+    pub fn hinge(&self, membership: Membership) -> Option<T> {
+        let angle = self.angles().get(membership.group.index())?;
+        Some(membership.apply(*angle))
+    }
+
+    /// Says where the groups stand (radians), as measured or as commanded before a reset.
+    ///
+    /// # Errors
+    /// Unless idle, or with too many groups.
+    pub fn stand(&mut self, angles: &[T]) -> Result<(), Denial> {
+        if self.state != State::Idle {
+            return Err(Denial::State);
+        }
+        let mine = self.angles.get_mut(..angles.len());
+        mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
+        self.groups = angles.len();
+        self.stands = true;
+        Ok(())
+    }
+
+    /// Takes up a new path on this sheet, from its beginning or from a place on it; setpoints come next,
+    /// from that of the place on. Drops the path before.
+    ///
+    /// # Errors
+    /// While moving, in a fault, or if the sheet has too many groups.
+    pub fn load(&mut self, sheet: &SheetView<'_, T>, from: Place<T>) -> Result<(), Denial> {
+        self.unload()?;
+        let groups = sheet.limits.len();
+        let others = self.stands && self.groups != groups;
+        if groups == 0 || groups > GROUPS || others {
+            return Err(Denial::Groups);
+        }
+        self.groups = groups;
+        for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
+            *bounds = [limits.lower, limits.upper];
+        }
+        self.interpolation = sheet.interpolation;
+        self.next = from.knot;
+        self.into = from.into;
+        self.state = State::Ready;
+        Ok(())
+    }
+
+    /// Drops the path.
+    ///
+    /// # Errors
+    /// While moving, or in a fault.
+    pub fn unload(&mut self) -> Result<(), Denial> {
+        if self.state == State::Faulted {
+            return Err(Denial::State);
+        }
+        if self.clock.rate() > T::zero() {
+            return Err(Denial::Moving);
+        }
+        self.queue.clear();
+        (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
+        self.ended = false;
+        self.still();
+        self.state = State::Idle;
+        Ok(())
+    }
+
+    /// Queues a setpoint. A bad one holds the motion.
+    ///
+    /// Cost: that of [`acceptance::check`].
+    ///
+    /// # Errors
+    /// Why it is not followed; nothing is changed then but for the hold.
+    pub fn accept(
+        &mut self,
+        sheet: &SheetView<'_, T>,
+        setpoint: Setpoint<T, GROUPS>,
+    ) -> Result<(), Refusal> {
+        if !matches!(self.state, State::Ready | State::Running | State::Holding) {
+            return Err(Refusal::State);
+        }
+        if self.room() == 0 {
+            return Err(Refusal::Full);
+        }
+        let in_order = setpoint.number == self.next && !self.ended;
+        let checked = if in_order {
+            acceptance::check(sheet, self.queue.back(), &setpoint)
+        } else {
+            Err(Refusal::Sequence(self.next))
+        };
+        if let Err(refusal) = checked {
+            self.hold(Reason::Refused(refusal));
+            return Err(refusal);
+        }
+        self.next = self.next.wrapping_add(1);
+        self.ended = setpoint.last;
+        self.queue.push_back(setpoint).map_err(|_| Refusal::Full)?;
+        if self.queue.len() == 2 {
+            self.enter();
+        }
+        Ok(())
+    }
+
+    /// Begins to move.
+    ///
+    /// # Errors
+    /// Unless ready and not stopped; if nothing is queued, or the hinges stand elsewhere.
+    pub fn start(&mut self) -> Result<(), Denial> {
+        if self.state != State::Ready {
+            return Err(Denial::State);
+        }
+        if self.line || self.latch != Reason::None {
+            return Err(Denial::Held);
+        }
+        if self.queue.is_empty() {
+            return Err(Denial::Empty);
+        }
+        let ahead = self.into > T::zero() && self.into < self.span;
+        if !(ahead || self.into.is_zero()) {
+            return Err(Denial::Place);
+        }
+        let begin = self.sample();
+        let jumps = |(from, to): (&T, &T)| (*from - *to).abs() > self.options.jump;
+        let mut groups = (0..=u16::MAX).zip(self.angles().iter().zip(&begin));
+        if let Some((group, _)) = groups.find(|(_, ends)| jumps(*ends)) {
+            return Err(Denial::Jump(group));
+        }
+        self.angles = begin;
+        self.still();
+        self.stands = true;
+        self.heard = self.now;
+        (self.lag, self.lagging) = (None, None);
+        self.state = State::Running;
+        Ok(())
+    }
+
+    /// Slows down along the path and holds, until asked to go on.
+    pub fn hold(&mut self, reason: Reason) {
+        // What came first is kept, but for the stop line.
+        if self.latch == Reason::None || reason == Reason::StopLine {
+            self.latch = reason;
+        }
+        if self.state == State::Running {
+            self.state = State::Holding;
+        }
+    }
+
+    /// The level of the stop line: drawn, everything stands at once and until [`resume`](Self::resume).
+    pub fn stop(&mut self, drawn: bool) {
+        self.line = drawn;
+        if drawn {
+            self.clock.halt();
+            self.still();
+            self.hold(Reason::StopLine);
+        }
+    }
+
+    /// Lets the motion go on from where it stands.
+    ///
+    /// # Errors
+    /// While the stop line is drawn.
+    pub fn resume(&mut self) -> Result<(), Denial> {
+        if self.line {
+            return Err(Denial::Held);
+        }
+        self.latch = Reason::None;
+        self.heard = self.now;
+        if self.state == State::Holding {
+            self.state = State::Running;
+        }
+        Ok(())
+    }
+
+    /// Leaves a fault behind, and the path with it.
+    ///
+    /// # Errors
+    /// Unless faulted.
+    pub fn clear(&mut self) -> Result<(), Denial> {
+        if self.state != State::Faulted {
+            return Err(Denial::State);
+        }
+        self.state = State::Idle;
+        (self.lag, self.lagging) = (None, None);
+        self.unload()
+    }
+
+    /// The host was heard at `now`, microseconds.
+    pub fn heard(&mut self, now: u64) {
+        self.heard = self.heard.max(now);
+    }
+
+    /// Where a hinge is, radians. Hinges may be measured in any order and at any pace; the worst counts until it
+    /// is measured again.
+    pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
+        let Some(commanded) = self.hinge(membership) else {
+            return;
+        };
+        let distance = (commanded - angle).abs();
+        let distance = if distance.is_finite() {
+            distance
+        } else {
+            T::MAX
+        };
+        let replaces = |lag: Lag<T>| lag.hinge == hinge || distance > lag.distance;
+        // In a fault the hinge that stalled is not forgotten.
+        if self.state != State::Faulted && self.lag.is_none_or(replaces) {
+            self.lag = Some(Lag { hinge, distance });
+        }
+    }
+
+    /// Moves on to `now`, microseconds; time that has passed already does not pass again.
+    ///
+    /// Cost: a cubic and its derivative a group; where a knot is passed, also the curves behind it.
+    pub fn tick(&mut self, now: u64) {
+        let passed = now.saturating_sub(self.now);
+        let passed = u32::try_from(passed).unwrap_or(u32::MAX);
+        self.now = self.now.max(now);
+        if !self.moves() {
+            return;
+        }
+        self.watch();
+        if !self.moves() {
+            return;
+        }
+        let dt = T::whole(passed.min(self.options.longest_tick)) * T::lit(1e-6);
+        let (goal, left) = (self.goal(), self.left());
+        let step = self.clock.tick(dt, goal, left);
+        self.advance(step, left);
+        self.command();
+        self.settle(goal);
+    }
+
+    /// Whether there is a motion to go on with.
+    fn moves(&self) -> bool {
+        matches!(self.state, State::Running | State::Holding)
+    }
+
+    fn lags(&self, lag: Lag<T>) -> bool {
+        lag.distance > self.options.lag
+    }
+
+    /// Looks after the host and the hinges.
+    fn watch(&mut self) {
+        let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
+        if silent && self.latch == Reason::None {
+            self.hold(Reason::Silence);
+        }
+        let most = self.options.most_lag;
+        let stuck = self.lag.is_some_and(|lag| lag.distance >= most);
+        if !stuck || self.latch != Reason::None {
+            self.lagging = None;
+            return;
+        }
+        let since = *self.lagging.get_or_insert(self.now);
+        if self.now.saturating_sub(since) >= u64::from(self.options.stall) {
+            self.clock.halt();
+            self.still();
+            self.state = State::Faulted;
+        }
+    }
+
+    /// The rate that the clock should have.
+    fn goal(&self) -> T {
+        let (slow, most) = (self.options.lag, self.options.most_lag);
+        match self.lag {
+            _ if self.latch != Reason::None => T::zero(),
+            Some(Lag { distance, .. }) if distance >= most => T::zero(),
+            Some(Lag { distance, .. }) if distance > slow => {
+                let part = (distance - slow) / (most - slow);
+                T::one() - (T::one() - T::lit(CREEP)) * part
+            }
+            _ => T::one(),
+        }
+    }
+
+    /// Goes `step` of the `left` seconds further on the path.
+    fn advance(&mut self, step: T, left: T) {
+        if step <= T::zero() {
+            return;
+        }
+        // What is left may be less than the rounding of the place.
+        let arrived = left - step <= T::EPSILON * (left + self.into);
+        let (before, step) = (self.into, step + self.carry);
+        self.into += step;
+        self.carry = step - (self.into - before);
+        while self.queue.len() > 1 && (arrived || self.into >= self.span) {
+            self.into -= self.span;
+            self.queue.pop_front();
+            self.enter();
+        }
+        if self.queue.len() < 2 {
+            (self.into, self.carry) = (T::zero(), T::zero());
+        }
+    }
+
+    /// Makes the curves of the segment behind the first setpoint; it has no time where there is none.
+    fn enter(&mut self) {
+        self.span = T::zero();
+        let mut ahead = self.queue.iter();
+        if let (Some(from), Some(to)) = (ahead.next(), ahead.next()) {
+            self.span = to.time - from.time;
+            let ends = from.nodes.iter().zip(&to.nodes);
+            for (curve, (from, to)) in self.curves.iter_mut().zip(ends) {
+                *curve = Curve::between(self.interpolation, self.span, *from, *to);
+            }
+        }
+    }
+
+    /// Commands the angles and rates of the place on the path.
+    fn command(&mut self) {
+        self.angles = self.sample();
+        self.still();
+        if self.span > T::zero() {
+            let (place, speed) = (self.into / self.span, self.clock.rate() / self.span);
+            for (rate, curve) in self.rates.iter_mut().zip(&self.curves).take(self.groups) {
+                let [slope, _] = curve.derivatives(place);
+                *rate = slope * speed;
+            }
+        }
+    }
+
+    /// The angles of the place on the path, within their bounds, which rounding could leave between knots.
+    fn sample(&self) -> [T; GROUPS] {
+        let mut angles = self.angles;
+        if self.into > T::zero() {
+            let place = self.into / self.span;
+            let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
+            for (angle, (curve, [lower, upper])) in angles.iter_mut().zip(curves) {
+                *angle = curve.angle(place).max(*lower).min(*upper);
+            }
+        } else if let Some(first) = self.queue.front() {
+            for (angle, node) in angles.iter_mut().zip(&first.nodes) {
+                *angle = node.angle;
+            }
+        }
+        angles
+    }
+
+    /// Commands no rate.
+    fn still(&mut self) {
+        self.rates = [T::zero(); GROUPS];
+    }
+
+    /// The state after a tick that had this goal.
+    fn settle(&mut self, goal: T) {
+        let rests = self.clock.rate() <= T::zero();
+        let dry = self.left() <= T::zero();
+        self.state = if self.ended && dry {
+            self.clock.halt();
+            State::Done
+        } else if self.latch != Reason::None || rests && (dry || goal <= T::zero()) {
+            State::Holding
+        } else {
+            State::Running
+        };
+    }
+}
