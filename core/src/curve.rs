@@ -25,6 +25,17 @@ pub enum Interpolation {
     Homogeneous,
 }
 
+impl Interpolation {
+    /// Numbers of a group in a knot: angle and rate, and where there are weights, weight and its rate.
+    #[must_use]
+    pub fn width(self) -> usize {
+        match self {
+            Self::Homogeneous => 4,
+            _ => 2,
+        }
+    }
+}
+
 /// One group at one knot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<T> {

@@ -62,6 +62,8 @@ pub enum Reason {
     Lag(u32),
     /// The stop line.
     StopLine,
+    /// Another host has come.
+    Session,
     /// A setpoint was refused.
     Refused(Refusal),
     /// This hinge has stalled.
@@ -169,8 +171,9 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     /// What rounding has kept from `into`.
     carry: T,
 
-    /// Whether `angles` have been commanded, or measured.
+    /// Whether `angles` have been commanded, or measured, and where on the path that has been left that was.
     stands: bool,
+    stood: Place<T>,
     angles: [T; GROUPS],
     rates: [T; GROUPS],
 }
@@ -200,6 +203,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             into: T::zero(),
             carry: T::zero(),
             stands: false,
+            stood: Place::default(),
             angles: [T::zero(); GROUPS],
             rates: [T::zero(); GROUPS],
         }
@@ -216,7 +220,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     pub fn reason(&self) -> Reason {
         match (self.state, self.latch, self.lag) {
             (State::Faulted, _, Some(lag)) => Reason::Stalled(lag.hinge),
-            (_, Reason::None, Some(lag)) if self.moves() && self.lags(lag) => {
+            (_, Reason::None, Some(lag)) if self.is_under_way() && self.lags(lag) => {
                 Reason::Lag(lag.hinge)
             }
             (State::Holding, Reason::None, _) => Reason::Underrun,
@@ -230,12 +234,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.clock.rate()
     }
 
-    /// Where on the path the commanded angles are.
+    /// Where the commanded angles are: on the path, or before that has begun, on the one before.
     #[must_use]
     pub fn place(&self) -> Place<T> {
-        Place {
-            knot: self.queue.front().map_or(self.next, |first| first.number),
-            into: self.into,
+        match (self.state, self.queue.front()) {
+            (State::Idle | State::Ready, _) | (_, None) => self.stood,
+            (_, Some(first)) => Place {
+                knot: first.number,
+                into: self.into,
+            },
         }
     }
 
@@ -258,6 +265,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             (Some(first), Some(last)) => (last.time - first.time - self.into).max(T::zero()),
             _ => T::zero(),
         }
+    }
+
+    /// Whether there is a motion to go on with: running or holding.
+    #[must_use]
+    pub fn is_under_way(&self) -> bool {
+        matches!(self.state, State::Running | State::Holding)
     }
 
     /// Commanded angle of each group, radians; none before it is known where the groups stand.
@@ -284,18 +297,19 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Some(membership.apply(*angle))
     }
 
-    /// Says where the groups stand (radians), as measured or as commanded before a reset.
+    /// Says where the groups stand (radians), as measured or as commanded before a reset, and at which place of
+    /// their path that was.
     ///
     /// # Errors
     /// Unless idle, or with too many groups.
-    pub fn stand(&mut self, angles: &[T]) -> Result<(), Denial> {
+    pub fn stand(&mut self, angles: &[T], place: Place<T>) -> Result<(), Denial> {
         if self.state != State::Idle {
             return Err(Denial::State);
         }
         let mine = self.angles.get_mut(..angles.len());
         mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
         self.groups = angles.len();
-        self.stands = true;
+        (self.stands, self.stood) = (true, place);
         Ok(())
     }
 
@@ -333,6 +347,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.clock.rate() > T::zero() {
             return Err(Denial::Moving);
         }
+        self.stood = self.place();
         self.queue.clear();
         (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
         self.ended = false;
@@ -455,7 +470,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.state != State::Faulted {
             return Err(Denial::State);
         }
-        self.state = State::Idle;
+        self.state = State::Holding;
         (self.lag, self.lagging) = (None, None);
         self.unload()
     }
@@ -491,11 +506,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let passed = now.saturating_sub(self.now);
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
         self.now = self.now.max(now);
-        if !self.moves() {
+        if !self.is_under_way() {
             return;
         }
         self.watch();
-        if !self.moves() {
+        if !self.is_under_way() {
             return;
         }
         let dt = T::whole(passed.min(self.options.longest_tick)) * T::lit(1e-6);
@@ -504,11 +519,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.advance(step, left);
         self.command();
         self.settle(goal);
-    }
-
-    /// Whether there is a motion to go on with.
-    fn moves(&self) -> bool {
-        matches!(self.state, State::Running | State::Holding)
     }
 
     fn lags(&self, lag: Lag<T>) -> bool {

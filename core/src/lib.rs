@@ -80,6 +80,7 @@
 #![deny(clippy::indexing_slicing)]
 
 pub mod acceptance;
+mod checksum;
 pub mod closure;
 mod curve;
 mod dense;
@@ -100,6 +101,7 @@ mod sine;
 mod star;
 pub mod trajectory;
 pub mod trajectory_file;
+pub mod wire;
 
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;

@@ -17,9 +17,10 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+use crc::Digest;
 use heapless::Vec;
 
+use crate::checksum::CHECKSUM;
 use crate::curve::{Curve, Flaw, Interpolation, Node};
 use crate::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
 use crate::{GroupId, Membership};
@@ -30,8 +31,6 @@ pub use crate::limits::GroupLimits;
 pub const MAGIC: [u8; 4] = *b"FPTJ";
 /// The version that is written, and the only one that is read.
 pub const VERSION: u8 = 1;
-
-static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Why bytes are no trajectory, or a trajectory makes no file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -382,7 +381,7 @@ impl<'a> TrajectoryFile<'a> {
         if group >= self.groups() {
             return None;
         }
-        let width = width(self.interpolation);
+        let width = self.interpolation.width();
         let place = 1 + group * width;
         let weight = if width == 4 {
             [self.number(knot, place + 2)?, self.number(knot, place + 3)?]
@@ -441,21 +440,13 @@ impl<'a> TrajectoryFile<'a> {
 
     /// Numbers in a record.
     fn record(&self) -> usize {
-        1 + self.groups() * width(self.interpolation)
+        1 + self.groups() * self.interpolation.width()
     }
 
     /// A number of the record of a knot.
     fn number(&self, knot: usize, place: usize) -> Option<f32> {
         let index = knot.checked_mul(self.record())?.checked_add(place)?;
         self.records.get(index).copied().map(f32::from_le_bytes)
-    }
-}
-
-/// Numbers of a group in a knot.
-fn width(interpolation: Interpolation) -> usize {
-    match interpolation {
-        Interpolation::Homogeneous => 4,
-        _ => 2,
     }
 }
 

@@ -629,7 +629,8 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         let (place, angles) = (run.follower.place(), run.follower.angles().to_vec());
         let mut again = Run::<f32>::started();
         again.follower = Follower::new(Options::default());
-        again.follower.stand(&angles).unwrap();
+        again.follower.stand(&angles, place).unwrap();
+        assert_eq!(again.follower.place(), place);
         again.follower.load(&again.sheet.view(), place).unwrap();
         again.feed();
         again.follower.start().unwrap();
@@ -637,7 +638,9 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         again.until(State::Done);
 
         let mut elsewhere = Miura::<f32>::new(Options::default());
-        elsewhere.stand(&[angles[0], angles[1] + 0.02]).unwrap();
+        elsewhere
+            .stand(&[angles[0], angles[1] + 0.02], place)
+            .unwrap();
         elsewhere.load(&run.sheet.view(), place).unwrap();
         for number in place.knot..KNOTS.min(place.knot + 2) {
             elsewhere
