@@ -5,13 +5,20 @@
 
 use core::fmt::Write;
 
+use foldpath_core::follower::{Place, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::message::Command;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::sender::{self, Sender};
 use foldpath_core::{
-    DenseNormalEquations, GroupId, HalfAngle, Interpolation, Objective, Spoke, StarsView, gradient,
-    levenberg_marquardt,
+    DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Objective, Spoke,
+    StarsView, gradient, levenberg_marquardt,
 };
 use nalgebra::Vector3;
+
+use crate::controller::{self, Controller};
 
 /// Steps of a walk.
 pub const STEPS: u16 = 25;
@@ -27,6 +34,12 @@ const DEGREE: usize = 6;
 /// Knots of a path: the flat state, and one a step.
 const KNOTS: usize = STEPS as usize + 1;
 
+/// Largest closure residual of what is streamed: the first segment of the waterbomb leaves the flat state, which
+/// is singular, and is open by as much as cubics of 4 degrees are there.
+const OPEN: f32 = 1e-4;
+/// Ticks of a controller after which it should have come to the end.
+const MOST_TICKS: u32 = 10_000;
+
 type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
 
 /// Why the probe stopped.
@@ -38,6 +51,8 @@ pub enum Failure {
     Open,
     /// The trajectory did not take a knot.
     Knot,
+    /// The controller did not come to the end of a path.
+    Stream,
     /// The output did not take a line.
     Output,
 }
@@ -107,7 +122,8 @@ const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 ///
 /// - `gradient` and `solve`: iterations, evaluations, residual, then the angles;
 /// - `knot`: the angles, then the rates;
-/// - `sample`: the two objectives, then the angles.
+/// - `sample`: the two objectives, then the angles;
+/// - `tick`: the angles and rates that a controller commands to which the path is sent, every 16th time.
 ///
 /// # Errors
 /// If a configuration does not close, or the output fails.
@@ -117,6 +133,7 @@ pub fn run(out: &mut impl Write) -> Result<(), Failure> {
         let stars = stars.ok_or(Failure::Size)?;
         let path = follow(&fold, stars, out)?;
         play(&fold, stars, path.view(), out)?;
+        stream(&fold, stars, path.view(), out)?;
     }
     Ok(())
 }
@@ -210,6 +227,58 @@ fn play(
         line(out, fold, "sample", bits(&values).chain(bits(angles)))?;
     }
     Ok(())
+}
+
+/// Sends the path to a controller, over a line without faults, which runs it at full speed.
+fn stream(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    path: TrajectoryView<'_, f32>,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let any = GroupLimits {
+        lower: -core::f32::consts::PI,
+        upper: core::f32::consts::PI,
+        speed: f32::INFINITY,
+        acceleration: f32::INFINITY,
+    };
+    let limits = [any; GROUPS];
+    let limits = limits.get(..path.groups()).ok_or(Failure::Size)?;
+    let place = Place::default();
+    let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
+    let mut sender = Sender::new(1, sender::Options::default());
+    let mut answers = Deframer::<{ controller::FRAME }>::default();
+    let mut device = Controller::<GROUPS, 1, 16, 8>::new(controller::Settings::default());
+    let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+    let mut now = 0;
+    for tick in 0_u32.. {
+        now += 1000;
+        if let Some(frame) = sender.poll(now, &items, &mut scratch, &mut buffer) {
+            cobs::encode(frame, |byte| device.byte(byte, now));
+        }
+        device.tick(now);
+        device.poll(now);
+        while let Some(byte) = device.take() {
+            if let Some(frame) = answers.push(byte) {
+                sender.receive(frame, now);
+            }
+        }
+        let state = device.follower().state();
+        if state == State::Ready && device.follower().room() == 0 && sender.answer().is_none() {
+            sender.command(Command::Start);
+        }
+        let (angles, rates) = (device.follower().angles(), device.follower().rates());
+        if tick.is_multiple_of(16) && state == State::Running {
+            line(out, fold, "tick", bits(angles).chain(bits(rates)))?;
+        }
+        if state == State::Done {
+            return line(out, fold, "tick", bits(angles).chain(bits(rates)));
+        }
+        if tick == MOST_TICKS {
+            break;
+        }
+    }
+    Err(Failure::Stream)
 }
 
 fn copy(from: &[f32], to: &mut [f32]) {

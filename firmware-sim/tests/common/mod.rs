@@ -80,7 +80,7 @@ impl Path {
         };
         let hinge = |hinge: u32| Membership {
             group: GroupId(hinge % 2),
-            negative: hinge % 3 == 0,
+            negative: hinge.is_multiple_of(3),
         };
         Self {
             times,
@@ -211,10 +211,8 @@ impl<'a> Host<'a> {
             return;
         };
         match self.sender.receive(frame, now) {
-            Some(ToHost::Report(report)) => {
-                if self.reasons.last() != Some(&report.reason) {
-                    self.reasons.push(report.reason);
-                }
+            Some(ToHost::Report(report)) if self.reasons.last() != Some(&report.reason) => {
+                self.reasons.push(report.reason);
             }
             Some(ToHost::Telemetry { .. }) => self.telemetry += 1,
             _ => {}
@@ -324,7 +322,7 @@ impl<'a> World<'a> {
         while let Some(byte) = self.up.read(self.now) {
             self.device.byte(byte, self.now);
         }
-        if self.now % (4 * INSTANT) == 0 {
+        if self.now.is_multiple_of(4 * INSTANT) {
             self.device.tick(self.now);
             self.look();
         }
