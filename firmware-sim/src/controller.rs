@@ -273,7 +273,10 @@ fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNO
                     .map_err(ItemRefusal::Path)?;
             }
             let setpoint = setpoint(&bytes, view.interpolation);
-            let setpoint = setpoint.ok_or(ItemRefusal::Setpoint(Refusal::Groups))?;
+            let Some(setpoint) = setpoint else {
+                follower.hold(Reason::Refused(Refusal::Groups));
+                return Err(ItemRefusal::Setpoint(Refusal::Groups));
+            };
             let accepted = follower.accept(&view, setpoint);
             accepted.map_err(ItemRefusal::Setpoint)
         }

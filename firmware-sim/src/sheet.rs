@@ -49,24 +49,19 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         self.ends.clear();
     }
 
-    /// The next limits.
+    /// The next limits. All or none are taken, as of all pieces.
     ///
     /// # Errors
     /// If they are too many, cut off or not sound.
     pub fn add_limits(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
-        let head = self.head.ok_or(ItemRefusal::Incomplete)?;
-        for bytes in whole(bytes)? {
-            let limits = path::limits(bytes);
-            let group = number(self.limits.len());
-            if group >= head.groups {
-                return Err(ItemRefusal::Pieces);
-            }
-            if !limits.are_sound() {
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        room(self.limits.len(), pieces, head.groups)?;
+        for (group, bytes) in (number(self.limits.len())..).zip(pieces) {
+            if !path::limits(bytes).are_sound() {
                 return Err(ItemRefusal::Limits(group));
             }
-            self.limits.push(limits).map_err(|_| ItemRefusal::Room)?;
         }
-        Ok(())
+        push(&mut self.limits, pieces.iter().map(path::limits))
     }
 
     /// The next hinges.
@@ -74,18 +69,14 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     /// # Errors
     /// If they are too many, cut off or without a group.
     pub fn add_hinges(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
-        let head = self.head.ok_or(ItemRefusal::Incomplete)?;
-        for bytes in whole(bytes)? {
-            let hinge = number(self.hinges.len());
-            if hinge >= head.hinges {
-                return Err(ItemRefusal::Pieces);
-            }
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        room(self.hinges.len(), pieces, head.hinges)?;
+        for (hinge, bytes) in (number(self.hinges.len())..).zip(pieces) {
             if path::hinge(*bytes).group.index() >= usize::from(head.groups) {
                 return Err(ItemRefusal::Hinge(hinge));
             }
-            self.hinges.push(*bytes).map_err(|_| ItemRefusal::Room)?;
         }
-        Ok(())
+        push(&mut self.hinges, pieces.iter().copied())
     }
 
     /// The next spokes.
@@ -93,23 +84,26 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     /// # Errors
     /// If they are too many or cut off, or with the last of them the vertices are not sound.
     pub fn add_spokes(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
-        let head = self.head.ok_or(ItemRefusal::Incomplete)?;
-        for bytes in whole(bytes)? {
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        let before = (self.spokes.len(), self.ends.len());
+        room(before.0, pieces, head.spokes)?;
+        for (count, bytes) in (before.0 + 1..).zip(pieces) {
             let (spoke, last) = path::spoke(*bytes);
-            if number(self.spokes.len()) >= head.spokes {
-                return Err(ItemRefusal::Pieces);
-            }
-            self.spokes.push(spoke).map_err(|_| ItemRefusal::Room)?;
-            if last {
-                let end = number(self.spokes.len()).into();
-                self.ends.push(end).map_err(|_| ItemRefusal::Room)?;
-            }
+            let end = last.then_some(number(count).into());
+            push(&mut self.spokes, core::iter::once(spoke))?;
+            push(&mut self.ends, end.into_iter())?;
         }
         let complete = number(self.spokes.len()) == head.spokes;
         if complete && self.stars().is_none() {
+            self.spokes.truncate(before.0);
+            self.ends.truncate(before.1);
             return Err(ItemRefusal::Stars);
         }
         Ok(())
+    }
+
+    fn head(&self) -> Result<SheetHead, ItemRefusal> {
+        self.head.ok_or(ItemRefusal::Incomplete)
     }
 
     fn stars(&self) -> Option<StarsView<'_, f32>> {
@@ -146,6 +140,22 @@ fn whole<const N: usize>(bytes: &[u8]) -> Result<&[[u8; N]], ItemRefusal> {
     } else {
         Err(ItemRefusal::Pieces)
     }
+}
+
+/// Whether so many more pieces are still among those that the sheet has.
+fn room<T>(have: usize, pieces: &[T], most: u16) -> Result<(), ItemRefusal> {
+    if have + pieces.len() > usize::from(most) {
+        return Err(ItemRefusal::Pieces);
+    }
+    Ok(())
+}
+
+/// Adds pieces for which there is room.
+fn push<T, const N: usize>(
+    pieces: &mut Vec<T, N>,
+    mut more: impl Iterator<Item = T>,
+) -> Result<(), ItemRefusal> {
+    more.try_for_each(|piece| pieces.push(piece).map_err(|_| ItemRefusal::Room))
 }
 
 /// A count below 2¹⁶ as it is sent.

@@ -13,7 +13,7 @@ use crate::follower::{Denial, Place, Reason, State};
 pub const VERSION: u16 = 1;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other: it changes with
 /// the encoding, though someone forgets the version.
-pub const SCHEMA: u32 = 0;
+pub const SCHEMA: u32 = 0xcc1a_c0b1;
 
 /// From the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -93,7 +93,7 @@ pub struct Sender {
     heard: Option<u64>,
     number: u8,
     pending: Option<Pending>,
-    denied: Option<Denial>,
+    answer: Option<Result<(), Denial>>,
     report: Option<Report>,
 }
 
@@ -117,7 +117,7 @@ impl Sender {
             heard: None,
             number: 0,
             pending: None,
-            denied: None,
+            answer: None,
             report: None,
         }
     }
@@ -152,7 +152,7 @@ impl Sender {
         if free {
             self.number = self.number.wrapping_add(1);
             let sent = None;
-            self.pending = Some(Pending { command, sent });
+            (self.pending, self.answer) = (Some(Pending { command, sent }), None);
         }
         free
     }
@@ -160,8 +160,7 @@ impl Sender {
     /// How the last command ended; nothing while it is on its way.
     #[must_use]
     pub fn answer(&self) -> Option<Result<(), Denial>> {
-        let ended = self.pending.is_none() && self.number > 0;
-        ended.then_some(self.denied.map_or(Ok(()), Err))
+        self.answer
     }
 
     /// Sends the refused item again, which its source has changed.
@@ -311,7 +310,7 @@ impl Sender {
             self.next = self.acked;
         }
         if report.command == self.number && self.pending.is_some() {
-            (self.pending, self.denied) = (None, report.denied);
+            (self.pending, self.answer) = (None, Some(report.denied.map_or(Ok(()), Err)));
         }
         self.report = Some(report);
         Some(())

@@ -11,7 +11,7 @@ use foldpath_core::wire::message::{Command, Item};
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 use foldpath_core::{
-    GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView,
+    GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarView, StarsView,
     local_foldability_matrix,
 };
 use foldpath_firmware_sim::controller::{Controller, Settings};
@@ -52,6 +52,7 @@ pub(crate) struct Path {
     angles: Vec<f32>,
     rates: Vec<f32>,
     spokes: Vec<Spoke<f32>>,
+    exact: Vec<Spoke<f64>>,
     hinges: Vec<Membership>,
 }
 
@@ -70,14 +71,6 @@ impl Path {
             angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
             rates.extend([rate, minor].map(f32::lit));
         }
-        let spoke = |degrees: f64, group, negative| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            Spoke {
-                group: GroupId(group),
-                negative,
-                direction: [f32::lit(cos), f32::lit(sin)],
-            }
-        };
         let hinge = |hinge: u32| Membership {
             group: GroupId(hinge % 2),
             negative: hinge.is_multiple_of(3),
@@ -86,12 +79,8 @@ impl Path {
             times,
             angles,
             rates,
-            spokes: vec![
-                spoke(0.0, 1, true),
-                spoke(60.0, 0, false),
-                spoke(180.0, 1, false),
-                spoke(300.0, 0, false),
-            ],
+            spokes: spokes(),
+            exact: spokes(),
             hinges: (0..50).map(hinge).collect(),
         }
     }
@@ -132,30 +121,34 @@ impl Path {
     /// The closure residual of the real vertex at these angles, by the report's matrices in f64.
     pub(crate) fn residual(&self, angles: &[f32]) -> f64 {
         let angles = [angles[0], angles[1]].map(f64::from);
-        let spokes: Vec<_> = [
-            (0.0_f64, 1, true),
-            (60.0, 0, false),
-            (180.0, 1, false),
-            (300.0, 0, false),
-        ]
-        .into_iter()
-        .map(|(degrees, group, negative)| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            Spoke {
-                group: GroupId(group),
-                negative,
-                direction: [cos, sin],
-            }
-        })
-        .collect();
-        let stars = StarsView::new(&spokes, &[4], 2).unwrap();
-        let star = stars.iter().next().unwrap();
+        let star = StarView {
+            spokes: &self.exact,
+        };
         let matrix = local_foldability_matrix(star, [0.0; 2], &angles);
         let entry = |i: usize, j: usize| matrix[(i, j)] - if i == j { 1.0 } else { 0.0 };
         let places = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
         let square: f64 = places.map(|(i, j)| entry(i, j).powi(2)).sum();
         (square / 2.0).sqrt()
     }
+}
+
+/// Miura's vertex with 60 degree sectors.
+fn spokes<T: Scalar>() -> Vec<Spoke<T>> {
+    let spoke = |(degrees, group, negative): (f64, u32, bool)| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Spoke {
+            group: GroupId(group),
+            negative,
+            direction: [T::lit(cos), T::lit(sin)],
+        }
+    };
+    let creases = [
+        (0.0, 1, true),
+        (60.0, 0, false),
+        (180.0, 1, false),
+        (300.0, 0, false),
+    ];
+    creases.map(spoke).to_vec()
 }
 
 /// What a host sends: nothing until it knows where to begin.
