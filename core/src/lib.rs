@@ -94,6 +94,7 @@ pub mod levenberg_marquardt;
 mod limits;
 mod objective;
 pub mod path_clock;
+pub mod project;
 mod rotation;
 pub mod sampling;
 mod scalar;
