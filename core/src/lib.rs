@@ -16,6 +16,8 @@
 //! Round a hole the panels must meet again too: a [loop](hole) is the same condition on the way round it,
 //! with the places of the creases.
 //!
+//! A controller moves a sheet along a planned path with a [`follower`], which a host feeds over a [`wire`].
+//!
 //! # A closed vertex in one page
 //!
 //! ```

@@ -7,14 +7,15 @@ use core::fmt::Write;
 
 use foldpath_core::follower::{Place, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::project::{Projection, means, project};
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::message::Command;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::{self, Sender};
 use foldpath_core::{
-    DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Objective, Spoke,
-    StarsView, gradient, levenberg_marquardt,
+    DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Objective,
+    Scalar, Spoke, StarsView, gradient, levenberg_marquardt,
 };
 use nalgebra::Vector3;
 
@@ -37,6 +38,8 @@ const KNOTS: usize = STEPS as usize + 1;
 /// Largest closure residual of what is streamed: the first segment of the waterbomb leaves the flat state, which
 /// is singular, and is open by as much as cubics of 4 degrees are there.
 const OPEN: f32 = 1e-4;
+/// By how much hinges are measured to be elsewhere, radians.
+const OFF: f32 = 0.02;
 /// Ticks of a controller after which it should have come to the end.
 const MOST_TICKS: u32 = 10_000;
 
@@ -123,6 +126,7 @@ const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 /// - `gradient` and `solve`: iterations, evaluations, residual, then the angles;
 /// - `knot`: the angles, then the rates;
 /// - `sample`: the two objectives, then the angles;
+/// - `project`: as `solve`, from angles measured some way off, and the way, before the angles;
 /// - `tick`: the angles and rates that a controller commands to which the path is sent, every 16th time.
 ///
 /// # Errors
@@ -272,13 +276,51 @@ fn stream(
             line(out, fold, "tick", bits(angles).chain(bits(rates)))?;
         }
         if state == State::Done {
-            return line(out, fold, "tick", bits(angles).chain(bits(rates)));
+            line(out, fold, "tick", bits(angles).chain(bits(rates)))?;
+            return measure(fold, stars, angles, out);
         }
         if tick == MOST_TICKS {
             break;
         }
     }
     Err(Failure::Stream)
+}
+
+/// Brings a configuration back that was measured some way off.
+fn measure(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    angles: &[f32],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let (mut measured, mut counts) = ([0.0; GROUPS], [0.0; GROUPS]);
+    let measured = measured.get_mut(..angles.len()).ok_or(Failure::Size)?;
+    let counts = counts.get_mut(..angles.len()).ok_or(Failure::Size)?;
+    let hinges = (0..).zip(angles).map(|(group, &angle)| {
+        let membership = Membership {
+            group: GroupId(group),
+            negative: group == 1,
+        };
+        (membership, membership.apply(angle + OFF))
+    });
+    means(hinges, measured, counts).ok_or(Failure::Size)?;
+    let mut half_angles = [HalfAngle::default(); GROUPS];
+    let mut columns = [Vector3::default(); DEGREE];
+    let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(GROUPS)];
+    let equations = DenseNormalEquations::new(angles.len(), &mut memory);
+    let Projection { report, moved } = project(
+        &mut problem.ok_or(Failure::Size)?,
+        &mut equations.ok_or(Failure::Size)?,
+        Limits::HalfTurn,
+        f32::CLOSURE_TOLERANCE,
+        measured,
+        &mut [0.0; 3 * GROUPS],
+    );
+    let words = words(&report).chain([moved.to_bits()]);
+    line(out, fold, "project", words.chain(bits(measured)))?;
+    let closed = report.outcome == Outcome::Converged;
+    closed.then_some(()).ok_or(Failure::Open)
 }
 
 fn copy(from: &[f32], to: &mut [f32]) {
