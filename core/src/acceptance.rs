@@ -2,8 +2,8 @@
 //!
 //! A setpoint and the segment that leads to it are looked at once, when they arrive, so that a tick has
 //! nothing left to check. Between setpoints, angles, rates and accelerations are looked at nine places of the
-//! segment, and for cubics of the angle also where the rate is largest, which makes the last two exact;
-//! closure at its middle.
+//! segment, and for cubics of the angle also where they are largest, which makes them exact; closure at its
+//! middle.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -187,16 +187,25 @@ fn keeps<T: Scalar>(
     };
     let step = T::one() / T::whole(INTERVALS);
     let places = (0..=INTERVALS).map(|k| T::whole(k) * step);
-    places.chain(fastest(curve)).try_for_each(keeps)
+    places.chain(extremes(curve)).try_for_each(keeps)
 }
 
-/// Where within a segment the rate of a cubic of the angle is largest, if it is so there.
-fn fastest<T: Scalar>(curve: &Curve<T>) -> Option<T> {
+/// Where within a segment a cubic of the angle turns back, and where its rate is largest; 0 for none.
+fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
     let Curve::Angle([a, b, c, d]) = *curve else {
-        return None;
+        return [T::zero(); 3];
     };
-    // The rate is the quadratic with these Bernstein coefficients.
+    // The rate is the quadratic A s² + 2 B s + C; of its zeros the one without cancellation comes first.
     let (p, q, r) = (b - a, c - b, d - c);
-    let s = (p - q) / (p - T::TWO * q + r);
-    (s > T::zero() && s < T::one()).then_some(s)
+    let (bend, slope) = (p - T::TWO * q + r, q - p);
+    let root = (slope * slope - bend * p).sqrt();
+    let sum = if slope < T::zero() {
+        root - slope
+    } else {
+        -root - slope
+    };
+    [sum / bend, p / sum, -slope / bend].map(|s| {
+        let inside = s > T::zero() && s < T::one();
+        if inside { s } else { T::zero() }
+    })
 }

@@ -134,8 +134,8 @@ impl<T: Scalar> Default for Options<T> {
     }
 }
 
-/// The hinge that was last seen farthest from its command.
-#[derive(Clone, Copy, Debug)]
+/// The hinge that was last seen farthest from its command, if any was seen off it.
+#[derive(Clone, Copy, Debug, Default)]
 struct Lag<T> {
     hinge: u32,
     distance: T,
@@ -153,7 +153,7 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     clock: PathClock<T>,
     now: u64,
     heard: u64,
-    lag: Option<Lag<T>>,
+    lag: Lag<T>,
     /// Since when a hinge has lagged by the most.
     lagging: Option<u64>,
 
@@ -190,7 +190,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             clock: PathClock::new(options.clock),
             now: 0,
             heard: 0,
-            lag: None,
+            lag: Lag::default(),
             lagging: None,
             interpolation: Interpolation::default(),
             groups: 0,
@@ -218,13 +218,14 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// What holds or slows the motion.
     #[must_use]
     pub fn reason(&self) -> Reason {
-        match (self.state, self.latch, self.lag) {
-            (State::Faulted, _, Some(lag)) => Reason::Stalled(lag.hinge),
-            (_, Reason::None, Some(lag)) if self.is_under_way() && self.lags(lag) => {
-                Reason::Lag(lag.hinge)
+        let Lag { hinge, distance } = self.lag;
+        match (self.state, self.latch) {
+            (State::Faulted, _) => Reason::Stalled(hinge),
+            (State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
+                Reason::Lag(hinge)
             }
-            (State::Holding, Reason::None, _) => Reason::Underrun,
-            (_, latch, _) => latch,
+            (State::Holding, Reason::None) => Reason::Underrun,
+            (_, latch) => latch,
         }
     }
 
@@ -420,7 +421,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.still();
         self.stands = true;
         self.heard = self.now;
-        (self.lag, self.lagging) = (None, None);
+        (self.lag, self.lagging) = (Lag::default(), None);
         self.state = State::Running;
         Ok(())
     }
@@ -471,7 +472,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::State);
         }
         self.state = State::Holding;
-        (self.lag, self.lagging) = (None, None);
+        (self.lag, self.lagging) = (Lag::default(), None);
         self.unload()
     }
 
@@ -487,15 +488,17 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return;
         };
         let distance = (commanded - angle).abs();
-        let distance = if distance.is_finite() {
-            distance
-        } else {
-            T::MAX
-        };
-        let replaces = |lag: Lag<T>| lag.hinge == hinge || distance > lag.distance;
+        if distance <= self.lag.distance && hinge != self.lag.hinge {
+            return;
+        }
         // In a fault the hinge that stalled is not forgotten.
-        if self.state != State::Faulted && self.lag.is_none_or(replaces) {
-            self.lag = Some(Lag { hinge, distance });
+        if self.state != State::Faulted {
+            let distance = if distance.is_finite() {
+                distance
+            } else {
+                T::MAX
+            };
+            self.lag = Lag { hinge, distance };
         }
     }
 
@@ -521,18 +524,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.settle(goal);
     }
 
-    fn lags(&self, lag: Lag<T>) -> bool {
-        lag.distance > self.options.lag
-    }
-
     /// Looks after the host and the hinges.
     fn watch(&mut self) {
         let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
         if silent && self.latch == Reason::None {
             self.hold(Reason::Silence);
         }
-        let most = self.options.most_lag;
-        let stuck = self.lag.is_some_and(|lag| lag.distance >= most);
+        let stuck = self.lag.distance >= self.options.most_lag;
         if !stuck || self.latch != Reason::None {
             self.lagging = None;
             return;
@@ -547,15 +545,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
 
     /// The rate that the clock should have.
     fn goal(&self) -> T {
-        let (slow, most) = (self.options.lag, self.options.most_lag);
-        match self.lag {
-            _ if self.latch != Reason::None => T::zero(),
-            Some(Lag { distance, .. }) if distance >= most => T::zero(),
-            Some(Lag { distance, .. }) if distance > slow => {
-                let part = (distance - slow) / (most - slow);
-                T::one() - (T::one() - T::lit(CREEP)) * part
-            }
-            _ => T::one(),
+        let Options { lag, most_lag, .. } = self.options;
+        let distance = self.lag.distance;
+        if self.latch != Reason::None || distance >= most_lag {
+            T::zero()
+        } else if distance > lag {
+            let part = (distance - lag) / (most_lag - lag);
+            T::one() - (T::one() - T::lit(CREEP)) * part
+        } else {
+            T::one()
         }
     }
 

@@ -619,6 +619,45 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
     assert_eq!(accelerates::<f32>(5.0, 1.002), Err(Refusal::Speed(0)));
 }
 
+/// Cubics that turn back between setpoints.
+#[test]
+fn an_angle_that_turns_back_on_the_way_is_found() {
+    let none = Stars::<f64>::new(1, &[]);
+    let check = |upper, rates: [f64; 2], end| {
+        let limits = [GroupLimits {
+            lower: -1.0,
+            upper,
+            speed: 1e3,
+            acceleration: 1e3,
+        }];
+        let sheet = SheetView {
+            interpolation: Interpolation::Hermite,
+            limits: &limits,
+            stars: none.view(),
+            closure: 0.0,
+        };
+        let at = |number: u32, angle, rate| Setpoint::<f64, 1> {
+            number,
+            time: f64::from(number),
+            last: false,
+            nodes: heapless::Vec::from_array([Node {
+                angle,
+                rate,
+                weight: [1.0, 0.0],
+            }]),
+        };
+        foldpath_core::acceptance::check(&sheet, Some(&at(0, 0.0, rates[0])), &at(1, end, rates[1]))
+    };
+    // s (1 - s)² is largest at a third: 4/27.
+    let (third, refused) = (4.0 / 27.0, Err(Refusal::Range(0)));
+    assert_eq!(check(third + 1e-12, [1.0, 0.0], 0.0), Ok(()));
+    assert_eq!(check(third - 1e-12, [1.0, 0.0], 0.0), refused);
+    assert_eq!(check(third - 1e-12, [0.0, -1.0], 0.0), refused);
+    // s - 3/4 s², whose third derivative is 0, at two thirds.
+    assert_eq!(check(1.0 / 3.0 + 1e-12, [1.0, -0.5], 0.25), Ok(()));
+    assert_eq!(check(1.0 / 3.0 - 1e-12, [1.0, -0.5], 0.25), refused);
+}
+
 /// A reset forgets everything but the place and the angles last commanded.
 #[test]
 fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {

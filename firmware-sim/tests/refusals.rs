@@ -227,6 +227,28 @@ fn commands_are_denied_with_their_reasons() {
     assert_eq!(talk.report.unwrap().reason, Reason::Asked);
 }
 
+/// Nobody reads: telemetry stops before there is no room for an answer.
+#[test]
+fn telemetry_leaves_room_for_answers() {
+    let path = Path::miura();
+    let mut talk = Talk::new();
+    talk.sheet(&path);
+    for _ in 0..2000 {
+        talk.tick();
+        talk.device.poll(talk.now);
+    }
+    for number in 1..=4 {
+        let mut buffer = [0; 64];
+        let command = Command::Hold;
+        let message = ToDevice::Command { number, command };
+        let frame = frame::seal(talk.session, &message, &mut buffer).unwrap();
+        cobs::encode(frame, |byte| talk.device.byte(byte, talk.now));
+        talk.device.poll(talk.now);
+    }
+    talk.listen();
+    assert_eq!(talk.report.unwrap().command, 4);
+}
+
 /// How a setpoint is changed, and why it is refused.
 type Bad = (fn(&mut SetpointBytes<'_>, &mut Vec<u8>), Refusal);
 
