@@ -756,3 +756,81 @@ fn slow_clocks_and_lost_ticks_neither_jump_nor_stick() {
     run.now = now;
     run.until(State::Done);
 }
+
+/// Follows a whole Miura motion from flat towards flat-folded and returns the largest residual.
+fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f64) -> f64 {
+    let mut sheet = Sheet::<T>::new();
+    for limits in &mut sheet.limits {
+        (limits.lower, limits.upper) = (T::zero(), T::PI);
+        (limits.speed, limits.acceleration) = (T::lit(50.0), T::lit(1e4));
+    }
+    let view = SheetView {
+        interpolation: kind,
+        closure: T::CLOSURE_TOLERANCE,
+        ..sheet.view()
+    };
+    let mut follower = Miura::<T>::new(Options::default());
+    follower.load(&view, Place::default()).unwrap();
+    for (number, (time, nodes)) in (0..).zip(knots) {
+        let nodes = nodes.map(|node| Node {
+            angle: T::lit(node.angle),
+            rate: T::lit(node.rate),
+            weight: node.weight.map(T::lit),
+        });
+        let next = Setpoint {
+            number,
+            time: T::lit(*time),
+            last: number as usize + 1 == knots.len(),
+            nodes: heapless::Vec::from_array(nodes),
+        };
+        follower.accept(&view, next).unwrap();
+    }
+    follower.start().unwrap();
+    let mut worst = 0.0_f64;
+    for now in 1..3000 {
+        follower.heard(now * TICK);
+        follower.tick(now * TICK);
+        worst = worst.max(sheet.residual(follower.angles()));
+    }
+    assert_eq!(follower.state(), State::Done);
+    assert!((follower.angles()[0].to_f64() - top).abs() < 1e-6);
+    worst
+}
+
+#[test]
+fn half_angles_follow_the_whole_motion_without_leaving_it() {
+    // Tangents of half angles in proportion: straight lines in time.
+    let straight = |k: i32| {
+        let t = f64::from(k);
+        let node = |slope: f64| Node {
+            angle: 2.0 * (slope * t).atan(),
+            rate: 2.0 * slope / (1.0 + slope * slope * t * t),
+            weight: [1.0, 0.0],
+        };
+        (t, [node(1.0), node(0.5)])
+    };
+    let knots = [0, 1, 2].map(straight);
+    let half = Interpolation::HalfAngle;
+    let top = 2.0 * 2_f64.atan();
+    assert!(exact::<f64>(half, &knots, top) < 1e-15 * 8.0);
+    assert!(exact::<f32>(half, &knots, top) < 2e-6);
+    // (1 - s, k s) in two seconds, from flat to flat-folded in one segment.
+    let ends = |k: f64| {
+        let flat = Node {
+            angle: 0.0,
+            rate: k,
+            weight: [1.0, -0.5],
+        };
+        let folded = Node {
+            angle: PI,
+            rate: 1.0 / k,
+            weight: [k, k / 2.0],
+        };
+        [flat, folded]
+    };
+    let (major, minor) = (ends(1.0), ends(0.5));
+    let knots = [(0.0, [major[0], minor[0]]), (2.0, [major[1], minor[1]])];
+    let homogeneous = Interpolation::Homogeneous;
+    assert!(exact::<f64>(homogeneous, &knots, PI) < 1e-15 * 8.0);
+    assert!(exact::<f32>(homogeneous, &knots, PI) < 2e-6);
+}

@@ -32,7 +32,7 @@ pub(crate) const LIMITS: GroupLimits = GroupLimits {
 };
 /// Largest residual that a commanded configuration may have: that of the cubics between knots, and the floor of
 /// f32.
-pub(crate) const CLOSURE: f32 = 4e-6;
+pub(crate) const CLOSURE: f32 = 2e-6;
 /// Microseconds of a step of the world, of which four are a tick.
 pub(crate) const INSTANT: u64 = 250;
 
@@ -351,11 +351,7 @@ impl<'a> World<'a> {
         );
         let residual = self.path.residual(&angles);
         self.max_closure = self.max_closure.max(residual);
-        // What the device finds and what is, differ by rounding: directions and angles in f32.
-        assert!(
-            residual <= f64::from(CLOSURE) + 1e-6,
-            "{residual:e} at {angles:?}"
-        );
+        assert!(residual <= f64::from(CLOSURE), "{residual:e} at {angles:?}");
         let before = self.before.replace(angles).unwrap_or(angles);
         for ((angle, before), rate) in angles.iter().zip(before).zip(follower.rates()) {
             assert!((LIMITS.lower..=LIMITS.upper).contains(angle));
