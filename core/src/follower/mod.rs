@@ -17,122 +17,19 @@
 //! An empty queue and a lagging hinge hold the motion only while they last. All else holds it until
 //! [`resume`](Follower::resume), whatever else happens in between.
 
-use heapless::Deque;
-use serde::{Deserialize, Serialize};
+mod queue;
+mod state;
 
 use crate::acceptance::{self, Refusal, Setpoint, SheetView};
-use crate::path_clock::{ClockLimits, PathClock};
-use crate::{Curve, Interpolation, Membership, Scalar};
+use crate::path_clock::PathClock;
+use crate::{Membership, Scalar};
+
+use queue::Queue;
+pub use state::{Denial, Options, Place, Reason, State};
 
 /// Part of its rate that the clock keeps while a hinge lags by almost the most: less, and a stalled hinge
 /// would never be found to lag by more.
 const CREEP: f64 = 0.1;
-
-/// What a follower does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// There is no path.
-    #[default]
-    Idle,
-    /// There is a path, and the motion has not begun.
-    Ready,
-    /// Moving along the path.
-    Running,
-    /// Slowing down along the path, or at rest on it.
-    Holding,
-    /// At the end of the path.
-    Done,
-    /// A hinge has stalled; nothing moves.
-    Faulted,
-}
-
-/// Why a follower does not run at full speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Reason {
-    /// Nothing keeps it.
-    #[default]
-    None,
-    /// The host asked for it.
-    Asked,
-    /// The queue has run dry.
-    Underrun,
-    /// The host has been silent for too long.
-    Silence,
-    /// This hinge lags.
-    Lag(u32),
-    /// The stop line.
-    StopLine,
-    /// Another host has come.
-    Session,
-    /// A setpoint was refused.
-    Refused(Refusal),
-    /// This hinge has stalled.
-    Stalled(u32),
-}
-
-/// Why a command is not carried out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Denial {
-    /// Not in this state.
-    State,
-    /// The sheet moves.
-    Moving,
-    /// The sheet has more groups than there is room for, or none.
-    Groups,
-    /// No setpoint is queued.
-    Empty,
-    /// The place to begin at is not on the first segment.
-    Place,
-    /// This group stands too far from the beginning of the path.
-    Jump(u16),
-    /// The stop line is drawn, or no one has asked to go on since something held the motion.
-    Held,
-}
-
-/// A place on a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place<T> {
-    /// Number of the knot at it or before it.
-    pub knot: u32,
-    /// Seconds behind that knot.
-    pub into: T,
-}
-
-/// Options of a [`Follower`]. Times in microseconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options<T> {
-    /// How fast the path clock may change. An acceleration of a hinge grows by at most its speed times this.
-    pub clock: ClockLimits<T>,
-    /// Silence of the host after which the motion holds.
-    pub silence: u32,
-    /// No tick passes for longer than this.
-    pub longest_tick: u32,
-    /// Distance between a hinge and its command from which on the clock slows, radians.
-    pub lag: T,
-    /// Distance from which on it holds. Braking takes the command on by up to speed / (2 · brake).
-    pub most_lag: T,
-    /// Time that a hinge may lag by so much before the motion fails.
-    pub stall: u32,
-    /// How far each group may stand from where a path begins, radians.
-    pub jump: T,
-}
-
-impl<T: Scalar> Default for Options<T> {
-    fn default() -> Self {
-        Self {
-            clock: ClockLimits {
-                rise: T::lit(4.0),
-                brake: T::lit(4.0),
-            },
-            silence: 250_000,
-            longest_tick: 10_000,
-            lag: T::lit(0.05),
-            most_lag: T::lit(0.15),
-            stall: 1_000_000,
-            jump: T::lit(0.01),
-        }
-    }
-}
 
 /// The hinge that was last seen farthest from its command, if any was seen off it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -157,20 +54,11 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     /// Since when a hinge has lagged by the most.
     lagging: Option<u64>,
 
-    interpolation: Interpolation,
-    groups: usize,
-    bounds: [[T; 2]; GROUPS],
+    queue: Queue<T, GROUPS, KNOTS>,
     next: u32,
     ended: bool,
-    /// The first is the one at or before the place on the path.
-    queue: Deque<Setpoint<T, GROUPS>, KNOTS>,
-    /// The segment behind the first setpoint, its seconds, and how many of them have passed.
-    curves: [Curve<T>; GROUPS],
-    span: T,
-    into: T,
-    /// What rounding has kept from `into`.
-    carry: T,
 
+    groups: usize,
     /// Whether `angles` have been commanded, or measured, and where on the path that has been left that was.
     stands: bool,
     stood: Place<T>,
@@ -192,16 +80,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             heard: 0,
             lag: Lag::default(),
             lagging: None,
-            interpolation: Interpolation::default(),
-            groups: 0,
-            bounds: [[T::zero(); 2]; GROUPS],
+            queue: Queue::new(),
             next: 0,
             ended: false,
-            queue: Deque::new(),
-            curves: [Curve::Angle([T::zero(); 4]); GROUPS],
-            span: T::zero(),
-            into: T::zero(),
-            carry: T::zero(),
+            groups: 0,
             stands: false,
             stood: Place::default(),
             angles: [T::zero(); GROUPS],
@@ -238,12 +120,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Where the commanded angles are: on the path, or before that has begun, on the one before.
     #[must_use]
     pub fn place(&self) -> Place<T> {
-        match (self.state, self.queue.front()) {
-            (State::Idle | State::Ready, _) | (_, None) => self.stood,
-            (_, Some(first)) => Place {
-                knot: first.number,
-                into: self.into,
-            },
+        match self.state {
+            State::Idle | State::Ready => self.stood,
+            _ => self.queue.place().unwrap_or(self.stood),
         }
     }
 
@@ -256,16 +135,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Setpoints for which there is room.
     #[must_use]
     pub fn room(&self) -> usize {
-        KNOTS.saturating_sub(self.queue.len())
+        KNOTS.saturating_sub(self.queue.setpoints().len())
     }
 
     /// Seconds of the path that are queued ahead.
     #[must_use]
     pub fn left(&self) -> T {
-        match (self.queue.front(), self.queue.back()) {
-            (Some(first), Some(last)) => (last.time - first.time - self.into).max(T::zero()),
-            _ => T::zero(),
-        }
+        self.queue.left()
     }
 
     /// Whether there is a motion to go on with: running or holding.
@@ -327,12 +203,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::Groups);
         }
         self.groups = groups;
-        for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
-            *bounds = [limits.lower, limits.upper];
-        }
-        self.interpolation = sheet.interpolation;
+        self.queue.begin(sheet, from.into);
         self.next = from.knot;
-        self.into = from.into;
         self.state = State::Ready;
         Ok(())
     }
@@ -350,7 +222,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         self.stood = self.place();
         self.queue.clear();
-        (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
         self.ended = false;
         self.still();
         self.state = State::Idle;
@@ -376,7 +247,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let in_order = setpoint.number == self.next && !self.ended;
         let checked = if in_order {
-            acceptance::check(sheet, self.queue.back(), &setpoint)
+            acceptance::check(sheet, self.queue.setpoints().back(), &setpoint)
         } else {
             Err(Refusal::Sequence(self.next))
         };
@@ -386,11 +257,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         self.next = self.next.wrapping_add(1);
         self.ended = setpoint.last;
-        self.queue.push_back(setpoint).map_err(|_| Refusal::Full)?;
-        if self.queue.len() == 2 {
-            self.enter();
-        }
-        Ok(())
+        self.queue.push(setpoint)
     }
 
     /// Begins to move.
@@ -404,14 +271,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.line || self.latch != Reason::None {
             return Err(Denial::Held);
         }
-        if self.queue.is_empty() {
+        if self.queue.setpoints().is_empty() {
             return Err(Denial::Empty);
         }
-        let ahead = self.into > T::zero() && self.into < self.span;
-        if !(ahead || self.into.is_zero()) {
+        if !self.queue.begins() {
             return Err(Denial::Place);
         }
-        let begin = self.sample();
+        let begin = self.queue.angles(self.angles);
         let jumps = |(from, to): (&T, &T)| (*from - *to).abs() > self.options.jump;
         let mut groups = (0..=u16::MAX).zip(self.angles().iter().zip(&begin));
         if let Some((group, _)) = groups.find(|(_, ends)| jumps(*ends)) {
@@ -517,10 +383,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return;
         }
         let dt = T::whole(passed.min(self.options.longest_tick)) * T::lit(1e-6);
-        let (goal, left) = (self.goal(), self.left());
-        let step = self.clock.tick(dt, goal, left);
-        self.advance(step, left);
-        self.command();
+        let goal = self.goal();
+        let step = self.clock.tick(dt, goal, self.left());
+        self.queue.advance(step);
+        self.angles = self.queue.angles(self.angles);
+        self.rates = self.queue.rates(self.clock.rate());
         self.settle(goal);
     }
 
@@ -555,69 +422,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         } else {
             T::one()
         }
-    }
-
-    /// Goes `step` of the `left` seconds further on the path.
-    fn advance(&mut self, step: T, left: T) {
-        if step <= T::zero() {
-            return;
-        }
-        // What is left may be less than the rounding of the place.
-        let arrived = left - step <= T::EPSILON * (left + self.into);
-        let (before, step) = (self.into, step + self.carry);
-        self.into += step;
-        self.carry = step - (self.into - before);
-        while self.queue.len() > 1 && (arrived || self.into >= self.span) {
-            self.into -= self.span;
-            self.queue.pop_front();
-            self.enter();
-        }
-        if self.queue.len() < 2 {
-            (self.into, self.carry) = (T::zero(), T::zero());
-        }
-    }
-
-    /// Makes the curves of the segment behind the first setpoint; it has no time where there is none.
-    fn enter(&mut self) {
-        self.span = T::zero();
-        let mut ahead = self.queue.iter();
-        if let (Some(from), Some(to)) = (ahead.next(), ahead.next()) {
-            self.span = to.time - from.time;
-            let ends = from.nodes.iter().zip(&to.nodes);
-            for (curve, (from, to)) in self.curves.iter_mut().zip(ends) {
-                *curve = Curve::between(self.interpolation, self.span, *from, *to);
-            }
-        }
-    }
-
-    /// Commands the angles and rates of the place on the path.
-    fn command(&mut self) {
-        self.angles = self.sample();
-        self.still();
-        if self.span > T::zero() {
-            let (place, speed) = (self.into / self.span, self.clock.rate() / self.span);
-            for (rate, curve) in self.rates.iter_mut().zip(&self.curves).take(self.groups) {
-                let [slope, _] = curve.derivatives(place);
-                *rate = slope * speed;
-            }
-        }
-    }
-
-    /// The angles of the place on the path, within their bounds, which rounding could leave between knots.
-    fn sample(&self) -> [T; GROUPS] {
-        let mut angles = self.angles;
-        if self.into > T::zero() {
-            let place = self.into / self.span;
-            let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
-            for (angle, (curve, [lower, upper])) in angles.iter_mut().zip(curves) {
-                *angle = curve.angle(place).max(*lower).min(*upper);
-            }
-        } else if let Some(first) = self.queue.front() {
-            for (angle, node) in angles.iter_mut().zip(&first.nodes) {
-                *angle = node.angle;
-            }
-        }
-        angles
     }
 
     /// Commands no rate.
