@@ -66,7 +66,7 @@ pub trait Scalar:
     /// Square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Sine and cosine of an angle in radians. Of an `f32` within 1e-7 of the truth, and NaN beyond 12,866
+    /// Sine and cosine of an angle in radians. Of an `f32` within 8e-8 of the truth, and NaN beyond 12,866
     /// radians.
     #[must_use]
     fn sin_cos(self) -> (Self, Self);

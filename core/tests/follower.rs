@@ -490,6 +490,16 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
         (run.follower.state(), run.follower.reason()),
         (State::Running, Reason::None)
     );
+    // Again and again, each time for less than it takes to fail.
+    for _ in 0..3 {
+        run.follower.measure(2, member, command - 0.5);
+        run.ticks(600);
+        assert_eq!(run.follower.reason(), Reason::Lag(2));
+        let command = run.follower.hinge(member).unwrap();
+        run.follower.measure(2, member, command);
+        run.ticks(2);
+    }
+    assert_eq!(run.follower.state(), State::Running);
     run.follower.measure(5, member, f32::NAN);
     run.ticks(1001);
     assert_eq!(
@@ -833,4 +843,90 @@ fn half_angles_follow_the_whole_motion_without_leaving_it() {
     let homogeneous = Interpolation::Homogeneous;
     assert!(exact::<f64>(homogeneous, &knots, PI) < 1e-15 * 8.0);
     assert!(exact::<f32>(homogeneous, &knots, PI) < 2e-6);
+}
+
+/// Far into a long segment a tick is sixteen times as long as the place is exact to.
+#[test]
+fn a_long_segment_takes_its_time() {
+    let none = Stars::<f32>::new(1, &[]);
+    let limits = [GroupLimits {
+        lower: 0.0,
+        upper: 1.0,
+        speed: 1.0,
+        acceleration: 1.0,
+    }];
+    let sheet = SheetView {
+        interpolation: Interpolation::Linear,
+        limits: &limits,
+        stars: none.view(),
+        closure: 0.0,
+    };
+    let mut follower = Follower::<f32, 1, 2>::new(Options::default());
+    let place = Place {
+        knot: 0,
+        into: 1000.0,
+    };
+    follower.load(&sheet, place).unwrap();
+    for number in 0..2_u8 {
+        let setpoint = Setpoint {
+            number: number.into(),
+            time: 2000.0 * f32::from(number),
+            last: number == 1,
+            nodes: heapless::Vec::from_array([Node {
+                angle: number.into(),
+                rate: 0.0,
+                weight: [1.0, 0.0],
+            }]),
+        };
+        follower.accept(&sheet, setpoint).unwrap();
+    }
+    follower.start().unwrap();
+    for now in 1..=10_000 {
+        follower.heard(now * TICK);
+        follower.tick(now * TICK);
+    }
+    // Ten seconds, but for an eighth of speeding up.
+    let into = follower.place().into;
+    assert!((into - 1009.875).abs() < 5e-4, "{into}");
+}
+
+/// A sheet that must not move at all: the way through the tangent rounds, what is commanded does not.
+#[test]
+fn rounding_leaves_no_limit() {
+    let none = Stars::<f32>::new(1, &[]);
+    for step in 1..200_u8 {
+        let angle = f32::from(step) * 0.0157;
+        let limits = [GroupLimits {
+            lower: angle,
+            upper: angle,
+            speed: 1.0,
+            acceleration: 1.0,
+        }];
+        let sheet = SheetView {
+            interpolation: Interpolation::HalfAngle,
+            limits: &limits,
+            stars: none.view(),
+            closure: 0.0,
+        };
+        let mut follower = Follower::<f32, 1, 2>::new(Options::default());
+        follower.load(&sheet, Place::default()).unwrap();
+        for number in 0..2_u8 {
+            let still = Setpoint {
+                number: number.into(),
+                time: number.into(),
+                last: number == 1,
+                nodes: heapless::Vec::from_array([Node {
+                    angle,
+                    rate: 0.0,
+                    weight: [1.0, 0.0],
+                }]),
+            };
+            follower.accept(&sheet, still).unwrap();
+        }
+        follower.start().unwrap();
+        for now in 1..100 {
+            follower.tick(now * TICK);
+            assert_eq!(follower.angles()[0].to_bits(), angle.to_bits());
+        }
+    }
 }

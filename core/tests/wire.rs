@@ -512,6 +512,17 @@ fn a_gap_is_reported_once_and_answered_once() {
         }
     }
     assert_eq!(gaps.len(), 1);
+    // Whatever else is asked, it is not said again.
+    let mut buffer = [0; 64];
+    let session = ends.receiver.session().unwrap();
+    let alive = frame::seal(session, &ToDevice::Alive, &mut buffer).unwrap();
+    ends.hear(alive);
+    let report = ends.answered().unwrap();
+    let said = frame::open(&report);
+    assert!(matches!(
+        said,
+        Some((_, ToHost::Report(Report { gap: false, .. })))
+    ));
     let again: Vec<_> = core::iter::from_fn(|| ends.said()).collect();
     assert_eq!(again.len(), 20);
     // The report comes twice: what was sent again is not sent a third time.
