@@ -4,7 +4,7 @@ mod common;
 
 use core::f64::consts::PI;
 
-use common::{Stars, below, cast, miura, miura_angles, rng};
+use common::{Stars, below, cast, miura, miura_angles, rng, uniform};
 use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
 use foldpath_core::follower::{Denial, Follower, Options, Place, Reason, State};
 use foldpath_core::path_clock::ClockLimits;
@@ -581,8 +581,12 @@ fn a_full_queue_refuses_without_holding() {
     );
 }
 
-/// Knots of a motion under constant acceleration, in one group without a star.
+/// Eleven knots of a motion under constant acceleration, in one group without a star.
 fn accelerates<T: Scalar>(acceleration: f64, speed: f64) -> Result<(), Refusal> {
+    moves::<T>(acceleration, speed, 0.02, -3.0)
+}
+
+fn moves<T: Scalar>(acceleration: f64, speed: f64, step: f64, from: f64) -> Result<(), Refusal> {
     let limits = [GroupLimits {
         lower: -T::PI,
         upper: T::PI,
@@ -598,9 +602,9 @@ fn accelerates<T: Scalar>(acceleration: f64, speed: f64) -> Result<(), Refusal> 
     };
     let mut before = None;
     for number in 0..=10_u32 {
-        let time = f64::from(number) * 0.02;
+        let time = f64::from(number) * step;
         let node = Node {
-            angle: T::lit(-3.0 + speed * time - acceleration * time * time / 2.0),
+            angle: T::lit(from + speed * time - acceleration * time * time / 2.0),
             rate: T::lit(speed - acceleration * time),
             weight: cast([1.0, 0.0]),
         };
@@ -627,6 +631,20 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
     assert_eq!(accelerates::<f32>(5.1, 0.9), Err(Refusal::Acceleration(0)));
     assert_eq!(accelerates::<f64>(5.0, 1.0 + 1e-9), Err(Refusal::Speed(0)));
     assert_eq!(accelerates::<f32>(5.0, 1.002), Err(Refusal::Speed(0)));
+}
+
+/// Knots rounded to f32 are not refused for their roundings, however close they are.
+#[test]
+fn rounding_passes_no_limit_of_acceptance() {
+    let mut rng = rng(83);
+    for _ in 0..2000 {
+        let step = 10_f64.powf(uniform(&mut rng, -3.0, -1.0));
+        // From full speed, or from rest, to full speed the other way, if there is time.
+        let from = uniform(&mut rng, -2.0, 3.0);
+        let speed = if from > 0.0 { 0.0 } else { 1.0 };
+        let acceleration = 5.0_f64.min((1.0 + speed) / (10.0 * step));
+        assert_eq!(moves::<f32>(acceleration, speed, step, from), Ok(()));
+    }
 }
 
 /// Cubics that turn back between setpoints.

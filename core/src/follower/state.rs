@@ -76,7 +76,7 @@ pub struct Place<T> {
     pub into: T,
 }
 
-/// Options of a [`Follower`]. Times in microseconds.
+/// Options of a [`Follower`](crate::follower::Follower). Times in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<T> {
     /// How fast the path clock may change. An acceleration of a hinge grows by at most its speed times this.
