@@ -4,17 +4,19 @@ mod common;
 
 use common::{below, rng};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use foldpath_core::Interpolation;
 use foldpath_core::acceptance::Refusal;
 use foldpath_core::follower::{Denial, Place, Reason, State};
+use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
     Command, Item, ItemRefusal, Report, SCHEMA, SetpointBytes, SheetHead, ToDevice, ToHost, VERSION,
 };
+use foldpath_core::wire::path::{self, PathItems};
 use foldpath_core::wire::receiver::{Event, Receiver, Status};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 use foldpath_core::wire::transmit::Ring;
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership};
 use rand_core::Rng;
 use serde::Serialize;
 
@@ -737,4 +739,89 @@ fn ends_meet(receiver: &mut Receiver) -> bool {
         ends.exchange();
     }
     ends.came.iter().copied().eq(0..20)
+}
+
+/// A sheet like the 24x24 Miura: what travels are its groups.
+#[test]
+fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
+    let (knots, hinges) = (300_u16, 1104_u16);
+    let times: Vec<f32> = (0..knots).map(f32::from).collect();
+    let angles: Vec<f32> = (0..2 * knots).map(|k| f32::from(k) * 1e-3).collect();
+    let rates: Vec<f32> = angles.iter().map(|angle| -angle).collect();
+    let view = TrajectoryView::new(Interpolation::Hermite, 2, &times, &angles, &rates, &[]);
+    let member = |hinge| Membership {
+        group: GroupId(u32::from(hinge % 2_u16)),
+        negative: hinge % 3 == 0,
+    };
+    let members: Vec<Membership> = (0..hinges).map(member).collect();
+    let stars = common::miura::<f32>(60.0, false, false);
+    let limits = [0.5, 1.5].map(|upper| GroupLimits {
+        lower: 0.0,
+        upper,
+        speed: 1.0,
+        acceleration: f32::INFINITY,
+    });
+    let place = Place {
+        knot: 7,
+        into: 0.25,
+    };
+    let new =
+        |members, place| PathItems::new(view.unwrap(), &limits, members, stars.view(), 1e-6, place);
+    let items = new(&members, place).unwrap();
+    let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+    let (mut bytes, mut count) = (0, 0);
+    let (mut came_limits, mut came_hinges, mut came_spokes) = (vec![], vec![], vec![]);
+    let (mut came_angles, mut came_rates) = (vec![], vec![]);
+    for index in 0.. {
+        let Some(item) = items.item(index, &mut scratch) else {
+            break;
+        };
+        count += 1;
+        let sequence = u16::try_from(index).unwrap();
+        let frame = frame::seal(0x1234_5678, &ToDevice::Item { sequence, item }, &mut buffer);
+        bytes += stuffed(frame.unwrap()).len();
+        match item {
+            Item::Sheet(head) => assert_eq!((head.hinges, head.place), (hinges, place)),
+            Item::Limits(bytes) => came_limits.extend(bytes.as_chunks().0.iter().map(path::limits)),
+            Item::Hinges(bytes) => {
+                came_hinges.extend(bytes.as_chunks().0.iter().map(|b| path::hinge(*b)));
+            }
+            Item::Spokes(bytes) => {
+                came_spokes.extend(bytes.as_chunks().0.iter().map(|b| path::spoke(*b)));
+            }
+            Item::Setpoint(setpoint) => {
+                assert_eq!(setpoint.last, index + 1 == items.len() as u64);
+                for node in path::nodes(Interpolation::Hermite, setpoint.nodes) {
+                    came_angles.push(node.angle);
+                    came_rates.push(node.rate);
+                }
+            }
+        }
+    }
+    assert_eq!(count, items.len());
+    assert_eq!(
+        (came_limits, came_hinges),
+        (limits.to_vec(), members.clone())
+    );
+    let spokes = stars.spokes.iter().map(|spoke| (*spoke, false));
+    let mut spokes: Vec<_> = spokes.collect();
+    spokes[3].1 = true;
+    assert_eq!(came_spokes, spokes);
+    assert_eq!(
+        (&came_angles[..], &came_rates[..]),
+        (&angles[14..], &rates[14..])
+    );
+    let each_hinge = usize::from(knots - 7) * usize::from(hinges) * 8;
+    assert!(bytes * 100 <= each_hinge, "{bytes} of {each_hinge}");
+
+    let beyond = Place {
+        knot: 300,
+        into: 0.0,
+    };
+    assert!(new(&members, beyond).is_none());
+    let lost = Membership {
+        group: GroupId(u32::MAX),
+        negative: false,
+    };
+    assert!(new(&[lost], place).is_none());
 }

@@ -80,7 +80,8 @@ impl<'a> PathItems<'a> {
     /// A path on the sheet of these groups, hinges and essential vertices. `closure` is the largest residual that
     /// its commanded configurations have, rounding included.
     ///
-    /// Returns `None` if the numbers of groups differ, anything is more than 2¹⁴, or `place` is not on the path.
+    /// Returns `None` if the numbers of groups differ, a hinge has no group, anything is more than 2¹⁴, or `place` is
+    /// not on the path.
     #[must_use]
     pub fn new(
         path: TrajectoryView<'a, f32>,
@@ -94,7 +95,9 @@ impl<'a> PathItems<'a> {
         let spokes = stars.iter().map(|star| star.spokes.len()).sum();
         let groups = [stars.unknowns(), path.groups()];
         let first = usize::try_from(place.knot).ok()?;
-        let sound = groups.iter().all(|&groups| groups == limits.len()) && first < path.len();
+        let same = groups.iter().all(|&groups| groups == limits.len());
+        let known = |hinge: &Membership| hinge.group.index() < limits.len();
+        let sound = same && hinges.iter().all(known) && first < path.len();
         let head = SheetHead {
             interpolation: path.interpolation(),
             groups: small(limits.len())?,
