@@ -25,6 +25,17 @@ pub enum Interpolation {
     Homogeneous,
 }
 
+impl Interpolation {
+    /// Numbers of a group in a knot: angle and rate, and where there are weights, weight and its rate.
+    #[must_use]
+    pub fn width(self) -> usize {
+        match self {
+            Self::Homogeneous => 4,
+            _ => 2,
+        }
+    }
+}
+
 /// One group at one knot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<T> {
@@ -34,6 +45,33 @@ pub struct Node<T> {
     pub rate: T,
     /// Weight of the homogeneous half angle and its rate; only [`Interpolation::Homogeneous`] reads them.
     pub weight: [T; 2],
+}
+
+/// What is wrong with a [`Node`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Flaw {
+    /// The angle or the rate is no number.
+    NotFinite,
+    /// The angle is half a turn, where tan ρ/2 is infinite.
+    HalfTurn,
+    /// The weight is not a number above 0, or its rate none.
+    Weight,
+}
+
+impl<T: Scalar> Node<T> {
+    /// What makes it unfit for curves of that kind. Weights are looked at in all kinds.
+    pub(crate) fn flaw(&self, kind: Interpolation) -> Option<Flaw> {
+        let [weight, grow] = self.weight;
+        if !(self.angle.is_finite() && self.rate.is_finite()) {
+            Some(Flaw::NotFinite)
+        } else if kind == Interpolation::HalfAngle && self.angle.abs() >= T::PI {
+            Some(Flaw::HalfTurn)
+        } else if !(weight > T::zero() && weight.is_finite() && grow.is_finite()) {
+            Some(Flaw::Weight)
+        } else {
+            None
+        }
+    }
 }
 
 /// The motion of one fold angle over a segment with parameter s from 0 to 1: cubics by their Bernstein

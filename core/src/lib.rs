@@ -16,6 +16,8 @@
 //! Round a hole the panels must meet again too: a [loop](hole) is the same condition on the way round it,
 //! with the places of the creases.
 //!
+//! A controller moves a sheet along a planned path with a [`follower`], which a host feeds over a [`wire`].
+//!
 //! # A closed vertex in one page
 //!
 //! ```
@@ -56,8 +58,8 @@
 //!
 //! # Guaranteed
 //!
-//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's: the
-//! same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
+//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's and its
+//! own: the same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
 //! caller; too little is a reported outcome. Nothing here panics.
 //!
 //! # Not guaranteed
@@ -79,28 +81,37 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
 
+pub mod acceptance;
+mod checksum;
 pub mod closure;
 mod curve;
 mod dense;
 mod folding_matrix;
+pub mod follower;
 pub mod gradient;
 mod group;
 pub mod hole;
 pub mod least_squares;
 pub mod levenberg_marquardt;
+mod limits;
 mod objective;
+pub mod path_clock;
+pub mod project;
 mod rotation;
 pub mod sampling;
 mod scalar;
+mod sine;
 mod star;
 pub mod trajectory;
 pub mod trajectory_file;
+pub mod wire;
 
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
 pub use hole::{LoopView, LoopsView};
+pub use limits::GroupLimits;
 pub use objective::{Objective, norm};
 pub use rotation::{HalfAngle, Rotation};
 pub use scalar::Scalar;

@@ -17,43 +17,20 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+use crc::Digest;
 use heapless::Vec;
 
-use crate::curve::{Curve, Interpolation, Node};
+use crate::checksum::CHECKSUM;
+use crate::curve::{Curve, Flaw, Interpolation, Node};
 use crate::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
-use crate::{GroupId, Membership, Scalar};
+use crate::{GroupId, Membership};
+
+pub use crate::limits::GroupLimits;
 
 /// The first bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
 /// The version that is written, and the only one that is read.
 pub const VERSION: u8 = 1;
-
-static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-
-/// What a group's hinges are allowed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroupLimits {
-    /// Smallest fold angle of the group, radians.
-    pub lower: f32,
-    /// Largest fold angle of the group, radians.
-    pub upper: f32,
-    /// Largest speed, radians per second; infinite for any.
-    pub speed: f32,
-    /// Largest acceleration, radians per second squared; infinite for any.
-    pub acceleration: f32,
-}
-
-impl GroupLimits {
-    fn are_sound(&self) -> bool {
-        let angles = self.lower.is_finite() && self.upper.is_finite() && self.lower <= self.upper;
-        angles && self.speed > 0.0 && self.acceleration > 0.0
-    }
-
-    fn allow(&self, angle: f32) -> bool {
-        (self.lower..=self.upper).contains(&angle)
-    }
-}
 
 /// Why bytes are no trajectory, or a trajectory makes no file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -404,7 +381,7 @@ impl<'a> TrajectoryFile<'a> {
         if group >= self.groups() {
             return None;
         }
-        let width = width(self.interpolation);
+        let width = self.interpolation.width();
         let place = 1 + group * width;
         let weight = if width == 4 {
             [self.number(knot, place + 2)?, self.number(knot, place + 3)?]
@@ -463,7 +440,7 @@ impl<'a> TrajectoryFile<'a> {
 
     /// Numbers in a record.
     fn record(&self) -> usize {
-        1 + self.groups() * width(self.interpolation)
+        1 + self.groups() * self.interpolation.width()
     }
 
     /// A number of the record of a knot.
@@ -473,26 +450,13 @@ impl<'a> TrajectoryFile<'a> {
     }
 }
 
-/// Numbers of a group in a knot.
-fn width(interpolation: Interpolation) -> usize {
-    match interpolation {
-        Interpolation::Homogeneous => 4,
-        _ => 2,
-    }
-}
-
 /// Why the knot of that number cannot hold this group.
 fn node_problem(node: Node<f32>, kind: Interpolation, knot: usize) -> Option<TrajectoryError> {
-    let [weight, grow] = node.weight;
-    if !(node.angle.is_finite() && node.rate.is_finite()) {
-        Some(TrajectoryError::NotFinite(knot))
-    } else if kind == Interpolation::HalfAngle && node.angle.abs() >= f32::PI {
-        Some(TrajectoryError::HalfTurn(knot))
-    } else if !(weight > 0.0 && weight.is_finite() && grow.is_finite()) {
-        Some(TrajectoryError::Weight(knot))
-    } else {
-        None
-    }
+    Some(match node.flaw(kind)? {
+        Flaw::NotFinite => TrajectoryError::NotFinite(knot),
+        Flaw::HalfTurn => TrajectoryError::HalfTurn(knot),
+        Flaw::Weight => TrajectoryError::Weight(knot),
+    })
 }
 
 /// Bytes that are read, and how far.

@@ -4,4 +4,11 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
 
+#[cfg(not(target_os = "none"))]
+extern crate std;
+
+pub mod controller;
+#[cfg(not(target_os = "none"))]
+pub mod faults;
 pub mod probe;
+pub mod sheet;

@@ -5,13 +5,21 @@
 
 use core::fmt::Write;
 
+use foldpath_core::follower::{Place, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::project::{Projection, means, project};
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::message::Command;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::sender::{self, Sender};
 use foldpath_core::{
-    DenseNormalEquations, GroupId, HalfAngle, Interpolation, Objective, Spoke, StarsView, gradient,
-    levenberg_marquardt,
+    DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Objective,
+    Scalar, Spoke, StarsView, gradient, levenberg_marquardt,
 };
 use nalgebra::Vector3;
+
+use crate::controller::{self, Controller};
 
 /// Steps of a walk.
 pub const STEPS: u16 = 25;
@@ -27,6 +35,14 @@ const DEGREE: usize = 6;
 /// Knots of a path: the flat state, and one a step.
 const KNOTS: usize = STEPS as usize + 1;
 
+/// Largest closure residual of what is streamed: the first segment of the waterbomb leaves the flat state, which
+/// is singular, and is open by as much as cubics of 4 degrees are there.
+const OPEN: f32 = 1e-4;
+/// By how much hinges are measured to be elsewhere, radians.
+const OFF: f32 = 0.02;
+/// Ticks of a controller after which it should have come to the end.
+const MOST_TICKS: u32 = 10_000;
+
 type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
 
 /// Why the probe stopped.
@@ -38,6 +54,8 @@ pub enum Failure {
     Open,
     /// The trajectory did not take a knot.
     Knot,
+    /// The controller did not come to the end of a path.
+    Stream,
     /// The output did not take a line.
     Output,
 }
@@ -107,7 +125,9 @@ const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 ///
 /// - `gradient` and `solve`: iterations, evaluations, residual, then the angles;
 /// - `knot`: the angles, then the rates;
-/// - `sample`: the two objectives, then the angles.
+/// - `sample`: the two objectives, then the angles;
+/// - `project`: as `solve`, from angles measured some way off, and the way, before the angles;
+/// - `tick`: the angles and rates that a controller commands to which the path is sent, every 16th time.
 ///
 /// # Errors
 /// If a configuration does not close, or the output fails.
@@ -117,6 +137,7 @@ pub fn run(out: &mut impl Write) -> Result<(), Failure> {
         let stars = stars.ok_or(Failure::Size)?;
         let path = follow(&fold, stars, out)?;
         play(&fold, stars, path.view(), out)?;
+        stream(&fold, stars, path.view(), out)?;
     }
     Ok(())
 }
@@ -210,6 +231,96 @@ fn play(
         line(out, fold, "sample", bits(&values).chain(bits(angles)))?;
     }
     Ok(())
+}
+
+/// Sends the path to a controller, over a line without faults, which runs it at full speed.
+fn stream(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    path: TrajectoryView<'_, f32>,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let any = GroupLimits {
+        lower: -core::f32::consts::PI,
+        upper: core::f32::consts::PI,
+        speed: f32::INFINITY,
+        acceleration: f32::INFINITY,
+    };
+    let limits = [any; GROUPS];
+    let limits = limits.get(..path.groups()).ok_or(Failure::Size)?;
+    let place = Place::default();
+    let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
+    let mut sender = Sender::new(1, sender::Options::default());
+    let mut answers = Deframer::<{ controller::FRAME }>::default();
+    let mut device = Controller::<GROUPS, 1, 16, 8>::new(controller::Settings::default());
+    let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+    let mut now = 0;
+    for tick in 0_u32.. {
+        now += 1000;
+        if let Some(frame) = sender.poll(now, &items, &mut scratch, &mut buffer) {
+            cobs::encode(frame, |byte| device.byte(byte, now));
+        }
+        device.tick(now);
+        device.poll(now);
+        while let Some(byte) = device.take() {
+            if let Some(frame) = answers.push(byte) {
+                sender.receive(frame, now);
+            }
+        }
+        let state = device.follower().state();
+        if state == State::Ready && device.follower().room() == 0 && sender.answer().is_none() {
+            sender.command(Command::Start);
+        }
+        let (angles, rates) = (device.follower().angles(), device.follower().rates());
+        if tick.is_multiple_of(16) && state == State::Running {
+            line(out, fold, "tick", bits(angles).chain(bits(rates)))?;
+        }
+        if state == State::Done {
+            line(out, fold, "tick", bits(angles).chain(bits(rates)))?;
+            return measure(fold, stars, angles, out);
+        }
+        if tick == MOST_TICKS {
+            break;
+        }
+    }
+    Err(Failure::Stream)
+}
+
+/// Brings a configuration back that was measured some way off.
+fn measure(
+    fold: &Fold<'_>,
+    stars: StarsView<'_, f32>,
+    angles: &[f32],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let (mut measured, mut counts) = ([0.0; GROUPS], [0.0; GROUPS]);
+    let measured = measured.get_mut(..angles.len()).ok_or(Failure::Size)?;
+    let counts = counts.get_mut(..angles.len()).ok_or(Failure::Size)?;
+    let hinges = (0..).zip(angles).map(|(group, &angle)| {
+        let membership = Membership {
+            group: GroupId(group),
+            negative: group == 1,
+        };
+        (membership, membership.apply(angle + OFF))
+    });
+    means(hinges, measured, counts).ok_or(Failure::Size)?;
+    let mut half_angles = [HalfAngle::default(); GROUPS];
+    let mut columns = [Vector3::default(); DEGREE];
+    let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(GROUPS)];
+    let equations = DenseNormalEquations::new(angles.len(), &mut memory);
+    let Projection { report, moved } = project(
+        &mut problem.ok_or(Failure::Size)?,
+        &mut equations.ok_or(Failure::Size)?,
+        Limits::HalfTurn,
+        f32::CLOSURE_TOLERANCE,
+        measured,
+        &mut [0.0; 3 * GROUPS],
+    );
+    let words = words(&report).chain([moved.to_bits()]);
+    line(out, fold, "project", words.chain(bits(measured)))?;
+    let closed = report.outcome == Outcome::Converged;
+    closed.then_some(()).ok_or(Failure::Open)
 }
 
 fn copy(from: &[f32], to: &mut [f32]) {

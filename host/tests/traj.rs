@@ -3,9 +3,13 @@
 mod common;
 
 use common::Folder;
+use foldpath::formats::fold::read_pattern;
+use foldpath::symmetry::ReducedStars;
+use foldpath_core::acceptance::{Setpoint, SheetView};
+use foldpath_core::follower::{Follower, Options, Place, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
-use foldpath_core::{Interpolation, Scalar};
+use foldpath_core::{HalfAngle, Interpolation, Objective, Scalar, Spoke, StarsView};
 use serde_json::{Value, json};
 
 /// Radians per second, and per second squared: `--max-speed 30 --max-accel 60`.
@@ -365,4 +369,84 @@ fn what_cannot_be_exported_is_said() {
         answer.stderr.contains("[possible values: traj, csv]"),
         "{answer:?}"
     );
+}
+
+/// Follows an exported path as a controller does, in `f32` and with every real vertex of the sheet checked, each of
+/// which may be open by `closure`; returns the most that one was.
+fn followed(name: &str, interpolation: &str, closure: f32) -> f32 {
+    let folder = Folder::new();
+    let pattern = format!("{}/{name}.fold", common::PATTERNS);
+    let plan = "--max-speed 30 --max-accel 60 --collision off -o path.fold --interpolation";
+    folder.done(&format!("plan {pattern} {plan} {interpolation}"));
+    folder.done("export path.fold --to traj -o out.traj");
+    let bytes = std::fs::read(folder.path("out.traj")).unwrap();
+    let file = TrajectoryFile::read(&bytes).unwrap();
+
+    let pattern = read_pattern(pattern.as_ref()).unwrap().pattern;
+    let stars = ReducedStars::of_creases(&pattern);
+    let hinges: Vec<_> = file.memberships().collect();
+    let (mut spokes, mut ends) = (Vec::new(), Vec::new());
+    for star in stars.view().iter() {
+        spokes.extend(star.spokes.iter().map(|spoke| {
+            let hinge = hinges[spoke.group.index()];
+            Spoke {
+                group: hinge.group,
+                negative: spoke.negative ^ hinge.negative,
+                direction: spoke.direction.map(f32::lit),
+            }
+        }));
+        ends.push(u32::try_from(spokes.len()).unwrap());
+    }
+    let stars = StarsView::new(&spokes, &ends, file.groups()).unwrap();
+    let limits: Vec<_> = (0..file.groups())
+        .map(|g| file.limits(g).unwrap())
+        .collect();
+    let sheet = SheetView {
+        interpolation: file.interpolation(),
+        limits: &limits,
+        stars,
+        closure,
+    };
+    let mut follower = Follower::<f32, 4, 64>::new(Options::default());
+    follower.load(&sheet, Place::default()).unwrap();
+    for knot in 0..file.len() {
+        let nodes = (0..file.groups()).map(|group| file.node(knot, group).unwrap());
+        let setpoint = Setpoint {
+            number: u32::try_from(knot).unwrap(),
+            time: file.time(knot).unwrap(),
+            last: knot + 1 == file.len(),
+            nodes: nodes.collect(),
+        };
+        let accepted = follower.accept(&sheet, setpoint);
+        assert_eq!(accepted, Ok(()), "{name} {interpolation}: knot {knot}");
+    }
+    follower.start().unwrap();
+    let mut worst = 0.0_f32;
+    for now in (1..60_000).map(|tick| 1000 * tick) {
+        follower.heard(now);
+        follower.tick(now);
+        for (rate, limits) in follower.rates().iter().zip(&limits) {
+            assert!(rate.abs() <= limits.speed, "{name} {interpolation}");
+        }
+        let mut scratch = [HalfAngle::default(); 4];
+        let value = Objective::Max.value(stars, follower.angles(), &mut scratch);
+        worst = worst.max(value.unwrap() / 2_f32.sqrt());
+        if follower.state() == State::Done {
+            return worst;
+        }
+    }
+    panic!("{name} {interpolation}: {:?}", follower.reason());
+}
+
+#[test]
+fn a_controller_follows_what_is_exported() {
+    for (name, interpolation, closure) in [
+        ("miura-11x11", "half-angle", 2e-6),
+        ("miura-11x11", "hermite", 1e-4),
+        ("waterbomb-8x10", "half-angle", 1e-4),
+        ("waterbomb-8x10", "hermite", 1e-4),
+    ] {
+        let worst = followed(name, interpolation, closure);
+        assert!(worst <= closure, "{name} {interpolation}: {worst:e}");
+    }
 }

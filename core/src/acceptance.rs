@@ -1,0 +1,211 @@
+//! What a controller asks of a setpoint before it follows it.
+//!
+//! A setpoint and the segment that leads to it are looked at once, when they arrive, so that a tick has
+//! nothing left to check. Between setpoints, angles, rates and accelerations are looked at nine places of the
+//! segment, and for cubics of the angle also where they are largest, which makes them exact; closure at its
+//! middle.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+use crate::curve::Flaw;
+use crate::objective::norm;
+use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
+
+/// Intervals of a segment between the places that are looked at.
+const INTERVALS: u32 = 8;
+/// Roundings, of the size of the largest number that goes into a curve, by which its value and its
+/// derivatives may miss a limit. The second derivative sums six products of four numbers.
+const ROUNDINGS: f64 = 24.0;
+
+/// What a controller knows of the sheet.
+#[derive(Clone, Copy, Debug)]
+pub struct SheetView<'a, T> {
+    /// How the motion between setpoints is made.
+    pub interpolation: Interpolation,
+    /// What each group is allowed.
+    pub limits: &'a [GroupLimits<T>],
+    /// The essential vertices, in the groups.
+    pub stars: StarsView<'a, T>,
+    /// Largest closure residual of a commanded configuration (dimensionless): what the host has certified,
+    /// and what rounding adds.
+    pub closure: T,
+}
+
+/// One knot of a path as sent to a controller, of at most `GROUPS` groups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setpoint<T, const GROUPS: usize> {
+    /// Number of the knot in its path.
+    pub number: u32,
+    /// Seconds since the start of the path.
+    pub time: T,
+    /// Whether the path ends here.
+    pub last: bool,
+    /// Each group's angle, rate and weight; weight 1 with rate 0 where the interpolation has none.
+    pub nodes: Vec<Node<T>, GROUPS>,
+}
+
+/// Why a setpoint is not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// Nothing is being followed: no sheet, or the motion is done or has failed.
+    State,
+    /// The queue is full.
+    Full,
+    /// The next setpoint has this number, or would have it had the path not ended.
+    Sequence(u32),
+    /// It has not one angle for each group.
+    Groups,
+    /// It holds an infinity or a NaN in its time or in this group.
+    NotFinite(u16),
+    /// This group is at half a turn, where its interpolation has a pole.
+    HalfTurn(u16),
+    /// The weight of this group is not above 0.
+    Weight(u16),
+    /// It is not later than the one before.
+    Order,
+    /// The angle of this group passes its limits, there or on the way.
+    Range(u16),
+    /// This group passes its speed on the way.
+    Speed(u16),
+    /// This group passes its acceleration on the way.
+    Acceleration(u16),
+    /// This essential vertex does not close there.
+    Open(u16),
+    /// This essential vertex does not close in the middle of the way.
+    OpenBetween(u16),
+}
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::State => write!(f, "nothing is being followed"),
+            Self::Full => write!(f, "the queue is full"),
+            Self::Sequence(next) => write!(f, "expected setpoint {next}"),
+            Self::Groups => write!(f, "expected an angle for each group"),
+            Self::NotFinite(group) => write!(f, "group {group}: expected finite numbers"),
+            Self::HalfTurn(group) => write!(f, "group {group}: expected less than half a turn"),
+            Self::Weight(group) => write!(f, "group {group}: expected a weight above 0"),
+            Self::Order => write!(f, "expected a later time than before"),
+            Self::Range(group) => write!(f, "group {group}: beyond its limits"),
+            Self::Speed(group) => write!(f, "group {group}: too fast"),
+            Self::Acceleration(group) => write!(f, "group {group}: accelerated too much"),
+            Self::Open(star) => write!(f, "essential vertex {star} does not close"),
+            Self::OpenBetween(star) => write!(f, "essential vertex {star} does not close halfway"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+/// Checks `next` as the setpoint behind `before`, if there is one. Numbers are not looked at.
+///
+/// Cost: a sine, a cosine and nine places of a curve a group, and the residual of each star twice.
+///
+/// # Errors
+/// The first thing that is wrong: of its numbers, the order, the limits, closure there, the way to it.
+pub fn check<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: Option<&Setpoint<T, GROUPS>>,
+    next: &Setpoint<T, GROUPS>,
+) -> Result<(), Refusal> {
+    if next.nodes.len() != sheet.limits.len() || sheet.stars.unknowns() != sheet.limits.len() {
+        return Err(Refusal::Groups);
+    }
+    if !next.time.is_finite() {
+        return Err(Refusal::NotFinite(0));
+    }
+    if before.is_some_and(|before| before.time >= next.time) {
+        return Err(Refusal::Order);
+    }
+    let mut half_angles = [HalfAngle::default(); GROUPS];
+    for ((group, half), (node, limits)) in groups(half_angles.iter_mut()).zip(pairs(next, sheet)) {
+        match node.flaw(sheet.interpolation) {
+            Some(Flaw::NotFinite) => return Err(Refusal::NotFinite(group)),
+            Some(Flaw::HalfTurn) => return Err(Refusal::HalfTurn(group)),
+            Some(Flaw::Weight) => return Err(Refusal::Weight(group)),
+            None if !limits.allow(node.angle) => return Err(Refusal::Range(group)),
+            None => *half = HalfAngle::of(node.angle),
+        }
+    }
+    closes(sheet, &half_angles).map_err(Refusal::Open)?;
+    let Some(before) = before else {
+        return Ok(());
+    };
+    let span = next.time - before.time;
+    let ways = before.nodes.iter().zip(pairs(next, sheet));
+    for ((group, half), (from, (to, limits))) in groups(half_angles.iter_mut()).zip(ways) {
+        let curve = Curve::between(sheet.interpolation, span, *from, *to);
+        keeps(group, &curve, span, [from, to], limits)?;
+        *half = curve.half_angle(T::HALF);
+    }
+    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
+}
+
+/// Each item with the number of its group.
+fn groups<I: Iterator>(items: I) -> impl Iterator<Item = (u16, I::Item)> {
+    (0..=u16::MAX).zip(items)
+}
+
+/// The groups of a setpoint with their limits.
+fn pairs<'a, T: Scalar, const GROUPS: usize>(
+    setpoint: &'a Setpoint<T, GROUPS>,
+    sheet: &SheetView<'a, T>,
+) -> impl Iterator<Item = (&'a Node<T>, &'a GroupLimits<T>)> {
+    setpoint.nodes.iter().zip(sheet.limits)
+}
+
+/// The first star that does not close.
+fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
+    let open = |star| norm(&closure::residual(star, half_angles)) <= sheet.closure;
+    let first = groups(sheet.stars.iter()).find(|(_, star)| !open(*star));
+    first.map_or(Ok(()), |(star, _)| Err(star))
+}
+
+/// Whether a group keeps its limits on a segment of `span` seconds.
+fn keeps<T: Scalar>(
+    group: u16,
+    curve: &Curve<T>,
+    span: T,
+    ends: [&Node<T>; 2],
+    limits: &GroupLimits<T>,
+) -> Result<(), Refusal> {
+    let [from, to] = ends;
+    let largest = |of: fn(&Node<T>) -> T| of(from).abs().max(of(to).abs());
+    let size = T::one() + largest(|node| node.angle) + span * largest(|node| node.rate);
+    let noise = T::EPSILON * T::lit(ROUNDINGS) * size;
+    let slow = limits.speed * span + noise;
+    let gentle = limits.acceleration * span * span + noise;
+    let keeps = |s: T| {
+        let angle = curve.angle(s);
+        let [rate, bend] = curve.derivatives(s).map(T::abs);
+        let within = limits.lower - noise <= angle && angle <= limits.upper + noise;
+        let kept = |kept: bool, refusal| if kept { Ok(()) } else { Err(refusal) };
+        kept(within, Refusal::Range(group))?;
+        kept(rate <= slow, Refusal::Speed(group))?;
+        kept(bend <= gentle, Refusal::Acceleration(group))
+    };
+    let step = T::one() / T::whole(INTERVALS);
+    let places = (0..=INTERVALS).map(|k| T::whole(k) * step);
+    places.chain(extremes(curve)).try_for_each(keeps)
+}
+
+/// Where within a segment a cubic of the angle turns back, and where its rate is largest; 0 for none.
+fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
+    let Curve::Angle([a, b, c, d]) = *curve else {
+        return [T::zero(); 3];
+    };
+    // The rate is the quadratic A s² + 2 B s + C; of its zeros the one without cancellation comes first.
+    let (p, q, r) = (b - a, c - b, d - c);
+    let (bend, slope) = (p - T::TWO * q + r, q - p);
+    let root = (slope * slope - bend * p).sqrt();
+    let sum = if slope < T::zero() {
+        root - slope
+    } else {
+        -root - slope
+    };
+    [sum / bend, p / sum, -slope / bend].map(|s| {
+        let inside = s > T::zero() && s < T::one();
+        if inside { s } else { T::zero() }
+    })
+}

@@ -1,0 +1,154 @@
+//! The part of a path that is known, and a place on it.
+
+use heapless::Deque;
+
+use crate::acceptance::{Refusal, Setpoint, SheetView};
+use crate::follower::Place;
+use crate::{Curve, Interpolation, Scalar};
+
+/// Setpoints, of which the first is at the place or before it.
+#[derive(Clone, Debug)]
+pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
+    interpolation: Interpolation,
+    groups: usize,
+    /// Smallest and largest angle of each group.
+    bounds: [[T; 2]; GROUPS],
+    setpoints: Deque<Setpoint<T, GROUPS>, KNOTS>,
+    /// The segment behind the first setpoint, its seconds, and how many of them have passed.
+    curves: [Curve<T>; GROUPS],
+    span: T,
+    into: T,
+    /// What rounding has kept from `into`.
+    carry: T,
+}
+
+impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS> {
+    pub(super) fn new() -> Self {
+        Self {
+            interpolation: Interpolation::default(),
+            groups: 0,
+            bounds: [[T::zero(); 2]; GROUPS],
+            setpoints: Deque::new(),
+            curves: [Curve::Angle([T::zero(); 4]); GROUPS],
+            span: T::zero(),
+            into: T::zero(),
+            carry: T::zero(),
+        }
+    }
+
+    /// Forgets the setpoints.
+    pub(super) fn clear(&mut self) {
+        self.setpoints.clear();
+        (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
+    }
+
+    /// A path on this sheet, of which the first `into` seconds have passed.
+    pub(super) fn begin(&mut self, sheet: &SheetView<'_, T>, into: T) {
+        self.clear();
+        self.interpolation = sheet.interpolation;
+        self.groups = sheet.limits.len();
+        for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
+            *bounds = [limits.lower, limits.upper];
+        }
+        self.into = into;
+    }
+
+    pub(super) fn setpoints(&self) -> &Deque<Setpoint<T, GROUPS>, KNOTS> {
+        &self.setpoints
+    }
+
+    /// Adds a setpoint that has been checked.
+    pub(super) fn push(&mut self, setpoint: Setpoint<T, GROUPS>) -> Result<(), Refusal> {
+        self.setpoints
+            .push_back(setpoint)
+            .map_err(|_| Refusal::Full)?;
+        if self.setpoints.len() == 2 {
+            self.enter();
+        }
+        Ok(())
+    }
+
+    /// Whether the place is on the first segment, or at the first setpoint.
+    pub(super) fn begins(&self) -> bool {
+        self.into.is_zero() || self.into > T::zero() && self.into < self.span
+    }
+
+    /// The place, if there is a setpoint.
+    pub(super) fn place(&self) -> Option<Place<T>> {
+        self.setpoints.front().map(|first| Place {
+            knot: first.number,
+            into: self.into,
+        })
+    }
+
+    /// Seconds from the place to the last setpoint.
+    pub(super) fn left(&self) -> T {
+        match (self.setpoints.front(), self.setpoints.back()) {
+            (Some(first), Some(last)) => (last.time - first.time - self.into).max(T::zero()),
+            _ => T::zero(),
+        }
+    }
+
+    /// Goes `step` seconds further, to the last setpoint at the most.
+    pub(super) fn advance(&mut self, step: T) {
+        if step <= T::zero() {
+            return;
+        }
+        // What is left may be less than the rounding of the place.
+        let left = self.left();
+        let arrived = left - step <= T::EPSILON * (left + self.into);
+        let (before, step) = (self.into, step + self.carry);
+        self.into += step;
+        self.carry = step - (self.into - before);
+        while self.setpoints.len() > 1 && (arrived || self.into >= self.span) {
+            self.into -= self.span;
+            self.setpoints.pop_front();
+            self.enter();
+        }
+        if self.setpoints.len() < 2 {
+            (self.into, self.carry) = (T::zero(), T::zero());
+        }
+    }
+
+    /// Makes the curves of the segment behind the first setpoint; it has no time where there is none.
+    fn enter(&mut self) {
+        self.span = T::zero();
+        let mut ahead = self.setpoints.iter();
+        if let (Some(from), Some(to)) = (ahead.next(), ahead.next()) {
+            self.span = to.time - from.time;
+            let ends = from.nodes.iter().zip(&to.nodes);
+            for (curve, (from, to)) in self.curves.iter_mut().zip(ends) {
+                *curve = Curve::between(self.interpolation, self.span, *from, *to);
+            }
+        }
+    }
+
+    /// The angles of the place in `angles`, within their bounds, which rounding could leave between knots.
+    pub(super) fn angles(&self, mut angles: [T; GROUPS]) -> [T; GROUPS] {
+        if self.into > T::zero() {
+            let place = self.into / self.span;
+            let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
+            for (angle, (curve, [lower, upper])) in angles.iter_mut().zip(curves) {
+                *angle = curve.angle(place).max(*lower).min(*upper);
+            }
+        } else if let Some(first) = self.setpoints.front() {
+            for (angle, node) in angles.iter_mut().zip(&first.nodes) {
+                *angle = node.angle;
+            }
+        }
+        angles
+    }
+
+    /// The rates of the place where so many seconds of the path pass in one of the world.
+    pub(super) fn rates(&self, clock: T) -> [T; GROUPS] {
+        let mut rates = [T::zero(); GROUPS];
+        if self.span > T::zero() {
+            let (place, speed) = (self.into / self.span, clock / self.span);
+            for (rate, curve) in rates.iter_mut().zip(&self.curves).take(self.groups) {
+                let [slope, _] = curve.derivatives(place);
+                *rate = slope * speed;
+            }
+        }
+        rates
+    }
+}

@@ -1,0 +1,32 @@
+//! A frame: the session, a message as postcard encodes it, and the CRC-32 of both.
+
+use serde::{Deserialize, Serialize};
+
+use crate::checksum::CHECKSUM;
+
+/// Bytes of a frame beside its message.
+pub const OVERHEAD: usize = 8;
+
+/// Writes a frame into `buffer` and returns it; nothing if there is no room.
+pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+    let (head, body) = buffer.split_first_chunk_mut::<4>()?;
+    *head = session.to_le_bytes();
+    let message = postcard::to_slice(message, body).ok()?.len();
+    let (covered, rest) = buffer.split_at_mut_checked(4 + message)?;
+    let checksum = CHECKSUM.checksum(covered).to_le_bytes();
+    *rest.first_chunk_mut::<4>()? = checksum;
+    buffer.get(..message + OVERHEAD)
+}
+
+/// The session and the message of a frame; nothing if the checksum is another, or the bytes are not those of
+/// one message.
+pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
+    let (covered, checksum) = frame.split_last_chunk::<4>()?;
+    if CHECKSUM.checksum(covered).to_le_bytes() != *checksum {
+        return None;
+    }
+    let (session, body) = covered.split_first_chunk::<4>()?;
+    let (message, rest) = postcard::take_from_bytes(body).ok()?;
+    rest.is_empty()
+        .then_some((u32::from_le_bytes(*session), message))
+}

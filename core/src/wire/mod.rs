@@ -1,0 +1,21 @@
+//! How a host and a controller talk over a line that loses, changes, doubles and reorders bytes.
+//!
+//! Everything here is a pure state machine: bytes, frames and times come in as arguments, frames go out.
+//! `firmware-sim/PROTOCOL.md` has every byte and every rule.
+//!
+//! - [`cobs`]: frames from bytes; a lost byte costs one frame.
+//! - [`frame`]: a session, a message and a CRC-32 in a frame.
+//! - [`message`]: what is said.
+//! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than
+//!   there is room for.
+//! - [`path`]: a path and its sheet as items.
+//! - [`transmit`]: bytes that wait for the line; telemetry gives way to answers.
+
+pub mod cobs;
+pub mod frame;
+pub mod message;
+pub mod path;
+pub mod receiver;
+pub mod sender;
+mod sequence;
+pub mod transmit;

@@ -1,0 +1,245 @@
+//! A path and its sheet as items, and the bytes of their numbers.
+
+use crate::follower::Place;
+use crate::trajectory::TrajectoryView;
+use crate::wire::message::{Item, SetpointBytes, SheetHead};
+use crate::wire::sender::Source;
+use crate::{GroupId, GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
+
+/// Most groups, hinges and spokes in an item: 128, 128 and 120 bytes.
+const PIECES: [usize; 3] = [8, 64, 12];
+/// Bytes of each.
+const BYTES: [usize; 3] = [16, 2, 10];
+
+/// The groups of a setpoint, of its bytes.
+pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item = Node<f32>> {
+    let (numbers, _) = bytes.as_chunks::<4>();
+    let groups = numbers.chunks_exact(interpolation.width());
+    groups.filter_map(|numbers| {
+        let mut numbers = numbers.iter().copied().map(f32::from_le_bytes);
+        Some(Node {
+            angle: numbers.next()?,
+            rate: numbers.next()?,
+            weight: [numbers.next().unwrap_or(1.0), numbers.next().unwrap_or(0.0)],
+        })
+    })
+}
+
+/// The limits of a group, of their bytes.
+#[must_use]
+pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
+    let [mut lower, mut upper, mut speed, mut acceleration] = [[0; 4]; 4];
+    let numbers = [&mut lower, &mut upper, &mut speed, &mut acceleration];
+    for (number, bytes) in numbers.into_iter().zip(bytes.as_chunks().0) {
+        *number = *bytes;
+    }
+    GroupLimits {
+        lower: f32::from_le_bytes(lower),
+        upper: f32::from_le_bytes(upper),
+        speed: f32::from_le_bytes(speed),
+        acceleration: f32::from_le_bytes(acceleration),
+    }
+}
+
+/// A hinge, of its bytes.
+#[must_use]
+pub fn hinge(bytes: [u8; 2]) -> Membership {
+    let code = u16::from_le_bytes(bytes);
+    Membership {
+        group: GroupId(u32::from(code >> 1)),
+        negative: code & 1 == 1,
+    }
+}
+
+/// A spoke, and whether it is the last of its star, of its bytes.
+#[must_use]
+pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
+    let [c, d, x0, x1, x2, x3, y0, y1, y2, y3] = bytes;
+    let code = u16::from_le_bytes([c, d]);
+    let direction = [[x0, x1, x2, x3], [y0, y1, y2, y3]].map(f32::from_le_bytes);
+    let spoke = Spoke {
+        group: GroupId(u32::from(code >> 2)),
+        negative: code & 1 == 1,
+        direction,
+    };
+    (spoke, code & 2 == 2)
+}
+
+/// A path on a sheet, from a place on: items for a [`Sender`](crate::wire::sender::Sender).
+#[derive(Clone, Copy, Debug)]
+pub struct PathItems<'a> {
+    head: SheetHead,
+    limits: &'a [GroupLimits],
+    hinges: &'a [Membership],
+    stars: StarsView<'a, f32>,
+    path: TrajectoryView<'a, f32>,
+    first: usize,
+}
+
+impl<'a> PathItems<'a> {
+    /// A path on the sheet of these groups, hinges and essential vertices. `closure` is the largest residual that
+    /// its commanded configurations have, rounding included.
+    ///
+    /// Returns `None` if the numbers of groups differ, a hinge has no group, anything is more than 2¹⁴, or `place` is
+    /// not on the path.
+    #[must_use]
+    pub fn new(
+        path: TrajectoryView<'a, f32>,
+        limits: &'a [GroupLimits],
+        hinges: &'a [Membership],
+        stars: StarsView<'a, f32>,
+        closure: f32,
+        place: Place<f32>,
+    ) -> Option<Self> {
+        let small = |count: usize| u16::try_from(count).ok().filter(|&count| count <= 1 << 14);
+        let spokes = stars.iter().map(|star| star.spokes.len()).sum();
+        let groups = [stars.unknowns(), path.groups()];
+        let first = usize::try_from(place.knot).ok()?;
+        let same = groups.iter().all(|&groups| groups == limits.len());
+        let known = |hinge: &Membership| hinge.group.index() < limits.len();
+        let sound = same && hinges.iter().all(known) && first < path.len();
+        let head = SheetHead {
+            interpolation: path.interpolation(),
+            groups: small(limits.len())?,
+            hinges: small(hinges.len())?,
+            spokes: small(spokes)?,
+            closure,
+            place,
+        };
+        sound.then_some(Self {
+            head,
+            limits,
+            hinges,
+            stars,
+            path,
+            first,
+        })
+    }
+
+    /// Items of each kind of piece.
+    fn counts(&self) -> [usize; 3] {
+        let SheetHead {
+            groups,
+            hinges,
+            spokes,
+            ..
+        } = self.head;
+        let [a, b, c] = PIECES;
+        [
+            usize::from(groups).div_ceil(a),
+            usize::from(hinges).div_ceil(b),
+            usize::from(spokes).div_ceil(c),
+        ]
+    }
+
+    /// Number of items.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        1 + self.counts().iter().sum::<usize>() + self.path.len() - self.first
+    }
+
+    /// Never: there is at least the sheet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let number = self.first.checked_add(index)?;
+        let knot = self.path.knot(number)?;
+        let mut weights = knot.weights.iter();
+        let groups = knot.angles.iter().zip(knot.rates);
+        let numbers = groups.flat_map(|(&angle, &rate)| {
+            let weight = weights.next().copied().unwrap_or_default();
+            [angle, rate, weight[0], weight[1]]
+                .into_iter()
+                .take(self.head.interpolation.width())
+        });
+        Some(Item::Setpoint(SetpointBytes {
+            number: u32::try_from(number).ok()?,
+            time: knot.time,
+            last: number + 1 == self.path.len(),
+            nodes: fill(scratch, numbers.flat_map(f32::to_le_bytes))?,
+        }))
+    }
+
+    /// The bytes of piece number `index` of a kind.
+    fn piece<'b>(&self, kind: usize, index: usize, scratch: &'b mut [u8]) -> Option<&'b [u8]> {
+        let (pieces, bytes) = (*PIECES.get(kind)?, *BYTES.get(kind)?);
+        let length = pieces * bytes;
+        let range = (index * length, length);
+        match kind {
+            0 => part(
+                self.limits.iter().flat_map(|group| {
+                    let numbers = [group.lower, group.upper, group.speed, group.acceleration];
+                    numbers.into_iter().flat_map(f32::to_le_bytes)
+                }),
+                range,
+                scratch,
+            ),
+            1 => part(
+                self.hinges.iter().flat_map(|hinge| {
+                    let [a, b, ..] = (2 * hinge.group.0 + u32::from(hinge.negative)).to_le_bytes();
+                    [a, b]
+                }),
+                range,
+                scratch,
+            ),
+            _ => part(
+                self.stars.iter().flat_map(|star| {
+                    let last = star.spokes.len();
+                    (1..).zip(star.spokes).flat_map(move |(count, spoke)| {
+                        let ends = u32::from(count == last);
+                        let code = 4 * spoke.group.0 + 2 * ends + u32::from(spoke.negative);
+                        let [a, b, ..] = code.to_le_bytes();
+                        let numbers = spoke.direction.into_iter().flat_map(f32::to_le_bytes);
+                        [a, b].into_iter().chain(numbers)
+                    })
+                }),
+                range,
+                scratch,
+            ),
+        }
+    }
+}
+
+/// Writes `length` bytes behind the first `from`, or as many as there are.
+fn part(
+    bytes: impl Iterator<Item = u8>,
+    (from, length): (usize, usize),
+    scratch: &mut [u8],
+) -> Option<&[u8]> {
+    fill(scratch, bytes.skip(from).take(length))
+}
+
+/// Writes as much as there is; nothing if there is no room.
+fn fill(scratch: &mut [u8], bytes: impl Iterator<Item = u8>) -> Option<&[u8]> {
+    let mut length = 0;
+    for byte in bytes {
+        *scratch.get_mut(length)? = byte;
+        length += 1;
+    }
+    scratch.get(..length)
+}
+
+impl Source for PathItems<'_> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let mut index = usize::try_from(index).ok()?;
+        if index == 0 {
+            return Some(Item::Sheet(self.head));
+        }
+        index -= 1;
+        for (kind, count) in (0..).zip(self.counts()) {
+            if index < count {
+                let bytes = self.piece(kind, index, scratch)?;
+                return Some(match kind {
+                    0 => Item::Limits(bytes),
+                    1 => Item::Hinges(bytes),
+                    _ => Item::Spokes(bytes),
+                });
+            }
+            index -= count;
+        }
+        self.setpoint(index, scratch)
+    }
+}

@@ -1,0 +1,260 @@
+//! The controller's end of the line.
+//!
+//! Answers are not queued: each is built from what is true when it leaves, so that a line that is full costs
+//! nothing but time.
+
+use crate::follower::{Denial, Place, Reason, State};
+use crate::wire::frame;
+use crate::wire::message::{Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION};
+use crate::wire::sequence::ahead;
+
+/// What a frame brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// The item that is expected: [`Receiver::took`] or [`Receiver::refuse`] it.
+    Item(Item<'a>),
+    /// A command not heard before: [`Receiver::answer`] it.
+    Command(Command),
+    /// A sign of life.
+    Alive,
+}
+
+/// What the controller knows and the receiver does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// What the follower does.
+    pub state: State,
+    /// Why it does not run at full speed.
+    pub reason: Reason,
+    /// Where on the path it is.
+    pub place: Place<f32>,
+    /// Items for which there is room.
+    pub room: u16,
+}
+
+/// A host and the session that it was offered or has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Peer {
+    id: u32,
+    session: u32,
+}
+
+/// What is to be said.
+#[derive(Clone, Copy, Debug, Default)]
+struct Due {
+    mismatch: Option<u32>,
+    welcome: Option<Peer>,
+    unknown: Option<u32>,
+    report: bool,
+}
+
+/// The state machine of the controller's end.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    greetings: u32,
+    offered: Option<Peer>,
+    open: Option<Peer>,
+    opened: bool,
+    due: Due,
+    next: u16,
+    /// Whether a later item came before the one expected, and whether that was said.
+    gap: Gap,
+    refused: Option<ItemRefusal>,
+    command: u8,
+    denied: Option<Denial>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Gap {
+    None,
+    Seen,
+    Said,
+}
+
+impl Receiver {
+    /// A receiver without a session. `boot` tells the sessions of this run of the controller from those of others:
+    /// a count of resets or a random number.
+    #[must_use]
+    pub fn new(boot: u32) -> Self {
+        Self {
+            greetings: boot,
+            offered: None,
+            open: None,
+            opened: false,
+            due: Due::default(),
+            next: 0,
+            gap: Gap::None,
+            refused: None,
+            command: 0,
+            denied: None,
+        }
+    }
+
+    /// The session that is open.
+    #[must_use]
+    pub fn session(&self) -> Option<u32> {
+        self.open.map(|peer| peer.session)
+    }
+
+    /// Whether a session has begun since this was last asked.
+    pub fn opened(&mut self) -> bool {
+        core::mem::take(&mut self.opened)
+    }
+
+    /// Takes a frame, with room for so many items. What it brings has to be answered before the next frame.
+    pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
+        let (session, message) = frame::open(bytes)?;
+        if let ToDevice::Hello {
+            version,
+            schema,
+            id,
+        } = message
+        {
+            if session == 0 {
+                self.greet(id, (version, schema) == (VERSION, SCHEMA));
+            }
+            return None;
+        }
+        self.admit(session)?;
+        match message {
+            ToDevice::Hello { .. } => None,
+            ToDevice::Alive => {
+                self.due.report = true;
+                Some(Event::Alive)
+            }
+            ToDevice::Item { sequence, item } => self.item(sequence, item, room),
+            ToDevice::Command { number, command } => {
+                self.due.report = true;
+                let new = number == self.command.wrapping_add(1);
+                new.then_some(Event::Command(command))
+            }
+        }
+    }
+
+    fn greet(&mut self, id: u32, understood: bool) {
+        if !understood {
+            self.due.mismatch = Some(id);
+            return;
+        }
+        // A greeting that comes twice is answered twice the same.
+        let known = [self.open, self.offered].into_iter().flatten();
+        let known = { known }.find(|peer| peer.id == id);
+        let peer = known.unwrap_or_else(|| {
+            self.greetings = self.greetings.wrapping_add(1);
+            let session = id.wrapping_add(self.greetings).max(1);
+            *self.offered.insert(Peer { id, session })
+        });
+        self.due.welcome = Some(peer);
+    }
+
+    /// Whether frames of that session count: those of the open one, and those of the one offered, which opens it.
+    fn admit(&mut self, session: u32) -> Option<()> {
+        if self.session() == Some(session) {
+            return Some(());
+        }
+        let Some(peer) = self.offered.filter(|peer| peer.session == session) else {
+            self.due.unknown = Some(session);
+            return None;
+        };
+        let (greetings, due) = (self.greetings, self.due);
+        *self = Self::new(greetings);
+        (self.open, self.opened) = (Some(peer), true);
+        self.due = Due {
+            report: true,
+            ..due
+        };
+        Some(())
+    }
+
+    fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Option<Event<'b>> {
+        match ahead(sequence, self.next) {
+            0 if room > 0 => Some(Event::Item(item)),
+            // One that came before: its acknowledgement was lost. Or there is no room.
+            ..=0 => {
+                self.due.report = true;
+                None
+            }
+            _ => {
+                // What follows a refused item is no gap.
+                if self.gap == Gap::None && self.refused.is_none() {
+                    self.gap = Gap::Seen;
+                    self.due.report = true;
+                }
+                None
+            }
+        }
+    }
+
+    /// The item was taken.
+    pub fn took(&mut self) {
+        self.next = self.next.wrapping_add(1);
+        (self.gap, self.refused) = (Gap::None, None);
+        self.due.report = true;
+    }
+
+    /// The item was not taken. It stays the one that is expected.
+    pub fn refuse(&mut self, refusal: ItemRefusal) {
+        self.refused = Some(refusal);
+        self.due.report = true;
+    }
+
+    /// The command was carried out, or not.
+    pub fn answer(&mut self, result: Result<(), Denial>) {
+        self.command = self.command.wrapping_add(1);
+        self.denied = result.err();
+    }
+
+    /// Asks for a report: something has changed that the host should know.
+    pub fn announce(&mut self) {
+        self.due.report = self.open.is_some();
+    }
+
+    /// The next answer, if there is one, in `buffer`. It stays due until [`sent`](Self::sent).
+    pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+        if let Some(id) = self.due.mismatch {
+            let (version, schema) = (VERSION, SCHEMA);
+            let message = ToHost::Mismatch {
+                id,
+                version,
+                schema,
+            };
+            frame::seal(0, &message, buffer)
+        } else if let Some(Peer { id, session }) = self.due.welcome {
+            frame::seal(0, &ToHost::Welcome { id, session }, buffer)
+        } else if let Some(session) = self.due.unknown {
+            frame::seal(session, &ToHost::Unknown, buffer)
+        } else if let Some(peer) = self.open.filter(|_| self.due.report) {
+            let message = ToHost::Report(self.report(status));
+            frame::seal(peer.session, &message, buffer)
+        } else {
+            None
+        }
+    }
+
+    /// What [`poll`](Self::poll) returned is on its way.
+    pub fn sent(&mut self) {
+        if self.due.mismatch.take().is_none()
+            && self.due.welcome.take().is_none()
+            && self.due.unknown.take().is_none()
+        {
+            self.due.report = false;
+            if self.gap == Gap::Seen {
+                self.gap = Gap::Said;
+            }
+        }
+    }
+
+    fn report(&self, status: &Status) -> Report {
+        Report {
+            next: self.next,
+            limit: self.next.wrapping_add(status.room),
+            gap: self.gap == Gap::Seen,
+            refused: self.refused,
+            command: self.command,
+            denied: self.denied,
+            state: status.state,
+            reason: status.reason,
+            place: status.place,
+        }
+    }
+}

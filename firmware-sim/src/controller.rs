@@ -1,0 +1,302 @@
+//! The controller without its board: bytes of the line and ticks of the clock go in, angles and bytes come out.
+//!
+//! On a board an interrupt calls [`Controller::tick`] at a steady pace and sets the hinges, the main loop hands over
+//! received bytes ([`Controller::byte`]) and calls [`Controller::poll`], and the transmitter [takes](Controller::take)
+//! bytes. Times are microseconds on the controller's clock.
+
+use foldpath_core::Interpolation;
+use foldpath_core::acceptance::{Refusal, Setpoint};
+use foldpath_core::follower::{Denial, Follower, Options, Reason, State};
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::frame;
+use foldpath_core::wire::message::{Command, Item, ItemRefusal, SetpointBytes, ToHost};
+use foldpath_core::wire::path;
+use foldpath_core::wire::receiver::{Event, Receiver, Status};
+use foldpath_core::wire::transmit::Ring;
+use heapless::Vec;
+
+use crate::sheet::Sheet;
+
+/// Longest frame, in bytes.
+pub const FRAME: usize = 256;
+/// Bytes that wait for the line at the most.
+pub const WAITING: usize = 512;
+/// Bytes of them that telemetry leaves to answers: four reports.
+const RESERVE: usize = 4 * cobs::longest(56);
+
+/// Options of a [`Controller`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// How the path is followed.
+    pub follower: Options<f32>,
+    /// Largest closure residual that a host may ask for.
+    pub closure: f32,
+    /// Microseconds between two messages of telemetry.
+    pub telemetry: u64,
+    /// Tells the sessions of this run from those of others: a count of resets or a random number.
+    pub boot: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            follower: Options::default(),
+            closure: 1e-3,
+            telemetry: 20_000,
+            boot: 0,
+        }
+    }
+}
+
+/// A controller of at most so many groups, hinges and spokes of essential vertices, with a queue of so many
+/// setpoints.
+#[derive(Debug)]
+pub struct Controller<
+    const GROUPS: usize,
+    const HINGES: usize,
+    const SPOKES: usize,
+    const KNOTS: usize,
+> {
+    settings: Settings,
+    sheet: Sheet<GROUPS, HINGES, SPOKES>,
+    follower: Follower<f32, GROUPS, KNOTS>,
+    receiver: Receiver,
+    deframer: Deframer<FRAME>,
+    ring: Ring<WAITING>,
+    /// Whether the path is that of the open session.
+    loaded: bool,
+    /// What the host was last told.
+    told: Option<(State, Reason, usize)>,
+    telemetry: u64,
+}
+
+impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
+    Controller<GROUPS, HINGES, SPOKES, KNOTS>
+{
+    /// A controller that waits for a host.
+    #[must_use]
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            settings,
+            sheet: Sheet::default(),
+            follower: Follower::new(settings.follower),
+            receiver: Receiver::new(settings.boot),
+            deframer: Deframer::default(),
+            ring: Ring::default(),
+            loaded: false,
+            told: None,
+            telemetry: 0,
+        }
+    }
+
+    /// The follower: what is commanded, and where hinges are measured.
+    #[must_use]
+    pub fn follower(&self) -> &Follower<f32, GROUPS, KNOTS> {
+        &self.follower
+    }
+
+    /// The follower, to tell it where hinges are.
+    pub fn follower_mut(&mut self) -> &mut Follower<f32, GROUPS, KNOTS> {
+        &mut self.follower
+    }
+
+    /// The sheet, for the groups and signs of its hinges.
+    #[must_use]
+    pub fn sheet(&self) -> &Sheet<GROUPS, HINGES, SPOKES> {
+        &self.sheet
+    }
+
+    /// A byte has come.
+    pub fn byte(&mut self, byte: u8, now: u64) {
+        let room = self.room();
+        let Self {
+            sheet,
+            follower,
+            receiver,
+            deframer,
+            ..
+        } = self;
+        let Some(frame) = deframer.push(byte) else {
+            return;
+        };
+        let event = receiver.receive(frame, room);
+        if receiver.opened() {
+            self.loaded = false;
+            if follower.is_under_way() {
+                follower.hold(Reason::Session);
+            }
+        }
+        let Some(event) = event else {
+            return;
+        };
+        follower.heard(now);
+        match event {
+            Event::Alive => {}
+            Event::Item(item) => match take(item, sheet, follower, self.settings.closure) {
+                Ok(()) => {
+                    self.loaded = true;
+                    receiver.took();
+                }
+                Err(refusal) => receiver.refuse(refusal),
+            },
+            Event::Command(command) => {
+                let answer = obey(command, follower, self.loaded);
+                receiver.answer(answer);
+                let leaves = matches!(command, Command::Unload | Command::Clear);
+                if leaves && answer.is_ok() {
+                    sheet.clear();
+                }
+            }
+        }
+    }
+
+    /// The level of the stop line.
+    pub fn stop(&mut self, drawn: bool) {
+        self.follower.stop(drawn);
+    }
+
+    /// Moves on to `now`.
+    pub fn tick(&mut self, now: u64) {
+        self.follower.tick(now);
+    }
+
+    /// Puts what is to be said at `now` on the line, as far as there is room.
+    pub fn poll(&mut self, now: u64) {
+        let (state, reason) = (self.follower.state(), self.follower.reason());
+        let room = self.follower.room();
+        let news = self.told.is_none_or(|(old_state, old_reason, old_room)| {
+            (state, reason) != (old_state, old_reason) || room >= old_room + KNOTS.div_ceil(4)
+        });
+        if news {
+            self.receiver.announce();
+        }
+        let status = Status {
+            state,
+            reason,
+            place: self.follower.place(),
+            room: self.room(),
+        };
+        let mut buffer = [0; FRAME];
+        while let Some(frame) = self.receiver.poll(&status, &mut buffer) {
+            if !self.ring.add(frame, 0) {
+                return;
+            }
+            self.receiver.sent();
+            self.told = Some((state, reason, room));
+        }
+        let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
+        if let Some(session) = self.receiver.session().filter(|_| due) {
+            self.telemetry = now;
+            self.tell(session, now, &mut buffer);
+        }
+    }
+
+    /// The next byte for the line.
+    pub fn take(&mut self) -> Option<u8> {
+        self.ring.take()
+    }
+
+    /// Sends telemetry, if there is room for it.
+    fn tell(&mut self, session: u32, now: u64, buffer: &mut [u8]) {
+        let mut angles = [[0; 4]; GROUPS];
+        let mut groups = 0;
+        for (bytes, angle) in angles.iter_mut().zip(self.follower.angles()) {
+            *bytes = angle.to_le_bytes();
+            groups += 1;
+        }
+        let message = ToHost::Telemetry {
+            time: now,
+            state: self.follower.state(),
+            rate: self.follower.rate(),
+            place: self.follower.place(),
+            angles: angles.get(..groups).unwrap_or(&[]).as_flattened(),
+        };
+        if let Some(frame) = frame::seal(session, &message, buffer) {
+            self.ring.add(frame, RESERVE);
+        }
+    }
+
+    /// Items for which there is room. A sheet that moves on the path of another host takes none.
+    fn room(&self) -> u16 {
+        let room = if self.loaded
+            && (self.follower.is_under_way() || self.follower.state() == State::Ready)
+        {
+            self.follower.room()
+        } else if self.follower.rate() > 0.0 {
+            0
+        } else {
+            KNOTS
+        };
+        u16::try_from(room).unwrap_or(u16::MAX)
+    }
+}
+
+/// Carries out a command. The path of another session does not go on.
+fn obey<const GROUPS: usize, const KNOTS: usize>(
+    command: Command,
+    follower: &mut Follower<f32, GROUPS, KNOTS>,
+    loaded: bool,
+) -> Result<(), Denial> {
+    match command {
+        Command::Start => follower.start(),
+        Command::Hold => {
+            follower.hold(Reason::Asked);
+            Ok(())
+        }
+        Command::Resume if !loaded && follower.is_under_way() => Err(Denial::State),
+        Command::Resume => follower.resume(),
+        Command::Unload => follower.unload(),
+        Command::Clear => follower.clear(),
+    }
+}
+
+/// Takes an item.
+fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
+    item: Item<'_>,
+    sheet: &mut Sheet<GROUPS, HINGES, SPOKES>,
+    follower: &mut Follower<f32, GROUPS, KNOTS>,
+    closure: f32,
+) -> Result<(), ItemRefusal> {
+    match item {
+        Item::Sheet(head) => {
+            follower.unload().map_err(ItemRefusal::Path)?;
+            sheet.begin(head, closure)
+        }
+        Item::Limits(bytes) => sheet.add_limits(bytes),
+        Item::Hinges(bytes) => sheet.add_hinges(bytes),
+        Item::Spokes(bytes) => sheet.add_spokes(bytes),
+        Item::Setpoint(bytes) => {
+            let (view, head) = sheet.view().ok_or(ItemRefusal::Incomplete)?;
+            if follower.state() == State::Idle {
+                follower
+                    .load(&view, head.place)
+                    .map_err(ItemRefusal::Path)?;
+            }
+            let setpoint = setpoint(&bytes, view.interpolation);
+            let Some(setpoint) = setpoint else {
+                follower.hold(Reason::Refused(Refusal::Groups));
+                return Err(ItemRefusal::Setpoint(Refusal::Groups));
+            };
+            let accepted = follower.accept(&view, setpoint);
+            accepted.map_err(ItemRefusal::Setpoint)
+        }
+    }
+}
+
+/// A setpoint of its bytes; nothing if there are too many, or a piece of a group.
+fn setpoint<const GROUPS: usize>(
+    bytes: &SetpointBytes<'_>,
+    interpolation: Interpolation,
+) -> Option<Setpoint<f32, GROUPS>> {
+    let mut nodes = Vec::new();
+    for node in path::nodes(interpolation, bytes.nodes) {
+        nodes.push(node).ok()?;
+    }
+    let whole = nodes.len() * 4 * interpolation.width() == bytes.nodes.len();
+    whole.then_some(Setpoint {
+        number: bytes.number,
+        time: bytes.time,
+        last: bytes.last,
+        nodes,
+    })
+}

@@ -1,0 +1,164 @@
+//! The sheet as the host describes it, piece by piece.
+
+use foldpath_core::acceptance::SheetView;
+use foldpath_core::wire::message::{ItemRefusal, SheetHead};
+use foldpath_core::wire::path;
+use foldpath_core::{GroupLimits, Membership, Spoke, StarsView};
+use heapless::Vec;
+
+/// A sheet of at most so many groups, hinges and spokes of essential vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
+    head: Option<SheetHead>,
+    limits: Vec<GroupLimits, GROUPS>,
+    hinges: Vec<[u8; 2], HINGES>,
+    spokes: Vec<Spoke<f32>, SPOKES>,
+    ends: Vec<u32, SPOKES>,
+}
+
+impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS, HINGES, SPOKES> {
+    /// Begins a new sheet, whose configurations may be open by at most `closure`.
+    ///
+    /// # Errors
+    /// If there is no room, or it wants to be open by more.
+    pub fn begin(&mut self, head: SheetHead, closure: f32) -> Result<(), ItemRefusal> {
+        self.clear();
+        let SheetHead {
+            groups,
+            hinges,
+            spokes,
+            ..
+        } = head;
+        let fits = [(groups, GROUPS), (hinges, HINGES), (spokes, SPOKES)];
+        if fits.iter().any(|&(count, room)| usize::from(count) > room) {
+            return Err(ItemRefusal::Room);
+        }
+        if !(0.0..=closure).contains(&head.closure) {
+            return Err(ItemRefusal::Closure);
+        }
+        self.head = Some(head);
+        Ok(())
+    }
+
+    /// Forgets the sheet.
+    pub fn clear(&mut self) {
+        self.head = None;
+        self.limits.clear();
+        self.hinges.clear();
+        self.spokes.clear();
+        self.ends.clear();
+    }
+
+    /// The next limits. All or none are taken, as of all pieces.
+    ///
+    /// # Errors
+    /// If they are too many, cut off or not sound.
+    pub fn add_limits(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        room(self.limits.len(), pieces, head.groups)?;
+        for (group, bytes) in (number(self.limits.len())..).zip(pieces) {
+            if !path::limits(bytes).are_sound() {
+                return Err(ItemRefusal::Limits(group));
+            }
+        }
+        push(&mut self.limits, pieces.iter().map(path::limits))
+    }
+
+    /// The next hinges.
+    ///
+    /// # Errors
+    /// If they are too many, cut off or without a group.
+    pub fn add_hinges(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        room(self.hinges.len(), pieces, head.hinges)?;
+        for (hinge, bytes) in (number(self.hinges.len())..).zip(pieces) {
+            if path::hinge(*bytes).group.index() >= usize::from(head.groups) {
+                return Err(ItemRefusal::Hinge(hinge));
+            }
+        }
+        push(&mut self.hinges, pieces.iter().copied())
+    }
+
+    /// The next spokes.
+    ///
+    /// # Errors
+    /// If they are too many or cut off, or with the last of them the vertices are not sound.
+    pub fn add_spokes(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
+        let (head, pieces) = (self.head()?, whole(bytes)?);
+        let before = (self.spokes.len(), self.ends.len());
+        room(before.0, pieces, head.spokes)?;
+        for (count, bytes) in (before.0 + 1..).zip(pieces) {
+            let (spoke, last) = path::spoke(*bytes);
+            let end = last.then_some(number(count).into());
+            push(&mut self.spokes, core::iter::once(spoke))?;
+            push(&mut self.ends, end.into_iter())?;
+        }
+        let complete = number(self.spokes.len()) == head.spokes;
+        if complete && self.stars().is_none() {
+            self.spokes.truncate(before.0);
+            self.ends.truncate(before.1);
+            return Err(ItemRefusal::Stars);
+        }
+        Ok(())
+    }
+
+    fn head(&self) -> Result<SheetHead, ItemRefusal> {
+        self.head.ok_or(ItemRefusal::Incomplete)
+    }
+
+    fn stars(&self) -> Option<StarsView<'_, f32>> {
+        let groups = self.head?.groups;
+        StarsView::new(&self.spokes, &self.ends, groups.into())
+    }
+
+    /// The sheet and where on its path to begin, if it is complete.
+    #[must_use]
+    pub fn view(&self) -> Option<(SheetView<'_, f32>, SheetHead)> {
+        let head = self.head?;
+        let counts = [self.limits.len(), self.hinges.len(), self.spokes.len()];
+        let complete = counts.map(number) == [head.groups, head.hinges, head.spokes];
+        let view = SheetView {
+            interpolation: head.interpolation,
+            limits: &self.limits,
+            stars: self.stars()?,
+            closure: head.closure,
+        };
+        complete.then_some((view, head))
+    }
+
+    /// Group and sign of each hinge.
+    pub fn hinges(&self) -> impl Iterator<Item = Membership> {
+        self.hinges.iter().map(|bytes| path::hinge(*bytes))
+    }
+}
+
+/// The pieces of `N` bytes, if there is no other.
+fn whole<const N: usize>(bytes: &[u8]) -> Result<&[[u8; N]], ItemRefusal> {
+    let (pieces, rest) = bytes.as_chunks();
+    if rest.is_empty() {
+        Ok(pieces)
+    } else {
+        Err(ItemRefusal::Pieces)
+    }
+}
+
+/// Whether so many more pieces are still among those that the sheet has.
+fn room<T>(have: usize, pieces: &[T], most: u16) -> Result<(), ItemRefusal> {
+    if have + pieces.len() > usize::from(most) {
+        return Err(ItemRefusal::Pieces);
+    }
+    Ok(())
+}
+
+/// Adds pieces for which there is room.
+fn push<T, const N: usize>(
+    pieces: &mut Vec<T, N>,
+    mut more: impl Iterator<Item = T>,
+) -> Result<(), ItemRefusal> {
+    more.try_for_each(|piece| pieces.push(piece).map_err(|_| ItemRefusal::Room))
+}
+
+/// A count below 2¹⁶ as it is sent.
+fn number(count: usize) -> u16 {
+    u16::try_from(count).unwrap_or(u16::MAX)
+}

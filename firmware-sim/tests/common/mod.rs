@@ -1,0 +1,402 @@
+//! A host, a line with faults and a controller in virtual time, with a Miura fold whose motion is known in
+//! closed form.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use core::f64::consts::PI;
+
+use foldpath_core::follower::{Place, Reason, State};
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::message::{Command, Item};
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
+use foldpath_core::{
+    GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarView, StarsView,
+    local_foldability_matrix,
+};
+use foldpath_firmware_sim::controller::{Controller, Settings};
+use foldpath_firmware_sim::faults::{Faults, Line};
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+
+/// Seconds between knots, and knots of the path.
+pub(crate) const STEP: f64 = 0.02;
+pub(crate) const KNOTS: usize = 101;
+/// Largest fold angle of the path, and the limits of both groups.
+pub(crate) const TOP: f64 = 2.6;
+pub(crate) const LIMITS: GroupLimits = GroupLimits {
+    lower: -0.1,
+    upper: 2.7,
+    speed: 2.5,
+    acceleration: 8.0,
+};
+/// Largest residual that a commanded configuration may have: that of the cubics between knots, and the floor of
+/// f32.
+pub(crate) const CLOSURE: f32 = 2e-6;
+/// Microseconds of a step of the world, of which four are a tick.
+pub(crate) const INSTANT: u64 = 250;
+
+pub(crate) type Device = Controller<4, 64, 32, 16>;
+
+pub(crate) fn rng(seed: u64) -> Pcg64 {
+    Pcg64::new(u128::from(seed), 7)
+}
+
+pub(crate) fn below(rng: &mut impl Rng, count: u64) -> u64 {
+    rng.next_u64() % count
+}
+
+/// A path in numbers of its own.
+pub(crate) struct Path {
+    times: Vec<f32>,
+    angles: Vec<f32>,
+    rates: Vec<f32>,
+    spokes: Vec<Spoke<f32>>,
+    exact: Vec<Spoke<f64>>,
+    hinges: Vec<Membership>,
+}
+
+impl Path {
+    /// Miura's fold with 60 degree sectors, there and smooth at both ends.
+    pub(crate) fn miura() -> Self {
+        let duration = STEP * (KNOTS - 1) as f64;
+        let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for knot in 0..KNOTS {
+            let time = STEP * knot as f64;
+            let (sin, cos) = (PI * time / duration).sin_cos();
+            let t = (TOP * (1.0 - cos) / 4.0).tan();
+            let rate = TOP * sin / 2.0 * PI / duration;
+            let minor = rate * 0.5 * (1.0 + t * t) / (1.0 + t * t / 4.0);
+            times.push(f32::lit(time));
+            angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
+            rates.extend([rate, minor].map(f32::lit));
+        }
+        let hinge = |hinge: u32| Membership {
+            group: GroupId(hinge % 2),
+            negative: hinge.is_multiple_of(3),
+        };
+        Self {
+            times,
+            angles,
+            rates,
+            spokes: spokes(),
+            exact: spokes(),
+            hinges: (0..50).map(hinge).collect(),
+        }
+    }
+
+    pub(crate) fn view(&self) -> TrajectoryView<'_, f32> {
+        let kind = Interpolation::Hermite;
+        TrajectoryView::new(kind, 2, &self.times, &self.angles, &self.rates, &[]).unwrap()
+    }
+
+    pub(crate) fn stars(&self) -> StarsView<'_, f32> {
+        StarsView::new(&self.spokes, &[4], 2).unwrap()
+    }
+
+    pub(crate) fn items(&self, place: Place<f32>) -> PathItems<'_> {
+        let limits = &[LIMITS; 2];
+        PathItems::new(
+            self.view(),
+            limits,
+            &self.hinges,
+            self.stars(),
+            CLOSURE,
+            place,
+        )
+        .unwrap()
+    }
+
+    /// The angles at a place.
+    pub(crate) fn at(&self, place: Place<f32>) -> [f32; 2] {
+        let knot = place.knot as usize;
+        if place.into > 0.0 {
+            let s = place.into / (self.times[knot + 1] - self.times[knot]);
+            [0, 1].map(|group| self.view().curve(knot, group).unwrap().angle(s))
+        } else {
+            [self.angles[2 * knot], self.angles[2 * knot + 1]]
+        }
+    }
+
+    /// The closure residual of the real vertex at these angles, by the report's matrices in f64.
+    pub(crate) fn residual(&self, angles: &[f32]) -> f64 {
+        let angles = [angles[0], angles[1]].map(f64::from);
+        let star = StarView {
+            spokes: &self.exact,
+        };
+        let matrix = local_foldability_matrix(star, [0.0; 2], &angles);
+        let entry = |i: usize, j: usize| matrix[(i, j)] - if i == j { 1.0 } else { 0.0 };
+        let places = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+        let square: f64 = places.map(|(i, j)| entry(i, j).powi(2)).sum();
+        (square / 2.0).sqrt()
+    }
+}
+
+/// Miura's vertex with 60 degree sectors.
+fn spokes<T: Scalar>() -> Vec<Spoke<T>> {
+    let spoke = |(degrees, group, negative): (f64, u32, bool)| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Spoke {
+            group: GroupId(group),
+            negative,
+            direction: [T::lit(cos), T::lit(sin)],
+        }
+    };
+    let creases = [
+        (0.0, 1, true),
+        (60.0, 0, false),
+        (180.0, 1, false),
+        (300.0, 0, false),
+    ];
+    creases.map(spoke).to_vec()
+}
+
+/// What a host sends: nothing until it knows where to begin.
+pub(crate) struct Begin<'a>(pub(crate) Option<PathItems<'a>>);
+
+impl Source for Begin<'_> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        self.0.as_ref()?.item(index, scratch)
+    }
+}
+
+/// A host that sends a path from where the sheet stands, starts, and asks to go on whenever something held.
+pub(crate) struct Host<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) sender: Sender,
+    pub(crate) source: Begin<'a>,
+    pub(crate) deframer: Deframer<512>,
+    /// Whether it polls and listens.
+    pub(crate) awake: bool,
+    pub(crate) reasons: Vec<Reason>,
+    pub(crate) telemetry: u64,
+    pub(crate) commands: Vec<Command>,
+    asked: u64,
+}
+
+impl<'a> Host<'a> {
+    pub(crate) fn new(path: &'a Path, id: u32) -> Self {
+        Self {
+            path,
+            sender: Sender::new(id, Options::default()),
+            source: Begin(None),
+            deframer: Deframer::default(),
+            awake: true,
+            reasons: Vec::new(),
+            telemetry: 0,
+            commands: Vec::new(),
+            asked: 0,
+        }
+    }
+
+    pub(crate) fn is_done(&self) -> bool {
+        self.loaded() && self.sender.report().is_some_and(|r| r.state == State::Done)
+    }
+
+    fn loaded(&self) -> bool {
+        let items = self.source.0.as_ref().map(|items| items.len() as u64);
+        items.is_some_and(|items| self.sender.acknowledged() == items)
+    }
+
+    pub(crate) fn byte(&mut self, byte: u8, now: u64) {
+        use foldpath_core::wire::message::ToHost;
+        let Some(frame) = self.deframer.push(byte) else {
+            return;
+        };
+        match self.sender.receive(frame, now) {
+            Some(ToHost::Report(report)) if self.reasons.last() != Some(&report.reason) => {
+                self.reasons.push(report.reason);
+            }
+            Some(ToHost::Telemetry { .. }) => self.telemetry += 1,
+            _ => {}
+        }
+    }
+
+    /// Decides what to ask for.
+    pub(crate) fn decide(&mut self, now: u64) {
+        let (Phase::Open, Some(report)) = (self.sender.phase(), self.sender.report()) else {
+            return;
+        };
+        let report = *report;
+        if self.source.0.is_none() {
+            // While the sheet moves on an old path, there is no room, and the place is not the last.
+            if report.limit != report.next {
+                self.source = Begin(Some(self.path.items(report.place)));
+            }
+            return;
+        }
+        // Four items of the sheet, and two setpoints or the last.
+        let begun = self.loaded() || self.sender.acknowledged() >= 4 + 2;
+        let command = match (report.state, report.reason) {
+            (State::Faulted, _) => Command::Clear,
+            (_, Reason::StopLine | Reason::Silence | Reason::Session | Reason::Asked) => {
+                Command::Resume
+            }
+            (State::Ready, _) if begun => Command::Start,
+            _ => return,
+        };
+        // What was answered is looked at for a while before it is asked again.
+        if now >= self.asked + 100_000 && self.sender.command(command) {
+            self.asked = now;
+            self.commands.push(command);
+        }
+    }
+
+    /// The next frame for the line.
+    pub(crate) fn poll(&mut self, now: u64) -> Option<Vec<u8>> {
+        self.decide(now);
+        let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+        let frame = self
+            .sender
+            .poll(now, &self.source, &mut scratch, &mut buffer)?;
+        let mut bytes = Vec::new();
+        cobs::encode(frame, |byte| bytes.push(byte));
+        Some(bytes)
+    }
+}
+
+/// All of it.
+pub(crate) struct World<'a> {
+    pub(crate) now: u64,
+    pub(crate) hosts: Vec<Host<'a>>,
+    pub(crate) up: Line<Pcg64>,
+    pub(crate) down: Line<Pcg64>,
+    pub(crate) device: Device,
+    /// Whether the device's bytes are taken from it.
+    pub(crate) drains: bool,
+    pub(crate) path: &'a Path,
+    pub(crate) max_closure: f64,
+    pub(crate) ticks: u64,
+    outgoing: Vec<u8>,
+    before: Option<[f32; 2]>,
+}
+
+impl<'a> World<'a> {
+    pub(crate) fn new(path: &'a Path, faults: Faults, seed: u64) -> Self {
+        Self {
+            now: 0,
+            hosts: vec![Host::new(path, 1000 + u32::try_from(seed).unwrap() * 7)],
+            up: Line::new(faults, rng(2 * seed)),
+            down: Line::new(faults, rng(2 * seed + 1)),
+            device: Device::new(Settings::default()),
+            drains: true,
+            path,
+            max_closure: 0.0,
+            ticks: 0,
+            outgoing: Vec::new(),
+            before: None,
+        }
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.device.follower().state()
+    }
+
+    pub(crate) fn reason(&self) -> Reason {
+        self.device.follower().reason()
+    }
+
+    /// A quarter of a millisecond.
+    pub(crate) fn step(&mut self) {
+        self.now += INSTANT;
+        for host in &mut self.hosts {
+            while host.awake && self.up.is_free(self.now) {
+                let Some(bytes) = host.poll(self.now) else {
+                    break;
+                };
+                self.up.write(&bytes, self.now);
+            }
+        }
+        while let Some(byte) = self.down.read(self.now) {
+            for host in self.hosts.iter_mut().filter(|host| host.awake) {
+                host.byte(byte, self.now);
+            }
+        }
+        while let Some(byte) = self.up.read(self.now) {
+            self.device.byte(byte, self.now);
+        }
+        if self.now.is_multiple_of(4 * INSTANT) {
+            self.device.tick(self.now);
+            self.look();
+        }
+        self.device.poll(self.now);
+        while self.drains && self.down.is_free(self.now) {
+            let Some(byte) = self.device.take() else {
+                break;
+            };
+            self.outgoing.push(byte);
+            if byte == 0 {
+                self.down.write(&self.outgoing, self.now);
+                self.outgoing.clear();
+            }
+        }
+    }
+
+    /// What has to be true at every tick, whatever went wrong.
+    fn look(&mut self) {
+        self.ticks += 1;
+        let follower = self.device.follower();
+        let angles = follower.angles();
+        if angles.is_empty() {
+            return;
+        }
+        let angles = [angles[0], angles[1]];
+        // Nothing is executed that was not sent.
+        let sent = self.path.at(follower.place());
+        assert_eq!(
+            angles.map(f32::to_bits),
+            sent.map(f32::to_bits),
+            "{:?}",
+            follower.place()
+        );
+        let residual = self.path.residual(&angles);
+        self.max_closure = self.max_closure.max(residual);
+        assert!(residual <= f64::from(CLOSURE), "{residual:e} at {angles:?}");
+        let before = self.before.replace(angles).unwrap_or(angles);
+        for ((angle, before), rate) in angles.iter().zip(before).zip(follower.rates()) {
+            assert!((LIMITS.lower..=LIMITS.upper).contains(angle));
+            assert!(rate.abs() <= LIMITS.speed);
+            let moved = (f64::from(*angle) - f64::from(before)).abs();
+            assert!(moved <= f64::from(LIMITS.speed) * 1e-3 + 1e-6, "{moved}");
+        }
+    }
+
+    pub(crate) fn run(&mut self, micros: u64) {
+        let end = self.now + micros;
+        while self.now < end {
+            self.step();
+        }
+    }
+
+    /// Runs until the last host knows that the path is done.
+    pub(crate) fn finish(&mut self, seconds: u64) {
+        let end = self.now + seconds * 1_000_000;
+        while self.now < end {
+            self.step();
+            if self.hosts.last().is_some_and(Host::is_done) {
+                let last = Place {
+                    knot: 100,
+                    into: 0.0,
+                };
+                assert_eq!(self.device.follower().place(), last);
+                assert_eq!(self.state(), State::Done);
+                return;
+            }
+        }
+        let host = self.hosts.last().unwrap();
+        panic!(
+            "not done: {:?} {:?} {:?} {:?}",
+            self.state(),
+            self.reason(),
+            host.sender,
+            self.device.follower().place()
+        );
+    }
+
+    pub(crate) fn failure(&self, host: usize) -> Option<Failure> {
+        match self.hosts[host].sender.phase() {
+            Phase::Failed(failure) => Some(failure),
+            _ => None,
+        }
+    }
+}
