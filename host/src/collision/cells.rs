@@ -233,9 +233,9 @@ impl<'a> Cells<'a> {
             .sum()
     }
 
-    /// Differences of cells that may come within `near` of each other from a tabulated time to the `AHEAD`th next, less
-    /// those that were woken before; their numbers follow one another, the nearest comes last. All of them
-    /// where steps turn, or `near` is infinite; `None` if there are too many.
+    /// Differences of cells that may come within `near` of each other from a tabulated time to the
+    /// [`AHEAD`]th next, less those that were woken before; their numbers follow one another, the nearest
+    /// comes last. All of them where steps turn, or `near` is infinite; `None` if there are too many.
     pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
         let first = self.offsets.len();
         if !self.all_awake {
