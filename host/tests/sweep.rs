@@ -493,3 +493,25 @@ fn with_a_lattice_a_few_pairs_stand_for_all() {
         }
     }
 }
+
+/// Strips that close to tubes and pass through themselves in a small part of the time between two tabulated ones.
+#[test]
+fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
+    let places: Vec<f64> = (0..31).map(f64::from).collect();
+    let (pattern, mut memberships) = strip(&places, &[0.0; 31]);
+    for member in &mut memberships {
+        member.group = GroupId(0);
+    }
+    let lattice = Lattice::find(&pattern, &memberships).unwrap();
+    for most in [20.0, 40.0, 80.0, 120.0, 160.0] {
+        let found = [true, false].map(|skip_motion| {
+            let options = SweepOptions {
+                skip_motion,
+                ..SweepOptions::default()
+            };
+            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            crossing_at(sweep.sweep(&vec![vec![line(0.0, most)]])).1
+        });
+        assert!((found[1] - found[0]).abs() < 1e-5, "{most}: {found:?}");
+    }
+}
