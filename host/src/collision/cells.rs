@@ -42,7 +42,8 @@ pub(super) struct Cells<'a> {
     /// Where those circles are in cell `[0, 0]`, if they were asked for at this time.
     disks: Vec<Disk>,
     centered: Tick,
-    /// Powers of both steps, from the lowest on, with their times.
+    /// Powers of both steps, from the lowest on, with their times: to all cells, `[0, 0]` among them, and for all
+    /// their differences.
     low: [i32; 2],
     powers: [Vec<(Tick, Pose)>; 2],
     /// Those that were woken, and the same in order.
@@ -113,7 +114,10 @@ impl<'a> Cells<'a> {
         let ends = |k: usize| {
             let low = orbits.iter().map(|orbit| orbit.low[k]).min();
             let high = orbits.iter().map(|orbit| orbit.high[k]).max();
-            [low.unwrap_or_default(), high.unwrap_or_default()]
+            [
+                low.unwrap_or_default().min(0),
+                high.unwrap_or_default().max(0),
+            ]
         };
         let ends = [ends(0), ends(1)];
         let most = ends.map(|[low, high]| high.abs_diff(low));
@@ -131,12 +135,8 @@ impl<'a> Cells<'a> {
                 .collect(),
             disks: Vec::new(),
             centered: Tick::MAX,
-            // Both cells, and their differences.
-            low: ends.map(|[low, high]| low.min(low.saturating_sub(high))),
-            powers: ends.map(|[low, high]| {
-                let all = 2 * high.abs_diff(low) as usize + 1;
-                vec![still; all.max(low.unsigned_abs() as usize + high.unsigned_abs() as usize + 1)]
-            }),
+            low: ends.map(|[low, high]| low.saturating_sub(high)),
+            powers: ends.map(|[low, high]| vec![still; 2 * high.abs_diff(low) as usize + 1]),
             offsets: Vec::new(),
             known: Vec::new(),
             all_awake: false,
@@ -343,26 +343,24 @@ impl<'a> Cells<'a> {
     }
 
     /// So many steps on in space.
-    fn translation(&mut self, cell: [i32; 2]) -> Pose {
-        let [first, second]: [Option<Pose>; 2] = core::array::from_fn(|k| {
-            let power = || self.folded.steps()[k].power(cell[k]);
-            let at = usize::try_from(i64::from(cell[k]) - i64::from(self.low[k]));
-            let known = at.ok().and_then(|at| self.powers[k].get_mut(at));
-            (cell[k] != 0).then(|| {
-                let Some((time, known)) = known else {
-                    return power();
-                };
-                if *time != self.time {
-                    (*time, *known) = (self.time, power());
-                }
-                *known
-            })
-        });
-        match (first, second) {
-            (Some(first), Some(second)) => first * second,
-            (Some(one), None) | (None, Some(one)) => one,
-            (None, None) => Pose::identity(),
+    fn translation(&mut self, [column, row]: [i32; 2]) -> Pose {
+        match [column, row] {
+            [0, 0] => Pose::identity(),
+            [_, 0] => *self.power(0, column),
+            [0, _] => *self.power(1, row),
+            _ => *self.power(0, column) * *self.power(1, row),
         }
+    }
+
+    /// So many of one step.
+    fn power(&mut self, step: usize, count: i32) -> &Pose {
+        let at = i64::from(count) - i64::from(self.low[step]);
+        let at = usize::try_from(at).unwrap_or(usize::MAX);
+        let (time, power) = &mut self.powers[step][at];
+        if *time != self.time {
+            (*time, *power) = (self.time, self.folded.steps()[step].power(count));
+        }
+        power
     }
 
     /// The pose of a face, and the place of the flat sheet that it takes to its point.
@@ -386,7 +384,9 @@ impl<'a> Cells<'a> {
     }
 
     fn gap(&mut self, cell: [i32; 2]) -> f64 {
-        let there = self.translation(cell);
+        let center = self.folded.middle();
+        let there = self.power(1, cell[1]).carry(&center);
+        let there = self.power(0, cell[0]).carry(&there);
         self.folded.gap_at(&there)
     }
 
