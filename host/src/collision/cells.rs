@@ -212,32 +212,15 @@ impl<'a> Cells<'a> {
         [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
     }
 
-    /// For the orbits' pairs the columns that there are so many rows on.
-    fn columns(&mut self, row: i32) -> &[RangeInclusive<i32>] {
-        let orbits = self.counts.len();
-        self.columns[row.unsigned_abs() as usize].get_or_insert_with(|| {
-            let pairs = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
-            let columns = pairs.map(|pair| {
-                let pair = pair.map(|orbit| &self.lattice.orbits()[orbit]);
-                self.lattice.columns_between(pair, row)
-            });
-            columns.collect()
-        })
-    }
-
     /// Number of pairs of pieces so many cells apart.
     fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
         let orbits = self.counts.len();
         let within = [column, row] == [0, 0];
-        let there = self
-            .columns(row)
-            .iter()
-            .map(|there| there.contains(&column));
-        let there: Vec<bool> = there.collect();
+        let columns = columns(&mut self.columns, self.lattice, row);
         let first = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
         let there = first
-            .zip(there)
-            .filter(|([a, b], there)| *there && (!within || a < b));
+            .zip(columns)
+            .filter(|([a, b], there)| there.contains(&column) && (!within || a < b));
         there
             .map(|([a, b], _)| self.counts[a] * self.counts[b])
             .sum()
@@ -295,7 +278,8 @@ impl<'a> Cells<'a> {
     fn all(&mut self) -> Option<Vec<[i32; 2]>> {
         let mut cells = Vec::new();
         for row in 0..=i32::try_from(self.most[1]).ok()? {
-            let there = self.columns(row).iter().filter(|there| !there.is_empty());
+            let columns = columns(&mut self.columns, self.lattice, row).iter();
+            let there = columns.filter(|there| !there.is_empty());
             let ends = there.map(|there| (*there.start(), *there.end()));
             let ends = ends.reduce(|all, there| (all.0.min(there.0), all.1.max(there.1)));
             let Some((low, high)) = ends else {
@@ -558,6 +542,21 @@ impl<'a> Cells<'a> {
             None => motion.before_next(time, allowance, moved),
         }
     }
+}
+
+/// For the orbits' pairs the columns that there are so many rows on.
+fn columns<'a>(
+    known: &'a mut [Option<Vec<RangeInclusive<i32>>>],
+    lattice: &Lattice,
+    row: i32,
+) -> &'a [RangeInclusive<i32>] {
+    known[row.unsigned_abs() as usize].get_or_insert_with(|| {
+        let orbits = lattice.orbits().iter();
+        let pairs = orbits.flat_map(|a| lattice.orbits().iter().map(move |b| [a, b]));
+        pairs
+            .map(|pair| lattice.columns_between(pair, row))
+            .collect()
+    })
 }
 
 /// How far creases one after the other turn what is beyond from one time of a segment to another, at most
