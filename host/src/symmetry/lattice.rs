@@ -429,15 +429,15 @@ fn orbits(faces: usize, steps: &[Step]) -> (Vec<Place>, usize) {
         }
     }
     let mut places = vec![none; faces];
-    let mut open = Vec::new();
+    let mut open = VecDeque::new();
     let mut orbit = 0;
     for start in 0..faces {
         if places[start].orbit != NONE {
             continue;
         }
         places[start].orbit = orbit;
-        open.push(start);
-        while let Some(face) = open.pop() {
+        open.push_back(start);
+        while let Some(face) = open.pop_front() {
             let here = places[face];
             for (k, (step, origins)) in steps.iter().zip(&origins).enumerate() {
                 for (to, by) in [(step.images[face], 1), (origins[face], -1)] {
@@ -445,7 +445,7 @@ fn orbits(faces: usize, steps: &[Step]) -> (Vec<Place>, usize) {
                         let mut place = here;
                         place.cell[k] += by;
                         places[to as usize] = place;
-                        open.push(to as usize);
+                        open.push_back(to as usize);
                     }
                 }
             }

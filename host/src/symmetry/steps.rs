@@ -1,5 +1,7 @@
 //! Translations of the flat sheet that take faces to faces and hinges to hinges that turn alike.
 
+use std::collections::VecDeque;
+
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
@@ -272,9 +274,10 @@ impl<'a> Sheet<'a> {
     fn step(&mut self, shift: Vector2<f64>, seed: Pair) -> Option<Step> {
         let mut images = vec![NONE; self.faces()];
         images[seed.face as usize] = seed.image;
-        let mut open = vec![seed];
+        // First come, first served: what is looked at stays near in memory.
+        let mut open = VecDeque::from([seed]);
         let (mut found, mut excused, mut deviation) = (1, 0, 0.0_f64);
-        while let Some(pair) = open.pop() {
+        while let Some(pair) = open.pop_front() {
             self.budget = self.budget.checked_sub(1)?;
             let [from, to] = [pair.face, pair.image].map(|face| self.start(face));
             let degree = self.degree(pair.face);
@@ -298,7 +301,7 @@ impl<'a> Sheet<'a> {
                     deviation = deviation.max(off);
                     images[side.face as usize] = other.face;
                     found += 1;
-                    open.push(beyond);
+                    open.push_back(beyond);
                 } else if known != other.face {
                     return None;
                 }
