@@ -132,13 +132,22 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         follower.heard(now);
         match event {
             Event::Alive => {}
-            Event::Item(item) => match take(item, sheet, follower, self.settings.closure) {
-                Ok(()) => {
-                    self.loaded = true;
-                    receiver.took();
+            Event::Item(item) => {
+                // What the session before has left is nothing to build on.
+                let founded = self.loaded || matches!(item, Item::Sheet(_));
+                let taken = if founded {
+                    take(item, sheet, follower, self.settings.closure)
+                } else {
+                    Err(ItemRefusal::Incomplete)
+                };
+                match taken {
+                    Ok(()) => {
+                        self.loaded = true;
+                        receiver.took();
+                    }
+                    Err(refusal) => receiver.refuse(refusal),
                 }
-                Err(refusal) => receiver.refuse(refusal),
-            },
+            }
             Event::Command(command) => {
                 let answer = obey(command, follower, self.loaded);
                 receiver.answer(answer);
@@ -238,6 +247,7 @@ fn obey<const GROUPS: usize, const KNOTS: usize>(
     loaded: bool,
 ) -> Result<(), Denial> {
     match command {
+        Command::Start if !loaded => Err(Denial::State),
         Command::Start => follower.start(),
         Command::Hold => {
             follower.hold(Reason::Asked);

@@ -140,11 +140,21 @@ impl Receiver {
         let known = [self.open, self.offered].into_iter().flatten();
         let known = { known }.find(|peer| peer.id == id);
         let peer = known.unwrap_or_else(|| {
-            self.greetings = self.greetings.wrapping_add(1);
-            let session = id.wrapping_add(self.greetings).max(1);
+            let session = self.fresh(id);
             *self.offered.insert(Peer { id, session })
         });
         self.due.welcome = Some(peer);
+    }
+
+    /// A session for a host: neither 0 nor the one that is open.
+    fn fresh(&mut self, id: u32) -> u32 {
+        loop {
+            self.greetings = self.greetings.wrapping_add(1);
+            let session = id.wrapping_add(self.greetings);
+            if session != 0 && self.session() != Some(session) {
+                return session;
+            }
+        }
     }
 
     /// Whether frames of that session count: those of the open one, and those of the one offered, which opens it.

@@ -76,6 +76,10 @@ struct Execution<'a> {
     limits: GroupLimits,
     /// Where its path begins.
     first: u32,
+    /// Whether it takes longer than numbers can say.
+    endless: bool,
+    /// Whether nothing is wrong for now.
+    calm: bool,
     /// The last pieces that were sent.
     sent: Vec<Vec<u8>>,
     tally: Tally,
@@ -104,6 +108,8 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
         groups: if miura { 2 } else { groups },
         limits: LIMITS,
         first: 0,
+        endless: false,
+        calm: true,
         sent: Vec::new(),
         tally: Tally::default(),
     };
@@ -152,7 +158,8 @@ impl Execution<'_> {
                 self.command(0);
             }
         }
-        for _ in 0..4 + self.below(24) {
+        self.calm = false;
+        for _ in 0..4 + self.below(32) {
             self.anything();
         }
     }
@@ -171,6 +178,7 @@ impl Execution<'_> {
                 self.command(command);
             }
             17 => self.piece(),
+            18 if self.one_in(16) => self.stall(),
             18 => self.measure(),
             19 => {
                 let drawn = self.one_in(2);
@@ -221,7 +229,7 @@ impl Execution<'_> {
     fn say(&mut self, message: &ToDevice<'_>) {
         self.tally.frames += 1;
         let session = self.subject.session;
-        let session = if self.one_in(64) {
+        let session = if !self.calm && self.one_in(64) {
             session ^ 1
         } else {
             session
@@ -259,7 +267,7 @@ impl Execution<'_> {
         if !room && !self.one_in(8) {
             return self.ticks();
         }
-        let sequence = if self.one_in(32) {
+        let sequence = if !self.calm && self.one_in(32) {
             self.sequence
                 .wrapping_add(u16::try_from(self.rng.next_u32() >> 16).unwrap())
         } else {
@@ -293,7 +301,7 @@ impl Execution<'_> {
             u32::from(self.one_in(2))
         };
         let place = self.place(self.first);
-        self.limits = LIMITS;
+        (self.limits, self.endless) = (LIMITS, self.one_in(8));
         if self.one_in(4) {
             self.limits = GroupLimits {
                 lower: -self.part() * 3.0,
@@ -410,7 +418,12 @@ impl Execution<'_> {
         } else {
             0.005 + 0.1 * self.part()
         };
-        let time = before.as_ref().map_or(0.0, |sent| sent.time + span);
+        let (begin, span) = if self.endless {
+            (-3.4e38, 2e38)
+        } else {
+            (0.0, span)
+        };
+        let time = before.as_ref().map_or(begin, |sent| sent.time + span);
         let mut nodes = Vec::new();
         for group in 0..self.groups {
             let width = self.kind.width();
@@ -447,7 +460,7 @@ impl Execution<'_> {
             Command::Unload,
             Command::Clear,
         ];
-        let off = if self.one_in(16) {
+        let off = if !self.calm && self.one_in(16) {
             self.rng.next_u32()
         } else {
             1
@@ -574,6 +587,17 @@ impl Execution<'_> {
         };
         let hinge = u32::try_from(self.below(3)).unwrap();
         self.subject.measure(hinge, off);
+    }
+
+    /// A hinge stays where it is for longer than it may, while the host is there.
+    fn stall(&mut self) {
+        self.subject.measure(0, 1.0);
+        for _ in 0..12 {
+            self.say(&ToDevice::Alive);
+            for _ in 0..12 {
+                self.subject.tick(self.subject.now + 10_000);
+            }
+        }
     }
 
     /// Mostly steady ticks with a host that is heard.

@@ -108,7 +108,7 @@ fn message(mut body: &[u8]) -> Option<(u32, Message)> {
             rest.split_off_first()?;
             (0, Message::Command(varint(rest)?))
         }
-        3 => (0, Message::Alive),
+        3 if rest.is_empty() => (0, Message::Alive),
         _ => return None,
     })
 }
