@@ -156,6 +156,7 @@ impl Execution<'_> {
             }
             if !self.one_in(8) {
                 self.command(0);
+                self.steady();
             }
         }
         self.calm = false;
@@ -179,6 +180,7 @@ impl Execution<'_> {
             }
             17 => self.piece(),
             18 if self.one_in(16) => self.stall(),
+            18 if self.one_in(4) => self.steady(),
             18 => self.measure(),
             19 => {
                 let drawn = self.one_in(2);
@@ -596,6 +598,16 @@ impl Execution<'_> {
             self.say(&ToDevice::Alive);
             for _ in 0..12 {
                 self.subject.tick(self.subject.now + 10_000);
+            }
+        }
+    }
+
+    /// The host is there, and sends what there is room for.
+    fn steady(&mut self) {
+        for _ in 0..self.below(8) {
+            self.setpoint(false);
+            for _ in 0..16 {
+                self.subject.tick(self.subject.now + 2500);
             }
         }
     }

@@ -24,4 +24,4 @@ fn whatever_comes_nothing_is_executed_that_was_not_sent() {
     );
 }
 
-const EXECUTIONS: u64 = 20_000;
+const EXECUTIONS: u64 = 10_000;

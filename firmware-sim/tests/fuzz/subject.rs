@@ -341,6 +341,8 @@ impl<'a> Subject<'a> {
         while !self.deaf
             && let Some(byte) = self.device.take()
         {
+            // What found no room does now.
+            self.device.poll(self.now);
             let Some(frame) = self.answers.push(byte) else {
                 continue;
             };
