@@ -1,13 +1,15 @@
 //! One execution: a controller, and a host that talks sense for a while and then anything.
 
 use foldpath_core::follower::{Place, State};
+use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
     Command, Item, SCHEMA, SetpointBytes, SheetHead, ToDevice, VERSION,
 };
+use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::Source;
-use foldpath_core::{GroupLimits, Interpolation};
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
@@ -281,7 +283,7 @@ impl Execution<'_> {
     /// Sends the whole sheet, good but for one time in sixteen.
     fn sheet(&mut self) {
         if self.miura {
-            self.subject.pristine = true;
+            (self.subject.miura, self.subject.pristine) = (true, true);
             let knot = if self.one_in(2) {
                 0
             } else {
@@ -291,7 +293,7 @@ impl Execution<'_> {
             self.first = place.knot;
             let items = self.path.items(place);
             let mut scratch = [0; 256];
-            for index in 0..4 {
+            for index in 0..items.head() as u64 {
                 self.item(items.item(index, &mut scratch).unwrap());
             }
             return;
@@ -320,24 +322,39 @@ impl Execution<'_> {
                 },
             };
         }
-        let head = SheetHead {
-            interpolation: self.kind,
-            groups: u16::try_from(self.groups).unwrap(),
-            hinges: 3,
-            spokes: 0,
-            closure: CLOSURE,
-            place,
-        };
-        self.item(Item::Sheet(head));
-        let GroupLimits {
-            lower,
-            upper,
-            speed,
-            acceleration,
-        } = self.limits;
-        let limits = [lower, upper, speed, acceleration].map(f32::to_le_bytes);
-        self.item(Item::Limits(&limits.as_flattened().repeat(self.groups)));
-        self.item(Item::Hinges(&[0, 0, 1, 0, 0, 0]));
+        let (groups, limits) = (self.groups, [self.limits; 4]);
+        let zeros = [0.0; 4];
+        let stars = StarsView::new(&[], &[], groups).unwrap();
+        let view = TrajectoryView::new(
+            self.kind,
+            groups,
+            &[0.0],
+            &zeros[..groups],
+            &zeros[..groups],
+            &[[1.0, 0.0]; 4][..groups * (self.kind.width() / 4)],
+        );
+        let hinges = [0, 0, 0].map(|group| Membership {
+            group: GroupId(group),
+            negative: false,
+        });
+        let at = Place::default();
+        let items = PathItems::new(
+            view.unwrap(),
+            &limits[..groups],
+            &hinges,
+            stars,
+            CLOSURE,
+            at,
+        )
+        .unwrap();
+        let mut scratch = [0; 256];
+        for index in 0..items.head() as u64 {
+            let item = match items.item(index, &mut scratch).unwrap() {
+                Item::Sheet(head) => Item::Sheet(SheetHead { place, ..head }),
+                item => item,
+            };
+            self.item(item);
+        }
     }
 
     /// A place at a knot or behind it: where the sheet stands, or anywhere.
@@ -364,7 +381,16 @@ impl Execution<'_> {
             self.subject.pristine = false;
             for _ in 0..=self.below(2) {
                 let (place, value) = (self.below(nodes.len().max(1)), self.number());
-                match self.below(6) {
+                match self.below(9) {
+                    // Hardly bad, so that it may pass.
+                    6 => time -= 0.02 * self.part(),
+                    7 | 8 => {
+                        let off = [1e-4, 0.05, 0.5, 3.0][self.below(4)] * (self.part() - 0.5);
+                        nodes[place..]
+                            .iter_mut()
+                            .take(1)
+                            .for_each(|node| *node += off);
+                    }
                     0 => number ^= 1 << self.below(32),
                     1 => time = value,
                     2 => last = !last,
@@ -400,7 +426,7 @@ impl Execution<'_> {
         if self.miura {
             let items = self.path.items(Place::default());
             let mut scratch = [0; 256];
-            let index = 4 + u64::from(number.min(100));
+            let index = items.head() as u64 + u64::from(number.min(100));
             let Some(Item::Setpoint(setpoint)) = items.item(index, &mut scratch) else {
                 panic!("no setpoint");
             };
@@ -495,7 +521,7 @@ impl Execution<'_> {
             2 => Item::Hinges(&bytes),
             _ => Item::Spokes(&bytes),
         };
-        self.subject.pristine &= !self.miura;
+        (self.subject.miura, self.subject.pristine) = (false, false);
         self.item(item);
     }
 
@@ -519,7 +545,6 @@ impl Execution<'_> {
                     .for_each(|old| *old ^= 1 << (byte % 8)),
             }
         }
-        self.subject.pristine = false;
         self.send(&bytes);
     }
 
@@ -546,7 +571,7 @@ impl Execution<'_> {
         frame.extend(checksum(&frame).to_le_bytes());
         let mut bytes = Vec::new();
         cobs::encode(&frame, |byte| bytes.push(byte));
-        self.subject.pristine = false;
+        (self.subject.miura, self.subject.pristine) = (false, false);
         self.send(&bytes);
     }
 

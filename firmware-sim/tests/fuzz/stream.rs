@@ -8,7 +8,8 @@ pub(crate) enum Message {
     Sheet,
     Piece,
     Setpoint(Sent),
-    Command(u32),
+    /// Its number, and what is to be done.
+    Command(u8, u32),
     Alive,
     Nothing,
 }
@@ -105,8 +106,8 @@ fn message(mut body: &[u8]) -> Option<(u32, Message)> {
             (sequence, item)
         }
         2 => {
-            rest.split_off_first()?;
-            (0, Message::Command(varint(rest)?))
+            let number = *rest.split_off_first()?;
+            (0, Message::Command(number, varint(rest)?))
         }
         3 if rest.is_empty() => (0, Message::Alive),
         _ => return None,

@@ -40,15 +40,20 @@ pub(crate) struct Subject<'a> {
     pub(crate) taken: VecDeque<Sent>,
     pub(crate) kind: Interpolation,
     pub(crate) limits: Vec<GroupLimits>,
-    /// Whether all of the path is that of Miura's fold.
+    /// Whether the sheet is that of Miura's fold, and all of the path too.
+    pub(crate) miura: bool,
     pub(crate) pristine: bool,
     /// Knots that were passed.
     pub(crate) passed: u64,
-    /// Whether nobody takes what the device says.
+    /// Whether nobody takes what the device says, and whether what comes may be old.
     pub(crate) deaf: bool,
+    behind: bool,
     path: &'a Path,
-    /// Since the stop line was drawn, nobody has asked to go on.
+    /// The level of the stop line, and whether nobody has asked to go on since it was drawn.
+    level: bool,
     drawn: bool,
+    /// When the host was last heard.
+    heard: u64,
     boots: u32,
     items: Stream,
     answers: Deframer<256>,
@@ -76,11 +81,15 @@ impl<'a> Subject<'a> {
             taken: VecDeque::new(),
             kind: Interpolation::Hermite,
             limits: Vec::new(),
-            pristine: true,
+            miura: false,
+            pristine: false,
             passed: 0,
             deaf: false,
+            behind: false,
             path,
+            level: false,
             drawn: false,
+            heard: 0,
             boots: 0,
             items: Stream::default(),
             answers: Deframer::default(),
@@ -130,19 +139,15 @@ impl<'a> Subject<'a> {
     /// A byte of the host comes.
     pub(crate) fn byte(&mut self, byte: u8) {
         let frame = self.items.push(byte);
-        let ends = matches!(frame, Some(Ok(_)));
-        let before = self.look_unless(!ends);
+        // Within a frame one byte in eight is looked at.
+        let looks = frame.is_some() || self.now.is_multiple_of(8);
+        let before = looks.then(|| self.look());
         self.device.byte(byte, self.now);
         match frame {
             Some(Ok(frame)) => self.obeyed(before.unwrap(), frame),
             // What is no frame does nothing.
             _ => assert_eq!(before.map(|_| self.look()), before),
         }
-    }
-
-    /// A byte within a frame is looked at every eighth time.
-    fn look_unless(&self, within: bool) -> Option<Look> {
-        (!within || self.now.is_multiple_of(8)).then(|| self.look())
     }
 
     /// A frame has done no more than it may.
@@ -166,6 +171,7 @@ impl<'a> Subject<'a> {
             (self.kind, self.limits) = (head.interpolation, view.limits.to_vec());
         }
         let (open, reports) = (self.open, self.reports);
+        let last = self.report.map_or(0, |report| report.command);
         self.listen();
         let asks = matches!(frame.message, Message::Alive);
         if asks && !self.deaf && open == Some(frame.session) {
@@ -187,15 +193,26 @@ impl<'a> Subject<'a> {
             .iter()
             .any(|from| frame_allows(&frame.message, from, &after));
         assert!(allowed, "{frame:?}: {before:?} to {after:?}");
+        if let Message::Command(number, _) = frame.message
+            && !self.deaf
+            && !opened
+            && before != after
+        {
+            // The one behind the last, once.
+            assert_eq!(number, last.wrapping_add(1));
+        }
+        self.heard = self.now;
         let started = before.state == State::Ready && after.state == State::Running;
         if started {
+            assert!(!self.drawn);
             self.executes();
+            self.jumps(&before);
         } else {
             assert_eq!(after.angles, before.angles, "{frame:?}");
         }
         assert_eq!(after.rate, before.rate);
-        if matches!(frame.message, Message::Command(2)) && after.reason != Reason::StopLine {
-            self.drawn = false;
+        if matches!(frame.message, Message::Command(_, 2)) && !self.level {
+            self.drawn &= after.reason == Reason::StopLine;
         }
         let report = self.report.filter(|_| room < before.room && !self.deaf);
         if let Some(report) = report {
@@ -210,6 +227,7 @@ impl<'a> Subject<'a> {
         let before = self.look();
         self.device.stop(drawn);
         let after = self.look();
+        self.level = drawn;
         self.drawn |= drawn;
         assert_eq!(after.angles, before.angles);
         if drawn {
@@ -250,11 +268,39 @@ impl<'a> Subject<'a> {
         {
             assert_eq!((after.angles, after.place), (before.angles, before.place));
         }
+        let passed = now.saturating_sub(self.last_tick).min(10_000);
         if on_path {
             self.executes();
-            self.moves(&before, now.saturating_sub(self.last_tick).min(10_000));
+            self.moves(&before, passed);
         }
+        if after.state == State::Running {
+            assert!(self.now <= self.heard + 250_000, "a silent host");
+        }
+        self.rates(&before, &after, passed);
         self.last_tick = self.last_tick.max(now);
+    }
+
+    /// The clock changes no faster than by 4 a second, and rests where nothing is left.
+    fn rates(&self, before: &Look, after: &Look, passed: u64) {
+        // Far from 0 the end of a long segment is rounded.
+        if after.state == State::Faulted || !self.miura {
+            return;
+        }
+        let [from, to] = [before.rate, after.rate].map(f32::from_bits);
+        #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
+        let most = 4e-6 * passed as f32 + 1e-5;
+        assert!((to - from).abs() <= most, "{from} to {to}");
+        let dry = self.device.follower().left() <= 0.0;
+        assert!(!dry || to <= 1e-3, "{to} with nothing left");
+    }
+
+    /// Where a path begins, no group jumps by more than it may.
+    fn jumps(&self, before: &Look) {
+        let angles = self.device.follower().angles().iter().zip(&before.angles);
+        for (angle, before) in angles {
+            let jump = before.map_or(0.0, |before| (angle - f32::from_bits(before)).abs());
+            assert!(jump <= 0.01, "{jump}");
+        }
     }
 
     /// What is commanded is what was sent, and within its limits.
@@ -276,7 +322,8 @@ impl<'a> Subject<'a> {
             let off = sent.map_or(0.0, |sent| (sent - f64::from(*angle)).abs());
             assert!(off <= tolerance, "{angle} instead of {sent:?} at {place:?}");
         }
-        if self.pristine {
+        let at_knot = self.miura && place.into.abs().to_bits() == 0;
+        if at_knot || self.pristine && self.now.is_multiple_of(4) {
             let residual = self.path.residual(angles);
             assert!(residual <= f64::from(CLOSURE), "{residual:e} at {place:?}");
         }
@@ -336,6 +383,7 @@ impl<'a> Subject<'a> {
     /// Lets the device answer.
     pub(crate) fn listen(&mut self) {
         let before = self.look();
+        self.behind |= self.deaf;
         self.device.poll(self.now);
         assert_eq!(self.look(), before);
         while !self.deaf
@@ -347,11 +395,12 @@ impl<'a> Subject<'a> {
                 continue;
             };
             let frame = frame.to_vec();
-            self.heard(&frame);
+            self.answered(&frame);
         }
+        self.behind &= self.deaf;
     }
 
-    fn heard(&mut self, frame: &[u8]) {
+    fn answered(&mut self, frame: &[u8]) {
         let Some((session, message)) = wire::open(frame) else {
             panic!("no frame: {frame:?}");
         };
@@ -383,6 +432,9 @@ impl<'a> Subject<'a> {
         self.acknowledged += u64::from(came);
         let room = report.limit.wrapping_sub(report.next);
         assert!(usize::from(room) <= QUEUE, "{report:?}");
+        // None for a path that is to wait for that of an earlier session.
+        let other = self.acknowledged == 0 && self.device.follower().rate() > 0.0;
+        assert!(!other || self.behind || room == 0, "{report:?}");
         let granted = self.acknowledged + u64::from(room);
         // Room never shrinks, and a host that keeps to it is never refused for it.
         if let Some(before) = self.granted {
@@ -418,7 +470,8 @@ impl<'a> Subject<'a> {
         (self.answers, self.items) = (Deframer::default(), Stream::default());
         self.enter(0);
         self.taken.clear();
-        (self.drawn, self.last_tick, self.now) = (false, 0, 1000);
+        (self.level, self.drawn) = (false, false);
+        (self.last_tick, self.heard, self.now) = (0, 0, 1000);
         if !angles.is_empty() {
             self.device.follower_mut().stand(&angles, place).unwrap();
         }
@@ -433,18 +486,18 @@ fn frame_allows(message: &Message, from: &Look, to: &Look) -> bool {
     match message {
         Message::Nothing | Message::Hello => from == to,
         Message::Alive | Message::Piece => stays && from.next == to.next,
-        Message::Sheet | Message::Command(3) => {
+        Message::Sheet | Message::Command(_, 3) => {
             stays || matches!(changes, (Ready | Holding | Done, Idle)) && from.rate == 0
         }
         Message::Setpoint(_) => {
             let refused = matches!(to.reason, Reason::Refused(_));
             stays || changes == (Idle, Ready) || changes == (Running, Holding) && refused
         }
-        Message::Command(0) => stays || changes == (Ready, Running),
-        Message::Command(1) => stays || changes == (Running, Holding),
-        Message::Command(2) => stays || changes == (Holding, Running),
-        Message::Command(4) => stays || changes == (Faulted, Idle),
-        Message::Command(_) => from == to,
+        Message::Command(_, 0) => stays || changes == (Ready, Running),
+        Message::Command(_, 1) => stays || changes == (Running, Holding),
+        Message::Command(_, 2) => stays || changes == (Holding, Running),
+        Message::Command(_, 4) => stays || changes == (Faulted, Idle),
+        Message::Command(..) => from == to,
     }
 }
 
