@@ -10,5 +10,7 @@ extern crate std;
 pub mod controller;
 #[cfg(not(target_os = "none"))]
 pub mod faults;
+#[cfg(not(target_os = "none"))]
+pub mod hinges;
 pub mod probe;
 pub mod sheet;

@@ -17,6 +17,7 @@ use foldpath_core::{
 };
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
+use foldpath_firmware_sim::hinges::Hinges;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
@@ -60,13 +61,18 @@ pub(crate) struct Path {
 impl Path {
     /// Miura's fold with 60 degree sectors, there and smooth at both ends.
     pub(crate) fn miura() -> Self {
+        Self::miura_to(TOP)
+    }
+
+    /// The same up to another angle.
+    pub(crate) fn miura_to(top: f64) -> Self {
         let duration = STEP * (KNOTS - 1) as f64;
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
         for knot in 0..KNOTS {
             let time = STEP * knot as f64;
             let (sin, cos) = (PI * time / duration).sin_cos();
-            let t = (TOP * (1.0 - cos) / 4.0).tan();
-            let rate = TOP * sin / 2.0 * PI / duration;
+            let t = (top * (1.0 - cos) / 4.0).tan();
+            let rate = top * sin / 2.0 * PI / duration;
             let minor = rate * 0.5 * (1.0 + t * t) / (1.0 + t * t / 4.0);
             times.push(f32::lit(time));
             angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
@@ -106,6 +112,21 @@ impl Path {
             place,
         )
         .unwrap()
+    }
+
+    pub(crate) fn hinges(&self) -> &[Membership] {
+        &self.hinges
+    }
+
+    /// The vertex between four of the hinges, which are its unknowns.
+    pub(crate) fn vertex() -> Vec<Spoke<f64>> {
+        let hinges = [3, 2, 1, 8].map(GroupId).into_iter().zip(spokes());
+        let own = |(group, spoke)| Spoke {
+            group,
+            negative: false,
+            ..spoke
+        };
+        hinges.map(own).collect()
     }
 
     /// The angles at a place.
@@ -208,8 +229,16 @@ pub(crate) struct World<'a> {
     pub(crate) path: &'a Path,
     pub(crate) max_closure: f64,
     pub(crate) ticks: u64,
+    /// Hinges that follow what is commanded, and are measured; the farthest that one was off, and the most that the
+    /// vertex between four of them was torn.
+    pub(crate) hinges: Option<Hinges<Pcg64>>,
+    pub(crate) farthest: f64,
+    pub(crate) torn: f64,
+    /// All that held the motion until it was asked to go on, or ended it.
+    pub(crate) held: Vec<Reason>,
     outgoing: Vec<u8>,
     before: Option<[f32; 2]>,
+    rates: [f32; 2],
 }
 
 impl<'a> World<'a> {
@@ -224,8 +253,13 @@ impl<'a> World<'a> {
             path,
             max_closure: 0.0,
             ticks: 0,
+            hinges: None,
+            farthest: 0.0,
+            torn: 0.0,
+            held: Vec::new(),
             outgoing: Vec::new(),
             before: None,
+            rates: [0.0; 2],
         }
     }
 
@@ -259,6 +293,7 @@ impl<'a> World<'a> {
         if self.now.is_multiple_of(4 * INSTANT) {
             self.device.tick(self.now);
             self.look();
+            self.turn();
         }
         self.device.poll(self.now);
         while self.drains && self.down.is_free(self.now) {
@@ -273,10 +308,33 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The hinges follow, and are measured.
+    fn turn(&mut self) {
+        let Some(hinges) = &mut self.hinges else {
+            return;
+        };
+        hinges.follow(self.device.follower().angles(), 1e-3);
+        for (hinge, membership, angle) in hinges.measured() {
+            self.device.follower_mut().measure(hinge, membership, angle);
+            if let Some(command) = self.device.follower().hinge(membership) {
+                self.farthest = self.farthest.max((command - angle).abs().into());
+            }
+        }
+        let vertex = Path::vertex();
+        let stars = StarsView::new(&vertex, &[4], self.path.hinges().len()).unwrap();
+        self.torn = self.torn.max(hinges.torn(stars));
+    }
+
     /// What has to be true at every tick, whatever went wrong.
     fn look(&mut self) {
         self.ticks += 1;
         let follower = self.device.follower();
+        let reason = follower.reason();
+        if !matches!(reason, Reason::None | Reason::Underrun | Reason::Lag(_))
+            && self.held.last() != Some(&reason)
+        {
+            self.held.push(reason);
+        }
         let angles = follower.angles();
         if angles.is_empty() {
             return;
@@ -300,6 +358,15 @@ impl<'a> World<'a> {
             let moved = (f64::from(*angle) - f64::from(before)).abs();
             assert!(moved <= f64::from(LIMITS.speed) * 1e-3 + 1e-6, "{moved}");
         }
+        let rates = [follower.rates()[0], follower.rates()[1]];
+        let before = core::mem::replace(&mut self.rates, rates);
+        // Only the stop line, a fault and a reset do not brake.
+        if follower.rate() > 0.0 {
+            let most = (LIMITS.acceleration + 4.0 * LIMITS.speed) * 1.001e-3;
+            let jumps = |(rate, before): (f32, f32)| (rate - before).abs() > most;
+            let mut pairs = rates.into_iter().zip(before);
+            assert!(!pairs.any(jumps), "{before:?} to {rates:?}");
+        }
     }
 
     pub(crate) fn run(&mut self, micros: u64) {
@@ -309,7 +376,14 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Runs until the last host knows that the path is done.
+    /// Whether a host was told of each thing that held the motion.
+    fn told(&self) {
+        let told = |reason| self.hosts.iter().any(|host| host.reasons.contains(reason));
+        let untold = self.held.iter().find(|reason| !told(reason));
+        assert_eq!(untold, None);
+    }
+
+    /// Runs until the last host knows that the path is done, and looks whether hosts were told what held it.
     pub(crate) fn finish(&mut self, seconds: u64) {
         let end = self.now + seconds * 1_000_000;
         while self.now < end {
@@ -321,6 +395,7 @@ impl<'a> World<'a> {
                 };
                 assert_eq!(self.device.follower().place(), last);
                 assert_eq!(self.state(), State::Done);
+                self.told();
                 return;
             }
         }
