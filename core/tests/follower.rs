@@ -639,6 +639,38 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
 }
 
 /// Knots rounded to f32 are not refused for their roundings, however close they are.
+/// Nor do rates that lines make no use of, however large.
+#[test]
+fn rates_beside_a_line_widen_no_limit() {
+    let none = Stars::<f32>::new(1, &[]);
+    let limits = [GroupLimits {
+        lower: 0.0,
+        upper: 1.0,
+        speed: 1.0,
+        acceleration: 1.0,
+    }];
+    let sheet = SheetView {
+        interpolation: Interpolation::Linear,
+        limits: &limits,
+        stars: none.view(),
+        closure: 0.0,
+    };
+    let knot = |number: u8, rate| Setpoint::<f32, 1> {
+        number: number.into(),
+        time: f32::from(number) * 0.1,
+        last: number == 1,
+        nodes: heapless::Vec::from_array([Node {
+            angle: number.into(),
+            rate,
+            weight: [1.0, 0.0],
+        }]),
+    };
+    for rate in [0.0, 1e20] {
+        let taken = foldpath_core::acceptance::check(&sheet, Some(&knot(0, 0.0)), &knot(1, rate));
+        assert_eq!(taken, Err(Refusal::Speed(0)));
+    }
+}
+
 #[test]
 fn rounding_passes_no_limit_of_acceptance() {
     let mut rng = rng(83);

@@ -329,6 +329,7 @@ fn random_bytes_do_nothing() {
 #[test]
 fn a_host_that_does_not_read_blocks_nothing() {
     let path = Path::miura();
+    let mut silent = 0;
     for seed in 0..SEEDS {
         let mut world = some_time_later(&path, NOISY, seed);
         let moved = world.state() == State::Running;
@@ -336,12 +337,16 @@ fn a_host_that_does_not_read_blocks_nothing() {
         world.run(3_000_000);
         assert_eq!(world.device.follower().rate().to_bits(), 0);
         let dry = moved && world.state() == State::Holding;
-        // The host is heard all the time, but learns of no room.
-        assert!(!dry || world.reason() == Reason::Underrun);
+        // The host learns of no room. Five frames in a row may be lost: that is silence.
+        let reason = world.reason();
+        let runs_dry = matches!(reason, Reason::Underrun | Reason::Silence);
+        assert!(!dry || runs_dry, "{reason:?}");
+        silent += u64::from(dry && reason == Reason::Silence);
         world.drains = true;
         world.finish(30);
-        assert!(!dry || world.hosts[0].reasons.contains(&Reason::Underrun));
+        assert!(!dry || world.hosts[0].reasons.contains(&reason));
     }
+    assert!(silent < SEEDS / 10, "{silent}");
 }
 
 #[test]
@@ -453,7 +458,8 @@ fn real_hinges_tear_the_sheet_by_no_more_than_they_are_off() {
         // At the speed v a motor of the time constant T is v T behind.
         let (torn, off) = of(lagging, seed);
         assert!(off > 0.9 * 0.005 * 2.0 && off <= 0.0055 * 2.5, "{off}");
-        assert!(torn > 0.1 * off && torn <= 4.0 * off, "{torn} {off}");
+        // All are late alike: the sheet is where it was commanded a moment ago.
+        assert!(torn <= 0.02 * off, "{torn} {off}");
         let (torn, off) = of(playing, seed);
         assert!((off - 0.001).abs() < 1e-5, "{off}");
         assert!(torn > 1e-4 && torn <= 4.0 * off, "{torn} {off}");
