@@ -15,7 +15,7 @@ pub enum Event<'a> {
     Item(Item<'a>),
     /// A command not heard before: [`Receiver::answer`] it.
     Command(Command),
-    /// A sign of life.
+    /// A sign of life, as any other frame of the session is.
     Alive,
 }
 
@@ -122,11 +122,15 @@ impl Receiver {
                 self.due.report = true;
                 Some(Event::Alive)
             }
-            ToDevice::Item { sequence, item } => self.item(sequence, item, room),
+            ToDevice::Item { sequence, item } => Some(self.item(sequence, item, room)),
             ToDevice::Command { number, command } => {
                 self.due.report = true;
                 let new = number == self.command.wrapping_add(1);
-                new.then_some(Event::Command(command))
+                Some(if new {
+                    Event::Command(command)
+                } else {
+                    Event::Alive
+                })
             }
         }
     }
@@ -176,23 +180,19 @@ impl Receiver {
         Some(())
     }
 
-    fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Option<Event<'b>> {
+    fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Event<'b> {
         match ahead(sequence, self.next) {
-            0 if room > 0 => Some(Event::Item(item)),
+            0 if room > 0 => return Event::Item(item),
             // One that came before: its acknowledgement was lost. Or there is no room.
-            ..=0 => {
+            ..=0 => self.due.report = true,
+            // What follows a refused item is no gap.
+            _ if self.gap == Gap::None && self.refused.is_none() => {
+                self.gap = Gap::Seen;
                 self.due.report = true;
-                None
             }
-            _ => {
-                // What follows a refused item is no gap.
-                if self.gap == Gap::None && self.refused.is_none() {
-                    self.gap = Gap::Seen;
-                    self.due.report = true;
-                }
-                None
-            }
+            _ => {}
         }
+        Event::Alive
     }
 
     /// The item was taken.
