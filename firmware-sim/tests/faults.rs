@@ -41,7 +41,7 @@ fn a_clean_line_takes_the_time_of_the_path() {
     world.finish(4);
     // The path's two seconds and a quarter for speeding up and slowing down.
     assert!(world.now < 2_400_000, "{}", world.now);
-    assert_eq!(world.hosts[0].sender.repeated(), 0);
+    assert_eq!(world.hosts[0].sender().repeated(), 0);
     assert!(world.hosts[0].telemetry > 90);
     println!("closure {:e}", world.max_closure);
 }
@@ -54,7 +54,7 @@ fn noise_changes_nothing_but_the_time() {
         let mut world = World::new(&path, NOISY, seed);
         world.finish(30);
         slowest = slowest.max(world.now);
-        repeated += world.hosts[0].sender.repeated();
+        repeated += world.hosts[0].sender().repeated();
         closure = closure.max(world.max_closure);
         assert!(world.up.counts().dropped > 0 && world.up.counts().flipped > 0);
     }
@@ -162,14 +162,14 @@ fn frames_of_a_session_that_is_over_do_nothing() {
         world.hosts[0].awake = false;
         world.hosts.push(common::Host::new(&path, 77_777));
         world.run(500_000 + below(&mut rng(seed), 500_000));
-        let session = world.hosts[1].sender.clone();
+        let session = world.hosts[1].sender().clone();
         for chunk in kept.chunks(500) {
             for byte in chunk {
                 world.device.byte(*byte, world.now);
             }
             world.run(1000);
         }
-        assert_eq!(world.hosts[1].sender.phase(), session.phase());
+        assert_eq!(world.hosts[1].sender().phase(), session.phase());
         world.finish(10);
     }
 }
@@ -214,7 +214,7 @@ fn a_host_of_another_version_is_told_and_moves_nothing() {
         let frame = frame::seal(0, &other, &mut buffer).unwrap();
         cobs::encode(frame, |byte| host.byte(byte, 0));
         let failure = Failure::Version { version, schema };
-        assert_eq!(host.sender.phase(), Phase::Failed(failure));
+        assert_eq!(host.sender().phase(), Phase::Failed(failure));
         assert_eq!(host.poll(1_000_000), None);
     }
 }

@@ -6,10 +6,11 @@ use core::f64::consts::PI;
 
 use foldpath_core::follower::{Place, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::wire::cobs::{self, Deframer};
-use foldpath_core::wire::message::{Command, Item};
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::path::PathItems;
-use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
+use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarView, StarsView,
     local_foldability_matrix,
@@ -151,59 +152,32 @@ fn spokes<T: Scalar>() -> Vec<Spoke<T>> {
     creases.map(spoke).to_vec()
 }
 
-/// What a host sends: nothing until it knows where to begin.
-pub(crate) struct Begin<'a>(pub(crate) Option<PathItems<'a>>);
-
-impl Source for Begin<'_> {
-    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        self.0.as_ref()?.item(index, scratch)
-    }
-}
-
-/// A host that sends a path from where the sheet stands, starts, and asks to go on whenever something held.
+/// The library's host at one end of the line.
 pub(crate) struct Host<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) sender: Sender,
-    pub(crate) source: Begin<'a>,
-    pub(crate) deframer: Deframer<512>,
+    pub(crate) driver: Driver<'a>,
     /// Whether it polls and listens.
     pub(crate) awake: bool,
     pub(crate) reasons: Vec<Reason>,
     pub(crate) telemetry: u64,
-    pub(crate) commands: Vec<Command>,
-    asked: u64,
 }
 
 impl<'a> Host<'a> {
     pub(crate) fn new(path: &'a Path, id: u32) -> Self {
+        let items = path.items(Place::default());
         Self {
-            path,
-            sender: Sender::new(id, Options::default()),
-            source: Begin(None),
-            deframer: Deframer::default(),
+            driver: Driver::new(items, Persistence::Always, id, Options::default()),
             awake: true,
             reasons: Vec::new(),
             telemetry: 0,
-            commands: Vec::new(),
-            asked: 0,
         }
     }
 
-    pub(crate) fn is_done(&self) -> bool {
-        self.loaded() && self.sender.report().is_some_and(|r| r.state == State::Done)
-    }
-
-    fn loaded(&self) -> bool {
-        let items = self.source.0.as_ref().map(|items| items.len() as u64);
-        items.is_some_and(|items| self.sender.acknowledged() == items)
+    pub(crate) fn sender(&self) -> &Sender {
+        self.driver.sender()
     }
 
     pub(crate) fn byte(&mut self, byte: u8, now: u64) {
-        use foldpath_core::wire::message::ToHost;
-        let Some(frame) = self.deframer.push(byte) else {
-            return;
-        };
-        match self.sender.receive(frame, now) {
+        match self.driver.byte(byte, now) {
             Some(ToHost::Report(report)) if self.reasons.last() != Some(&report.reason) => {
                 self.reasons.push(report.reason);
             }
@@ -212,43 +186,10 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// Decides what to ask for.
-    pub(crate) fn decide(&mut self, now: u64) {
-        let (Phase::Open, Some(report)) = (self.sender.phase(), self.sender.report()) else {
-            return;
-        };
-        let report = *report;
-        if self.source.0.is_none() {
-            // While the sheet moves on an old path, there is no room, and the place is not the last.
-            if report.limit != report.next {
-                self.source = Begin(Some(self.path.items(report.place)));
-            }
-            return;
-        }
-        // Four items of the sheet, and two setpoints or the last.
-        let begun = self.loaded() || self.sender.acknowledged() >= 4 + 2;
-        let command = match (report.state, report.reason) {
-            (State::Faulted, _) => Command::Clear,
-            (_, Reason::StopLine | Reason::Silence | Reason::Session | Reason::Asked) => {
-                Command::Resume
-            }
-            (State::Ready, _) if begun => Command::Start,
-            _ => return,
-        };
-        // What was answered is looked at for a while before it is asked again.
-        if now >= self.asked + 100_000 && self.sender.command(command) {
-            self.asked = now;
-            self.commands.push(command);
-        }
-    }
-
     /// The next frame for the line.
     pub(crate) fn poll(&mut self, now: u64) -> Option<Vec<u8>> {
-        self.decide(now);
         let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-        let frame = self
-            .sender
-            .poll(now, &self.source, &mut scratch, &mut buffer)?;
+        let frame = self.driver.poll(now, &mut scratch, &mut buffer)?;
         let mut bytes = Vec::new();
         cobs::encode(frame, |byte| bytes.push(byte));
         Some(bytes)
@@ -373,7 +314,7 @@ impl<'a> World<'a> {
         let end = self.now + seconds * 1_000_000;
         while self.now < end {
             self.step();
-            if self.hosts.last().is_some_and(Host::is_done) {
+            if self.hosts.last().is_some_and(|host| host.driver.is_done()) {
                 let last = Place {
                     knot: 100,
                     into: 0.0,
@@ -388,13 +329,13 @@ impl<'a> World<'a> {
             "not done: {:?} {:?} {:?} {:?}",
             self.state(),
             self.reason(),
-            host.sender,
+            host.sender(),
             self.device.follower().place()
         );
     }
 
     pub(crate) fn failure(&self, host: usize) -> Option<Failure> {
-        match self.hosts[host].sender.phase() {
+        match self.hosts[host].sender().phase() {
             Phase::Failed(failure) => Some(failure),
             _ => None,
         }
