@@ -1,8 +1,8 @@
 //! The controller without its board: bytes of the line and ticks of the clock go in, angles and bytes come out.
 //!
-//! On a board an interrupt calls [`Controller::tick`] at a steady pace and sets the hinges, the main loop hands over
-//! received bytes ([`Controller::byte`]) and calls [`Controller::poll`], and the transmitter [takes](Controller::take)
-//! bytes. Times are microseconds on the controller's clock.
+//! On a board [`Application`](crate::application::Application) hands over received bytes ([`Controller::byte`]), calls
+//! [`Controller::tick`] at a steady pace, drives the hinges, calls [`Controller::poll`] and [takes](Controller::take)
+//! bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::Interpolation;
 use foldpath_core::acceptance::{Refusal, Setpoint};
@@ -107,6 +107,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     }
 
     /// A byte has come.
+    #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
         let room = self.room();
         let Self {
@@ -160,7 +161,21 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         self.follower.tick(now);
     }
 
+    /// Hands each hinge, by its number, its commanded angle to `drive` (radians), which returns where it is measured
+    /// to be, if that is known. Cost: a multiplication and a comparison a hinge.
+    pub fn drive(&mut self, mut drive: impl FnMut(u32, f32) -> Option<f32>) {
+        for (hinge, membership) in (0..).zip(self.sheet.hinges()) {
+            let Some(angle) = self.follower.hinge(membership) else {
+                continue;
+            };
+            if let Some(measured) = drive(hinge, angle) {
+                self.follower.measure(hinge, membership, measured);
+            }
+        }
+    }
+
     /// Puts what is to be said at `now` on the line, as far as there is room.
+    #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         let (state, reason) = (self.follower.state(), self.follower.reason());
         let room = self.follower.room();
@@ -232,6 +247,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 }
 
 /// Carries out a command. The path of another session does not go on.
+#[inline(never)]
 fn obey<const GROUPS: usize, const KNOTS: usize>(
     command: Command,
     follower: &mut Follower<f32, GROUPS, KNOTS>,
@@ -251,6 +267,7 @@ fn obey<const GROUPS: usize, const KNOTS: usize>(
 }
 
 /// Takes an item.
+#[inline(never)]
 fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
     item: Item<'_>,
     sheet: &mut Sheet<GROUPS, HINGES, SPOKES>,
