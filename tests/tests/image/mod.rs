@@ -1,10 +1,14 @@
 //! The controller's images, built for their own target.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub(crate) mod board;
+pub(crate) mod path;
+pub(crate) mod world;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use object::{Object, ObjectSymbol};
+use object::{Object, ObjectSection, ObjectSymbol};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Seconds until the emulator is ended, whatever becomes of this process.
@@ -53,4 +57,11 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
     }
     let named = |name: &&str| parts.iter().any(|part| name.contains(part));
     names.into_iter().filter(named).map(String::from).collect()
+}
+
+/// Bytes of these sections of `image`.
+pub(crate) fn size(image: &[u8], names: &[&str]) -> u64 {
+    let elf = object::File::parse(image).unwrap();
+    let sections = names.iter().filter_map(|name| elf.section_by_name(name));
+    sections.map(|section| section.size()).sum()
 }
