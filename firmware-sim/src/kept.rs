@@ -45,7 +45,12 @@ impl Kept {
     /// The record: its numbers, 4 bytes each, little endian, behind the checksum of their bytes.
     pub(crate) fn seal(&self) -> [u8; RECORD] {
         let mut record = [0; RECORD];
-        let head = [self.starts, self.count, u32::from(self.stopped), self.groups];
+        let head = [
+            self.starts,
+            self.count,
+            u32::from(self.stopped),
+            self.groups,
+        ];
         let place = [self.place.knot, self.place.into.to_bits()];
         let angles = self.angles.iter().map(|angle| angle.to_bits());
         let (words, _) = record.as_chunks_mut();

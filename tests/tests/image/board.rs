@@ -42,7 +42,10 @@ impl Board {
         command.args(["-mon", "chardev=monitor,mode=control"]);
         command.args(options);
         command.arg("-kernel").arg(image("foldpath-controller"));
-        let mut emulator = command.stdin(Stdio::null()).spawn().expect("timeout starts");
+        let mut emulator = command
+            .stdin(Stdio::null())
+            .spawn()
+            .expect("timeout starts");
         let [line, stop, monitor] = listeners.map(|listener| accept(&listener, &mut emulator));
         line.set_nonblocking(true).unwrap();
         let mut board = Self {
@@ -81,9 +84,15 @@ impl Board {
         self.stop.write_all(b"!").unwrap();
     }
 
-    /// Resets the board, whose memory stays as it is.
+    /// Lets no time pass on the board.
+    pub(crate) fn freeze(&mut self) {
+        self.monitor("stop", "");
+    }
+
+    /// Resets a frozen board, whose memory stays as it is, and lets time go on.
     pub(crate) fn reset(&mut self) {
         self.monitor("system_reset", "");
+        self.monitor("cont", "");
     }
 
     /// So much of its memory.
@@ -121,6 +130,13 @@ impl Board {
 
 impl Drop for Board {
     fn drop(&mut self) {
+        let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
+        for _ in 0..2000 {
+            if let Ok(Some(_)) = self.emulator.try_wait() {
+                return;
+            }
+            pause();
+        }
         // `timeout` hands this on to the emulator, which the end of `timeout` alone would leave running.
         let id = self.emulator.id().to_string();
         let _ = Command::new("kill").args(["-TERM", &id]).status();

@@ -82,9 +82,8 @@ pub(crate) struct World<'a> {
     pub(crate) spoken: Vec<u8>,
     pub(crate) report: Option<Report>,
     pub(crate) sight: Option<Sight>,
-    /// Telemetry that was judged, and bytes that the board took.
+    /// Telemetry that was judged.
     pub(crate) sights: u64,
-    pub(crate) written: usize,
     fold: &'a Fold,
     start: Instant,
     outgoing: Vec<u8>,
@@ -105,7 +104,6 @@ impl<'a> World<'a> {
             report: None,
             sight: None,
             sights: 0,
-            written: 0,
             fold,
             start: Instant::now(),
             outgoing: Vec::new(),
@@ -150,7 +148,6 @@ impl<'a> World<'a> {
         }
         let count = self.board.write(&self.outgoing);
         self.outgoing.drain(..count);
-        self.written += count;
         let bytes = self.board.read();
         if count == 0 && bytes.is_empty() {
             pause();
@@ -173,11 +170,6 @@ impl<'a> World<'a> {
     /// Writes bytes behind what waits for the line.
     pub(crate) fn inject(&mut self, bytes: &[u8]) {
         self.outgoing.extend(bytes);
-    }
-
-    /// Whether the board has taken all that was written.
-    pub(crate) fn is_written(&self) -> bool {
-        self.outgoing.is_empty()
     }
 
     fn hear(&mut self, piece: &[u8]) {
@@ -262,6 +254,30 @@ impl<'a> World<'a> {
     pub(crate) fn run(&mut self, micros: u64) {
         let end = self.time() + micros;
         self.until(|world| world.time() >= end);
+    }
+
+    /// Freezes the board and hears all that it has said.
+    pub(crate) fn freeze(&mut self) {
+        self.board.freeze();
+        let mut quiet = 0;
+        while quiet < 100 {
+            let bytes = self.board.read();
+            quiet = if bytes.is_empty() { quiet + 1 } else { 0 };
+            pause();
+            self.incoming.extend(bytes);
+            let whole = self.incoming.iter().rposition(|byte| *byte == 0);
+            let rest = self.incoming.split_off(whole.map_or(0, |place| place + 1));
+            let pieces = core::mem::replace(&mut self.incoming, rest);
+            self.hear(&pieces);
+        }
+    }
+
+    /// Resets the frozen board. What it was about to say is cut off, and its clock begins anew.
+    pub(crate) fn reset(&mut self) {
+        self.board.reset();
+        self.incoming.clear();
+        self.ear.push(0);
+        (self.report, self.sight) = (None, None);
     }
 
     /// Runs until a moment in the midst of the motion.

@@ -227,11 +227,7 @@ enum Memory {
 fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
     start();
-    *MEMORY = Memory::Some(Application::new(
-        Mps2::default(),
-        Line,
-        Settings::default(),
-    ));
+    *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, Settings::default()));
     // With nothing that ticks, QEMU may leave received bytes lying for a second: the lines come last.
     HOST.enable();
     STOP.enable();
