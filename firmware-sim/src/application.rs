@@ -99,6 +99,7 @@ where
     }
 
     /// Ticks, which is what the watchdog looks for: without a clock, or without this loop, it is not fed.
+    // Not inlined, so that `step` has the stack of one thing at a time.
     #[inline(never)]
     fn tick(&mut self, now: u64) {
         self.device.tick(now);
@@ -109,7 +110,6 @@ where
     }
 
     /// Keeps what is commanded, in the record that is the older.
-    #[inline(never)]
     fn keep(&mut self) {
         let follower = self.device.follower();
         self.records = self.records.wrapping_add(1);
@@ -122,7 +122,6 @@ where
         self.board.keep(record, &kept.seal());
     }
 
-    #[inline(never)]
     fn receive(&mut self, now: u64) {
         for _ in 0..BURST {
             let mut byte = [0];

@@ -65,6 +65,8 @@ pub struct Controller<
     ring: Ring<WAITING>,
     /// Whether the path is that of the open session.
     loaded: bool,
+    /// Whether the stop line was drawn since a command was last answered.
+    drawn: bool,
     /// What the host was last told.
     told: Option<(State, Reason, usize)>,
     telemetry: u64,
@@ -84,6 +86,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             deframer: Deframer::default(),
             ring: Ring::default(),
             loaded: false,
+            drawn: false,
             told: None,
             telemetry: 0,
         }
@@ -107,6 +110,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     }
 
     /// A byte has come.
+    // Not inlined, as the next two: one function that does all is a third longer.
     #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
         let room = self.room();
@@ -141,7 +145,13 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 Err(refusal) => receiver.refuse(refusal),
             },
             Event::Command(command) => {
-                let answer = obey(command, follower, self.loaded);
+                // A host that is answered knows of the stop line before it asks for something else.
+                let unaware = core::mem::take(&mut self.drawn) && command == Command::Resume;
+                let answer = if unaware {
+                    Err(Denial::Held)
+                } else {
+                    obey(command, follower, self.loaded)
+                };
                 receiver.answer(answer);
                 let leaves = matches!(command, Command::Unload | Command::Clear);
                 if leaves && answer.is_ok() {
@@ -153,6 +163,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 
     /// The level of the stop line.
     pub fn stop(&mut self, drawn: bool) {
+        self.drawn |= drawn;
         self.follower.stop(drawn);
     }
 
@@ -247,7 +258,6 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 }
 
 /// Carries out a command. The path of another session does not go on.
-#[inline(never)]
 fn obey<const GROUPS: usize, const KNOTS: usize>(
     command: Command,
     follower: &mut Follower<f32, GROUPS, KNOTS>,
