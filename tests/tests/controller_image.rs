@@ -2,7 +2,6 @@
 //! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
 //! Times are the board's own.
 
-use std::fs;
 use std::sync::LazyLock;
 use std::thread;
 use std::time::Duration;
@@ -14,9 +13,9 @@ use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{Command, SCHEMA, ToDevice, ToHost, VERSION};
 use foldpath_core::wire::sender::Failure;
 use foldpath_firmware_sim::faults::Faults;
+use image::image;
 use image::path::Fold;
 use image::world::{Sight, World, moment, rng, stuffed};
-use image::{image, size};
 use rand_core::Rng;
 
 mod image;
@@ -45,16 +44,6 @@ fn world(seed: u64, persistence: Persistence) -> World<'static> {
     let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
     world.greet(persistence);
     world
-}
-
-/// What a real part would have to offer.
-#[test]
-fn the_image_is_small() {
-    let bytes = fs::read(image("foldpath-controller")).unwrap();
-    let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
-    let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
-    assert!((1..=32 * 1024).contains(&flash), "{flash}");
-    assert!((1..=8 * 1024).contains(&ram), "{ram}");
 }
 
 #[test]

@@ -89,10 +89,26 @@ impl Board {
         self.monitor("stop", "");
     }
 
+    /// Lets time go on.
+    pub(crate) fn thaw(&mut self) {
+        self.monitor("cont", "");
+    }
+
     /// Resets a frozen board, whose memory stays as it is, and lets time go on.
     pub(crate) fn reset(&mut self) {
         self.monitor("system_reset", "");
-        self.monitor("cont", "");
+        self.thaw();
+    }
+
+    /// Microseconds on its clock: the count of its timer, which runs down at 25 MHz.
+    pub(crate) fn micros(&mut self) -> u64 {
+        let answer = self.monitor(
+            "human-monitor-command",
+            r#"{"command-line":"xp /1wx 0x40000004"}"#,
+        );
+        let (_, count) = answer.split_once(": 0x").expect("an address and a word");
+        let count = u32::from_str_radix(&count[..8], 16).unwrap();
+        u64::from(u32::MAX - count) / 25
     }
 
     /// So much of its memory.
@@ -105,7 +121,7 @@ impl Board {
     }
 
     /// Asks the emulator for something, and waits until it has answered.
-    fn monitor(&mut self, command: &str, arguments: &str) {
+    fn monitor(&mut self, command: &str, arguments: &str) -> String {
         let arguments = Some(arguments).filter(|text| !text.is_empty());
         let arguments = arguments.map(|text| format!(r#","arguments":{text}"#));
         let arguments = arguments.unwrap_or_default();
@@ -120,7 +136,7 @@ impl Board {
                 let text = String::from_utf8_lossy(&line);
                 assert!(!text.starts_with(r#"{"error""#), "{command}: {text}");
                 if text.starts_with(r#"{"return""#) {
-                    return;
+                    return text.into_owned();
                 }
                 line.clear();
             }

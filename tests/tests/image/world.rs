@@ -95,8 +95,12 @@ pub(crate) struct World<'a> {
 
 impl<'a> World<'a> {
     pub(crate) fn new(fold: &'a Fold, machine: &str, faults: Faults, seed: u64) -> Self {
+        Self::on(Board::start(machine, &[]), fold, faults, seed)
+    }
+
+    pub(crate) fn on(board: Board, fold: &'a Fold, faults: Faults, seed: u64) -> Self {
         Self {
-            board: Board::start(machine, &[]),
+            board,
             hosts: Vec::new(),
             up: Line::new(faults, rng(2 * seed)),
             down: Line::new(faults, rng(2 * seed + 1)),
