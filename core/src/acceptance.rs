@@ -136,7 +136,15 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     let ways = before.nodes.iter().zip(pairs(next, sheet));
     for ((group, half), (from, (to, limits))) in groups(half_angles.iter_mut()).zip(ways) {
         let curve = Curve::between(sheet.interpolation, span, *from, *to);
-        keeps(group, &curve, span, [from, to], limits)?;
+        // Lines do not take their rates from the knots.
+        let lines = sheet.interpolation == Interpolation::Linear;
+        let rate = if lines {
+            T::zero()
+        } else {
+            from.rate.abs().max(to.rate.abs())
+        };
+        let size = T::one() + from.angle.abs().max(to.angle.abs()) + span * rate;
+        keeps(group, &curve, span, size, limits)?;
         *half = curve.half_angle(T::HALF);
     }
     closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
@@ -162,17 +170,14 @@ fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> 
     first.map_or(Ok(()), |(star, _)| Err(star))
 }
 
-/// Whether a group keeps its limits on a segment of `span` seconds.
+/// Whether a group keeps its limits on a segment of `span` seconds, whose numbers are of this `size`.
 fn keeps<T: Scalar>(
     group: u16,
     curve: &Curve<T>,
     span: T,
-    ends: [&Node<T>; 2],
+    size: T,
     limits: &GroupLimits<T>,
 ) -> Result<(), Refusal> {
-    let [from, to] = ends;
-    let largest = |of: fn(&Node<T>) -> T| of(from).abs().max(of(to).abs());
-    let size = T::one() + largest(|node| node.angle) + span * largest(|node| node.rate);
     let noise = T::EPSILON * T::lit(ROUNDINGS) * size;
     let slow = limits.speed * span + noise;
     let gentle = limits.acceleration * span * span + noise;

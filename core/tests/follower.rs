@@ -348,6 +348,11 @@ fn a_moving_sheet_takes_no_other_path() {
     );
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
     assert_eq!(run.follower.start(), Err(Denial::State));
+    // Nor does one that is about to move.
+    let mut run = Run::<f64>::started();
+    assert_eq!(run.follower.unload(), Err(Denial::Moving));
+    run.follower.hold(Reason::Asked);
+    assert_eq!(run.follower.unload(), Ok(()));
 }
 
 #[test]
@@ -634,6 +639,38 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
 }
 
 /// Knots rounded to f32 are not refused for their roundings, however close they are.
+/// Nor do rates that lines make no use of, however large.
+#[test]
+fn rates_beside_a_line_widen_no_limit() {
+    let none = Stars::<f32>::new(1, &[]);
+    let limits = [GroupLimits {
+        lower: 0.0,
+        upper: 1.0,
+        speed: 1.0,
+        acceleration: 1.0,
+    }];
+    let sheet = SheetView {
+        interpolation: Interpolation::Linear,
+        limits: &limits,
+        stars: none.view(),
+        closure: 0.0,
+    };
+    let knot = |number: u8, rate| Setpoint::<f32, 1> {
+        number: number.into(),
+        time: f32::from(number) * 0.1,
+        last: number == 1,
+        nodes: heapless::Vec::from_array([Node {
+            angle: number.into(),
+            rate,
+            weight: [1.0, 0.0],
+        }]),
+    };
+    for rate in [0.0, 1e20] {
+        let taken = foldpath_core::acceptance::check(&sheet, Some(&knot(0, 0.0)), &knot(1, rate));
+        assert_eq!(taken, Err(Refusal::Speed(0)));
+    }
+}
+
 #[test]
 fn rounding_passes_no_limit_of_acceptance() {
     let mut rng = rng(83);
@@ -738,13 +775,19 @@ fn a_place_that_is_not_on_the_first_segment_is_no_beginning() {
 fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
     let mut torn = 0.0_f64;
     let mut kept = 0.0_f64;
-    for moment in (300..2000).step_by(100) {
+    let causes = [Reason::Asked, Reason::Silence, Reason::Underrun];
+    let moments = (300..2000).step_by(100);
+    for (moment, cause) in moments.flat_map(|moment| causes.map(|cause| (moment, cause))) {
         let mut run = Run::<f64>::started();
         run.ticks(moment);
         let mut angles = [run.follower.angles()[0], run.follower.angles()[1]];
         let mut rates = [run.follower.rates()[0], run.follower.rates()[1]];
-        run.follower.hold(Reason::Asked);
-        for _ in 0..400 {
+        match cause {
+            Reason::Silence => run.host = false,
+            Reason::Underrun => run.sent = 0,
+            cause => run.follower.hold(cause),
+        }
+        for _ in 0..800 {
             run.tick();
             kept = kept.max(run.sheet.residual(run.follower.angles()));
             for (angle, rate) in angles.iter_mut().zip(&mut rates) {
@@ -755,6 +798,9 @@ fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
             torn = torn.max(run.sheet.residual(&angles));
         }
         assert_eq!(run.follower.rate().to_bits(), 0);
+        let told = run.follower.reason();
+        let dry = told == Reason::Underrun || run.follower.state() == State::Done;
+        assert!(told == cause || dry, "{told:?}");
     }
     assert!(kept < 1e-7, "{kept:e}");
     assert!(torn > 1.8_f64.to_radians(), "{torn}");
@@ -906,6 +952,49 @@ fn a_long_segment_takes_its_time() {
     // Ten seconds, but for an eighth of speeding up.
     let into = follower.place().into;
     assert!((into - 1009.875).abs() < 5e-4, "{into}");
+}
+
+/// The path is longer than there are numbers for: it does not end at once.
+#[test]
+fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
+    let none = Stars::<f32>::new(1, &[]);
+    let limits = [GroupLimits {
+        lower: 0.0,
+        upper: 1.0,
+        speed: 1.0,
+        acceleration: f32::INFINITY,
+    }];
+    let sheet = SheetView {
+        interpolation: Interpolation::Linear,
+        limits: &limits,
+        stars: none.view(),
+        closure: 0.0,
+    };
+    let mut follower = Follower::<f32, 1, 4>::new(Options::default());
+    follower.load(&sheet, Place::default()).unwrap();
+    for (number, time) in [(0_u8, -3e38), (1, 0.0), (2, 3e38)] {
+        let setpoint = Setpoint {
+            number: number.into(),
+            time,
+            last: number == 2,
+            nodes: heapless::Vec::from_array([Node {
+                angle: f32::from(number) / 2.0,
+                rate: 0.0,
+                weight: [1.0, 0.0],
+            }]),
+        };
+        follower.accept(&sheet, setpoint).unwrap();
+    }
+    follower.start().unwrap();
+    for now in 1..=1000 {
+        follower.heard(now * TICK);
+        follower.tick(now * TICK);
+        assert_eq!(follower.state(), State::Running);
+    }
+    assert_eq!(follower.place().knot, 0);
+    // A second, but for an eighth of speeding up.
+    assert!((follower.place().into - 0.875).abs() < 1e-3);
+    assert!(follower.angles()[0] < 1e-30 && follower.left().is_finite());
 }
 
 /// A sheet that must not move at all: the way through the tangent rounds, what is commanded does not.

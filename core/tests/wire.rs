@@ -653,6 +653,28 @@ fn a_session_begins_with_its_first_frame_and_not_with_a_late_greeting() {
     assert!(ends.came.iter().copied().eq(0..20) && !ends.receiver.opened());
 }
 
+/// The sum of id and count would be the session that is open, or 0.
+#[test]
+fn no_two_hosts_share_a_session() {
+    let mut ends = Ends::open(20, 5);
+    let open = ends.receiver.session().unwrap();
+    for id in [open.wrapping_sub(2), 0_u32.wrapping_sub(4)] {
+        let mut buffer = [0; 64];
+        let hello = ToDevice::Hello {
+            version: VERSION,
+            schema: SCHEMA,
+            id,
+        };
+        let hello = frame::seal(0, &hello, &mut buffer).unwrap().to_vec();
+        ends.hear(&hello);
+        let answer = ends.answered().unwrap();
+        let Some((0, ToHost::Welcome { session, .. })) = frame::open(&answer) else {
+            panic!("no welcome");
+        };
+        assert!(session != open && session != 0, "{session}");
+    }
+}
+
 #[test]
 fn a_host_whose_session_is_over_is_told() {
     let mut ends = Ends::open(20, 5);

@@ -38,13 +38,19 @@ impl Talk {
             command: 0,
             report: None,
         };
-        let (version, schema, id) = (VERSION, SCHEMA, 44);
-        talk.say(&ToDevice::Hello {
+        talk.greet(44);
+        talk
+    }
+
+    /// Another host comes.
+    fn greet(&mut self, id: u32) {
+        let (version, schema) = (VERSION, SCHEMA);
+        (self.session, self.sequence, self.command) = (0, 0, 0);
+        self.say(&ToDevice::Hello {
             version,
             schema,
             id,
         });
-        talk
     }
 
     fn say(&mut self, message: &ToDevice<'_>) {
@@ -225,6 +231,61 @@ fn commands_are_denied_with_their_reasons() {
     assert_eq!(talk.command(Command::Unload), Some(Denial::Moving));
     assert_eq!(talk.command(Command::Hold), None);
     assert_eq!(talk.report.unwrap().reason, Reason::Asked);
+}
+
+/// What a session has left does not become the path of the next one: not by an empty piece, not by a setpoint that
+/// would fit behind the last, not by a command.
+#[test]
+fn a_new_session_builds_on_nothing_of_the_one_before() {
+    use ItemRefusal::Incomplete;
+    let path = Path::miura();
+    for started in [false, true] {
+        let mut talk = Talk::new();
+        talk.sheet(&path);
+        (0..4).for_each(|knot| assert_eq!(talk.knot(&path, knot, |_, _| {}), None));
+        if started {
+            assert_eq!(talk.command(Command::Start), None);
+            (0..20).for_each(|_| talk.tick());
+        }
+        talk.greet(55);
+        let room = talk.device.follower().room();
+        talk.say(&ToDevice::Alive);
+        (0..500).for_each(|_| talk.tick());
+        talk.say(&ToDevice::Alive);
+        assert_eq!(talk.item(Item::Limits(&[])), Some(Incomplete));
+        assert_eq!(talk.item(Item::Hinges(&[])), Some(Incomplete));
+        assert_eq!(talk.knot(&path, 4, |_, _| {}), Some(Incomplete));
+        assert_eq!(talk.command(Command::Start), Some(Denial::State));
+        if started {
+            assert_eq!(talk.command(Command::Resume), Some(Denial::State));
+            assert_eq!(talk.report.unwrap().reason, Reason::Session);
+        }
+        assert!(talk.device.follower().room() >= room);
+        let angles = talk.device.follower().angles().to_vec();
+        (0..100).for_each(|_| talk.tick());
+        assert_eq!(talk.device.follower().angles(), angles);
+        talk.sheet(&path);
+        assert_eq!(talk.device.follower().state(), State::Idle);
+    }
+}
+
+/// What the host asked for to go on after a hold may come behind the stop line.
+#[test]
+fn a_resume_that_was_sent_before_the_stop_line_does_not_undo_it() {
+    let path = Path::miura();
+    let mut talk = Talk::new();
+    talk.sheet(&path);
+    (0..10).for_each(|knot| assert_eq!(talk.knot(&path, knot, |_, _| {}), None));
+    assert_eq!(talk.command(Command::Start), None);
+    talk.tick();
+    assert_eq!(talk.command(Command::Hold), None);
+    talk.device.stop(true);
+    talk.device.stop(false);
+    assert_eq!(talk.command(Command::Resume), Some(Denial::Held));
+    assert_eq!(talk.device.follower().state(), State::Holding);
+    assert_eq!(talk.report.unwrap().reason, Reason::StopLine);
+    assert_eq!(talk.command(Command::Resume), None);
+    assert_eq!(talk.device.follower().state(), State::Running);
 }
 
 /// Nobody reads: telemetry stops before there is no room for an answer.

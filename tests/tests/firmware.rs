@@ -2,73 +2,15 @@
 //! an emulator, what the host computes, bit for bit.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use foldpath_firmware_sim::probe;
-use object::{Object, ObjectSymbol};
 
-const TARGET: &str = "thumbv7em-none-eabihf";
-/// Seconds until the emulator is ended, whatever becomes of this process.
-const TIME_LIMIT: &str = "60";
+use image::{PROBE, board_output, build, image, symbols};
 
-/// The image as for a real board.
-fn image() -> PathBuf {
-    build("fw", &[])
-}
+mod image;
 
-/// Builds the image with `settings` in the environment, in a target directory of its own because
-/// the outer cargo may hold the lock of its one.
-fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
-    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
-    let target_dir = target_dir.join(directory);
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--locked", "--package", "foldpath-firmware-sim"]);
-    cargo.args(["--profile", "firmware", "--target", TARGET]);
-    cargo.arg("--target-dir").arg(&target_dir);
-    cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
-    cargo.envs(settings.iter().copied());
-    for meant_for_the_host in [
-        "CARGO_BUILD_TARGET",
-        "CARGO_ENCODED_RUSTFLAGS",
-        "RUSTC_WRAPPER",
-        "RUSTFLAGS",
-    ] {
-        cargo.env_remove(meant_for_the_host);
-    }
-    let build = cargo.output().expect("cargo starts");
-    assert!(
-        build.status.success(),
-        "the image does not build; `tests/run` installs what it needs\n{}",
-        String::from_utf8_lossy(&build.stderr)
-    );
-    target_dir
-        .join(TARGET)
-        .join("firmware/foldpath-firmware-sim")
-}
-
-/// What the image prints when the emulator runs it to a successful end.
-fn board_output() -> String {
-    let run = Command::new("timeout")
-        .args(["--foreground", "--kill-after=5", TIME_LIMIT])
-        .args(["qemu-system-arm", "-machine", "mps2-an386"])
-        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
-        .args(["-semihosting-config", "enable=on,target=native"])
-        .arg("-kernel")
-        .arg(image())
-        .stdin(Stdio::null())
-        .output()
-        .expect("timeout, of coreutils, starts");
-    let output = String::from_utf8_lossy(&run.stdout).into_owned();
-    let problem = match run.status.code() {
-        Some(0) => return output,
-        Some(124 | 137) => "the image did not end in time",
-        Some(127) => "qemu-system-arm is missing: `tests/run` installs it",
-        _ => "the image failed",
-    };
-    let errors = String::from_utf8_lossy(&run.stderr);
-    panic!("{problem} ({})\n{output}{errors}", run.status);
-}
+/// The images.
+const IMAGES: [&str; 2] = [PROBE, "foldpath-controller"];
 
 fn host_output() -> String {
     let mut output = String::new();
@@ -88,44 +30,43 @@ fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = 
     })
 }
 
-/// Names in the symbol table of `image` that contain one of `parts`.
-fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
-    let elf = object::File::parse(image).unwrap();
-    let names: Vec<_> = elf.symbols().filter_map(|s| s.name().ok()).collect();
-    for present in ["Reset", "foldpath_core", "atanf"] {
-        let found = names.iter().any(|name| name.contains(present));
-        assert!(found, "no {present}: is this the symbol table?");
-    }
-    let named = |name: &&str| parts.iter().any(|part| name.contains(part));
-    names.into_iter().filter(named).map(String::from).collect()
-}
-
 /// Looks at an unoptimised image: link-time optimisation inlines an allocator until nothing of its
-/// name is left.
+/// name is left. Unoptimised code still has its panics, which the controller's image does not link with.
 #[test]
 fn nothing_reaches_an_allocator() {
     let settings = [
         ("CARGO_PROFILE_FIRMWARE_LTO", "off"),
         ("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "0"),
+        (
+            "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS",
+            "-Clink-arg=--unresolved-symbols=ignore-all",
+        ),
     ];
-    let image = fs::read(build("fw-unoptimised", &settings)).unwrap();
+    let images = build("fw-unoptimised", &settings);
     let allocators = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc"];
-    assert_eq!(symbols(&image, &allocators), [""; 0]);
+    for name in IMAGES {
+        let image = fs::read(images.join(name)).unwrap();
+        assert_eq!(symbols(&image, &allocators), [""; 0], "{name}");
+    }
 }
 
-/// The linker drops the panic handler, with its message, when nothing reaches it.
+/// The linker drops the panic handler, with its message, when nothing reaches it. That of the controller's image has
+/// none, but calls what is not there, so that the image would not even link.
 #[test]
 fn nothing_in_the_image_panics() {
-    let image = fs::read(image()).unwrap();
     let panics = ["panicking", "rust_begin_unwind", "slice_index_fail"];
-    assert_eq!(symbols(&image, &panics), [""; 0]);
-    let message = image.windows(8).any(|bytes| bytes == b"panicked");
-    assert!(!message, "the panic handler is in the image");
+    for name in IMAGES {
+        let image = fs::read(image(name)).unwrap();
+        assert_eq!(symbols(&image, &panics), [""; 0], "{name}");
+        let message = image.windows(8).any(|bytes| bytes == b"panicked");
+        assert!(!message, "the panic handler is in {name}");
+    }
 }
 
 #[test]
 fn the_board_computes_the_bits_of_the_host() {
     let (board, host) = (board_output(), host_output());
+    let board = board.split("cost ").next().unwrap();
     for (board, host) in board.lines().zip(host.lines()) {
         assert_eq!(board, host);
     }

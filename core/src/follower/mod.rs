@@ -217,7 +217,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.state == State::Faulted {
             return Err(Denial::State);
         }
-        if self.clock.rate() > T::zero() {
+        if self.clock.rate() > T::zero() || self.state == State::Running {
             return Err(Denial::Moving);
         }
         self.stood = self.place();

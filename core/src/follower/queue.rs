@@ -81,10 +81,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         })
     }
 
-    /// Seconds from the place to the last setpoint.
+    /// Seconds from the place to the last setpoint, as far as there is a number for them.
     pub(super) fn left(&self) -> T {
         match (self.setpoints.front(), self.setpoints.back()) {
-            (Some(first), Some(last)) => (last.time - first.time - self.into).max(T::zero()),
+            (Some(first), Some(last)) => {
+                let left = last.time - first.time - self.into;
+                left.max(T::zero()).min(T::MAX)
+            }
             _ => T::zero(),
         }
     }
@@ -96,7 +99,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
         // What is left may be less than the rounding of the place.
         let left = self.left();
-        let arrived = left - step <= T::EPSILON * (left + self.into);
+        let arrived = left - step <= T::EPSILON * left.max(self.into);
         let (before, step) = (self.into, step + self.carry);
         self.into += step;
         self.carry = step - (self.into - before);

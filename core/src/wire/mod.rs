@@ -4,6 +4,7 @@
 //! `firmware-sim/PROTOCOL.md` has every byte and every rule.
 //!
 //! - [`cobs`]: frames from bytes; a lost byte costs one frame.
+//! - [`driver`]: what a host does, and when.
 //! - [`frame`]: a session, a message and a CRC-32 in a frame.
 //! - [`message`]: what is said.
 //! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than
@@ -12,6 +13,7 @@
 //! - [`transmit`]: bytes that wait for the line; telemetry gives way to answers.
 
 pub mod cobs;
+pub mod driver;
 pub mod frame;
 pub mod message;
 pub mod path;

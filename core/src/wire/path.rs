@@ -132,10 +132,28 @@ impl<'a> PathItems<'a> {
         ]
     }
 
+    /// The same path from another place on; nothing if that is not on it.
+    #[must_use]
+    pub fn at(self, place: Place<f32>) -> Option<Self> {
+        let head = SheetHead { place, ..self.head };
+        let first = usize::try_from(place.knot).ok()?;
+        (first < self.path.len()).then_some(Self {
+            head,
+            first,
+            ..self
+        })
+    }
+
+    /// Number of items before the first setpoint: the sheet.
+    #[must_use]
+    pub fn head(&self) -> usize {
+        1 + self.counts().iter().sum::<usize>()
+    }
+
     /// Number of items.
     #[must_use]
     pub fn len(&self) -> usize {
-        1 + self.counts().iter().sum::<usize>() + self.path.len() - self.first
+        self.head() + self.path.len() - self.first
     }
 
     /// Never: there is at least the sheet.

@@ -15,7 +15,7 @@ pub enum Event<'a> {
     Item(Item<'a>),
     /// A command not heard before: [`Receiver::answer`] it.
     Command(Command),
-    /// A sign of life.
+    /// A sign of life, as any other frame of the session is.
     Alive,
 }
 
@@ -122,11 +122,15 @@ impl Receiver {
                 self.due.report = true;
                 Some(Event::Alive)
             }
-            ToDevice::Item { sequence, item } => self.item(sequence, item, room),
+            ToDevice::Item { sequence, item } => Some(self.item(sequence, item, room)),
             ToDevice::Command { number, command } => {
                 self.due.report = true;
                 let new = number == self.command.wrapping_add(1);
-                new.then_some(Event::Command(command))
+                Some(if new {
+                    Event::Command(command)
+                } else {
+                    Event::Alive
+                })
             }
         }
     }
@@ -140,11 +144,21 @@ impl Receiver {
         let known = [self.open, self.offered].into_iter().flatten();
         let known = { known }.find(|peer| peer.id == id);
         let peer = known.unwrap_or_else(|| {
-            self.greetings = self.greetings.wrapping_add(1);
-            let session = id.wrapping_add(self.greetings).max(1);
+            let session = self.fresh(id);
             *self.offered.insert(Peer { id, session })
         });
         self.due.welcome = Some(peer);
+    }
+
+    /// A session for a host: neither 0 nor the one that is open.
+    fn fresh(&mut self, id: u32) -> u32 {
+        loop {
+            self.greetings = self.greetings.wrapping_add(1);
+            let session = id.wrapping_add(self.greetings);
+            if session != 0 && self.session() != Some(session) {
+                return session;
+            }
+        }
     }
 
     /// Whether frames of that session count: those of the open one, and those of the one offered, which opens it.
@@ -166,23 +180,19 @@ impl Receiver {
         Some(())
     }
 
-    fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Option<Event<'b>> {
+    fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Event<'b> {
         match ahead(sequence, self.next) {
-            0 if room > 0 => Some(Event::Item(item)),
+            0 if room > 0 => return Event::Item(item),
             // One that came before: its acknowledgement was lost. Or there is no room.
-            ..=0 => {
+            ..=0 => self.due.report = true,
+            // What follows a refused item is no gap.
+            _ if self.gap == Gap::None && self.refused.is_none() => {
+                self.gap = Gap::Seen;
                 self.due.report = true;
-                None
             }
-            _ => {
-                // What follows a refused item is no gap.
-                if self.gap == Gap::None && self.refused.is_none() {
-                    self.gap = Gap::Seen;
-                    self.due.report = true;
-                }
-                None
-            }
+            _ => {}
         }
+        Event::Alive
     }
 
     /// The item was taken.

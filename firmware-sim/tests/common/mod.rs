@@ -6,16 +6,18 @@ use core::f64::consts::PI;
 
 use foldpath_core::follower::{Place, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::wire::cobs::{self, Deframer};
-use foldpath_core::wire::message::{Command, Item};
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::path::PathItems;
-use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
+use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarView, StarsView,
     local_foldability_matrix,
 };
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
+use foldpath_firmware_sim::hinges::Hinges;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
@@ -59,13 +61,18 @@ pub(crate) struct Path {
 impl Path {
     /// Miura's fold with 60 degree sectors, there and smooth at both ends.
     pub(crate) fn miura() -> Self {
+        Self::miura_to(TOP)
+    }
+
+    /// The same up to another angle.
+    pub(crate) fn miura_to(top: f64) -> Self {
         let duration = STEP * (KNOTS - 1) as f64;
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
         for knot in 0..KNOTS {
             let time = STEP * knot as f64;
             let (sin, cos) = (PI * time / duration).sin_cos();
-            let t = (TOP * (1.0 - cos) / 4.0).tan();
-            let rate = TOP * sin / 2.0 * PI / duration;
+            let t = (top * (1.0 - cos) / 4.0).tan();
+            let rate = top * sin / 2.0 * PI / duration;
             let minor = rate * 0.5 * (1.0 + t * t) / (1.0 + t * t / 4.0);
             times.push(f32::lit(time));
             angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
@@ -105,6 +112,21 @@ impl Path {
             place,
         )
         .unwrap()
+    }
+
+    pub(crate) fn hinges(&self) -> &[Membership] {
+        &self.hinges
+    }
+
+    /// The vertex between four of the hinges, which are its unknowns.
+    pub(crate) fn vertex() -> Vec<Spoke<f64>> {
+        let hinges = [3, 2, 1, 8].map(GroupId).into_iter().zip(spokes());
+        let own = |(group, spoke)| Spoke {
+            group,
+            negative: false,
+            ..spoke
+        };
+        hinges.map(own).collect()
     }
 
     /// The angles at a place.
@@ -151,59 +173,32 @@ fn spokes<T: Scalar>() -> Vec<Spoke<T>> {
     creases.map(spoke).to_vec()
 }
 
-/// What a host sends: nothing until it knows where to begin.
-pub(crate) struct Begin<'a>(pub(crate) Option<PathItems<'a>>);
-
-impl Source for Begin<'_> {
-    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        self.0.as_ref()?.item(index, scratch)
-    }
-}
-
-/// A host that sends a path from where the sheet stands, starts, and asks to go on whenever something held.
+/// The library's host at one end of the line.
 pub(crate) struct Host<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) sender: Sender,
-    pub(crate) source: Begin<'a>,
-    pub(crate) deframer: Deframer<512>,
+    pub(crate) driver: Driver<'a>,
     /// Whether it polls and listens.
     pub(crate) awake: bool,
     pub(crate) reasons: Vec<Reason>,
     pub(crate) telemetry: u64,
-    pub(crate) commands: Vec<Command>,
-    asked: u64,
 }
 
 impl<'a> Host<'a> {
     pub(crate) fn new(path: &'a Path, id: u32) -> Self {
+        let items = path.items(Place::default());
         Self {
-            path,
-            sender: Sender::new(id, Options::default()),
-            source: Begin(None),
-            deframer: Deframer::default(),
+            driver: Driver::new(items, Persistence::Always, id, Options::default()),
             awake: true,
             reasons: Vec::new(),
             telemetry: 0,
-            commands: Vec::new(),
-            asked: 0,
         }
     }
 
-    pub(crate) fn is_done(&self) -> bool {
-        self.loaded() && self.sender.report().is_some_and(|r| r.state == State::Done)
-    }
-
-    fn loaded(&self) -> bool {
-        let items = self.source.0.as_ref().map(|items| items.len() as u64);
-        items.is_some_and(|items| self.sender.acknowledged() == items)
+    pub(crate) fn sender(&self) -> &Sender {
+        self.driver.sender()
     }
 
     pub(crate) fn byte(&mut self, byte: u8, now: u64) {
-        use foldpath_core::wire::message::ToHost;
-        let Some(frame) = self.deframer.push(byte) else {
-            return;
-        };
-        match self.sender.receive(frame, now) {
+        match self.driver.byte(byte, now) {
             Some(ToHost::Report(report)) if self.reasons.last() != Some(&report.reason) => {
                 self.reasons.push(report.reason);
             }
@@ -212,43 +207,10 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// Decides what to ask for.
-    pub(crate) fn decide(&mut self, now: u64) {
-        let (Phase::Open, Some(report)) = (self.sender.phase(), self.sender.report()) else {
-            return;
-        };
-        let report = *report;
-        if self.source.0.is_none() {
-            // While the sheet moves on an old path, there is no room, and the place is not the last.
-            if report.limit != report.next {
-                self.source = Begin(Some(self.path.items(report.place)));
-            }
-            return;
-        }
-        // Four items of the sheet, and two setpoints or the last.
-        let begun = self.loaded() || self.sender.acknowledged() >= 4 + 2;
-        let command = match (report.state, report.reason) {
-            (State::Faulted, _) => Command::Clear,
-            (_, Reason::StopLine | Reason::Silence | Reason::Session | Reason::Asked) => {
-                Command::Resume
-            }
-            (State::Ready, _) if begun => Command::Start,
-            _ => return,
-        };
-        // What was answered is looked at for a while before it is asked again.
-        if now >= self.asked + 100_000 && self.sender.command(command) {
-            self.asked = now;
-            self.commands.push(command);
-        }
-    }
-
     /// The next frame for the line.
     pub(crate) fn poll(&mut self, now: u64) -> Option<Vec<u8>> {
-        self.decide(now);
         let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-        let frame = self
-            .sender
-            .poll(now, &self.source, &mut scratch, &mut buffer)?;
+        let frame = self.driver.poll(now, &mut scratch, &mut buffer)?;
         let mut bytes = Vec::new();
         cobs::encode(frame, |byte| bytes.push(byte));
         Some(bytes)
@@ -267,8 +229,16 @@ pub(crate) struct World<'a> {
     pub(crate) path: &'a Path,
     pub(crate) max_closure: f64,
     pub(crate) ticks: u64,
+    /// Hinges that follow what is commanded, and are measured; the farthest that one was off, and the most that the
+    /// vertex between four of them was torn.
+    pub(crate) hinges: Option<Hinges<Pcg64>>,
+    pub(crate) farthest: f64,
+    pub(crate) torn: f64,
+    /// All that held the motion until it was asked to go on, or ended it.
+    pub(crate) held: Vec<Reason>,
     outgoing: Vec<u8>,
     before: Option<[f32; 2]>,
+    rates: [f32; 2],
 }
 
 impl<'a> World<'a> {
@@ -283,8 +253,13 @@ impl<'a> World<'a> {
             path,
             max_closure: 0.0,
             ticks: 0,
+            hinges: None,
+            farthest: 0.0,
+            torn: 0.0,
+            held: Vec::new(),
             outgoing: Vec::new(),
             before: None,
+            rates: [0.0; 2],
         }
     }
 
@@ -318,6 +293,7 @@ impl<'a> World<'a> {
         if self.now.is_multiple_of(4 * INSTANT) {
             self.device.tick(self.now);
             self.look();
+            self.turn();
         }
         self.device.poll(self.now);
         while self.drains && self.down.is_free(self.now) {
@@ -332,10 +308,33 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The hinges follow, and are measured.
+    fn turn(&mut self) {
+        let Some(hinges) = &mut self.hinges else {
+            return;
+        };
+        hinges.follow(self.device.follower().angles(), 1e-3);
+        for (hinge, membership, angle) in hinges.measured() {
+            self.device.follower_mut().measure(hinge, membership, angle);
+            if let Some(command) = self.device.follower().hinge(membership) {
+                self.farthest = self.farthest.max((command - angle).abs().into());
+            }
+        }
+        let vertex = Path::vertex();
+        let stars = StarsView::new(&vertex, &[4], self.path.hinges().len()).unwrap();
+        self.torn = self.torn.max(hinges.torn(stars));
+    }
+
     /// What has to be true at every tick, whatever went wrong.
     fn look(&mut self) {
         self.ticks += 1;
         let follower = self.device.follower();
+        let reason = follower.reason();
+        if !matches!(reason, Reason::None | Reason::Underrun | Reason::Lag(_))
+            && self.held.last() != Some(&reason)
+        {
+            self.held.push(reason);
+        }
         let angles = follower.angles();
         if angles.is_empty() {
             return;
@@ -359,6 +358,15 @@ impl<'a> World<'a> {
             let moved = (f64::from(*angle) - f64::from(before)).abs();
             assert!(moved <= f64::from(LIMITS.speed) * 1e-3 + 1e-6, "{moved}");
         }
+        let rates = [follower.rates()[0], follower.rates()[1]];
+        let before = core::mem::replace(&mut self.rates, rates);
+        // Only the stop line, a fault and a reset do not brake.
+        if follower.rate() > 0.0 {
+            let most = (LIMITS.acceleration + 4.0 * LIMITS.speed) * 1.001e-3;
+            let jumps = |(rate, before): (f32, f32)| (rate - before).abs() > most;
+            let mut pairs = rates.into_iter().zip(before);
+            assert!(!pairs.any(jumps), "{before:?} to {rates:?}");
+        }
     }
 
     pub(crate) fn run(&mut self, micros: u64) {
@@ -368,18 +376,26 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Runs until the last host knows that the path is done.
+    /// Whether a host was told of each thing that held the motion.
+    fn told(&self) {
+        let told = |reason| self.hosts.iter().any(|host| host.reasons.contains(reason));
+        let untold = self.held.iter().find(|reason| !told(reason));
+        assert_eq!(untold, None);
+    }
+
+    /// Runs until the last host knows that the path is done, and looks whether hosts were told what held it.
     pub(crate) fn finish(&mut self, seconds: u64) {
         let end = self.now + seconds * 1_000_000;
         while self.now < end {
             self.step();
-            if self.hosts.last().is_some_and(Host::is_done) {
+            if self.hosts.last().is_some_and(|host| host.driver.is_done()) {
                 let last = Place {
                     knot: 100,
                     into: 0.0,
                 };
                 assert_eq!(self.device.follower().place(), last);
                 assert_eq!(self.state(), State::Done);
+                self.told();
                 return;
             }
         }
@@ -388,13 +404,13 @@ impl<'a> World<'a> {
             "not done: {:?} {:?} {:?} {:?}",
             self.state(),
             self.reason(),
-            host.sender,
+            host.sender(),
             self.device.follower().place()
         );
     }
 
     pub(crate) fn failure(&self, host: usize) -> Option<Failure> {
-        match self.hosts[host].sender.phase() {
+        match self.hosts[host].sender().phase() {
             Phase::Failed(failure) => Some(failure),
             _ => None,
         }

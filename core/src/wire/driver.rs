@@ -1,0 +1,201 @@
+//! What a host does with a controller: sends a path from where it is to begin, starts it, and goes on when something
+//! held it, as far as its [`Persistence`] says.
+
+use crate::follower::{Place, Reason, State};
+use crate::wire::cobs::Deframer;
+use crate::wire::message::{Command, Item, Report, ToHost};
+use crate::wire::path::PathItems;
+use crate::wire::sender::{Options, Phase, Sender, Source};
+
+/// Microseconds for which what was answered is looked at before something else is asked.
+const PATIENCE: u64 = 100_000;
+/// Longest frame from a controller, in bytes.
+const FRAME: usize = 512;
+
+/// After what a path is taken up. All go on after a silence, and after what held an earlier session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Persistence {
+    /// Begins at the start of the path. A stop line or a fault is the end.
+    #[default]
+    None,
+    /// Begins where the sheet stands, after a stop line or a fault too. One that comes later is the end.
+    Resume,
+    /// As before, and goes on after each stop line, and leaves each fault behind.
+    Always,
+}
+
+/// What is sent: nothing until it is known where to begin.
+#[derive(Clone, Copy, Debug)]
+struct Begun<'a>(Option<PathItems<'a>>);
+
+impl Begun<'_> {
+    /// Items before the first setpoint.
+    fn head(&self) -> Option<u64> {
+        self.0.map(|items| items.head() as u64)
+    }
+}
+
+impl Source for Begun<'_> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        self.0.as_ref()?.item(index, scratch)
+    }
+}
+
+/// The policy of a host over a [`Sender`].
+#[derive(Clone, Debug)]
+pub struct Driver<'a> {
+    sender: Sender,
+    deframer: Deframer<FRAME>,
+    persistence: Persistence,
+    path: PathItems<'a>,
+    begun: Begun<'a>,
+    /// Whether the place that the controller told is not on the path.
+    astray: Option<Place<f32>>,
+    started: bool,
+    stopping: bool,
+    asked: Option<u64>,
+}
+
+impl<'a> Driver<'a> {
+    /// A host that sends this path, of all its knots. For `id`, see [`Sender::new`].
+    #[must_use]
+    pub fn new(path: PathItems<'a>, persistence: Persistence, id: u32, options: Options) -> Self {
+        Self {
+            sender: Sender::new(id, options),
+            deframer: Deframer::default(),
+            persistence,
+            path,
+            begun: Begun(None),
+            astray: None,
+            started: false,
+            stopping: false,
+            asked: None,
+        }
+    }
+
+    /// The end of the line.
+    #[must_use]
+    pub fn sender(&self) -> &Sender {
+        &self.sender
+    }
+
+    /// Number of setpoints that the controller has taken.
+    #[must_use]
+    pub fn setpoints(&self) -> u64 {
+        let head = self.begun.head().unwrap_or(u64::MAX);
+        self.sender.acknowledged().saturating_sub(head)
+    }
+
+    /// The place where the sheet stands, if it is none of the path.
+    #[must_use]
+    pub fn astray(&self) -> Option<Place<f32>> {
+        self.astray
+    }
+
+    /// Whether the path was sent whole, and the controller is at its end.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.is_sent() && self.sender.report().is_some_and(|r| r.state == State::Done)
+    }
+
+    /// Whether this path was started.
+    #[must_use]
+    pub fn is_started(&self) -> bool {
+        self.started
+    }
+
+    /// From now on slows the motion down and holds it, instead of going on.
+    pub fn stop(&mut self) {
+        (self.stopping, self.asked) = (true, None);
+    }
+
+    /// Takes a byte that came at `now`, microseconds; returns the message that it ends.
+    pub fn byte(&mut self, byte: u8, now: u64) -> Option<ToHost<'_>> {
+        let frame = self.deframer.push(byte)?;
+        let message = self.sender.receive(frame, now)?;
+        if let ToHost::Report(report) = message {
+            let moves = matches!(report.state, State::Running | State::Done);
+            let head = self.begun.head();
+            self.started |= moves && head.is_some_and(|head| self.sender.acknowledged() > head);
+        }
+        Some(message)
+    }
+
+    /// The next frame for the line, in `buffer`, as [`Sender::poll`] gives it.
+    pub fn poll<'b>(
+        &mut self,
+        now: u64,
+        scratch: &mut [u8],
+        buffer: &'b mut [u8],
+    ) -> Option<&'b [u8]> {
+        if self.sender.phase() == Phase::Open
+            && let Some(report) = self.sender.report().copied()
+        {
+            self.begin(&report);
+            let wait = |asked| now < asked + PATIENCE;
+            let command = self.wanted(&report);
+            if let Some(command) = command.filter(|_| !self.asked.is_some_and(wait))
+                && self.sender.command(command)
+            {
+                self.asked = Some(now);
+            }
+        }
+        self.sender.poll(now, &self.begun, scratch, buffer)
+    }
+
+    /// Chooses where to begin, once the sheet is at rest: while it moves on an old path, there is no room, and the
+    /// place is not the last. A fault has to be left behind before.
+    fn begin(&mut self, report: &Report) {
+        let rests = report.limit != report.next && report.state != State::Faulted;
+        if self.begun.0.is_some() || !rests || self.stopping {
+            return;
+        }
+        let place = match self.persistence {
+            Persistence::None => Place::default(),
+            Persistence::Resume | Persistence::Always => report.place,
+        };
+        self.begun.0 = self.path.at(place);
+        self.astray = self.begun.0.is_none().then_some(place);
+    }
+
+    /// Whether all items were sent and have come.
+    fn is_sent(&self) -> bool {
+        let items = self.begun.0.map(|items| items.len() as u64);
+        items == Some(self.sender.acknowledged())
+    }
+
+    /// What to ask for.
+    fn wanted(&self, report: &Report) -> Option<Command> {
+        if self.stopping {
+            let held = !matches!(
+                report.reason,
+                Reason::None | Reason::Underrun | Reason::Lag(_)
+            );
+            let under_way = matches!(report.state, State::Running | State::Holding);
+            return (under_way && !held).then_some(Command::Hold);
+        }
+        let recovers = match self.persistence {
+            Persistence::None => false,
+            Persistence::Resume => !self.started,
+            Persistence::Always => true,
+        };
+        if report.state == State::Faulted {
+            return recovers.then_some(Command::Clear);
+        }
+        self.begun.0?;
+        let resumes = match report.reason {
+            Reason::Silence | Reason::Session | Reason::Asked => true,
+            Reason::StopLine => recovers,
+            // Of the path of an earlier session.
+            Reason::Refused(_) => !self.started && report.refused.is_none(),
+            _ => false,
+        };
+        // The queue is as full as it can be.
+        let full = self.is_sent() || report.limit == report.next;
+        if resumes {
+            Some(Command::Resume)
+        } else {
+            (report.state == State::Ready && full).then_some(Command::Start)
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Fuzzes the controller: `CARGO_PROFILE_DEV_OPT_LEVEL=3 cargo run -p foldpath-firmware-sim --example fuzz -- 10000000
+//! [SEED] [FIRST]` runs so many executions from the first on. Overflow is checked in this profile. A failure names its
+//! execution; with that number as FIRST and 1 execution it comes back.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+#[path = "../tests/fuzz/execution.rs"]
+mod execution;
+#[path = "../tests/fuzz/stream.rs"]
+mod stream;
+#[path = "../tests/fuzz/subject.rs"]
+mod subject;
+
+use std::env;
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use common::Path;
+use execution::Tally;
+
+fn main() -> ExitCode {
+    let mut numbers = env::args()
+        .skip(1)
+        .map(|word| word.parse().expect("a number"));
+    let mut next = |default: u64| numbers.next().unwrap_or(default);
+    let (executions, seed, first) = (next(1_000_000), next(0), next(0));
+    let (path, start) = (Path::miura(), Instant::now());
+    let (mut tally, mut failures) = (Tally::default(), 0);
+    for number in first..first + executions {
+        match catch_unwind(|| execution::run(&path, seed, number)) {
+            Ok(one) => tally.add(one),
+            Err(_) => {
+                println!("execution {number} of seed {seed} failed");
+                failures += 1;
+            }
+        }
+        if failures == 10 {
+            break;
+        }
+    }
+    println!(
+        "{executions} executions from {first}, seed {seed}, {failures} failures, {:?}",
+        start.elapsed()
+    );
+    println!("{tally:?}");
+    if failures == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

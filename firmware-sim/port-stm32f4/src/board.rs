@@ -1,0 +1,264 @@
+//! A NUCLEO-F411RE that folds a sheet of four hinges. **Never tried on hardware.**
+//!
+//! | what | where |
+//! |---|---|
+//! | line to the host, 460,800 baud | USART2 on PA2 and PA3, which the board's debugger passes on over USB |
+//! | stop line, drawn while low | PC13, the blue button |
+//! | servos, 1 to 2 ms every 20 ms | TIM3 on PA6, PA7, PB0 and PB1 |
+//! | positions, from the servos' potentiometers | ADC1 on PA0, PA1, PA4 and PC0 |
+//! | clock | TIM5, in microseconds |
+//! | watchdog, half a second | IWDG |
+#![allow(
+    unsafe_code,
+    reason = "an interrupt is enabled, and RAM that a reset leaves as it is, is a section"
+)]
+
+use core::cell::RefCell;
+use core::convert::Infallible;
+use core::f32::consts::PI;
+use core::sync::atomic::{AtomicU8, Ordering};
+
+use cortex_m::interrupt::Mutex;
+use cortex_m::peripheral::{NVIC, SCB};
+use cortex_m_rt::entry;
+use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_firmware_sim::application::{Application, Board, RECORD};
+use foldpath_firmware_sim::controller::Settings;
+use foldpath_firmware_sim::fifo::Fifo;
+use stm32f4xx_hal::adc::Adc;
+use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
+use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC13};
+use stm32f4xx_hal::pac::{self, ADC1, TIM3, TIM5, USART2, interrupt};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::serial::{Rx, Tx};
+use stm32f4xx_hal::timer::{CounterUs, PwmChannel};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+/// Two groups and four hinges; the essential vertices of a Miura fold have four spokes.
+type Controller = Application<Nucleo, Line, 2, 4, 4, 16>;
+
+/// Pulses of a servo at 0 and for a radian more, microseconds: a quarter turn each way.
+const MIDDLE: f32 = 1500.0;
+const RADIAN: f32 = 1000.0 / PI;
+/// Readings of a potentiometer at 0 and for a radian more. To be calibrated for each servo.
+const ZERO: f32 = 2048.0;
+const READING: f32 = 2048.0 / (PI / 2.0);
+/// Microseconds after which the clock begins anew, 71 minutes. It is asked in each round of the main loop.
+const PERIOD: u32 = u32::MAX;
+
+/// Bytes from the host that wait for the main loop.
+static INCOMING: Fifo<256> = Fifo::new();
+/// The receiver, for its interrupt alone.
+static RECEIVER: Mutex<RefCell<Option<Rx<USART2>>>> = Mutex::new(RefCell::new(None));
+
+/// Records that a reset leaves as they are.
+// SAFETY: the section is not written at start, and a byte is one whatever is in it.
+#[unsafe(link_section = ".uninit.records")]
+static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
+
+#[interrupt]
+fn USART2() {
+    cortex_m::interrupt::free(|section| {
+        if let Some(receiver) = RECEIVER.borrow(section).borrow_mut().as_mut()
+            && let Ok(byte) = receiver.read()
+        {
+            let _ = INCOMING.add(byte);
+        }
+    });
+}
+
+/// The line to the host: a queue that the interrupt fills, and the transmitter, asked for room before each byte.
+struct Line(Tx<USART2>);
+
+impl ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl ReadReady for Line {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!INCOMING.is_empty())
+    }
+}
+
+impl Read for Line {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        let places = bytes
+            .iter_mut()
+            .zip(core::iter::from_fn(|| INCOMING.take()));
+        Ok(places.map(|(place, byte)| *place = byte).count())
+    }
+}
+
+impl WriteReady for Line {
+    fn write_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(self.0.is_tx_empty())
+    }
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        Ok(bytes
+            .iter()
+            .map_while(|byte| self.0.write(*byte).ok())
+            .count())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// All else of the board.
+struct Nucleo {
+    clock: CounterUs<TIM5>,
+    count: u32,
+    micros: u64,
+    button: PC13<Input>,
+    servos: (
+        PwmChannel<TIM3, 0>,
+        PwmChannel<TIM3, 1>,
+        PwmChannel<TIM3, 2>,
+        PwmChannel<TIM3, 3>,
+    ),
+    converter: Adc<ADC1>,
+    potentiometers: (PA0<Analog>, PA1<Analog>, PA4<Analog>, PC0<Analog>),
+    watchdog: IndependentWatchdog,
+}
+
+impl Board for Nucleo {
+    fn now(&mut self) -> u64 {
+        let count = self.clock.now().ticks();
+        self.micros += u64::from(count.wrapping_sub(self.count));
+        self.count = count;
+        self.micros
+    }
+
+    fn stop(&mut self) -> bool {
+        self.button.is_low()
+    }
+
+    fn drive(&mut self, hinge: u32, angle: f32) -> Option<f32> {
+        let (servos, pots) = (&mut self.servos, &self.potentiometers);
+        let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
+        // A conversion takes 5 microseconds, for which it is waited.
+        let reading = match hinge {
+            0 => {
+                servos.0.set_duty(pulse(angle));
+                converter.convert(&pots.0, time)
+            }
+            1 => {
+                servos.1.set_duty(pulse(angle));
+                converter.convert(&pots.1, time)
+            }
+            2 => {
+                servos.2.set_duty(pulse(angle));
+                converter.convert(&pots.2, time)
+            }
+            3 => {
+                servos.3.set_duty(pulse(angle));
+                converter.convert(&pots.3, time)
+            }
+            _ => return None,
+        };
+        Some((f32::from(reading) - ZERO) / READING)
+    }
+
+    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]) {
+        for (place, byte) in RECORDS.get(record).into_iter().flatten().zip(bytes) {
+            place.store(*byte, Ordering::Relaxed);
+        }
+    }
+
+    fn kept(&mut self) -> [[u8; RECORD]; 2] {
+        let load = |byte: &AtomicU8| byte.load(Ordering::Relaxed);
+        RECORDS.each_ref().map(|record| record.each_ref().map(load))
+    }
+
+    fn feed(&mut self) {
+        self.watchdog.feed();
+    }
+}
+
+/// The pulse of a servo at this angle, microseconds.
+fn pulse(angle: f32) -> u16 {
+    let pulse = (MIDDLE + RADIAN * angle).clamp(1000.0, 2000.0);
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 1000 to 2000"
+    )]
+    let pulse = pulse as u16;
+    pulse
+}
+
+/// The board with its clocks, timers and pins, and the line to the host.
+fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
+    let mut rcc = device.RCC.freeze(Config::hsi().sysclk(84.MHz()));
+    let (a, b, c) = (
+        device.GPIOA.split(&mut rcc),
+        device.GPIOB.split(&mut rcc),
+        device.GPIOC.split(&mut rcc),
+    );
+    let mut clock = device.TIM5.counter_us(&mut rcc);
+    clock.start(PERIOD.micros()).ok()?;
+    let line = device
+        .USART2
+        .serial::<u8>((a.pa2, a.pa3), 460_800.bps(), &mut rcc)
+        .ok()?;
+    let (transmitter, mut receiver) = line.split();
+    receiver.listen();
+    cortex_m::interrupt::free(|section| {
+        RECEIVER.borrow(section).replace(Some(receiver));
+    });
+    let (_, (first, second, third, fourth)) =
+        device.TIM3.pwm::<1_000_000>(20_000.micros(), &mut rcc);
+    let mut servos = (
+        first.with(a.pa6),
+        second.with(a.pa7),
+        third.with(b.pb0),
+        fourth.with(b.pb1),
+    );
+    servos.0.enable();
+    servos.1.enable();
+    servos.2.enable();
+    servos.3.enable();
+    let mut watchdog = IndependentWatchdog::new(device.IWDG);
+    watchdog.start(500.millis());
+    let nucleo = Nucleo {
+        clock,
+        count: 0,
+        micros: 0,
+        button: c.pc13.into_pull_up_input(),
+        servos,
+        converter: Adc::new(device.ADC1, true, AdcConfig::default(), &mut rcc),
+        potentiometers: (
+            a.pa0.into_analog(),
+            a.pa1.into_analog(),
+            a.pa4.into_analog(),
+            c.pc0.into_analog(),
+        ),
+        watchdog,
+    };
+    Some((nucleo, Line(transmitter)))
+}
+
+#[entry]
+fn main() -> ! {
+    static mut CONTROLLER: Option<Controller> = None;
+    if let Some((nucleo, line)) = pac::Peripherals::take().and_then(start) {
+        let controller = CONTROLLER.insert(Application::new(nucleo, line, Settings::default()));
+        // SAFETY: nothing relies on this interrupt being masked.
+        unsafe { NVIC::unmask(pac::Interrupt::USART2) };
+        loop {
+            controller.step();
+        }
+    }
+    SCB::sys_reset()
+}
+
+/// A panic, of which this hardware library has some, starts anew: what was commanded last is kept.
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    SCB::sys_reset()
+}

@@ -1,0 +1,14 @@
+//! The controller on an STM32F411, as an example of a port: see `board.rs` and `firmware-sim/PORTING.md`. It compiles;
+//! it was never tried on hardware.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for a microcontroller: cargo build --package foldpath-port-stm32f4 --profile firmware \
+         --target thumbv7em-none-eabihf"
+    );
+}
