@@ -144,6 +144,12 @@ impl<'a> PathItems<'a> {
         })
     }
 
+    /// Number of the knot of the first setpoint.
+    #[must_use]
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
     /// Number of items before the first setpoint: the sheet.
     #[must_use]
     pub fn head(&self) -> usize {

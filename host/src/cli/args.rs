@@ -32,6 +32,8 @@ pub(super) enum Command {
     View(View),
     /// Write a path for a controller or a spreadsheet
     Export(Export),
+    /// Send a path to a controller and follow what it does
+    Stream(Stream),
 }
 
 #[derive(Debug, Args)]
@@ -520,4 +522,93 @@ pub(super) enum ExportFormat {
     Traj,
     /// A row a knot: seconds, and the fold angle of each crease group in degrees
     Csv,
+}
+
+/// Sends a path to a controller and follows what it does until the sheet is at its end.
+///
+/// Ctrl-C slows the motion down along the path and holds it; a second one leaves at once. Exit status: 0 the sheet
+/// is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no controller that
+/// understands; 2 bad input or usage.
+#[derive(Debug, Args)]
+pub(super) struct Stream {
+    /// Path: a FOLD animation, or a .traj file
+    pub(super) path: PathBuf,
+    /// Controller: sim (one in this process, in virtual time), or tcp:HOST:PORT, or tcp:PORT on this machine
+    #[arg(long)]
+    pub(super) to: Target,
+    /// Crease pattern of a .traj file, for the essential vertices; without it the controller checks none
+    #[arg(long)]
+    pub(super) pattern: Option<PathBuf>,
+    /// CSV file to write, a row for each telemetry message: microseconds, state, knot, and the commanded angle
+    /// of each crease group in radians
+    #[arg(long)]
+    pub(super) log: Option<PathBuf>,
+    /// Go on from where the sheet stands, after a stop or a fault too
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Faults of the line to sim, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
+    #[arg(long)]
+    pub(super) faults: Option<LineFaults>,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+/// A controller to send to.
+#[derive(Clone, Debug)]
+pub(super) enum Target {
+    Sim,
+    Tcp(String),
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "sim" => Ok(Self::Sim),
+            Some(("tcp", address)) if !address.is_empty() => Ok(Self::Tcp(address.into())),
+            None if text == "qemu" => Err("not yet; expected sim or tcp:ADDR".into()),
+            Some(("serial", _)) => Err("not yet; expected sim or tcp:ADDR".into()),
+            _ => Err("expected sim, qemu, serial:DEV or tcp:ADDR".into()),
+        }
+    }
+}
+
+/// Faults of a simulated line.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LineFaults {
+    pub(super) faults: foldpath_firmware_sim::faults::Faults,
+    pub(super) seed: u64,
+}
+
+impl FromStr for LineFaults {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut this = Self::default();
+        for pair in text.split(',') {
+            let (key, value) = pair
+                .split_once('=')
+                .ok_or_else(|| format!("expected KEY=VALUE, found {pair}"))?;
+            let faults = &mut this.faults;
+            let part = match key {
+                "seed" => {
+                    let seed = value.parse();
+                    this.seed = seed.map_err(|_| format!("seed: expected a number, found {value}"))?;
+                    continue;
+                }
+                "drop" => &mut faults.drop,
+                "flip" => &mut faults.flip,
+                "double" => &mut faults.double,
+                "reorder" => &mut faults.reorder,
+                _ => {
+                    let expected = "drop, flip, double, reorder or seed";
+                    return Err(format!("expected {expected}, found {key}"));
+                }
+            };
+            let parsed = value.parse().ok().filter(|part| (0.0..=1.0).contains(part));
+            *part = parsed.ok_or_else(|| format!("{key}: expected 0 to 1, found {value}"))?;
+        }
+        Ok(this)
+    }
 }
