@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use std::collections::{HashMap, HashSet};
 
-use foldpath::folding::{Bend, FoldingMap, LatticeCourse, LatticeMotion, SpanningTree};
+use foldpath::folding::{Bend, FoldingMap, LatticeCourse, LatticeMotion, SpanningTree, Stretch};
 use foldpath::generate::{Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, EdgeId, FaceId};
 use foldpath::symmetry::{CreaseGroups, Lattice, PairClass, Place, ReducedStars};
@@ -621,18 +621,42 @@ fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
         &bends,
         [f64::INFINITY; 2],
     );
-    let parts = [0.2, 0.5, 0.8, 1.0].map(|part| {
-        let between = from
-            .iter()
-            .zip(changes())
-            .map(|(a, change)| a + part * change);
-        let between: Vec<_> = between.collect();
-        filled_between(sheet, [from, &between], &course, what)
+    let at = |part: f64| -> Vec<f64> {
+        let angles = from.iter().zip(changes());
+        angles.map(|(a, change)| a + part * change).collect()
+    };
+    let parts = [
+        [0.0, 0.2],
+        [0.0, 0.5],
+        [0.0, 0.8],
+        [0.0, 1.0],
+        [0.3, 0.5],
+        [0.5, 1.0],
+        [0.97, 1.0],
+    ];
+    let filled = parts.map(|[since, until]| {
+        let stretch = if since > 0.0 {
+            let head = until - since;
+            Stretch {
+                head,
+                from: 1,
+                to: 1,
+            }
+        } else {
+            [0, 1].into()
+        };
+        let what = format!("{what} from {since} to {until}");
+        filled_between(sheet, [&at(since), &at(until)], (&course, stretch), &what)
     });
-    parts.into_iter().fold(0.0, f64::max)
+    filled.into_iter().fold(0.0, f64::max)
 }
 
-fn filled_between(sheet: &Sheet, ends: [&[f64]; 2], course: &LatticeCourse, what: &str) -> f64 {
+fn filled_between(
+    sheet: &Sheet,
+    ends: [&[f64]; 2],
+    (course, stretch): (&LatticeCourse, Stretch),
+    what: &str,
+) -> f64 {
     let motions = ends.map(|angles| sheet.motion(angles));
     let corners = |motion: &LatticeMotion, cell| {
         let mut all = Vec::new();
@@ -650,7 +674,7 @@ fn filled_between(sheet: &Sheet, ends: [&[f64]; 2], course: &LatticeCourse, what
         let there = motions.each_ref().map(|motion| corners(motion, offset));
         let (gap, bound) = (
             motions[0].gap_of_cells(offset),
-            course.cells([0, 1], offset),
+            course.cells(stretch, offset),
         );
         let mut most = 0.0_f64;
         let pairs = |corners: &[Vec<Vector3<f64>>; 2]| {
@@ -698,6 +722,10 @@ fn gap_and_course_bound_motions() {
                 ("yoshimura", both.map(|fold| yoshimura(8, 8, fold))),
                 ("square twist", both.map(|fold| square_twist(4, 4, fold))),
                 ("rolled quad", both.map(rolled)),
+                (
+                    "flattened waterbomb",
+                    [size * fold, size * fold / 50.0].map(|fold| waterbomb(8, 12, fold)),
+                ),
             ] {
                 // The same sheet: only its goal differs.
                 let (sheet, next) = (Sheet::new(from), Sheet::new(to));

@@ -6,6 +6,7 @@ use std::path::Path;
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
+use foldpath::generate::Yoshimura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
 use foldpath::symmetry::{CreaseGroups, Lattice};
 use foldpath_core::{Curve, GroupId, Membership};
@@ -19,7 +20,11 @@ type Motion = Vec<Vec<Curve<f64>>>;
 /// angles keep their ratios, but that of the waterbomb's boundary lines is 3t + 4t³.
 fn folded(name: &str) -> (CreasePattern, Vec<Membership>, Motion) {
     let path = format!("{}/../patterns/{name}.fold", env!("CARGO_MANIFEST_DIR"));
-    let pattern = read_pattern(Path::new(&path)).unwrap().pattern;
+    to_goal(read_pattern(Path::new(&path)).unwrap().pattern, name)
+}
+
+/// The same for a pattern of a family.
+fn to_goal(pattern: CreasePattern, name: &str) -> (CreasePattern, Vec<Membership>, Motion) {
     let groups = CreaseGroups::find(&pattern);
     let mut tangents = vec![0.0_f64; groups.len()];
     for (&edge, member) in pattern.creases().iter().zip(groups.memberships()) {
@@ -492,4 +497,56 @@ fn with_a_lattice_a_few_pairs_stand_for_all() {
             assert!(2 * c.skipped_symmetry > c.pairs, "{name}: {c:?}");
         }
     }
+}
+
+/// Strips that close to tubes and pass through themselves in a small part of the time between two tabulated ones.
+#[test]
+fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
+    let places: Vec<f64> = (0..31).map(f64::from).collect();
+    let (pattern, mut memberships) = strip(&places, &[0.0; 31]);
+    for member in &mut memberships {
+        member.group = GroupId(0);
+    }
+    let lattice = Lattice::find(&pattern, &memberships).unwrap();
+    for most in [20.0, 40.0, 80.0, 120.0, 160.0] {
+        let found = [true, false].map(|skip_motion| {
+            let options = SweepOptions {
+                skip_motion,
+                ..SweepOptions::default()
+            };
+            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            crossing_at(sweep.sweep(&vec![vec![line(0.0, most)]])).1
+        });
+        assert!((found[1] - found[0]).abs() < 1e-5, "{most}: {found:?}");
+    }
+}
+
+/// The lattice of this sheet is oblique to it, and its second step turns: of the differences of cells in the box round
+/// them only a few are there.
+#[test]
+fn a_lattice_oblique_to_its_sheet_is_swept() {
+    let sheet = Yoshimura {
+        rows: 128,
+        columns: 3,
+        angle: core::f64::consts::FRAC_PI_4,
+        fold: 0.28,
+    };
+    let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+    let (pattern, memberships, motion) = to_goal(pattern, "yoshimura");
+    let lattice = Lattice::find(&pattern, &memberships).unwrap();
+    let options = SweepOptions::default();
+    let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+    let verdict = sweep.sweep(&motion);
+    let SweepVerdict::Crossing {
+        at,
+        last_free: Some(free),
+        ..
+    } = verdict
+    else {
+        panic!("{verdict:?}");
+    };
+    let sheet = (pattern, memberships);
+    let mut sampler = Sampler::new(&sheet);
+    assert!(sampler.depth(&motion, at.segment, at.s + 1e-3) > 1e-4);
+    assert!(sampler.depth(&motion, free.segment, free.s) < 1e-5);
 }

@@ -212,30 +212,40 @@ impl<'a> Cells<'a> {
         [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
     }
 
-    /// Number of pairs of pieces so many cells apart.
-    fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
+    /// For the orbits' pairs the columns that there are so many rows on.
+    fn columns(&mut self, row: i32) -> &[RangeInclusive<i32>] {
         let orbits = self.counts.len();
-        let columns = self.columns[row.unsigned_abs() as usize].get_or_insert_with(|| {
+        self.columns[row.unsigned_abs() as usize].get_or_insert_with(|| {
             let pairs = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
             let columns = pairs.map(|pair| {
                 let pair = pair.map(|orbit| &self.lattice.orbits()[orbit]);
                 self.lattice.columns_between(pair, row)
             });
             columns.collect()
-        });
+        })
+    }
+
+    /// Number of pairs of pieces so many cells apart.
+    fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
+        let orbits = self.counts.len();
         let within = [column, row] == [0, 0];
+        let there = self
+            .columns(row)
+            .iter()
+            .map(|there| there.contains(&column));
+        let there: Vec<bool> = there.collect();
         let first = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
         let there = first
-            .zip(columns)
-            .filter(|([a, b], columns)| columns.contains(&column) && (!within || a < b));
+            .zip(there)
+            .filter(|([a, b], there)| *there && (!within || a < b));
         there
             .map(|([a, b], _)| self.counts[a] * self.counts[b])
             .sum()
     }
 
-    /// Differences of cells that may come within `near` of each other from a tabulated time to the `AHEAD`th next, less
-    /// those that were woken before; their numbers follow one another, the nearest comes last. All of them
-    /// where steps turn, or `near` is infinite; `None` if there are too many.
+    /// Differences of cells that may come within `near` of each other from a tabulated time to the
+    /// [`AHEAD`]th next, less those that were woken before; their numbers follow one another, the nearest
+    /// comes last. All of them where steps turn, or `near` is infinite; `None` if there are too many.
     pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
         let first = self.offsets.len();
         if !self.all_awake {
@@ -280,16 +290,24 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// All differences of cells, unless there are too many.
-    fn all(&self) -> Option<Vec<[i32; 2]>> {
-        let [most, rows] = self
-            .most
-            .map(|most| i32::try_from(most).unwrap_or(i32::MAX));
-        let count = (2 * self.most[0] as usize + 1).checked_mul(self.most[1] as usize + 1)?;
-        let cells = |row| (-most..=most).map(move |column| [column, row]);
-        let half = |&[column, row]: &[i32; 2]| row > 0 || column >= 0;
-        let cells = (0..=rows).flat_map(cells).filter(half);
-        (count <= MOST_OFFSETS).then(|| cells.collect())
+    /// All differences of cells that there are, and perhaps others between them in a row, unless those are too
+    /// many. A lattice that is not square to the sheet has few of those in the box round them.
+    fn all(&mut self) -> Option<Vec<[i32; 2]>> {
+        let mut cells = Vec::new();
+        for row in 0..=i32::try_from(self.most[1]).ok()? {
+            let there = self.columns(row).iter().filter(|there| !there.is_empty());
+            let ends = there.map(|there| (*there.start(), *there.end()));
+            let ends = ends.reduce(|all, there| (all.0.min(there.0), all.1.max(there.1)));
+            let Some((low, high)) = ends else {
+                continue;
+            };
+            let low = if row == 0 { 0 } else { low };
+            cells.extend((low..=high).map(|column| [column, row]));
+            if cells.len() > MOST_OFFSETS {
+                return None;
+            }
+        }
+        Some(cells)
     }
 
     /// The cells that may come within `near` if both steps are translations, or may be held for such.

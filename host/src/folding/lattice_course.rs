@@ -31,7 +31,8 @@ pub struct Bend {
 /// With a step S before and A after, Aⁿ x - Sⁿ x is the sum over m of Aⁿ⁻ᵐ (A S⁻¹ z - z) with z = Sᵐ x, which
 /// is bounded by the motion of one point, the next cell's centre, and the turn times the distance of z from
 /// it. That distance is no more than that of x from the centre and how far m steps lead: no farther than m
-/// times the first, nor than twice the distance from the axis of S and m times its pitch.
+/// times the first, nor than twice the distance from the axis of S and m times its pitch. From a time within
+/// an interval on, only the first holds, with what the next cell's centre moves.
 #[derive(Clone, Debug)]
 pub struct LatticeCourse {
     /// Largest counts of steps that are asked for.
@@ -144,6 +145,11 @@ impl Reach {
 trait Linear: Copy {
     /// The sum with `other`, so many times.
     fn plus(self, other: Self, times: f64) -> Self;
+
+    /// The same from any time of its interval on, and not from the beginning.
+    fn within(self) -> Self {
+        self
+    }
 }
 
 impl Linear for f64 {
@@ -160,6 +166,15 @@ impl Linear for Reach {
             pitch: self.pitch.plus(other.pitch, times),
         }
     }
+
+    /// The axis may have come to be anywhere.
+    fn within(self) -> Self {
+        Self {
+            width: 0.0,
+            pitch: self.length,
+            ..self
+        }
+    }
 }
 
 impl Linear for StepTerms {
@@ -167,6 +182,13 @@ impl Linear for StepTerms {
         Self {
             shift: self.shift.plus(other.shift, times),
             reach: self.reach.plus(other.reach, times),
+        }
+    }
+
+    fn within(self) -> Self {
+        Self {
+            reach: self.reach.within(),
+            ..self
         }
     }
 }
@@ -178,6 +200,15 @@ impl Linear for Terms {
             first: self.first.plus(other.first, times),
             second: self.second.plus(other.second, times),
             across: self.across.plus(other.across, times),
+        }
+    }
+
+    fn within(self) -> Self {
+        Self {
+            own: self.own,
+            first: self.first.within(),
+            second: self.second.within(),
+            across: self.across.within(),
         }
     }
 }
@@ -194,7 +225,7 @@ fn over<T: Linear>(sums: impl Fn(usize) -> Parts<T>, stretch: Stretch) -> T {
         Some(before) if head > 0.0 => {
             let lead = since.lead.plus(before.lead, -1.0);
             let stray = since.stray.plus(before.stray, -1.0);
-            whole.plus(lead, head).plus(stray, 2.0)
+            whole.plus(lead.within(), head).plus(stray.within(), 2.0)
         }
         _ => whole,
     }
@@ -261,7 +292,8 @@ impl LatticeCourse {
                 stray: sum.stray + stray,
             });
         }
-        let radius = radius.sqrt();
+        // Of the cell at any time of the interval, as is the length of the steps.
+        let radius = radius.sqrt() + most.lead + most.stray;
         let mut steps = [(Parts::default(), Parts::default(), Reach::default()); 2];
         for (k, (shift, turn, reach)) in steps.iter_mut().enumerate() {
             let three = [
@@ -278,11 +310,13 @@ impl LatticeCourse {
                 (0.0, known[k])
             };
             *turn = Parts { lead, stray };
+            let moved = path(three.map(|step| step.carry(&center)));
             *shift = Parts {
-                lead: path(three.map(|step| step.carry(&center))) + lead * radius,
+                lead: moved + lead * radius,
                 stray: off + stray * radius,
             };
             *reach = Reach::new(&before.steps[k], center, self.most[k]);
+            reach.length += moved + off;
         }
         let [
             (shift, turn, reach),

@@ -199,7 +199,7 @@ impl LatticeMotion {
         let [a, b] = ways.map(|way| way.norm());
         (
             ways,
-            i * first * (i / 2.0 * a + j * b) + j * j / 2.0 * second * b,
+            i * first * ((i + 1.0) / 2.0 * a + j * b) + j * (j + 1.0) / 2.0 * second * b,
         )
     }
 
@@ -359,5 +359,42 @@ impl Hinge {
             negative,
             direction: self.axis.into(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Waterbomb;
+    use crate::symmetry::CreaseGroups;
+
+    #[test]
+    fn cells_are_near_where_translations_take_them() {
+        let sheet = Waterbomb {
+            rows: 8,
+            columns: 10,
+            fold: 0.2,
+        };
+        let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+        let groups = CreaseGroups::find(&pattern);
+        let lattice = Lattice::find(&pattern, groups.memberships()).unwrap();
+        let mut angles = vec![HalfAngle::default(); groups.len()];
+        for (&id, member) in pattern.creases().iter().zip(groups.memberships()) {
+            let goal = member.apply(pattern.edge(id).goal.unwrap());
+            angles[member.group.index()] = HalfAngle::of(goal);
+        }
+        let mut motion = LatticeMotion::new(&pattern, groups.memberships(), &lattice);
+        motion.fold(&angles);
+        for most in [[1, 0], [0, 1], [1, 1], [3, 2]] {
+            let (ways, bent) = motion.ways(most);
+            let [columns, rows] = most.map(u32::cast_signed);
+            for [i, j] in (-columns..=columns).flat_map(|i| (-rows..=rows).map(move |j| [i, j])) {
+                let center = motion.ball.center;
+                let way = motion.translation([i, j]).carry(&center) - center;
+                let straight = ways[0] * f64::from(i) + ways[1] * f64::from(j);
+                let off = (way - straight).norm();
+                assert!(off <= bent + 1e-12, "{most:?} {i} {j}: {off} {bent}");
+            }
+        }
     }
 }

@@ -200,8 +200,13 @@ impl Planning<'_> {
         let mut sweep = (astray < SweepOptions::FAR_ASTRAY)
             .then(|| Sweep::with_lattice(self.pattern, memberships, options, lattice))?;
         let verdict = sweep.sweep(&self.plan.path.curves());
-        // On a torn sheet what nearly touches by the lattice may not by the folding map.
-        let decided = !torn || matches!(verdict, SweepVerdict::Free(_));
+        let decided = match verdict {
+            SweepVerdict::Free(_) => true,
+            // Too many cells may meet: more than the pairs that do.
+            SweepVerdict::Undecided { faces: None, .. } => false,
+            // On a torn sheet what nearly touches by the lattice may not by the folding map.
+            _ => !torn,
+        };
         decided.then(|| (verdict, sweep.counts()))
     }
 
@@ -220,7 +225,8 @@ impl Planning<'_> {
         } else {
             self.plan.times.collision += start.elapsed();
             let faces = self.pattern.faces().len();
-            if lattice.is_some() && faces > FEW_FACES {
+            let torn = options.gap > SweepOptions::default().tolerance;
+            if lattice.is_some() && torn && faces > FEW_FACES {
                 let decided =
                     |plan: &Plan| matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_));
                 if let Some(plan) = self.nearer(reduction, found).filter(decided) {

@@ -144,7 +144,9 @@ impl Sweep<'_> {
         self.counts.skipped_bounds += left.saturating_sub(measured);
         match cells.until(motion, time, offset, apart - astray) {
             None => Look::Free,
-            Some(_) if !self.options.skip_motion => Look::Until(motion.next_tabulated(time)),
+            Some((until, _)) if !self.options.skip_motion => {
+                Look::Until(until.min(motion.next_tabulated(time)))
+            }
             Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
             Some((until, _)) => Look::Until(until),
         }
@@ -453,7 +455,7 @@ impl Sweep<'_> {
         let cells = self.sheet.cells.as_ref()?;
         let (until, moved) = cells.until_of(motion, time, self.faces(index), apart)?;
         if !self.options.skip_motion {
-            return Some(Look::Until(motion.next_tabulated(time)));
+            return Some(Look::Until(until.min(motion.next_tabulated(time))));
         }
         let free = until == motion.end() && (!counts || apart - moved >= self.best());
         Some(if free { Look::Free } else { Look::Until(until) })
