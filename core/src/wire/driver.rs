@@ -178,10 +178,7 @@ impl<'a> Driver<'a> {
                 Reason::None | Reason::Underrun | Reason::Lag(_)
             );
             // A start may be on its way to one that is ready.
-            let under_way = matches!(
-                report.state,
-                State::Ready | State::Running | State::Holding
-            );
+            let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
             return (under_way && !held).then_some(Command::Hold);
         }
         let recovers = match self.persistence {

@@ -526,29 +526,33 @@ pub(super) enum ExportFormat {
 
 /// Sends a path to a controller and follows what it does until the sheet is at its end.
 ///
-/// Ctrl-C slows the motion down along the path and holds it; a second one leaves at once. Exit status: 0 the sheet
+/// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the sheet
 /// is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no controller that
 /// understands; 2 bad input or usage.
 #[derive(Debug, Args)]
 pub(super) struct Stream {
-    /// Path: a FOLD animation, or a .traj file
+    /// Path: a .traj file, as `foldpath export --to traj` writes it
     pub(super) path: PathBuf,
-    /// Controller: sim (one in this process, in virtual time), or tcp:HOST:PORT, or tcp:PORT on this machine
-    #[arg(long)]
+    /// Controller: sim (one in this process, in virtual time), qemu (its image on an emulated board),
+    /// serial:DEVICE, tcp:HOST:PORT, or tcp:PORT on this machine
+    #[arg(long, value_name = "CONTROLLER")]
     pub(super) to: Target,
-    /// Crease pattern of a .traj file, for the essential vertices; without it the controller checks none
-    #[arg(long)]
-    pub(super) pattern: Option<PathBuf>,
-    /// CSV file to write, a row for each telemetry message: microseconds, state, knot, and the commanded angle
-    /// of each crease group in radians
+    /// CSV file to write, a row for each telemetry message: microseconds, state, number of the knot at or before
+    /// the place on the path, and the commanded angle of each crease group in radians
     #[arg(long)]
     pub(super) log: Option<PathBuf>,
     /// Go on from where the sheet stands, after a stop or a fault too
     #[arg(long)]
     pub(super) resume: bool,
-    /// Faults of the line to sim, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
+    /// Faults to add to the line, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     #[arg(long)]
     pub(super) faults: Option<LineFaults>,
+    /// Image for qemu [default: that of the workspace, built if there is none]
+    #[arg(long)]
+    pub(super) image: Option<PathBuf>,
+    /// Speed of a serial line
+    #[arg(long, default_value_t = 115_200)]
+    pub(super) baud: u32,
     #[command(flatten)]
     pub(super) report: Report,
 }
@@ -557,6 +561,8 @@ pub(super) struct Stream {
 #[derive(Clone, Debug)]
 pub(super) enum Target {
     Sim,
+    Qemu,
+    Serial(String),
     Tcp(String),
 }
 
@@ -566,15 +572,15 @@ impl FromStr for Target {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
             None if text == "sim" => Ok(Self::Sim),
+            None if text == "qemu" => Ok(Self::Qemu),
+            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.into())),
             Some(("tcp", address)) if !address.is_empty() => Ok(Self::Tcp(address.into())),
-            None if text == "qemu" => Err("not yet; expected sim or tcp:ADDR".into()),
-            Some(("serial", _)) => Err("not yet; expected sim or tcp:ADDR".into()),
-            _ => Err("expected sim, qemu, serial:DEV or tcp:ADDR".into()),
+            _ => Err("expected sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT".into()),
         }
     }
 }
 
-/// Faults of a simulated line.
+/// Faults of a line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LineFaults {
     pub(super) faults: foldpath_firmware_sim::faults::Faults,
@@ -594,7 +600,8 @@ impl FromStr for LineFaults {
             let part = match key {
                 "seed" => {
                     let seed = value.parse();
-                    this.seed = seed.map_err(|_| format!("seed: expected a number, found {value}"))?;
+                    this.seed =
+                        seed.map_err(|_| format!("seed: expected a number, found {value}"))?;
                     continue;
                 }
                 "drop" => &mut faults.drop,

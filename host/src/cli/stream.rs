@@ -1,7 +1,6 @@
 //! `foldpath stream`.
 
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant, SystemTime};
@@ -10,11 +9,11 @@ use foldpath_core::follower::State;
 use serde::Serialize;
 
 use super::args::{LineFaults, Stream, Target};
-use super::{Answer, CliError, check_output, print, print_json, say};
-use crate::formats::fold::read_path;
-use crate::formats::{FileError, read_pattern, write_whole_with};
+use super::{Answer, CliError, check_output, print, print_json};
+use crate::formats::{FileError, write_whole_with};
 use crate::stream::{
-    Link, Options, Outcome, Sim, StreamPath, Summary, Tcp, Telemetry, Watcher, Wish, run as follow,
+    self, Emulator, Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Watcher,
+    Wire, Wish, default_image,
 };
 
 /// Time between two lines of progress.
@@ -28,76 +27,63 @@ struct StreamJson<'a> {
     bytes_sent: u64,
     retransmitted: u64,
     refused: u64,
-    max_closure: Option<f64>,
+    max_closure: f64,
     duration: f64,
 }
 
 pub(super) fn run(args: &Stream) -> Answer {
     if let Some(log) = &args.log {
         check_output(&args.path, log)?;
-        if let Some(pattern) = &args.pattern {
-            check_output(pattern, log)?;
-        }
     }
-    let path = read(args)?;
-    let quiet = args.report.quiet;
-    if !quiet && path.residual(&vec![0.0; path.groups()]).is_none() {
-        say("note: without --pattern the controller checks the closure of no vertex");
-    }
-    let pressed = Arc::new(AtomicU8::new(0));
-    let count = Arc::clone(&pressed);
-    // Without a handler Ctrl-C ends the process, and the controller holds for the silence.
-    let _default = ctrlc::set_handler(move || {
-        count.fetch_add(1, Ordering::Relaxed);
-    });
-    let watch = |log| Watch {
-        path: &path,
-        log,
-        pressed: &pressed,
-        shown: None,
-        progress: !quiet && io::stderr().is_terminal(),
-    };
-    let options = |id| Options {
-        resume: args.resume,
-        id,
-    };
-    let summary = match (&args.to, args.faults) {
-        (Target::Sim, faults) => {
-            let LineFaults { faults, seed } = faults.unwrap_or_default();
-            let sim = Sim::new(faults, seed);
-            session(sim, &path, options(1), args.log.as_deref(), watch)?
+    let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
+        path: args.path.clone(),
+        source,
+    })?;
+    let path = StreamPath::read(&bytes, &args.path)?;
+    let summary = match &args.to {
+        Target::Sim => session(Sim::new(), args, &path, 1)?,
+        Target::Qemu => {
+            let image = match &args.image {
+                Some(image) => image.clone(),
+                None => {
+                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
+                }
+            };
+            let name = format!("qemu-system-arm with {}", image.display());
+            connected(&name, Emulator::start(&image), args, &path)?
         }
-        (Target::Tcp(_), Some(_)) => {
-            let text = "--faults: expected with --to sim alone";
-            return Err(CliError::Usage(text.into()));
+        Target::Serial(device) => {
+            let link = Wire::open(device, args.baud);
+            connected(&format!("serial:{device}"), link, args, &path)?
         }
-        (Target::Tcp(address), None) => match Tcp::connect(address) {
-            Ok(tcp) => session(tcp, &path, options(id()), args.log.as_deref(), watch)?,
-            Err(error) => no_device(&format!("tcp:{address}: {error}")),
-        },
+        Target::Tcp(address) => {
+            let link = Wire::connect(address);
+            connected(&format!("tcp:{address}"), link, args, &path)?
+        }
     };
     report(args, &path, &summary)?;
     Ok(summary.outcome == Outcome::Done)
 }
 
-/// The path of a `.traj` file or a FOLD animation, told apart by how they begin.
-fn read(args: &Stream) -> Result<StreamPath, CliError> {
-    let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
-        path: args.path.clone(),
-        source,
-    })?;
-    let is_traj = bytes.starts_with(&foldpath_core::trajectory_file::MAGIC);
-    match &args.pattern {
-        Some(_) if !is_traj => {
-            let text = "--pattern: expected with a .traj file alone, a path has its pattern";
-            Err(CliError::Usage(text.into()))
-        }
-        pattern if is_traj => {
-            let file = pattern.as_ref().map(|file| read_pattern(file));
-            let pattern = file.transpose()?.map(|file| file.pattern);
-            Ok(StreamPath::of_traj(&bytes, pattern.as_ref(), &args.path)?)
-        }
-        _ => Ok(StreamPath::of_fold(&read_path(&args.path)?, &args.path)?),
+/// A session over a link, if there is one.
+fn connected(
+    name: &str,
+    link: io::Result<impl Link>,
+    args: &Stream,
+    path: &StreamPath,
+) -> Result<Summary, CliError> {
+    match link {
+        Ok(link) => session(link, args, path, id()),
+        Err(error) => Ok(Summary {
+            outcome: Outcome::NoDevice,
+            reason: Some(format!("{name}: {error}")),
+            setpoints: 0,
+            bytes_sent: 0,
+            retransmitted: 0,
+            refused: 0,
+            max_closure: 0.0,
+            duration: 0,
+        }),
     }
 }
 
@@ -108,28 +94,58 @@ fn id() -> u32 {
     u32::from_le_bytes([a, b, c, d]) ^ std::process::id().rotate_left(16)
 }
 
-fn no_device(reason: &str) -> Summary {
-    Summary {
-        outcome: Outcome::NoDevice,
-        reason: Some(reason.into()),
-        setpoints: 0,
-        bytes_sent: 0,
-        retransmitted: 0,
-        refused: 0,
-        max_closure: None,
-        duration: 0,
+/// A session with the faults and the log that were asked for.
+fn session(
+    mut link: impl Link,
+    args: &Stream,
+    path: &StreamPath,
+    id: u32,
+) -> Result<Summary, CliError> {
+    match args.faults {
+        None => logged(&mut link, args, path, id),
+        Some(LineFaults { faults, seed }) => {
+            logged(&mut Faulty::new(link, faults, seed), args, path, id)
+        }
     }
 }
 
-/// A session with its log, which is written whole when the session has ended.
-fn session<'a>(
-    mut link: impl Link,
-    path: &'a StreamPath,
-    options: Options,
-    log: Option<&Path>,
-    watch: impl FnOnce(&'a mut dyn Write) -> Watch<'a>,
+fn logged(
+    link: &mut impl Link,
+    args: &Stream,
+    path: &StreamPath,
+    id: u32,
 ) -> Result<Summary, CliError> {
-    todo_placeholder()
+    let pressed = Arc::new(AtomicU8::new(0));
+    let count = Arc::clone(&pressed);
+    // Without a handler Ctrl-C ends the process, and the controller holds for the silence.
+    let _default = ctrlc::set_handler(move || {
+        count.fetch_add(1, Ordering::Relaxed);
+    });
+    let options = Options {
+        resume: args.resume,
+        id,
+    };
+    let quiet = args.report.quiet || args.report.json;
+    let mut follow = |log: &mut dyn Write| {
+        let mut watch = Watch {
+            path,
+            log,
+            pressed: &pressed,
+            shown: None,
+            progress: !quiet && io::stderr().is_terminal(),
+        };
+        watch.head()?;
+        stream::run(link, path, options, &mut watch)
+    };
+    let Some(log) = &args.log else {
+        return follow(&mut io::sink()).map_err(CliError::Output);
+    };
+    let mut summary = None;
+    write_whole_with(log, |out| {
+        summary = Some(follow(out)?);
+        Ok(())
+    })?;
+    summary.ok_or_else(|| CliError::Usage("--log: nothing was written".into()))
 }
 
 fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), CliError> {
@@ -152,10 +168,9 @@ fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), Cli
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }
-    let closure = json.max_closure.map_or("unknown".into(), |x| format!("{x:.1e}"));
     text += &format!(
         "  sent         {} of {} setpoints of {} groups, {} bytes, {} items again, {} refused\n  \
-         closure      {closure} at the angles that were told\n  \
+         closure      {:.1e} at the angles that were told\n  \
          time         {duration:.3} s\n",
         json.setpoints,
         path.times().len(),
@@ -163,6 +178,7 @@ fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), Cli
         json.bytes_sent,
         json.retransmitted,
         json.refused,
+        json.max_closure,
     );
     if let Some(log) = &args.log {
         text += &format!("  log          {}\n", log.display());
@@ -173,13 +189,21 @@ fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), Cli
 /// Whoever ran the command looks on.
 struct Watch<'a> {
     path: &'a StreamPath,
-    log: Option<&'a mut dyn Write>,
+    log: &'a mut dyn Write,
     pressed: &'a AtomicU8,
     shown: Option<Instant>,
     progress: bool,
 }
 
 impl Watch<'_> {
+    fn head(&mut self) -> io::Result<()> {
+        write!(self.log, "t_us,state,sequence")?;
+        for group in 0..self.path.groups() {
+            write!(self.log, ",group_{group}")?;
+        }
+        writeln!(self.log)
+    }
+
     /// A line over the one before.
     fn show(&mut self, telemetry: &Telemetry) {
         let times = self.path.times();
@@ -189,7 +213,11 @@ impl Watch<'_> {
         let part = 100.0 * (time(knot) - time(0) + telemetry.place.into) / end;
         let angles = telemetry.angles.iter().take(4);
         let angles: String = angles.map(|a| format!(" {:.1}", a.to_degrees())).collect();
-        let more = if telemetry.angles.len() > 4 { " ..." } else { "" };
+        let more = if telemetry.angles.len() > 4 {
+            " ..."
+        } else {
+            ""
+        };
         let state = state(telemetry.state);
         let _gone = write!(
             io::stderr(),
@@ -201,14 +229,15 @@ impl Watch<'_> {
 
 impl Watcher for Watch<'_> {
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
-        if let Some(log) = &mut self.log {
-            let (time, state) = (telemetry.time, state(telemetry.state));
-            write!(log, "{time},{state},{}", telemetry.place.knot)?;
-            for angle in &telemetry.angles {
-                write!(log, ",{angle}")?;
-            }
-            writeln!(log)?;
+        let (time, state) = (telemetry.time, state(telemetry.state));
+        write!(self.log, "{time},{state},{}", telemetry.place.knot)?;
+        // None are known before the first motion.
+        for group in 0..self.path.groups() {
+            let angle = telemetry.angles.get(group);
+            let angle = angle.map_or_else(String::new, f32::to_string);
+            write!(self.log, ",{angle}")?;
         }
+        writeln!(self.log)?;
         if self.progress && self.shown.is_none_or(|shown| shown.elapsed() >= PACE) {
             self.shown = Some(Instant::now());
             self.show(telemetry);

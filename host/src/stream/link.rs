@@ -5,6 +5,8 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use serialport::SerialPort;
+
 /// Bytes to a controller and back. Nothing waits but [`wait`](Self::wait).
 pub trait Link {
     /// Microseconds since some moment before.
@@ -30,18 +32,37 @@ pub trait Link {
     /// # Errors
     /// If the line is broken.
     fn wait(&mut self) -> io::Result<()>;
+
+    /// Draws the stop line, if there is one to draw from here; returns whether there is.
+    ///
+    /// # Errors
+    /// If the line is broken.
+    fn stop(&mut self) -> io::Result<bool> {
+        Ok(false)
+    }
 }
 
-/// A controller behind a TCP connection.
+/// A controller behind a stream of bytes that never waits.
 #[derive(Debug)]
-pub struct Tcp {
-    stream: TcpStream,
+pub struct Wire<S> {
+    stream: S,
     start: Instant,
     outgoing: Vec<u8>,
     incoming: VecDeque<u8>,
 }
 
-impl Tcp {
+impl<S> Wire<S> {
+    fn new(stream: S) -> Self {
+        Self {
+            stream,
+            start: Instant::now(),
+            outgoing: Vec::new(),
+            incoming: VecDeque::new(),
+        }
+    }
+}
+
+impl Wire<TcpStream> {
     /// Connects to `HOST:PORT`, or to a port of this machine.
     ///
     /// # Errors
@@ -51,16 +72,32 @@ impl Tcp {
             Ok(port) => TcpStream::connect(("127.0.0.1", port))?,
             Err(_) => TcpStream::connect(address)?,
         };
-        stream.set_nodelay(true)?;
-        stream.set_nonblocking(true)?;
-        Ok(Self {
-            stream,
-            start: Instant::now(),
-            outgoing: Vec::new(),
-            incoming: VecDeque::new(),
-        })
+        Self::over(stream)
     }
 
+    /// Over a connection that there is.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub(super) fn over(stream: TcpStream) -> io::Result<Self> {
+        stream.set_nodelay(true)?;
+        stream.set_nonblocking(true)?;
+        Ok(Self::new(stream))
+    }
+}
+
+impl Wire<Box<dyn SerialPort>> {
+    /// Opens a serial device at so many baud, eight bits, no parity, one stop bit.
+    ///
+    /// # Errors
+    /// If there is no such device, or the system refuses.
+    pub fn open(device: &str, baud: u32) -> io::Result<Self> {
+        let port = serialport::new(device, baud).timeout(Duration::ZERO);
+        Ok(Self::new(port.open()?))
+    }
+}
+
+impl<S: Read + Write> Wire<S> {
     /// Hands over as much as the system takes.
     fn flush(&mut self) -> io::Result<()> {
         while !self.outgoing.is_empty() {
@@ -76,10 +113,11 @@ impl Tcp {
 
 /// Whether there is only nothing to do now.
 fn is_pause(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
+    use ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), WouldBlock | Interrupted | TimedOut)
 }
 
-impl Link for Tcp {
+impl<S: Read + Write> Link for Wire<S> {
     fn now(&self) -> u64 {
         u64::try_from(self.start.elapsed().as_micros()).unwrap_or(u64::MAX)
     }

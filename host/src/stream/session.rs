@@ -10,6 +10,9 @@ use foldpath_core::wire::sender::{self, Phase};
 
 use super::{Link, StreamPath, words};
 
+/// Microseconds that a controller has to say that the stop line is drawn.
+const PATIENCE: u64 = 1_000_000;
+
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
@@ -42,7 +45,8 @@ pub enum Wish {
     Run,
     /// That the motion slows down along the path and holds, and the session ends then.
     Stop,
-    /// That the session ends now. A controller that hears nothing holds by itself.
+    /// That everything stops at once, by the stop line if there is one from here, and the session ends. A controller
+    /// that hears nothing holds by itself.
     Quit,
 }
 
@@ -102,8 +106,8 @@ pub struct Summary {
     pub retransmitted: u64,
     /// Items that were refused.
     pub refused: u64,
-    /// Largest closure residual of the sheet at the angles that telemetry told; `None` if the sheet is not known.
-    pub max_closure: Option<f64>,
+    /// Largest closure residual of an essential vertex at the angles that telemetry told.
+    pub max_closure: f64,
     /// Microseconds on the host's clock.
     pub duration: u64,
 }
@@ -134,12 +138,13 @@ pub fn run(
         wish: Wish::Run,
         last: None,
         bytes: 0,
-        closure: path.residual(&vec![0.0; path.groups()]).map(|_| 0.0),
+        closure: 0.0,
+        quit: None,
     };
     let start = link.now();
     let end = loop {
-        session.look(watcher.wish());
-        let mut broken = session.exchange(link).err();
+        let looked = session.look(watcher.wish(), link);
+        let mut broken = looked.and_then(|()| session.exchange(link)).err();
         while broken.is_none()
             && let Some(heard) = session.hear(link)
         {
@@ -151,7 +156,7 @@ pub fn run(
         if let Some(error) = broken {
             break (Outcome::NoDevice, Some(format!("the line: {error}")));
         }
-        if let Some(end) = session.end() {
+        if let Some(end) = session.end(link.now()) {
             break end;
         }
     };
@@ -166,15 +171,22 @@ struct Session<'a> {
     /// What the last telemetry told.
     last: Option<(State, f32)>,
     bytes: u64,
-    closure: Option<f64>,
+    closure: f64,
+    /// When the stop line was drawn, if there is one.
+    quit: Option<Option<u64>>,
 }
 
 impl Session<'_> {
-    fn look(&mut self, wish: Wish) {
-        if wish != self.wish && self.wish == Wish::Run {
+    fn look(&mut self, wish: Wish, link: &mut impl Link) -> io::Result<()> {
+        if wish != Wish::Run && self.wish == Wish::Run {
             self.driver.stop();
         }
+        if wish == Wish::Quit && self.quit.is_none() {
+            let now = link.now();
+            self.quit = Some(link.stop()?.then_some(now));
+        }
         self.wish = wish;
+        Ok(())
     }
 
     /// Sends what is to be sent, and lets time pass.
@@ -213,8 +225,7 @@ impl Session<'_> {
             let (angles, _) = angles.as_chunks::<4>();
             let angles: Vec<f32> = angles.iter().copied().map(f32::from_le_bytes).collect();
             self.last = Some((state, rate));
-            let residual = self.path.residual(&angles).unwrap_or(0.0);
-            self.closure = self.closure.map(|worst| worst.max(residual));
+            self.closure = self.closure.max(self.path.residual(&angles));
             return Some(Ok(Telemetry {
                 time,
                 state,
@@ -226,12 +237,21 @@ impl Session<'_> {
     }
 
     /// How it ended, if it has.
-    fn end(&self) -> Option<(Outcome, Option<String>)> {
+    fn end(&self, now: u64) -> Option<(Outcome, Option<String>)> {
         if let Phase::Failed(failure) = self.driver.sender().phase() {
             return Some((Outcome::NoDevice, Some(words::failure(failure))));
         }
-        if self.wish == Wish::Quit {
-            let reason = "left at once; the controller holds when it hears nothing";
+        if let Some(drawn) = self.quit {
+            let report = self.driver.sender().report();
+            let stands = report.is_none_or(|report| report.reason == Reason::StopLine);
+            let reason = match drawn {
+                None => "left at once; the controller holds when it hears nothing",
+                Some(_) if stands => "stopped at once by the stop line",
+                Some(drawn) if now > drawn + PATIENCE => {
+                    "the stop line was drawn; no word of it came"
+                }
+                Some(_) => return None,
+            };
             return Some((Outcome::Stopped, Some(reason.into())));
         }
         // The log ends with the end of the path.
@@ -256,9 +276,9 @@ impl Session<'_> {
         }
         let rests = match state {
             State::Running => false,
-            State::Holding => self.last.is_some_and(|(state, rate)| {
-                state == State::Holding && rate <= 0.0
-            }),
+            State::Holding => self
+                .last
+                .is_some_and(|(state, rate)| state == State::Holding && rate <= 0.0),
             _ => true,
         };
         if !rests {
@@ -271,7 +291,8 @@ impl Session<'_> {
         if let Some(refused) = report.refused {
             return Some((Outcome::Held, words::refusal(refused, self.knot())));
         }
-        if reason == Reason::StopLine && !recovers {
+        let refuses = sender.answer() == Some(Err(Denial::Held));
+        if reason == Reason::StopLine && (!recovers || refuses) {
             return Some((Outcome::Held, words::reason(reason)));
         }
         if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {

@@ -15,7 +15,7 @@ type Device = Controller<32, 16_384, 4096, 64>;
 /// Microseconds of a step, of which four are a tick of the controller.
 const STEP: u64 = 250;
 
-/// A controller whose hinges are where they are commanded, behind a serial line of 1 Mbaud, which may have faults.
+/// A controller whose hinges are where they are commanded, behind a serial line of 1 Mbaud that takes a millisecond.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
@@ -26,28 +26,30 @@ pub struct Sim {
 }
 
 impl Sim {
-    /// Both ways of the line have these faults, drawn from `seed`. The line has its own delay and speed.
+    /// A controller that has just started.
     #[must_use]
-    pub fn new(faults: Faults, seed: u64) -> Self {
-        let faults = Faults {
-            delay: 1000,
-            late: 5000,
-            speed: 1e5,
-            ..faults
+    pub fn new() -> Self {
+        let line = || {
+            let faults = Faults {
+                delay: 1000,
+                speed: 1e5,
+                ..Faults::default()
+            };
+            Line::new(faults, Pcg64::new(0, 0))
         };
-        let rng = |way| Pcg64::new(u128::from(seed), way);
         Self {
             now: 0,
             device: Box::new(Device::new(Settings::default())),
-            up: Line::new(faults, rng(0)),
-            down: Line::new(faults, rng(1)),
+            up: line(),
+            down: line(),
             outgoing: Vec::new(),
         }
     }
+}
 
-    /// The level of the stop line.
-    pub fn stop(&mut self, drawn: bool) {
-        self.device.stop(drawn);
+impl Default for Sim {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -88,5 +90,10 @@ impl Link for Sim {
             }
         }
         Ok(())
+    }
+
+    fn stop(&mut self) -> io::Result<bool> {
+        self.device.stop(true);
+        Ok(true)
     }
 }
