@@ -106,6 +106,7 @@ pub mod trajectory;
 pub mod trajectory_file;
 pub mod wire;
 
+pub use checksum::checksum;
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};

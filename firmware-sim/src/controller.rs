@@ -1,8 +1,8 @@
 //! The controller without its board: bytes of the line and ticks of the clock go in, angles and bytes come out.
 //!
-//! On a board an interrupt calls [`Controller::tick`] at a steady pace and sets the hinges, the main loop hands over
-//! received bytes ([`Controller::byte`]) and calls [`Controller::poll`], and the transmitter [takes](Controller::take)
-//! bytes. Times are microseconds on the controller's clock.
+//! On a board [`Application`](crate::application::Application) hands over received bytes ([`Controller::byte`]), calls
+//! [`Controller::tick`] at a steady pace, drives the hinges, calls [`Controller::poll`] and [takes](Controller::take)
+//! bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::Interpolation;
 use foldpath_core::acceptance::{Refusal, Setpoint};
@@ -65,6 +65,8 @@ pub struct Controller<
     ring: Ring<WAITING>,
     /// Whether the path is that of the open session.
     loaded: bool,
+    /// Whether the stop line was drawn since a command was last answered.
+    drawn: bool,
     /// What the host was last told.
     told: Option<(State, Reason, usize)>,
     telemetry: u64,
@@ -84,6 +86,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             deframer: Deframer::default(),
             ring: Ring::default(),
             loaded: false,
+            drawn: false,
             told: None,
             telemetry: 0,
         }
@@ -107,6 +110,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     }
 
     /// A byte has come.
+    // Not inlined, as the next two: one function that does all is a third longer.
+    #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
         let room = self.room();
         let Self {
@@ -140,7 +145,13 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 Err(refusal) => receiver.refuse(refusal),
             },
             Event::Command(command) => {
-                let answer = obey(command, follower, self.loaded);
+                // A host that is answered knows of the stop line before it asks for something else.
+                let unaware = core::mem::take(&mut self.drawn) && command == Command::Resume;
+                let answer = if unaware {
+                    Err(Denial::Held)
+                } else {
+                    obey(command, follower, self.loaded)
+                };
                 receiver.answer(answer);
                 let leaves = matches!(command, Command::Unload | Command::Clear);
                 if leaves && answer.is_ok() {
@@ -152,6 +163,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 
     /// The level of the stop line.
     pub fn stop(&mut self, drawn: bool) {
+        self.drawn |= drawn;
         self.follower.stop(drawn);
     }
 
@@ -160,7 +172,21 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         self.follower.tick(now);
     }
 
+    /// Hands each hinge, by its number, its commanded angle to `drive` (radians), which returns where it is measured
+    /// to be, if that is known. Cost: a multiplication and a comparison a hinge.
+    pub fn drive(&mut self, mut drive: impl FnMut(u32, f32) -> Option<f32>) {
+        for (hinge, membership) in (0..).zip(self.sheet.hinges()) {
+            let Some(angle) = self.follower.hinge(membership) else {
+                continue;
+            };
+            if let Some(measured) = drive(hinge, angle) {
+                self.follower.measure(hinge, membership, measured);
+            }
+        }
+    }
+
     /// Puts what is to be said at `now` on the line, as far as there is room.
+    #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         let (state, reason) = (self.follower.state(), self.follower.reason());
         let room = self.follower.room();
@@ -251,6 +277,7 @@ fn obey<const GROUPS: usize, const KNOTS: usize>(
 }
 
 /// Takes an item.
+#[inline(never)]
 fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
     item: Item<'_>,
     sheet: &mut Sheet<GROUPS, HINGES, SPOKES>,

@@ -7,8 +7,11 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+pub mod application;
 pub mod controller;
 #[cfg(not(target_os = "none"))]
 pub mod faults;
+pub mod fifo;
+mod kept;
 pub mod probe;
 pub mod sheet;

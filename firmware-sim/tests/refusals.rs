@@ -237,6 +237,25 @@ fn commands_are_denied_with_their_reasons() {
     assert_eq!(talk.report.unwrap().reason, Reason::Asked);
 }
 
+/// What the host asked for to go on after a hold may come behind the stop line.
+#[test]
+fn a_resume_that_was_sent_before_the_stop_line_does_not_undo_it() {
+    let path = Path::miura();
+    let mut talk = Talk::new();
+    talk.sheet(&path);
+    (0..10).for_each(|knot| assert_eq!(talk.knot(&path, knot, |_, _| {}), None));
+    assert_eq!(talk.command(Command::Start), None);
+    talk.tick();
+    assert_eq!(talk.command(Command::Hold), None);
+    talk.device.stop(true);
+    talk.device.stop(false);
+    assert_eq!(talk.command(Command::Resume), Some(Denial::Held));
+    assert_eq!(talk.device.follower().state(), State::Holding);
+    assert_eq!(talk.report.unwrap().reason, Reason::StopLine);
+    assert_eq!(talk.command(Command::Resume), None);
+    assert_eq!(talk.device.follower().state(), State::Running);
+}
+
 /// Nobody reads: telemetry stops before there is no room for an answer.
 #[test]
 fn telemetry_leaves_room_for_answers() {

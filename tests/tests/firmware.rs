@@ -2,50 +2,17 @@
 //! an emulator, what the host computes, bit for bit.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use foldpath_firmware_sim::probe;
-use object::{Object, ObjectSymbol};
 
-const TARGET: &str = "thumbv7em-none-eabihf";
-/// Seconds until the emulator is ended, whatever becomes of this process.
-const TIME_LIMIT: &str = "60";
+use image::{TIME_LIMIT, build, image, symbols};
 
-/// The image as for a real board.
-fn image() -> PathBuf {
-    build("fw", &[])
-}
+mod image;
 
-/// Builds the image with `settings` in the environment, in a target directory of its own because
-/// the outer cargo may hold the lock of its one.
-fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
-    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
-    let target_dir = target_dir.join(directory);
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--locked", "--package", "foldpath-firmware-sim"]);
-    cargo.args(["--profile", "firmware", "--target", TARGET]);
-    cargo.arg("--target-dir").arg(&target_dir);
-    cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
-    cargo.envs(settings.iter().copied());
-    for meant_for_the_host in [
-        "CARGO_BUILD_TARGET",
-        "CARGO_ENCODED_RUSTFLAGS",
-        "RUSTC_WRAPPER",
-        "RUSTFLAGS",
-    ] {
-        cargo.env_remove(meant_for_the_host);
-    }
-    let build = cargo.output().expect("cargo starts");
-    assert!(
-        build.status.success(),
-        "the image does not build; `tests/run` installs what it needs\n{}",
-        String::from_utf8_lossy(&build.stderr)
-    );
-    target_dir
-        .join(TARGET)
-        .join("firmware/foldpath-firmware-sim")
-}
+/// The images.
+const IMAGES: [&str; 2] = [PROBE, "foldpath-controller"];
+const PROBE: &str = "foldpath-firmware-sim";
 
 /// What the image prints when the emulator runs it to a successful end.
 fn board_output() -> String {
@@ -55,7 +22,7 @@ fn board_output() -> String {
         .args(["-display", "none", "-monitor", "none", "-serial", "none"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
-        .arg(image())
+        .arg(image(PROBE))
         .stdin(Stdio::null())
         .output()
         .expect("timeout, of coreutils, starts");
@@ -88,18 +55,6 @@ fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = 
     })
 }
 
-/// Names in the symbol table of `image` that contain one of `parts`.
-fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
-    let elf = object::File::parse(image).unwrap();
-    let names: Vec<_> = elf.symbols().filter_map(|s| s.name().ok()).collect();
-    for present in ["Reset", "foldpath_core", "atanf"] {
-        let found = names.iter().any(|name| name.contains(present));
-        assert!(found, "no {present}: is this the symbol table?");
-    }
-    let named = |name: &&str| parts.iter().any(|part| name.contains(part));
-    names.into_iter().filter(named).map(String::from).collect()
-}
-
 /// Looks at an unoptimised image: link-time optimisation inlines an allocator until nothing of its
 /// name is left.
 #[test]
@@ -108,19 +63,24 @@ fn nothing_reaches_an_allocator() {
         ("CARGO_PROFILE_FIRMWARE_LTO", "off"),
         ("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "0"),
     ];
-    let image = fs::read(build("fw-unoptimised", &settings)).unwrap();
+    let images = build("fw-unoptimised", &settings);
     let allocators = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc"];
-    assert_eq!(symbols(&image, &allocators), [""; 0]);
+    for name in IMAGES {
+        let image = fs::read(images.join(name)).unwrap();
+        assert_eq!(symbols(&image, &allocators), [""; 0], "{name}");
+    }
 }
 
 /// The linker drops the panic handler, with its message, when nothing reaches it.
 #[test]
 fn nothing_in_the_image_panics() {
-    let image = fs::read(image()).unwrap();
     let panics = ["panicking", "rust_begin_unwind", "slice_index_fail"];
-    assert_eq!(symbols(&image, &panics), [""; 0]);
-    let message = image.windows(8).any(|bytes| bytes == b"panicked");
-    assert!(!message, "the panic handler is in the image");
+    for name in IMAGES {
+        let image = fs::read(image(name)).unwrap();
+        assert_eq!(symbols(&image, &panics), [""; 0], "{name}");
+        let message = image.windows(8).any(|bytes| bytes == b"panicked");
+        assert!(!message, "the panic handler is in {name}");
+    }
 }
 
 #[test]

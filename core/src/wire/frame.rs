@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::checksum::CHECKSUM;
+use crate::checksum::checksum;
 
 /// Bytes of a frame beside its message.
 pub const OVERHEAD: usize = 8;
@@ -13,16 +13,15 @@ pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) ->
     *head = session.to_le_bytes();
     let message = postcard::to_slice(message, body).ok()?.len();
     let (covered, rest) = buffer.split_at_mut_checked(4 + message)?;
-    let checksum = CHECKSUM.checksum(covered).to_le_bytes();
-    *rest.first_chunk_mut::<4>()? = checksum;
+    *rest.first_chunk_mut::<4>()? = checksum(covered).to_le_bytes();
     buffer.get(..message + OVERHEAD)
 }
 
 /// The session and the message of a frame; nothing if the checksum is another, or the bytes are not those of
 /// one message.
 pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
-    let (covered, checksum) = frame.split_last_chunk::<4>()?;
-    if CHECKSUM.checksum(covered).to_le_bytes() != *checksum {
+    let (covered, sum) = frame.split_last_chunk::<4>()?;
+    if checksum(covered).to_le_bytes() != *sum {
         return None;
     }
     let (session, body) = covered.split_first_chunk::<4>()?;

@@ -1,0 +1,159 @@
+//! The main loop of a controller, for any board.
+//!
+//! A board offers a serial line by the traits of [`embedded_io`], whose interrupts fill and empty queues
+//! ([`Fifo`](crate::fifo::Fifo)), and the rest as a [`Board`]. Nothing here waits.
+
+use embedded_io::{Read, ReadReady, Write, WriteReady};
+use foldpath_core::follower::Reason;
+
+use crate::controller::{Controller, Settings};
+use crate::kept::Kept;
+
+/// Bytes of a record that is kept over a reset.
+pub const RECORD: usize = 64;
+
+/// Microseconds between two ticks.
+pub const TICK: u64 = 1000;
+/// Bytes that are decoded before something is said.
+const BURST: usize = 64;
+
+/// What a controller asks of its board.
+pub trait Board {
+    /// Microseconds since the start.
+    fn now(&mut self) -> u64;
+    /// Whether the stop line is drawn, or was since this was last asked.
+    fn stop(&mut self) -> bool;
+    /// Commands a hinge its angle, radians; returns where it is measured to be, if that is known.
+    fn drive(&mut self, hinge: u32, angle: f32) -> Option<f32>;
+    /// Writes one of two records that a reset leaves as they are.
+    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]);
+    /// The records as they were found at the start, whatever that is.
+    fn kept(&mut self) -> [[u8; RECORD]; 2];
+    /// Keeps the watchdog from resetting the board for a while longer.
+    fn feed(&mut self);
+}
+
+/// A controller on a board, with a line to its host.
+#[derive(Debug)]
+pub struct Application<
+    B,
+    L,
+    const GROUPS: usize,
+    const HINGES: usize,
+    const SPOKES: usize,
+    const KNOTS: usize,
+> {
+    board: B,
+    line: L,
+    device: Controller<GROUPS, HINGES, SPOKES, KNOTS>,
+    /// Number of starts, of which a reset is one, and of records written.
+    starts: u32,
+    records: u32,
+    /// When the next tick is due.
+    due: u64,
+}
+
+impl<B, L, const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
+    Application<B, L, GROUPS, HINGES, SPOKES, KNOTS>
+where
+    B: Board,
+    L: Read + ReadReady + Write + WriteReady,
+{
+    /// A controller that stands where it was before a reset, if that was kept. What the stop line held is still held.
+    #[must_use]
+    pub fn new(mut board: B, line: L, settings: Settings) -> Self {
+        let kept = Kept::latest(&board.kept());
+        let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
+        let boot = settings.boot.wrapping_add(starts << 16);
+        let mut device = Controller::new(Settings { boot, ..settings });
+        if let Some(kept) = &kept {
+            restore(&mut device, kept);
+        }
+        Self {
+            board,
+            line,
+            device,
+            starts,
+            records: kept.map_or(0, |kept| kept.count),
+            due: 0,
+        }
+    }
+
+    /// One round of the main loop: ticks if that is due, decodes what has come, and answers.
+    pub fn step(&mut self) {
+        let now = self.board.now();
+        self.watch();
+        if now >= self.due {
+            self.due = now.max(self.due + TICK);
+            self.tick(now);
+        }
+        self.receive(now);
+        self.device.poll(now);
+        self.send();
+    }
+
+    /// Asks the stop line.
+    fn watch(&mut self) {
+        let drawn = self.board.stop();
+        self.device.stop(drawn);
+    }
+
+    /// Ticks, which is what the watchdog looks for: without a clock, or without this loop, it is not fed.
+    // Not inlined, so that `step` has the stack of one thing at a time.
+    #[inline(never)]
+    fn tick(&mut self, now: u64) {
+        self.device.tick(now);
+        self.device
+            .drive(|hinge, angle| self.board.drive(hinge, angle));
+        self.keep();
+        self.board.feed();
+    }
+
+    /// Keeps what is commanded, in the record that is the older.
+    fn keep(&mut self) {
+        let follower = self.device.follower();
+        self.records = self.records.wrapping_add(1);
+        let Some(mut kept) = Kept::new(self.starts, self.records, follower.angles()) else {
+            return;
+        };
+        kept.stopped = follower.reason() == Reason::StopLine;
+        kept.place = follower.place();
+        let record = usize::from(self.records % 2 == 1);
+        self.board.keep(record, &kept.seal());
+    }
+
+    fn receive(&mut self, now: u64) {
+        for _ in 0..BURST {
+            let mut byte = [0];
+            let ready = matches!(self.line.read_ready(), Ok(true));
+            if !ready || !matches!(self.line.read(&mut byte), Ok(1)) {
+                return;
+            }
+            let [byte] = byte;
+            self.device.byte(byte, now);
+            self.watch();
+        }
+    }
+
+    fn send(&mut self) {
+        while matches!(self.line.write_ready(), Ok(true))
+            && let Some(byte) = self.device.take()
+        {
+            let _ = self.line.write(&[byte]);
+        }
+    }
+}
+
+/// Stands where `kept` says.
+fn restore<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
+    device: &mut Controller<GROUPS, HINGES, SPOKES, KNOTS>,
+    kept: &Kept,
+) {
+    let follower = device.follower_mut();
+    if !kept.angles().is_empty() {
+        let _ = follower.stand(kept.angles(), kept.place);
+    }
+    if kept.stopped {
+        follower.hold(Reason::StopLine);
+    }
+}

@@ -1,0 +1,15 @@
+//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them: all that is known of them is
+//! in `mps2.rs`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::indexing_slicing)]
+
+#[cfg(target_os = "none")]
+mod mps2;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for a microcontroller: firmware-sim/README.md says how to build and run it."
+    );
+}

@@ -1,0 +1,304 @@
+//! Arm's MPS2 board with the images AN386 and AN500, as QEMU emulates it. To port the controller is to write another
+//! file like this.
+//!
+//! Interrupts carry bytes between the lines and queues, and nothing else; the main loop does all the rest. The hinges
+//! are ideal: they are where they are commanded to be.
+#![allow(
+    unsafe_code,
+    reason = "registers, and RAM that a reset leaves as it is, are reached by address"
+)]
+
+use core::convert::Infallible;
+use core::ptr;
+use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+
+use cortex_m::asm;
+use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::{ExceptionFrame, entry, exception};
+use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_firmware_sim::application::{Application, Board, RECORD};
+use foldpath_firmware_sim::controller::Settings;
+use foldpath_firmware_sim::fifo::Fifo;
+
+/// Two groups, and the hinges of a Miura fold of 24 x 24 faces.
+type Controller = Application<Mps2, Line, 2, 1104, 16, 16>;
+
+/// Counts of the clock in a microsecond.
+const MEGAHERTZ: u32 = 25;
+/// Counts after which the watchdog warns, and once more, resets: 1 s.
+const PATIENCE: u32 = 1_000_000 * MEGAHERTZ;
+
+const TIMER: usize = 0x4000_0000;
+const WATCHDOG: usize = 0x4000_8000;
+/// Enable interrupts 0 to 31, and set them pending.
+const NVIC_ENABLE: usize = 0xe000_e100;
+const NVIC_PEND: usize = 0xe000_e200;
+/// Memory protection.
+const MPU_CONTROL: usize = 0xe000_ed94;
+const MPU_REGION: usize = 0xe000_ed9c;
+const MPU_KIND: usize = 0xe000_eda0;
+/// The lowest of the stack, which nothing may touch: 2¹⁰ bytes.
+const GUARD: u32 = 0x2000_0000;
+
+/// The interrupts of the lines.
+const RECEIVED: i16 = 0;
+const SENT: i16 = 1;
+const STOP_RECEIVED: i16 = 2;
+
+/// Bytes from the host that wait for the main loop. What finds no room is lost, and sent again.
+static INCOMING: Fifo<256> = Fifo::new();
+/// Bytes for the host that wait for the line.
+static OUTGOING: Fifo<64> = Fifo::new();
+/// Whether the stop line was drawn since the main loop asked.
+static DRAWN: AtomicBool = AtomicBool::new(false);
+
+/// Records that a reset leaves as they are.
+// SAFETY: the section is not written at start, and a byte is one whatever is in it.
+#[unsafe(link_section = ".uninit.records")]
+static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
+
+/// A CMSDK UART: one byte each way.
+#[derive(Clone, Copy)]
+struct Uart(usize);
+
+/// To the host.
+const HOST: Uart = Uart(0x4000_4000);
+/// The stop line, which any byte draws.
+const STOP: Uart = Uart(0x4000_5000);
+
+impl Uart {
+    const STATE: usize = 0x4;
+    const CONTROL: usize = 0x8;
+    const INTERRUPTS: usize = 0xc;
+    const DIVISOR: usize = 0x10;
+
+    /// Receives and sends, with interrupts for both.
+    fn enable(self) {
+        write(self.0 + Self::DIVISOR, 16);
+        write(self.0 + Self::CONTROL, 0b1111);
+    }
+
+    /// The byte that has come.
+    fn receive(self) -> Option<u8> {
+        if read(self.0 + Self::STATE) & 0b10 == 0 {
+            return None;
+        }
+        let [byte, ..] = read(self.0).to_le_bytes();
+        Some(byte)
+    }
+
+    /// Whether a byte can be sent.
+    fn is_free(self) -> bool {
+        read(self.0 + Self::STATE) & 0b01 == 0
+    }
+
+    fn send(self, byte: u8) {
+        write(self.0, byte.into());
+    }
+
+    fn acknowledge(self, interrupts: u32) {
+        write(self.0 + Self::INTERRUPTS, interrupts);
+    }
+}
+
+/// The line to the host: queues that its interrupts empty and fill.
+struct Line;
+
+impl ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl ReadReady for Line {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!INCOMING.is_empty())
+    }
+}
+
+impl Read for Line {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        let mut count = 0;
+        for place in bytes {
+            let Some(byte) = INCOMING.take() else { break };
+            *place = byte;
+            count += 1;
+        }
+        Ok(count)
+    }
+}
+
+impl WriteReady for Line {
+    fn write_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!OUTGOING.is_full())
+    }
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        let count = bytes.iter().take_while(|byte| OUTGOING.add(**byte)).count();
+        // Only the interrupt takes bytes from the queue, so that is asked for.
+        write(NVIC_PEND, 1 << SENT);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// The clock, the stop line, the hinges and the memory of the board.
+#[derive(Default)]
+struct Mps2 {
+    count: u32,
+    /// Counts that are no microsecond yet.
+    rest: u32,
+    micros: u64,
+}
+
+impl Board for Mps2 {
+    /// The counter wraps after 171 s, and is asked at each round of the main loop.
+    fn now(&mut self) -> u64 {
+        let count = !read(TIMER + 0x4);
+        let passed = count.wrapping_sub(self.count);
+        let rest = self.rest + passed % MEGAHERTZ;
+        self.count = count;
+        self.rest = rest % MEGAHERTZ;
+        self.micros += u64::from(passed / MEGAHERTZ + rest / MEGAHERTZ);
+        self.micros
+    }
+
+    fn stop(&mut self) -> bool {
+        DRAWN.swap(false, Ordering::Relaxed)
+    }
+
+    fn drive(&mut self, _: u32, angle: f32) -> Option<f32> {
+        Some(angle)
+    }
+
+    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]) {
+        if let Some(record) = RECORDS.get(record) {
+            for (place, byte) in record.iter().zip(bytes) {
+                place.store(*byte, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn kept(&mut self) -> [[u8; RECORD]; 2] {
+        let load = |byte: &AtomicU8| byte.load(Ordering::Relaxed);
+        RECORDS.each_ref().map(|record| record.each_ref().map(load))
+    }
+
+    fn feed(&mut self) {
+        write(WATCHDOG + 0xc, 1);
+    }
+}
+
+/// Starts the guard of the stack, the clock, the watchdog and a wake-up each millisecond.
+fn start() {
+    // Without access, 2^(9 + 1) bytes; elsewhere, and in the handler of the fault, memory is as without protection.
+    write(MPU_REGION, GUARD | 1 << 4);
+    write(MPU_KIND, 1 << 28 | 9 << 1 | 1);
+    write(MPU_CONTROL, 0b101);
+    asm::dsb();
+    asm::isb();
+    write(TIMER + 0x4, u32::MAX);
+    write(TIMER + 0x8, u32::MAX);
+    write(TIMER, 1);
+    write(WATCHDOG + 0xc00, 0x1acc_e551);
+    write(WATCHDOG, PATIENCE);
+    write(WATCHDOG + 0x8, 0b11);
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(1000 * MEGAHERTZ - 1);
+        core.SYST.clear_current();
+        core.SYST.enable_counter();
+        core.SYST.enable_interrupt();
+    }
+}
+
+/// Memory of the controller: its numbers make all of `None` zero, which takes no flash.
+#[repr(u8)]
+enum Memory {
+    None,
+    Some(Controller),
+}
+
+#[entry]
+fn main() -> ! {
+    static mut MEMORY: Memory = Memory::None;
+    start();
+    *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, Settings::default()));
+    // With nothing that ticks, QEMU may leave received bytes lying for a second: the lines come last.
+    HOST.enable();
+    STOP.enable();
+    write(NVIC_ENABLE, 0b111);
+    loop {
+        if let Memory::Some(controller) = MEMORY {
+            controller.step();
+        }
+        // A pending interrupt ends the wait, though it is taken only behind it.
+        cortex_m::interrupt::free(|_| {
+            if INCOMING.is_empty() && !DRAWN.load(Ordering::Relaxed) {
+                asm::wfi();
+            }
+        });
+    }
+}
+
+/// The interrupts of the lines. The watchdog's warning is no reason to stop, and what is not expected is none either.
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    match interrupt {
+        RECEIVED => {
+            HOST.acknowledge(0b10);
+            if let Some(byte) = HOST.receive() {
+                let _ = INCOMING.add(byte);
+            }
+        }
+        SENT => {
+            HOST.acknowledge(0b01);
+            if HOST.is_free()
+                && let Some(byte) = OUTGOING.take()
+            {
+                HOST.send(byte);
+            }
+        }
+        STOP_RECEIVED => {
+            STOP.acknowledge(0b10);
+            if STOP.receive().is_some() {
+                DRAWN.store(true, Ordering::Relaxed);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Wakes the main loop.
+#[exception]
+fn SysTick() {}
+
+/// A fault, as that of a stack that has grown into its guard, starts anew.
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    SCB::sys_reset()
+}
+
+// SAFETY: there is no such function. So the image links only if nothing in it can panic.
+unsafe extern "C" {
+    safe fn something_can_panic() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    something_can_panic()
+}
+
+fn read(address: usize) -> u32 {
+    // SAFETY: a register of this board, by the constants above.
+    unsafe { ptr::read_volatile(ptr::with_exposed_provenance(address)) }
+}
+
+fn write(address: usize, value: u32) {
+    // SAFETY: a register of this board, by the constants above; none makes the core touch memory.
+    unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut(address), value) }
+}

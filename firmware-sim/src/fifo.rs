@@ -1,0 +1,118 @@
+//! Bytes between an interrupt and the main loop.
+
+use core::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+
+/// A queue of up to `N` bytes, a power of 2, that one adds to and another takes from, neither of which waits.
+#[derive(Debug)]
+pub struct Fifo<const N: usize> {
+    bytes: [AtomicU8; N],
+    /// Bytes ever added and taken, modulo 2³².
+    added: AtomicUsize,
+    taken: AtomicUsize,
+}
+
+impl<const N: usize> Default for Fifo<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> Fifo<N> {
+    /// An empty queue.
+    #[must_use]
+    pub const fn new() -> Self {
+        const { assert!(N.is_power_of_two(), "counts wrap at a power of 2") };
+        Self {
+            bytes: [const { AtomicU8::new(0) }; N],
+            added: AtomicUsize::new(0),
+            taken: AtomicUsize::new(0),
+        }
+    }
+
+    /// Bytes that wait.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let added = self.added.load(Ordering::Acquire);
+        added.wrapping_sub(self.taken.load(Ordering::Acquire))
+    }
+
+    /// Whether no byte waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether there is no room.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.len() >= N
+    }
+
+    /// Adds a byte; returns whether there was room. Only one may call this.
+    pub fn add(&self, byte: u8) -> bool {
+        let added = self.added.load(Ordering::Relaxed);
+        let place = self.bytes.get(added % N).filter(|_| !self.is_full());
+        if let Some(place) = place {
+            place.store(byte, Ordering::Relaxed);
+            self.added.store(added.wrapping_add(1), Ordering::Release);
+        }
+        place.is_some()
+    }
+
+    /// Takes a byte. Only one may call this.
+    pub fn take(&self) -> Option<u8> {
+        let taken = self.taken.load(Ordering::Relaxed);
+        let place = self.bytes.get(taken % N).filter(|_| !self.is_empty())?;
+        let byte = place.load(Ordering::Relaxed);
+        self.taken.store(taken.wrapping_add(1), Ordering::Release);
+        Some(byte)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Fifo;
+    use std::vec::Vec;
+
+    #[test]
+    fn bytes_come_out_in_order_and_none_is_added_where_there_is_no_room() {
+        let fifo = Fifo::<8>::new();
+        let (mut next, mut expected) = (0_u8, 0_u8);
+        for round in 0..100 {
+            for _ in 0..round % 11 {
+                let room = fifo.len() < 8;
+                assert_eq!(fifo.add(next), room);
+                next = next.wrapping_add(u8::from(room));
+            }
+            for _ in 0..round % 7 {
+                let byte = (!fifo.is_empty()).then_some(expected);
+                assert_eq!(fifo.take(), byte);
+                expected = expected.wrapping_add(u8::from(byte.is_some()));
+            }
+        }
+    }
+
+    #[test]
+    fn two_threads_pass_all_bytes_on() {
+        let fifo = Fifo::<16>::new();
+        let bytes: Vec<u8> = (0..200_000_u32).map(|k| k.to_le_bytes()[1]).collect();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for byte in &bytes {
+                    while !fifo.add(*byte) {
+                        std::thread::yield_now();
+                    }
+                }
+            });
+            for byte in &bytes {
+                let taken = loop {
+                    match fifo.take() {
+                        Some(taken) => break taken,
+                        None => std::thread::yield_now(),
+                    }
+                };
+                assert_eq!(taken, *byte);
+            }
+        });
+    }
+}

@@ -1,0 +1,307 @@
+//! The controller's image in an emulator, and what goes wrong round it, five seeds each. The world judges all that
+//! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
+//! Times are the board's own.
+
+use std::fs;
+use std::sync::LazyLock;
+use std::thread;
+use std::time::Duration;
+
+use foldpath_core::follower::{Reason, State};
+use foldpath_core::wire::cobs::Deframer;
+use foldpath_core::wire::driver::Persistence;
+use foldpath_core::wire::frame;
+use foldpath_core::wire::message::{Command, SCHEMA, ToDevice, ToHost, VERSION};
+use foldpath_core::wire::sender::Failure;
+use foldpath_firmware_sim::faults::Faults;
+use image::path::Fold;
+use image::world::{Sight, World, moment, rng, stuffed};
+use image::{image, size};
+use rand_core::Rng;
+
+mod image;
+
+const AN386: &str = "mps2-an386";
+const SEEDS: u64 = 5;
+/// Microseconds after which a silent host is missed, and the path clock at rest: 250 ms each. And a round of telemetry.
+const HELD: u64 = 550_000;
+
+static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
+
+/// Runs a test with each seed, at the same time.
+fn seeds(test: impl Fn(u64) + Sync) {
+    LazyLock::force(&FOLD);
+    image("foldpath-controller");
+    thread::scope(|scope| {
+        for seed in 0..SEEDS {
+            let test = &test;
+            scope.spawn(move || test(seed));
+        }
+    });
+}
+
+/// A board, and a host on a line without faults that has begun to greet.
+fn world(seed: u64, persistence: Persistence) -> World<'static> {
+    let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+    world.greet(persistence);
+    world
+}
+
+/// What a real part would have to offer.
+#[test]
+fn the_image_is_small() {
+    let bytes = fs::read(image("foldpath-controller")).unwrap();
+    let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
+    let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
+    assert!((1..=32 * 1024).contains(&flash), "{flash}");
+    assert!((1..=8 * 1024).contains(&ram), "{ram}");
+}
+
+#[test]
+fn a_whole_fold_comes_back_bit_for_bit() {
+    seeds(|seed| {
+        let machine = if seed == 0 { "mps2-an500" } else { AN386 };
+        let mut world = World::new(&FOLD, machine, Faults::default(), seed);
+        world.greet(Persistence::None);
+        world.finish();
+        // Every 20 ms of two seconds.
+        assert!(world.sights > 90, "{}", world.sights);
+    });
+}
+
+#[test]
+fn a_host_that_is_silent_for_two_seconds_finds_the_sheet_holding_and_goes_on() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.hosts[0].awake = false;
+        world.run(HELD);
+        let held = rests(&world, State::Holding);
+        assert!(matches!(reason(&world), Reason::Silence | Reason::Underrun));
+        world.run(2_000_000 - HELD);
+        assert_eq!(rests(&world, State::Holding).place, held.place);
+        assert_eq!(reason(&world), Reason::Silence);
+        world.hosts[0].awake = true;
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Silence));
+    });
+}
+
+/// One that is gone does not take what is sent to it either: the board goes on all the same, without a reset by its
+/// watchdog, which bites after two seconds.
+#[test]
+fn a_host_that_is_gone_leaves_the_sheet_at_rest_for_another() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.hosts[0].awake = false;
+        world.run(HELD);
+        let held = rests(&world, State::Holding);
+        thread::sleep(Duration::from_secs(4));
+        world.run(1_000_000);
+        let later = rests(&world, State::Holding);
+        assert_eq!((later.place, later.angles), (held.place, held.angles));
+        world.greet(Persistence::Resume);
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Silence));
+        world.hosts[0].awake = true;
+        world.until(|world| world.failure(0).is_some());
+        assert_eq!(world.failure(0), Some(Failure::Lost));
+    });
+}
+
+#[test]
+fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::Resume);
+        world.run_into(moment(seed));
+        world.board.draw_stop();
+        world.until(|world| reason(world) == Reason::StopLine);
+        let time = world.time();
+        world.until(|world| world.time() > time);
+        let stopped = rests(&world, State::Holding);
+        world.run(500_000);
+        let later = rests(&world, State::Holding);
+        assert_eq!((later.place, later.angles), (stopped.place, stopped.angles));
+        assert!(world.host().reasons.contains(&Reason::StopLine));
+        // Another one may ask for going on.
+        world.hosts[0].awake = false;
+        world.greet(Persistence::Resume);
+        world.finish();
+    });
+}
+
+/// Half of the seeds have drawn the stop line before, which the reset does not let go.
+#[test]
+fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
+    seeds(|seed| {
+        let stopped = seed % 2 == 1;
+        let mut world = world(seed, Persistence::Resume);
+        world.run_into(moment(seed));
+        if stopped {
+            world.board.draw_stop();
+            world.until(|world| reason(world) == Reason::StopLine);
+        }
+        world.freeze();
+        let before = world.sight.unwrap();
+        world.reset();
+        world.until(|world| world.failure(0).is_some());
+        assert_eq!(world.failure(0), Some(Failure::Lost));
+
+        let persistence = if stopped {
+            Persistence::None
+        } else {
+            Persistence::Resume
+        };
+        world.greet(persistence);
+        world.until(|world| world.report.is_some() && world.sight.is_some());
+        let place = world.sight.unwrap().place;
+        let gone = FOLD.time(place) - FOLD.time(before.place);
+        assert!((0.0..0.1).contains(&gone), "{gone}");
+        if stopped {
+            assert_eq!(reason(&world), Reason::StopLine);
+            world.run(300_000);
+            let held = world.sight.unwrap();
+            assert_eq!((held.place, held.rate.to_bits()), (place, 0));
+            assert_ne!(held.state, State::Running);
+            world.greet(Persistence::Resume);
+        }
+        world.finish();
+    });
+}
+
+#[test]
+fn a_host_of_another_version_is_told_and_moves_nothing() {
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+        let mut rng = rng(seed);
+        let id = rng.next_u32();
+        let (version, schema) = if seed == 0 {
+            (VERSION, SCHEMA ^ 1)
+        } else {
+            (VERSION + 1 + u16::try_from(seed).unwrap(), rng.next_u32())
+        };
+        let hello = ToDevice::Hello {
+            version,
+            schema,
+            id,
+        };
+        let mut buffer = [0; 64];
+        let mut ear = Deframer::<64>::default();
+        let greeting = stuffed(frame::seal(0, &hello, &mut buffer).unwrap());
+        let mut sent = 0;
+        let answer = 'answered: loop {
+            sent += world.board.write(&greeting[sent..]);
+            for byte in world.board.read() {
+                if let Some(frame) = ear.push(byte) {
+                    break 'answered frame.to_vec();
+                }
+            }
+        };
+        let (version, schema) = (VERSION, SCHEMA);
+        let mismatch = ToHost::Mismatch {
+            id,
+            version,
+            schema,
+        };
+        assert_eq!(frame::open(&answer), Some((0, mismatch)));
+        // It has no session: what it says next is not known.
+        let start = ToDevice::Command {
+            number: 1,
+            command: Command::Start,
+        };
+        world.inject(&stuffed(frame::seal(id, &start, &mut buffer).unwrap()));
+        world.greet(Persistence::None);
+        world.until(|world| world.report.is_some());
+        assert_eq!(world.report.unwrap().state, State::Idle);
+        world.finish();
+    });
+}
+
+#[test]
+fn frames_of_a_session_that_is_over_do_nothing() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        let stale = world.spoken.clone();
+        world.hosts[0].awake = false;
+        world.greet(Persistence::Resume);
+        world.until(|world| world.host().driver.is_started());
+        for piece in stale.split_inclusive(|byte| *byte == 0) {
+            world.inject(piece);
+            world.step();
+        }
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Session));
+    });
+}
+
+/// Half of them before a host comes, half of them between its frames.
+#[test]
+fn a_hundred_thousand_random_bytes_do_nothing() {
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+        let mut rng = rng(seed);
+        let mut noise = vec![0; 100_000];
+        rng.fill_bytes(&mut noise);
+        let (before, between) = noise.split_at(50_000);
+        world.inject(before);
+        world.inject(&[0]);
+        world.greet(Persistence::None);
+        world.until(|world| world.host().driver.is_started());
+        for piece in between.chunks(250) {
+            world.inject(&[piece, &[0]].concat());
+            world.step();
+        }
+        world.finish();
+        let reasons = &world.host().reasons;
+        assert!(
+            reasons
+                .iter()
+                .all(|reason| matches!(reason, Reason::None | Reason::Silence | Reason::Underrun)),
+            "{reasons:?}"
+        );
+    });
+}
+
+#[test]
+fn noise_changes_nothing_but_the_time() {
+    let noisy = Faults {
+        drop: 0.1,
+        flip: 0.1,
+        double: 0.1,
+        reorder: 0.1,
+        delay: 1000,
+        late: 5000,
+        ..Faults::default()
+    };
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, noisy, seed);
+        world.greet(Persistence::None);
+        world.finish();
+        for line in [&world.up, &world.down] {
+            let counts = line.counts();
+            let faults = [
+                counts.dropped,
+                counts.flipped,
+                counts.doubled,
+                counts.reordered,
+            ];
+            assert!(faults.iter().all(|count| *count > 0), "{counts:?}");
+        }
+        assert!(world.host().driver.sender().repeated() > 0);
+    });
+}
+
+/// What was told last, of a sheet at rest in this state.
+#[track_caller]
+fn rests(world: &World<'_>, state: State) -> Sight {
+    let sight = world.sight.unwrap();
+    assert_eq!((sight.state, sight.rate.to_bits()), (state, 0), "{sight:?}");
+    sight
+}
+
+/// The reason that was told last.
+fn reason(world: &World<'_>) -> Reason {
+    world.report.map_or(Reason::None, |report| report.reason)
+}

@@ -1,0 +1,168 @@
+//! An emulator that runs the controller's image, and its lines.
+
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use super::{TIME_LIMIT, image};
+
+/// Names of its sockets: the line to the host, the stop line, and the emulator's own.
+const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
+
+/// A running board.
+pub(crate) struct Board {
+    emulator: Child,
+    line: UnixStream,
+    stop: UnixStream,
+    monitor: UnixStream,
+    folder: TempDir,
+}
+
+impl Board {
+    /// Starts an emulator of `machine`, with `options` more.
+    pub(crate) fn start(machine: &str, options: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let listeners = SOCKETS.map(|name| UnixListener::bind(path(name)).unwrap());
+        let mut command = Command::new("timeout");
+        command.args(["--foreground", "--kill-after=5", TIME_LIMIT]);
+        command.args(["qemu-system-arm", "-machine", machine]);
+        command.args(["-display", "none", "-monitor", "none"]);
+        for name in SOCKETS {
+            let socket = path(name);
+            command.arg("-chardev");
+            command.arg(format!("socket,id={name},path={}", socket.display()));
+        }
+        command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
+        command.args(["-mon", "chardev=monitor,mode=control"]);
+        command.args(options);
+        command.arg("-kernel").arg(image("foldpath-controller"));
+        let mut emulator = command
+            .stdin(Stdio::null())
+            .spawn()
+            .expect("timeout starts");
+        let [line, stop, monitor] = listeners.map(|listener| accept(&listener, &mut emulator));
+        line.set_nonblocking(true).unwrap();
+        let mut board = Self {
+            emulator,
+            line,
+            stop,
+            monitor,
+            folder,
+        };
+        board.monitor("qmp_capabilities", "");
+        board
+    }
+
+    /// The bytes that have come.
+    pub(crate) fn read(&mut self) -> Vec<u8> {
+        let mut bytes = [0; 4096];
+        match self.line.read(&mut bytes) {
+            Ok(0) => panic!("the emulator has ended"),
+            Ok(count) => bytes[..count].to_vec(),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Vec::new(),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// Sends bytes; returns how many of them the line took.
+    pub(crate) fn write(&mut self, bytes: &[u8]) -> usize {
+        match self.line.write(bytes) {
+            Ok(count) => count,
+            Err(error) if error.kind() == ErrorKind::WouldBlock => 0,
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// Draws the stop line.
+    pub(crate) fn draw_stop(&mut self) {
+        self.stop.write_all(b"!").unwrap();
+    }
+
+    /// Lets no time pass on the board.
+    pub(crate) fn freeze(&mut self) {
+        self.monitor("stop", "");
+    }
+
+    /// Resets a frozen board, whose memory stays as it is, and lets time go on.
+    pub(crate) fn reset(&mut self) {
+        self.monitor("system_reset", "");
+        self.monitor("cont", "");
+    }
+
+    /// So much of its memory.
+    pub(crate) fn memory(&mut self, address: usize, size: usize) -> Vec<u8> {
+        let file = self.folder.path().join("memory");
+        let name = Path::display(&file);
+        let arguments = format!(r#"{{"val":{address},"size":{size},"filename":"{name}"}}"#);
+        self.monitor("pmemsave", &arguments);
+        std::fs::read(file).unwrap()
+    }
+
+    /// Asks the emulator for something, and waits until it has answered.
+    fn monitor(&mut self, command: &str, arguments: &str) {
+        let arguments = Some(arguments).filter(|text| !text.is_empty());
+        let arguments = arguments.map(|text| format!(r#","arguments":{text}"#));
+        let arguments = arguments.unwrap_or_default();
+        let request = format!("{{\"execute\":\"{command}\"{arguments}}}\n");
+        self.monitor.write_all(request.as_bytes()).unwrap();
+        let mut line = Vec::new();
+        loop {
+            let mut byte = [0];
+            self.monitor.read_exact(&mut byte).unwrap();
+            line.extend(byte);
+            if byte == *b"\n" {
+                let text = String::from_utf8_lossy(&line);
+                assert!(!text.starts_with(r#"{"error""#), "{command}: {text}");
+                if text.starts_with(r#"{"return""#) {
+                    return;
+                }
+                line.clear();
+            }
+        }
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
+        for _ in 0..2000 {
+            if let Ok(Some(_)) = self.emulator.try_wait() {
+                return;
+            }
+            pause();
+        }
+        // `timeout` hands this on to the emulator, which the end of `timeout` alone would leave running.
+        let id = self.emulator.id().to_string();
+        let _ = Command::new("kill").args(["-TERM", &id]).status();
+        let _ = self.emulator.wait();
+    }
+}
+
+/// Waits a little.
+pub(crate) fn pause() {
+    sleep(Duration::from_micros(500));
+}
+
+/// The emulator's end of a line, unless it has ended.
+fn accept(listener: &UnixListener, emulator: &mut Child) -> UnixStream {
+    listener.set_nonblocking(true).unwrap();
+    loop {
+        match listener.accept() {
+            Ok((stream, _)) => {
+                stream.set_nonblocking(false).unwrap();
+                return stream;
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => pause(),
+            Err(error) => panic!("{error}"),
+        }
+        if let Some(status) = emulator.try_wait().unwrap() {
+            panic!("the emulator ended: {status}; `tests/run` installs it");
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! A planned fold as it is streamed.
+
+use std::path::Path;
+
+use foldpath::formats::fold::{PathWriter, read_pattern};
+use foldpath::formats::traj::TrajFile;
+use foldpath::planner::PlanOptions;
+use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath_core::acceptance::{Setpoint, SheetView};
+use foldpath_core::follower::{Follower, Options, Place};
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::{
+    GroupLimits, HalfAngle, Interpolation, Membership, Objective, Scalar, Spoke, StarsView,
+};
+use foldpath_tests::{Planned, path_file, pattern_file};
+
+/// Largest closure residual that a commanded configuration may have.
+pub(crate) const CLOSURE: f32 = 1e-4;
+
+/// A fold of two groups in numbers of its own.
+pub(crate) struct Fold {
+    interpolation: Interpolation,
+    times: Vec<f32>,
+    angles: Vec<f32>,
+    rates: Vec<f32>,
+    limits: Vec<GroupLimits>,
+    hinges: Vec<Membership>,
+    spokes: Vec<Spoke<f32>>,
+    ends: Vec<u32>,
+}
+
+impl Fold {
+    /// A Miura fold of 24 x 24 faces with 1,104 hinges, planned and exported. It takes 2.6 seconds.
+    pub(crate) fn miura() -> Self {
+        let options = PlanOptions {
+            interpolation: Some(Interpolation::Hermite),
+            max_speed: 1.5,
+            max_acceleration: Some(6.0),
+            collision: false,
+            ..PlanOptions::default()
+        };
+        let file = read_pattern(&pattern_file("miura-24x24")).unwrap();
+        let groups = CreaseGroups::find(&file.pattern);
+        let stars = ReducedStars::all(&file.pattern, &groups).essential();
+        let planned = Planned::of(file, &options);
+        let writer = PathWriter {
+            title: "",
+            pattern: &planned.file.pattern,
+            vertices: true,
+            seed: 0,
+            max_speed: options.max_speed,
+            max_acceleration: options.max_acceleration,
+        };
+        let path = path_file(&writer.text(&planned.plan.path)).unwrap();
+        let bytes = TrajFile::of(&path, Path::new("path.fold")).unwrap().bytes;
+        let file = TrajectoryFile::read(&bytes).unwrap();
+        assert_eq!((file.groups(), file.hinges()), (2, 1104));
+        assert!(file.memberships().eq(groups.memberships().iter().copied()));
+        let places = (0..file.len()).flat_map(|k| (0..2).map(move |g| (k, g)));
+        let nodes: Vec<_> = places.map(|(k, g)| file.node(k, g).unwrap()).collect();
+        let (mut spokes, mut ends) = (Vec::new(), Vec::new());
+        for star in stars.view().iter() {
+            spokes.extend(star.spokes.iter().map(|spoke| Spoke {
+                group: spoke.group,
+                negative: spoke.negative,
+                direction: spoke.direction.map(f32::lit),
+            }));
+            ends.push(u32::try_from(spokes.len()).unwrap());
+        }
+        Self {
+            interpolation: file.interpolation(),
+            times: (0..file.len()).map(|k| file.time(k).unwrap()).collect(),
+            angles: nodes.iter().map(|node| node.angle).collect(),
+            rates: nodes.iter().map(|node| node.rate).collect(),
+            limits: (0..2).map(|g| file.limits(g).unwrap()).collect(),
+            hinges: file.memberships().collect(),
+            spokes,
+            ends,
+        }
+    }
+
+    /// Number of knots.
+    pub(crate) fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    pub(crate) fn limits(&self) -> &[GroupLimits] {
+        &self.limits
+    }
+
+    /// The place at which it ends, and the angles there.
+    pub(crate) fn end(&self) -> (Place<f32>, [f32; 2]) {
+        let knot = self.len() - 1;
+        let place = Place {
+            knot: u32::try_from(knot).unwrap(),
+            into: 0.0,
+        };
+        (place, [self.angles[2 * knot], self.angles[2 * knot + 1]])
+    }
+
+    /// Seconds from the start of the path to a place.
+    pub(crate) fn time(&self, place: Place<f32>) -> f64 {
+        f64::from(self.times[place.knot as usize]) + f64::from(place.into)
+    }
+
+    pub(crate) fn view(&self) -> TrajectoryView<'_, f32> {
+        TrajectoryView::new(
+            self.interpolation,
+            2,
+            &self.times,
+            &self.angles,
+            &self.rates,
+            &[],
+        )
+        .unwrap()
+    }
+
+    fn stars(&self) -> StarsView<'_, f32> {
+        StarsView::new(&self.spokes, &self.ends, 2).unwrap()
+    }
+
+    /// As it is sent.
+    pub(crate) fn items(&self) -> PathItems<'_> {
+        let place = Place::default();
+        let (limits, hinges) = (&self.limits, &self.hinges);
+        PathItems::new(self.view(), limits, hinges, self.stars(), CLOSURE, place).unwrap()
+    }
+
+    /// The angles that a follower on this machine commands at a place.
+    pub(crate) fn follow(&self, place: Place<f32>) -> [f32; 2] {
+        let sheet = SheetView {
+            interpolation: self.interpolation,
+            limits: &self.limits,
+            stars: self.stars(),
+            closure: CLOSURE,
+        };
+        let mut follower = Follower::<f32, 2, 2>::new(Options::default());
+        follower.load(&sheet, place).unwrap();
+        for knot in (place.knot as usize..self.len()).take(2) {
+            let setpoint = Setpoint {
+                number: u32::try_from(knot).unwrap(),
+                time: self.times[knot],
+                last: knot + 1 == self.len(),
+                nodes: (0..2).map(|group| self.node(knot, group)).collect(),
+            };
+            follower.accept(&sheet, setpoint).unwrap();
+        }
+        follower.start().unwrap();
+        [follower.angles()[0], follower.angles()[1]]
+    }
+
+    fn node(&self, knot: usize, group: usize) -> foldpath_core::Node<f32> {
+        foldpath_core::Node {
+            angle: self.angles[2 * knot + group],
+            rate: self.rates[2 * knot + group],
+            weight: [1.0, 0.0],
+        }
+    }
+
+    /// The closure residual of the sheet at these angles.
+    pub(crate) fn residual(&self, angles: [f32; 2]) -> f32 {
+        let mut scratch = [HalfAngle::default(); 2];
+        let value = Objective::Max.value(self.stars(), &angles, &mut scratch);
+        value.unwrap() / 2_f32.sqrt()
+    }
+}
