@@ -516,12 +516,14 @@ pub(super) struct Export {
     pub(super) output: PathBuf,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ExportFormat {
     /// What a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
     /// A row a knot: seconds, and the fold angle of each crease group in degrees
     Csv,
+    /// What a .traj file holds as constants of Rust, which need foldpath-core and no std
+    Rust,
 }
 
 /// Sends a path to a controller and follows what it does until the sheet is at its end.
