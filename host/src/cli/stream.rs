@@ -1,9 +1,10 @@
 //! `foldpath stream`.
 
+use core::sync::atomic::{AtomicU8, Ordering};
+use core::time::Duration;
 use std::io::{self, IsTerminal, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Instant, SystemTime};
 
 use foldpath_core::follower::State;
 use serde::Serialize;

@@ -1,12 +1,13 @@
 //! A controller in QEMU.
 
+use core::time::Duration;
 use std::env;
 use std::io::{self, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::{Link, Wire};
 

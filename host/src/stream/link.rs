@@ -1,9 +1,10 @@
 //! Lines to controllers.
 
+use core::time::Duration;
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serialport::SerialPort;
 
