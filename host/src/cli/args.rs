@@ -33,6 +33,10 @@ pub(super) enum Command {
     /// Write a path for a controller or a spreadsheet
     Export(Export),
     /// Send a path to a controller and follow what it does
+    ///
+    /// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the
+    /// sheet is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no
+    /// controller that understands; 2 bad input or usage.
     Stream(Stream),
 }
 
@@ -526,11 +530,6 @@ pub(super) enum ExportFormat {
     Rust,
 }
 
-/// Sends a path to a controller and follows what it does until the sheet is at its end.
-///
-/// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the sheet
-/// is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no controller that
-/// understands; 2 bad input or usage.
 #[derive(Debug, Args)]
 pub(super) struct Stream {
     /// Path: a .traj file, as `foldpath export --to traj` writes it

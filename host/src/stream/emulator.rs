@@ -52,6 +52,7 @@ pub fn default_image() -> Result<PathBuf, String> {
             )
         })?;
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let target = std::path::absolute(target).map_err(|error| error.to_string())?;
     let image = |folder: &Path| folder.join(TARGET).join("firmware").join(NAME);
     let places = [image(&target), image(&target.join("fw"))];
     if let Some(found) = places.iter().find(|place| place.is_file()) {
