@@ -515,7 +515,7 @@ fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
                 ..SweepOptions::default()
             };
             let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
-            crossing_at(sweep.sweep(&vec![vec![line(0.0, most)]])).1
+            crossing_at(sweep.sweep(&[vec![line(0.0, most)]])).1
         });
         assert!((found[1] - found[0]).abs() < 1e-5, "{most}: {found:?}");
     }

@@ -42,7 +42,8 @@ pub(super) struct Cells<'a> {
     /// Where those circles are in cell `[0, 0]`, if they were asked for at this time.
     disks: Vec<Disk>,
     centered: Tick,
-    /// Powers of both steps, from the lowest on, with their times.
+    /// Powers of both steps, from the lowest on, with their times: to all cells, `[0, 0]` among them, and for all
+    /// their differences.
     low: [i32; 2],
     powers: [Vec<(Tick, Pose)>; 2],
     /// Those that were woken, and the same in order.
@@ -113,7 +114,10 @@ impl<'a> Cells<'a> {
         let ends = |k: usize| {
             let low = orbits.iter().map(|orbit| orbit.low[k]).min();
             let high = orbits.iter().map(|orbit| orbit.high[k]).max();
-            [low.unwrap_or_default(), high.unwrap_or_default()]
+            [
+                low.unwrap_or_default().min(0),
+                high.unwrap_or_default().max(0),
+            ]
         };
         let ends = [ends(0), ends(1)];
         let most = ends.map(|[low, high]| high.abs_diff(low));
@@ -131,12 +135,8 @@ impl<'a> Cells<'a> {
                 .collect(),
             disks: Vec::new(),
             centered: Tick::MAX,
-            // Both cells, and their differences.
-            low: ends.map(|[low, high]| low.min(low.saturating_sub(high))),
-            powers: ends.map(|[low, high]| {
-                let all = 2 * high.abs_diff(low) as usize + 1;
-                vec![still; all.max(low.unsigned_abs() as usize + high.unsigned_abs() as usize + 1)]
-            }),
+            low: ends.map(|[low, high]| low.saturating_sub(high)),
+            powers: ends.map(|[low, high]| vec![still; 2 * high.abs_diff(low) as usize + 1]),
             offsets: Vec::new(),
             known: Vec::new(),
             all_awake: false,
@@ -212,32 +212,15 @@ impl<'a> Cells<'a> {
         [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
     }
 
-    /// For the orbits' pairs the columns that there are so many rows on.
-    fn columns(&mut self, row: i32) -> &[RangeInclusive<i32>] {
-        let orbits = self.counts.len();
-        self.columns[row.unsigned_abs() as usize].get_or_insert_with(|| {
-            let pairs = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
-            let columns = pairs.map(|pair| {
-                let pair = pair.map(|orbit| &self.lattice.orbits()[orbit]);
-                self.lattice.columns_between(pair, row)
-            });
-            columns.collect()
-        })
-    }
-
     /// Number of pairs of pieces so many cells apart.
     fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
         let orbits = self.counts.len();
         let within = [column, row] == [0, 0];
-        let there = self
-            .columns(row)
-            .iter()
-            .map(|there| there.contains(&column));
-        let there: Vec<bool> = there.collect();
+        let columns = columns(&mut self.columns, self.lattice, row);
         let first = (0..orbits).flat_map(|a| (0..orbits).map(move |b| [a, b]));
         let there = first
-            .zip(there)
-            .filter(|([a, b], there)| *there && (!within || a < b));
+            .zip(columns)
+            .filter(|([a, b], there)| there.contains(&column) && (!within || a < b));
         there
             .map(|([a, b], _)| self.counts[a] * self.counts[b])
             .sum()
@@ -295,7 +278,8 @@ impl<'a> Cells<'a> {
     fn all(&mut self) -> Option<Vec<[i32; 2]>> {
         let mut cells = Vec::new();
         for row in 0..=i32::try_from(self.most[1]).ok()? {
-            let there = self.columns(row).iter().filter(|there| !there.is_empty());
+            let columns = columns(&mut self.columns, self.lattice, row).iter();
+            let there = columns.filter(|there| !there.is_empty());
             let ends = there.map(|there| (*there.start(), *there.end()));
             let ends = ends.reduce(|all, there| (all.0.min(there.0), all.1.max(there.1)));
             let Some((low, high)) = ends else {
@@ -343,26 +327,24 @@ impl<'a> Cells<'a> {
     }
 
     /// So many steps on in space.
-    fn translation(&mut self, cell: [i32; 2]) -> Pose {
-        let [first, second]: [Option<Pose>; 2] = core::array::from_fn(|k| {
-            let power = || self.folded.steps()[k].power(cell[k]);
-            let at = usize::try_from(i64::from(cell[k]) - i64::from(self.low[k]));
-            let known = at.ok().and_then(|at| self.powers[k].get_mut(at));
-            (cell[k] != 0).then(|| {
-                let Some((time, known)) = known else {
-                    return power();
-                };
-                if *time != self.time {
-                    (*time, *known) = (self.time, power());
-                }
-                *known
-            })
-        });
-        match (first, second) {
-            (Some(first), Some(second)) => first * second,
-            (Some(one), None) | (None, Some(one)) => one,
-            (None, None) => Pose::identity(),
+    fn translation(&mut self, [column, row]: [i32; 2]) -> Pose {
+        match [column, row] {
+            [0, 0] => Pose::identity(),
+            [_, 0] => *self.power(0, column),
+            [0, _] => *self.power(1, row),
+            _ => *self.power(0, column) * *self.power(1, row),
         }
+    }
+
+    /// So many of one step.
+    fn power(&mut self, step: usize, count: i32) -> &Pose {
+        let at = i64::from(count) - i64::from(self.low[step]);
+        let at = usize::try_from(at).unwrap_or(usize::MAX);
+        let (time, power) = &mut self.powers[step][at];
+        if *time != self.time {
+            (*time, *power) = (self.time, self.folded.steps()[step].power(count));
+        }
+        power
     }
 
     /// The pose of a face, and the place of the flat sheet that it takes to its point.
@@ -386,7 +368,9 @@ impl<'a> Cells<'a> {
     }
 
     fn gap(&mut self, cell: [i32; 2]) -> f64 {
-        let there = self.translation(cell);
+        let center = self.folded.middle();
+        let there = self.power(1, cell[1]).carry(&center);
+        let there = self.power(0, cell[0]).carry(&there);
         self.folded.gap_at(&there)
     }
 
@@ -558,6 +542,21 @@ impl<'a> Cells<'a> {
             None => motion.before_next(time, allowance, moved),
         }
     }
+}
+
+/// For the orbits' pairs the columns that there are so many rows on.
+fn columns<'a>(
+    known: &'a mut [Option<Vec<RangeInclusive<i32>>>],
+    lattice: &Lattice,
+    row: i32,
+) -> &'a [RangeInclusive<i32>] {
+    known[row.unsigned_abs() as usize].get_or_insert_with(|| {
+        let orbits = lattice.orbits().iter();
+        let pairs = orbits.flat_map(|a| lattice.orbits().iter().map(move |b| [a, b]));
+        pairs
+            .map(|pair| lattice.columns_between(pair, row))
+            .collect()
+    })
 }
 
 /// How far creases one after the other turn what is beyond from one time of a segment to another, at most

@@ -232,8 +232,8 @@ impl Motion {
                 to: next,
             })
         };
-        let steady = 2.0 * until(1) - until(2);
-        let each = until(2) - until(1);
+        let [one, two] = [1, 2].map(until);
+        let (steady, each) = (2.0 * one - two, two - one);
         let most = f64::from(SMALL_PARTS - 1);
         #[allow(
             clippy::cast_possible_truncation,

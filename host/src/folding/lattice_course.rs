@@ -38,10 +38,10 @@ pub struct LatticeCourse {
     /// Largest counts of steps that are asked for.
     most: [f64; 2],
     orbits: usize,
-    /// For each time the sums of each term for the intervals before.
-    sums: Vec<Parts<Terms>>,
-    /// For each time and orbit the sum of what its faces move in the frame of their cell.
-    own: Vec<Parts<f64>>,
+    /// For each time each term for the intervals before.
+    sums: Vec<Sums<Terms>>,
+    /// For each time and orbit what its faces move in the frame of their cell.
+    own: Vec<Sums<f64>>,
     folded: Vec<Folded>,
     /// Corners of the cell at the last time.
     places: Vec<Vector3<f64>>,
@@ -61,6 +61,13 @@ pub(crate) struct Drift {
 struct Parts<T> {
     lead: T,
     stray: T,
+}
+
+/// Bounds on what moves from the beginning until a time, and from any time of the last interval on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums<T> {
+    all: T,
+    last: Parts<T>,
 }
 
 /// A part of a course: some of the interval before the first time, from 0 to 1, and all up to the second.
@@ -213,21 +220,28 @@ impl Linear for Terms {
     }
 }
 
-/// What a stretch adds up to, from the sums at each time.
-///
-/// In a part of an interval what strays may do so at its beginning and at its end.
-fn over<T: Linear>(sums: impl Fn(usize) -> Parts<T>, stretch: Stretch) -> T {
-    let Stretch { head, from, to } = stretch;
-    let [since, until] = [from, to].map(&sums);
-    let whole = until.lead.plus(until.stray, 1.0);
-    let whole = whole.plus(since.lead, -1.0).plus(since.stray, -1.0);
-    match from.checked_sub(1).map(sums) {
-        Some(before) if head > 0.0 => {
-            let lead = since.lead.plus(before.lead, -1.0);
-            let stray = since.stray.plus(before.stray, -1.0);
-            whole.plus(lead.within(), head).plus(stray.within(), 2.0)
+impl<T: Linear> Sums<T> {
+    /// With another interval.
+    fn and(&self, parts: Parts<T>) -> Self {
+        Self {
+            all: self.all.plus(parts.lead, 1.0).plus(parts.stray, 1.0),
+            last: Parts {
+                lead: parts.lead.within(),
+                stray: parts.stray.within(),
+            },
         }
-        _ => whole,
+    }
+
+    /// What a stretch between two times adds up to.
+    ///
+    /// In a part of an interval what strays may do so at its beginning and at its end.
+    fn until(&self, to: &Self, head: f64) -> T {
+        let whole = to.all.plus(self.all, -1.0);
+        if head > 0.0 {
+            whole.plus(self.last.lead, head).plus(self.last.stray, 2.0)
+        } else {
+            whole
+        }
     }
 }
 
@@ -239,8 +253,8 @@ impl LatticeCourse {
         Self {
             most: most.map(f64::from),
             orbits,
-            sums: vec![Parts::default()],
-            own: vec![Parts::default(); orbits],
+            sums: vec![Sums::default()],
+            own: vec![Sums::default(); orbits],
             folded: vec![start.folded().clone()],
             places: start.places().to_vec(),
         }
@@ -286,11 +300,8 @@ impl LatticeCourse {
             }
             most.lead = most.lead.max(lead);
             most.stray = most.stray.max(stray);
-            let sum = self.own[last + orbit];
-            self.own.push(Parts {
-                lead: sum.lead + lead,
-                stray: sum.stray + stray,
-            });
+            let sum = self.own[last + orbit].and(Parts { lead, stray });
+            self.own.push(sum);
         }
         // Of the cell at any time of the interval, as is the length of the steps.
         let radius = radius.sqrt() + most.lead + most.stray;
@@ -334,11 +345,11 @@ impl LatticeCourse {
             },
             across: second_reach.times(part(&turn)),
         };
-        let sum = self.sums[self.sums.len() - 1];
-        self.sums.push(Parts {
-            lead: sum.lead.plus(terms(|parts| parts.lead), 1.0),
-            stray: sum.stray.plus(terms(|parts| parts.stray), 1.0),
+        let sum = self.sums[self.sums.len() - 1].and(Parts {
+            lead: terms(|parts| parts.lead),
+            stray: terms(|parts| parts.stray),
         });
+        self.sums.push(sum);
         self.folded.push(motion.folded().clone());
         self.places.copy_from_slice(motion.places());
     }
@@ -353,9 +364,13 @@ impl LatticeCourse {
         shifts + terms.turned([i, j])
     }
 
+    fn terms(&self, stretch: Stretch) -> Terms {
+        self.sums[stretch.from].until(&self.sums[stretch.to], stretch.head)
+    }
+
     /// What bounds the motion of cells over a stretch: see [`cells`](Self::cells).
     pub(crate) fn drift(&self, stretch: impl Into<Stretch>) -> Drift {
-        let terms = over(|time| self.sums[time], stretch.into());
+        let terms = self.terms(stretch.into());
         Drift {
             own: 2.0 * terms.own,
             shifts: [terms.first.shift, terms.second.shift],
@@ -367,7 +382,7 @@ impl LatticeCourse {
     /// beginning of a stretch to any time before its end.
     #[must_use]
     pub fn cells(&self, stretch: impl Into<Stretch>, offset: [i32; 2]) -> f64 {
-        let terms = over(|time| self.sums[time], stretch.into());
+        let terms = self.terms(stretch.into());
         2.0 * terms.own + Self::moved(&terms, offset)
     }
 
@@ -376,12 +391,13 @@ impl LatticeCourse {
     pub fn faces(&self, stretch: impl Into<Stretch>, orbits: [u32; 2], offset: [i32; 2]) -> f64 {
         let stretch = stretch.into();
         let own = |orbit: u32| {
-            let sums = |time: usize| self.own[time * self.orbits + orbit as usize];
-            over(sums, stretch)
+            let [from, to] = [stretch.from, stretch.to]
+                .map(|time| &self.own[time * self.orbits + orbit as usize]);
+            from.until(to, stretch.head)
         };
         let moved = match offset {
             [0, 0] => 0.0,
-            _ => Self::moved(&over(|time| self.sums[time], stretch), offset),
+            _ => Self::moved(&self.terms(stretch), offset),
         };
         orbits.map(own).iter().sum::<f64>() + moved
     }

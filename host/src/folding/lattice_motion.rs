@@ -173,14 +173,18 @@ impl LatticeMotion {
     /// 0 where the balls round them meet.
     #[must_use]
     pub fn gap_of_cells(&self, offset: [i32; 2]) -> f64 {
-        self.gap_at(&self.translation(offset))
+        self.gap_at(&self.translation(offset).carry(&self.ball.center))
     }
 
-    /// The same for a cell moved in space by a motion.
-    pub(crate) fn gap_at(&self, there: &Pose) -> f64 {
+    /// The same for a cell with its middle there.
+    pub(crate) fn gap_at(&self, middle: &Vector3<f64>) -> f64 {
         let Ball { center, radius } = self.ball;
-        let way = there.carry(&center) - center;
-        (way.norm() - 2.0 * radius).max(0.0)
+        ((middle - center).norm() - 2.0 * radius).max(0.0)
+    }
+
+    /// The middle of the ball round a cell.
+    pub(crate) fn middle(&self) -> Vector3<f64> {
+        self.ball.center
     }
 
     /// Radius of the ball round a cell.

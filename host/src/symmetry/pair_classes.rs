@@ -55,7 +55,9 @@ impl Lattice {
     /// Differences of columns of faces so many rows apart, and where a row has gaps perhaps others. Cost: O(rows).
     pub(crate) fn columns_between(&self, [a, b]: [&Orbit; 2], rows: i32) -> RangeInclusive<i32> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
-        for row in a.low[1]..=a.high[1] {
+        let first = a.low[1].max(b.low[1].saturating_sub(rows));
+        let last = a.high[1].min(b.high[1].saturating_sub(rows));
+        for row in first..=last {
             let (from, to) = (self.row(a, row), self.row(b, row.saturating_add(rows)));
             if let (Some([a, b]), Some([c, d])) = (span(from), span(to)) {
                 (low, high) = (low.min(c - b), high.max(d - a));

@@ -112,42 +112,52 @@ impl Sweep<'_> {
     fn look_at_cells(&mut self, motion: &Motion, offset: u32) -> Look {
         let (time, best) = (self.sheet.time, self.best());
         let (bounds, astray) = (self.options.skip_bounds, self.astray());
+        let touching = self.options.tolerance * self.pattern.median_edge();
         let Some(cells) = &mut self.sheet.cells else {
             return Look::Free;
         };
-        let mut apart = cells.gap_of(motion, time, offset);
-        let leap = astray + cells.moved(motion, time, LEAP, offset);
+        let apart = cells.gap_of(motion, time, offset);
+        if bounds && apart > touching && apart >= best {
+            let until = cells.until(motion, time, offset, apart - astray);
+            if until.map_or(time, |(until, _)| until) >= motion.tabulated_after(time, LEAP) {
+                self.counts.skipped_bounds += cells.left(offset);
+                return self.after_cells(motion, apart, until);
+            }
+        }
         let near = if bounds {
-            leap.max(self.options.tolerance * self.pattern.median_edge())
+            let leap = astray + cells.moved(motion, time, LEAP, offset);
+            let far = astray + cells.moved(motion, time, FOLLOWED, offset);
+            leap.max(touching).max(far.min(best))
         } else {
             f64::INFINITY
         };
-        let mut measured = 0;
-        if apart <= near || apart < best {
-            let far = astray + cells.moved(motion, time, FOLLOWED, offset);
-            let near = near.max(far.min(best));
-            let found = cells.apart(motion, time, offset, [near, best]);
-            apart = found.least;
-            if !found.near.is_empty() {
-                self.take(&found.near, time);
-                return Look::Again;
-            }
-            for faces in found.nearest {
-                measured += self.measure(motion, faces);
-            }
+        let found = cells.apart(motion, time, offset, [near, best]);
+        if !found.near.is_empty() {
+            self.take(&found.near, time);
+            return Look::Again;
         }
-        let best = self.best();
+        let mut measured = 0;
+        for faces in found.nearest {
+            measured += self.measure(motion, faces);
+        }
         let Some(cells) = &self.sheet.cells else {
             return Look::Free;
         };
-        let left = cells.left(offset);
-        self.counts.skipped_bounds += left.saturating_sub(measured);
-        match cells.until(motion, time, offset, apart - astray) {
+        let until = cells.until(motion, time, offset, found.least - astray);
+        self.counts.skipped_bounds += cells.left(offset).saturating_sub(measured);
+        self.after_cells(motion, found.least, until)
+    }
+
+    /// The next look at cells that stay so far apart until a time, and by how much they may move until then.
+    fn after_cells(&self, motion: &Motion, apart: f64, until: Option<(Tick, f64)>) -> Look {
+        match until {
             None => Look::Free,
             Some((until, _)) if !self.options.skip_motion => {
-                Look::Until(until.min(motion.next_tabulated(time)))
+                Look::Until(until.min(motion.next_tabulated(self.sheet.time)))
             }
-            Some((until, moved)) if until == motion.end() && apart - moved >= best => Look::Free,
+            Some((until, moved)) if until == motion.end() && apart - moved >= self.best() => {
+                Look::Free
+            }
             Some((until, _)) => Look::Until(until),
         }
     }
