@@ -22,6 +22,12 @@ impl<T: Scalar> Spoke<T> {
         let value = value.unwrap_or_else(T::zero);
         if self.negative { -value } else { value }
     }
+
+    /// Whether its direction is of length one, but for rounding.
+    pub(crate) fn is_unit(&self) -> bool {
+        let [x, y] = self.direction;
+        (x * x + y * y - T::one()).abs() <= T::EPSILON.sqrt()
+    }
 }
 
 /// The creases round one vertex, counter-clockwise.
@@ -51,10 +57,7 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         let sorted = ends.is_sorted_by(|a, b| a <= b);
         let complete = ends.last().map_or(0, |&end| end as usize) == spokes.len();
         let known = spokes.iter().all(|s| s.group.index() < unknowns);
-        let unit = spokes.iter().all(|spoke| {
-            let [x, y] = spoke.direction;
-            (x * x + y * y - T::one()).abs() <= T::EPSILON.sqrt()
-        });
+        let unit = spokes.iter().all(Spoke::is_unit);
         (sorted && complete && known && unit).then_some(Self {
             spokes,
             ends,

@@ -5,10 +5,12 @@
 //! | value | type | meaning |
 //! |---|---|---|
 //! | magic | `[u8; 4]` | `FPTJ` |
-//! | version | `u8` | 1 |
+//! | version | `u8` | 2 |
 //! | interpolation | [`Interpolation`] | how the motion between knots is made |
 //! | limits | `Vec<[f32; 4]>` | a group: lower and upper angle, speed, acceleration |
 //! | hinges | `Vec<u32>` | a hinge: twice its group, and 1 more if it turns the opposite way |
+//! | spokes | `Vec<(u32, [f32; 2])>` | a spoke of an essential vertex: four times its group, 2 more if it is the last of its vertex, 1 more if it turns the opposite way; its direction |
+//! | closure | `f32` | the largest closure residual that a commanded configuration has, rounding included |
 //! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | time; a group: angle, rate and, where N is 4, weight and its rate |
 //! | checksum | `[u8; 4]` | CRC-32 of all bytes before, little endian |
 //!
@@ -23,14 +25,14 @@ use heapless::Vec;
 use crate::checksum::CHECKSUM;
 use crate::curve::{Curve, Flaw, Interpolation, Node};
 use crate::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
-use crate::{GroupId, Membership};
+use crate::{GroupId, Membership, Spoke, StarsView};
 
 pub use crate::limits::GroupLimits;
 
 /// The first bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
 /// The version that is written, and the only one that is read.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// Why bytes are no trajectory, or a trajectory makes no file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +57,11 @@ pub enum FileError {
     Limits(usize),
     /// The hinge of this number follows a group that is not there.
     Hinge(usize),
+    /// The spoke of this number follows a group that is not there, has no direction of length 1, or is the last
+    /// of all but not of its vertex.
+    Spoke(usize),
+    /// The closure residual that is allowed is negative or not finite.
+    Closure,
     /// A knot is not fit to follow.
     Knot(TrajectoryError),
     /// The angle of this group at this knot is beyond its limits.
@@ -84,6 +91,11 @@ impl fmt::Display for FileError {
                 "group {group}: expected finite angles in order, a speed and an acceleration above 0"
             ),
             Self::Hinge(hinge) => write!(f, "hinge {hinge}: there is no group of its number"),
+            Self::Spoke(spoke) => write!(
+                f,
+                "spoke {spoke}: expected a group that there is, a direction of length 1, and the last of all to end a vertex"
+            ),
+            Self::Closure => write!(f, "closure: expected a finite number from 0 on"),
             Self::Knot(error) => error.fmt(f),
             Self::Angle { knot, group } => {
                 write!(
@@ -97,18 +109,28 @@ impl fmt::Display for FileError {
 
 impl core::error::Error for FileError {}
 
-/// Writes a trajectory, the limits of its groups and its hinges, piece by piece, as a file.
+/// Writes a trajectory, the limits of its groups, its hinges, its essential vertices and the `closure` residual that
+/// they may have, piece by piece, as a file.
 ///
 /// # Errors
-/// If the limits are not one a group and sound, a hinge follows no group, or an angle is beyond its limits;
-/// nothing is written then.
+/// If the limits are not one a group and sound, a hinge or a spoke follows no group, the residual is none, or an
+/// angle is beyond its limits; nothing is written then.
 pub fn write(
     trajectory: TrajectoryView<'_, f32>,
     limits: &[GroupLimits],
     hinges: &[Membership],
+    stars: StarsView<'_, f32>,
+    closure: f32,
     sink: impl FnMut(&[u8]),
 ) -> Result<(), FileError> {
     check_to_write(trajectory, limits, hinges)?;
+    let spokes = || stars.iter().flat_map(|star| star.spokes);
+    if let Some(spoke) = spokes().position(|spoke| spoke.group.index() >= limits.len()) {
+        return Err(FileError::Spoke(spoke));
+    }
+    if !is_residual(closure) {
+        return Err(FileError::Closure);
+    }
     let mut out = Writer {
         sink,
         digest: CHECKSUM.digest(),
@@ -129,6 +151,15 @@ pub fn write(
     for hinge in hinges {
         out.count(2 * hinge.group.index() + usize::from(hinge.negative));
     }
+    out.count(spokes().count());
+    for star in stars.iter() {
+        for (count, spoke) in (1..).zip(star.spokes) {
+            let last = usize::from(count == star.spokes.len());
+            out.count(4 * spoke.group.index() + 2 * last + usize::from(spoke.negative));
+            out.floats(&spoke.direction);
+        }
+    }
+    out.floats(&[closure]);
     out.count(trajectory.len());
     for knot in (0..trajectory.len()).filter_map(|index| trajectory.knot(index)) {
         out.floats(&[knot.time]);
@@ -145,7 +176,11 @@ pub fn write(
     Ok(())
 }
 
-/// What [`write`] refuses.
+fn is_residual(closure: f32) -> bool {
+    closure.is_finite() && closure >= 0.0
+}
+
+/// What [`write`] refuses of the motion and the hinges.
 fn check_to_write(
     trajectory: TrajectoryView<'_, f32>,
     limits: &[GroupLimits],
@@ -216,6 +251,10 @@ pub struct TrajectoryFile<'a> {
     limits: &'a [[u8; 4]],
     /// A varint a hinge.
     hinge_codes: &'a [u8],
+    spokes: usize,
+    /// A varint and two numbers a spoke.
+    spoke_codes: &'a [u8],
+    closure: f32,
     /// One record a knot.
     records: &'a [[u8; 4]],
 }
@@ -249,6 +288,13 @@ impl<'a> TrajectoryFile<'a> {
             cursor.number()?;
         }
         let hinge_codes = bytes.get(first..cursor.at).unwrap_or(&[]);
+        let spokes = cursor.count()?;
+        let first = cursor.at;
+        for _ in 0..spokes {
+            cursor.spoke()?;
+        }
+        let spoke_codes = bytes.get(first..cursor.at).unwrap_or(&[]);
+        let closure = f32::from_le_bytes(cursor.array()?);
         let knots = cursor.count()?;
         let file = Self {
             interpolation,
@@ -257,6 +303,9 @@ impl<'a> TrajectoryFile<'a> {
             hinges,
             limits,
             hinge_codes,
+            spokes,
+            spoke_codes,
+            closure,
             records: &[],
         };
         let file = Self {
@@ -285,6 +334,16 @@ impl<'a> TrajectoryFile<'a> {
         let outside = |hinge: Membership| hinge.group.index() >= self.groups();
         if let Some(hinge) = self.memberships().position(outside) {
             return Err(FileError::Hinge(hinge));
+        }
+        let count = self.spokes;
+        for (number, (spoke, last)) in (1..).zip(self.spokes()) {
+            let known = spoke.group.index() < self.groups() && spoke.is_unit();
+            if !known || number == count && !last {
+                return Err(FileError::Spoke(number - 1));
+            }
+        }
+        if !is_residual(self.closure) {
+            return Err(FileError::Closure);
         }
         let mut before = f32::NEG_INFINITY;
         for index in 0..self.knots {
@@ -367,6 +426,21 @@ impl<'a> TrajectoryFile<'a> {
                 negative: code & 1 == 1,
             })
         })
+    }
+
+    /// The spokes of the essential vertices, in order, and whether each is the last of its vertex.
+    pub fn spokes(&self) -> impl Iterator<Item = (Spoke<f32>, bool)> + use<'a> {
+        let mut cursor = Cursor {
+            bytes: self.spoke_codes,
+            at: 0,
+        };
+        core::iter::from_fn(move || cursor.spoke().ok())
+    }
+
+    /// The largest closure residual that a commanded configuration has, rounding included.
+    #[must_use]
+    pub fn closure(&self) -> f32 {
+        self.closure
     }
 
     /// Seconds since the start at a knot.
@@ -490,6 +564,18 @@ impl<'a> Cursor<'a> {
     fn count(&mut self) -> Result<usize, FileError> {
         let start = self.at;
         usize::try_from(self.number()?).map_err(|_| FileError::Number(start))
+    }
+
+    /// A spoke, and whether it is the last of its vertex.
+    fn spoke(&mut self) -> Result<(Spoke<f32>, bool), FileError> {
+        let code = self.number()?;
+        let direction = [self.array()?, self.array()?].map(f32::from_le_bytes);
+        let spoke = Spoke {
+            group: GroupId(code >> 2),
+            negative: code & 1 == 1,
+            direction,
+        };
+        Ok((spoke, code & 2 == 2))
     }
 
     /// A varint of at most 32 bits.

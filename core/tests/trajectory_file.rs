@@ -5,7 +5,7 @@ mod common;
 use common::rng;
 use foldpath_core::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
 use foldpath_core::trajectory_file::{FileError, GroupLimits, TrajectoryFile, write};
-use foldpath_core::{GroupId, Interpolation, Membership, Scalar};
+use foldpath_core::{GroupId, Interpolation, Membership, Scalar, Spoke, StarsView};
 use rand_core::Rng;
 use serde::Deserialize;
 
@@ -42,6 +42,23 @@ fn hinges() -> [Membership; 3] {
     })
 }
 
+/// Two vertices, of two spokes and of one.
+fn spokes() -> [Spoke<f32>; 3] {
+    [
+        (1, true, [0.0, 1.0]),
+        (0, false, [-0.6, 0.8]),
+        (1, false, [1.0, 0.0]),
+    ]
+    .map(|(group, negative, direction)| Spoke {
+        group: GroupId(group),
+        negative,
+        direction,
+    })
+}
+
+const ENDS: [u32; 2] = [2, 3];
+const CLOSURE: f32 = 0.0009765625;
+
 fn view(kind: Interpolation) -> TrajectoryView<'static, f32> {
     let weights: &[[f32; 2]] = match kind {
         Interpolation::Homogeneous => &WEIGHTS,
@@ -52,10 +69,10 @@ fn view(kind: Interpolation) -> TrajectoryView<'static, f32> {
 
 fn written(kind: Interpolation) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write(view(kind), &LIMITS, &hinges(), |part| {
-        bytes.extend_from_slice(part);
-    })
-    .unwrap();
+    let spokes = spokes();
+    let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
+    let sink = |part: &[u8]| bytes.extend_from_slice(part);
+    write(view(kind), &LIMITS, &hinges(), stars, CLOSURE, sink).unwrap();
     bytes
 }
 
@@ -90,6 +107,11 @@ fn what_is_written_is_read_back() {
         assert_eq!((file.len(), file.hinges()), (3, 3));
         assert_eq!([0, 1].map(|group| file.limits(group)), LIMITS.map(Some));
         assert!(file.memberships().eq(hinges()));
+        assert!(
+            file.spokes()
+                .eq(spokes().into_iter().zip([false, true, true]))
+        );
+        assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
         let stored: Trajectory<f32, 3, 6> = file.trajectory().unwrap();
         assert_eq!(stored.view(), view(kind));
         for (segment, group) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -113,6 +135,8 @@ struct Documented<const N: usize> {
     interpolation: Interpolation,
     limits: heapless::Vec<[f32; 4], 2>,
     hinges: heapless::Vec<u32, 3>,
+    spokes: heapless::Vec<(u32, [f32; 2]), 3>,
+    closure: f32,
     knots: heapless::Vec<(f32, [[f32; N]; 2]), 3>,
     checksum: [u8; 4],
 }
@@ -124,12 +148,14 @@ fn the_file_is_the_postcard_of_its_documented_types() {
         let bytes = written(kind);
         let (file, rest) = postcard::take_from_bytes::<Documented<2>>(&bytes).unwrap();
         assert!(rest.is_empty());
-        assert_eq!((&file.magic, file.version), (b"FPTJ", 1));
+        assert_eq!((&file.magic, file.version), (b"FPTJ", 2));
         assert_eq!(file.interpolation, kind);
         assert_eq!(
             (&file.limits[..], &file.hinges[..]),
             (&limits[..], &[2, 1, 3][..])
         );
+        let spokes = [(5, [0.0, 1.0]), (2, [-0.6, 0.8]), (6, [1.0, 0.0])];
+        assert_eq!((&file.spokes[..], file.closure), (&spokes[..], CLOSURE));
         let knots = [0, 1, 2].map(|k| {
             let pair = |i: usize| [ANGLES[i], RATES[i]];
             (TIMES[k], [pair(2 * k), pair(2 * k + 1)])
@@ -176,8 +202,9 @@ fn every_other_length_is_refused() {
     }
 }
 
-/// Where the limits, the hinges and the knots of a file with 2 groups and 3 hinges begin.
-const PLACES: [usize; 3] = [7, 40, 44];
+/// Where the limits, the hinges, the spokes, the closure and the knots of a file with 2 groups, 3 hinges and 3 spokes
+/// begin.
+const PLACES: [usize; 5] = [7, 40, 44, 71, 76];
 
 /// What reading a file with a change, and the checksum that belongs to it, says.
 fn changed(kind: Interpolation, change: impl FnOnce(&mut [u8])) -> Result<(), FileError> {
@@ -199,11 +226,18 @@ fn each_refusal_says_what_and_where() {
     let hermite = Interpolation::Hermite;
     let byte = |at: usize, value| changed(hermite, |bytes| bytes[at] = value).unwrap_err();
     assert_eq!(byte(0, 0), FileError::Magic);
-    assert_eq!(byte(4, 2), FileError::Version(2));
+    assert_eq!(byte(4, 1), FileError::Version(1));
     assert_eq!(byte(5, 4), FileError::Interpolation(4));
     assert_eq!(byte(PLACES[1] + 1, 5), FileError::Hinge(1));
-    assert_eq!(byte(6, 7), FileError::Truncated(PLACES[0]));
-    assert_eq!(byte(PLACES[2] - 1, 4), FileError::Truncated(PLACES[2]));
+    assert_eq!(byte(PLACES[2] + 9, 8), FileError::Spoke(1));
+    assert_eq!(byte(PLACES[2] + 18, 4), FileError::Spoke(2));
+    let cut = byte(PLACES[2] - 1, 127);
+    assert!(
+        matches!(cut, FileError::Truncated(at) if at > PLACES[4]),
+        "{cut}"
+    );
+    assert_eq!(byte(6, 9), FileError::Truncated(PLACES[0]));
+    assert_eq!(byte(PLACES[4] - 1, 4), FileError::Truncated(PLACES[4]));
     let groups = changed(hermite, |bytes| {
         bytes[6..9].copy_from_slice(&[0x80, 0x80, 4])
     });
@@ -211,7 +245,7 @@ fn each_refusal_says_what_and_where() {
     let number = changed(hermite, |bytes| bytes[PLACES[1]..][..5].fill(0xff));
     assert_eq!(number, Err(FileError::Number(PLACES[1])));
     let mut unsealed = written(hermite);
-    unsealed[PLACES[2]] ^= 1;
+    unsealed[PLACES[4]] ^= 1;
     let checksum = TrajectoryFile::read(&unsealed).unwrap_err();
     assert_eq!(checksum, FileError::Checksum);
 
@@ -226,17 +260,20 @@ fn each_refusal_says_what_and_where() {
         (0, hermite, 6, 0.0, Err(FileError::Limits(1))),
         (0, hermite, 7, -1.0, Err(FileError::Limits(1))),
         (0, hermite, 7, f32::INFINITY, Ok(())),
-        (2, hermite, 0, f32::NEG_INFINITY, knot(NotFinite(0))),
-        (2, hermite, 5, 0.0, knot(Order(1))),
-        (2, hermite, 10, f32::NAN, knot(NotFinite(2))),
-        (2, hermite, 7, f32::INFINITY, knot(NotFinite(1))),
-        (2, hermite, 8, 1.25, beyond(1, 1)),
-        (2, hermite, 3, -0.25, beyond(0, 1)),
-        (2, hermite, 1, f32::PI, Ok(())),
-        (2, half_angle, 1, f32::PI, knot(HalfTurn(0))),
-        (2, homogeneous, 1, f32::PI, Ok(())),
-        (2, homogeneous, 3, 0.0, knot(Weight(0))),
-        (2, homogeneous, 16, f32::NAN, knot(Weight(1))),
+        (3, hermite, 0, f32::NAN, Err(FileError::Closure)),
+        (3, hermite, 0, -1e-6, Err(FileError::Closure)),
+        (3, hermite, 0, 0.0, Ok(())),
+        (4, hermite, 0, f32::NEG_INFINITY, knot(NotFinite(0))),
+        (4, hermite, 5, 0.0, knot(Order(1))),
+        (4, hermite, 10, f32::NAN, knot(NotFinite(2))),
+        (4, hermite, 7, f32::INFINITY, knot(NotFinite(1))),
+        (4, hermite, 8, 1.25, beyond(1, 1)),
+        (4, hermite, 3, -0.25, beyond(0, 1)),
+        (4, hermite, 1, f32::PI, Ok(())),
+        (4, half_angle, 1, f32::PI, knot(HalfTurn(0))),
+        (4, homogeneous, 1, f32::PI, Ok(())),
+        (4, homogeneous, 3, 0.0, knot(Weight(0))),
+        (4, homogeneous, 16, f32::NAN, knot(Weight(1))),
     ] {
         let found = with_number(kind, PLACES[part] + 4 * place, value);
         assert_eq!(found, expected, "{part} {kind:?} {place} {value}");
@@ -250,10 +287,7 @@ fn what_would_not_be_read_is_not_written() {
         angles[3] = angle;
         let view =
             TrajectoryView::new(Interpolation::Hermite, 2, &TIMES, &angles, &RATES, &[]).unwrap();
-        let mut bytes = 0;
-        let answer = write(view, limits, hinges, |part| bytes += part.len());
-        assert_eq!(answer.is_ok(), bytes > 0);
-        answer
+        written_bytes(|sink| write(view, limits, hinges, stars(&[]), CLOSURE, sink))
     };
     let stray = Membership {
         group: GroupId(2),
@@ -272,6 +306,35 @@ fn what_would_not_be_read_is_not_written() {
     assert_eq!(write(&LIMITS, &[stray], 0.25), Err(FileError::Hinge(0)));
     let beyond = FileError::Angle { knot: 1, group: 1 };
     assert_eq!(write(&LIMITS, &[], 1.25), Err(beyond));
+
+    let write = |spokes: &[Spoke<f32>], closure| {
+        let view = view(Interpolation::Hermite);
+        written_bytes(|sink| {
+            foldpath_core::trajectory_file::write(view, &LIMITS, &[], stars(spokes), closure, sink)
+        })
+    };
+    let mut spokes = spokes();
+    assert_eq!(write(&spokes, 0.0), Ok(()));
+    assert_eq!(write(&spokes, f32::INFINITY), Err(FileError::Closure));
+    assert_eq!(write(&spokes, -1e-9), Err(FileError::Closure));
+    spokes[1].group = GroupId(2);
+    assert_eq!(write(&spokes, 0.0), Err(FileError::Spoke(1)));
+}
+
+/// The stars of these spokes, of which there are three or none, in three groups.
+fn stars(spokes: &[Spoke<f32>]) -> StarsView<'_, f32> {
+    let ends = if spokes.is_empty() { &[][..] } else { &ENDS };
+    StarsView::new(spokes, ends, 3).unwrap()
+}
+
+/// What writing answers; nothing has been written unless that is well.
+fn written_bytes(
+    write: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), FileError>,
+) -> Result<(), FileError> {
+    let mut bytes = 0;
+    let answer = write(&mut |part| bytes += part.len());
+    assert_eq!(answer.is_ok(), bytes > 0);
+    answer
 }
 
 #[test]
@@ -297,6 +360,10 @@ fn random_bytes_are_no_panic() {
         if let Ok(file) = TrajectoryFile::read(&bytes) {
             let _full_or_not = file.trajectory::<4, 8>();
             assert_eq!(file.memberships().count(), file.hinges());
+            assert!(
+                file.spokes()
+                    .all(|(spoke, _)| spoke.group.index() < file.groups())
+            );
             let last = file.len().checked_sub(1);
             assert!(last.is_none_or(|last| file.time(last).is_some()));
         }
@@ -348,9 +415,12 @@ fn the_example_of_the_protocol_is_what_it_says() {
     );
     assert!(file.memberships().eq(hinges()));
     let mut again = Vec::new();
-    write(view, &[limits, tame], &hinges(), |part| {
-        again.extend_from_slice(part)
-    })
-    .unwrap();
+    let (spokes, ends): (Vec<_>, Vec<_>) = file.spokes().unzip();
+    assert_eq!(ends, [false, true, true]);
+    assert_eq!(spokes, self::spokes());
+    let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
+    assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
+    let sink = |part: &[u8]| again.extend_from_slice(part);
+    write(view, &[limits, tame], &hinges(), stars, CLOSURE, sink).unwrap();
     assert_eq!(again, bytes);
 }

@@ -193,8 +193,8 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             "Item 300, Limits: 16 bytes, 0 to 1.5 rad, 0.5 rad/s, 2 rad/s²",
         ),
         (
-            item(Item::Hinges(&[2, 0, 1, 0])),
-            "Item 300, Hinges: 4 bytes, group 1, group 0 the opposite way",
+            item(Item::Hinges(&[6])),
+            "Item 300, Hinges: 1 byte, of 2 groups: group 1, group 0 the opposite way",
         ),
         (
             item(Item::Spokes(&spoke[2..])),
@@ -763,6 +763,25 @@ fn ends_meet(receiver: &mut Receiver) -> bool {
     ends.came.iter().copied().eq(0..20)
 }
 
+#[test]
+fn codes_of_hinges_take_as_few_bits_as_they_can() {
+    let bits = [
+        (0, 1),
+        (1, 1),
+        (2, 2),
+        (3, 3),
+        (4, 3),
+        (5, 4),
+        (1 << 14, 15),
+    ];
+    for (groups, expected) in bits {
+        assert_eq!(path::hinge_bits(groups), expected, "{groups} groups");
+    }
+    // By hand: 5, 2, 7 and 0 in three bits each are 000 111 010 101.
+    let codes: Vec<u16> = path::hinge_codes(&[0b1101_0101, 0b0000_0001], 3).collect();
+    assert_eq!(codes, [5, 2, 7, 0, 0]);
+}
+
 /// A sheet like the 24x24 Miura: what travels are its groups.
 #[test]
 fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
@@ -806,7 +825,8 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
             Item::Sheet(head) => assert_eq!((head.hinges, head.place), (hinges, place)),
             Item::Limits(bytes) => came_limits.extend(bytes.as_chunks().0.iter().map(path::limits)),
             Item::Hinges(bytes) => {
-                came_hinges.extend(bytes.as_chunks().0.iter().map(|b| path::hinge(*b)));
+                let left = usize::from(hinges) - came_hinges.len();
+                came_hinges.extend(path::hinge_codes(bytes, 2).take(left).map(path::hinge));
             }
             Item::Spokes(bytes) => {
                 came_spokes.extend(bytes.as_chunks().0.iter().map(|b| path::spoke(*b)));

@@ -11,7 +11,8 @@ use heapless::Vec;
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
     head: Option<SheetHead>,
     limits: Vec<GroupLimits, GROUPS>,
-    hinges: Vec<[u8; 2], HINGES>,
+    /// Their codes.
+    hinges: Vec<u16, HINGES>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
 }
@@ -69,14 +70,21 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     /// # Errors
     /// If they are too many, cut off or without a group.
     pub fn add_hinges(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
-        let (head, pieces) = (self.head()?, whole(bytes)?);
-        room(self.hinges.len(), pieces, head.hinges)?;
-        for (hinge, bytes) in (number(self.hinges.len())..).zip(pieces) {
-            if path::hinge(*bytes).group.index() >= usize::from(head.groups) {
+        let head = self.head()?;
+        let bits = path::hinge_bits(head.groups);
+        let left = usize::from(head.hinges).saturating_sub(self.hinges.len());
+        let count = left.min(8 * bytes.len() / bits);
+        let ends = count == left || count * bits == 8 * bytes.len();
+        if !ends || (count * bits).div_ceil(8) != bytes.len() {
+            return Err(ItemRefusal::Pieces);
+        }
+        let codes = || path::hinge_codes(bytes, bits).take(count);
+        for (hinge, code) in (number(self.hinges.len())..).zip(codes()) {
+            if path::hinge(code).group.index() >= usize::from(head.groups) {
                 return Err(ItemRefusal::Hinge(hinge));
             }
         }
-        push(&mut self.hinges, pieces.iter().copied())
+        push(&mut self.hinges, codes())
     }
 
     /// The next spokes.
@@ -128,7 +136,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
 
     /// Group and sign of each hinge.
     pub fn hinges(&self) -> impl Iterator<Item = Membership> {
-        self.hinges.iter().map(|bytes| path::hinge(*bytes))
+        self.hinges.iter().map(|code| path::hinge(*code))
     }
 }
 

@@ -187,8 +187,18 @@ fn pieces_of_a_sheet_are_refused_with_their_reasons() {
     assert_eq!(talk.item(Item::Limits(&unsound)), Some(Pieces));
     assert_eq!(talk.item(Item::Limits(&limits)), None);
     assert_eq!(talk.item(Item::Limits(&limits)), Some(Pieces));
-    assert_eq!(talk.item(Item::Hinges(&[4, 0])), Some(Hinge(0)));
-    assert_eq!(talk.item(Item::Hinges(&[0; 102])), Some(Pieces));
+    // 50 hinges of 2 bits.
+    assert_eq!(talk.item(Item::Hinges(&[0; 14])), Some(Pieces));
+    assert_eq!(talk.item(Item::Hinges(&[0; 4])), None);
+    assert_eq!(talk.item(Item::Hinges(&[0; 10])), Some(Pieces));
+    assert_eq!(talk.item(Item::Hinges(&[0; 9])), None);
+    assert_eq!(talk.item(Item::Hinges(&[0])), Some(Pieces));
+    let three = SheetHead { groups: 3, ..head };
+    assert_eq!(talk.item(Item::Sheet(three)), None);
+    // 8 hinges of 3 bits, and not all of 2 bytes.
+    assert_eq!(talk.item(Item::Hinges(&[0, 0])), Some(Pieces));
+    assert_eq!(talk.item(Item::Hinges(&[6 << 3, 0, 0])), Some(Hinge(1)));
+    assert_eq!(talk.item(Item::Hinges(&[5 << 3, 0, 0])), None);
     let spoke = |group: u8, last: u8, x: f32| {
         let code = [4 * group + 2 * last, 0];
         [&code[..], &x.to_le_bytes(), &0_f32.to_le_bytes()].concat()

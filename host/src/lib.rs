@@ -12,7 +12,8 @@
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
 //!    looks for faces that pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
-//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it.
+//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it; [`stream`] sends it to a
+//!    controller.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -54,5 +55,6 @@ mod numbers;
 pub mod pattern;
 pub mod planner;
 pub mod ragged;
+pub mod stream;
 pub mod symmetry;
 pub mod view;

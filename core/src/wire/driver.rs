@@ -86,6 +86,12 @@ impl<'a> Driver<'a> {
         self.sender.acknowledged().saturating_sub(head)
     }
 
+    /// Number of the knot that was sent first.
+    #[must_use]
+    pub fn first_knot(&self) -> u64 {
+        self.begun.0.map_or(0, |items| items.first() as u64)
+    }
+
     /// The place where the sheet stands, if it is none of the path.
     #[must_use]
     pub fn astray(&self) -> Option<Place<f32>> {
@@ -171,7 +177,8 @@ impl<'a> Driver<'a> {
                 report.reason,
                 Reason::None | Reason::Underrun | Reason::Lag(_)
             );
-            let under_way = matches!(report.state, State::Running | State::Holding);
+            // A start may be on its way to one that is ready.
+            let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
             return (under_way && !held).then_some(Command::Hold);
         }
         let recovers = match self.persistence {

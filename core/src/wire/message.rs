@@ -13,7 +13,7 @@ use crate::follower::{Denial, Place, Reason, State};
 pub const VERSION: u16 = 1;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other: it changes with
 /// the encoding, though someone forgets the version.
-pub const SCHEMA: u32 = 0xcc1a_c0b1;
+pub const SCHEMA: u32 = 0xbe16_4a7a;
 
 /// From the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,7 +53,8 @@ pub enum Item<'a> {
     Sheet(SheetHead),
     /// Limits of its next groups, 16 bytes each: smallest and largest angle, speed, acceleration.
     Limits(#[serde(borrow)] &'a [u8]),
-    /// Its next hinges, 2 bytes each: twice the group, and 1 more if it turns the opposite way.
+    /// Its next hinges, in [as few bits as that takes](crate::wire::path::hinge_bits): twice the group, and 1 more if
+    /// it turns the opposite way. All but the last item of them fill whole bytes.
     Hinges(#[serde(borrow)] &'a [u8]),
     /// The next spokes of its essential vertices, 10 bytes each: four times the group, 2 more if it is the last of
     /// its vertex, 1 more if it turns the opposite way; then the two numbers of its direction.

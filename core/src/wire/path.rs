@@ -6,10 +6,14 @@ use crate::wire::message::{Item, SetpointBytes, SheetHead};
 use crate::wire::sender::Source;
 use crate::{GroupId, GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
 
-/// Most groups, hinges and spokes in an item: 128, 128 and 120 bytes.
-const PIECES: [usize; 3] = [8, 64, 12];
-/// Bytes of each.
-const BYTES: [usize; 3] = [16, 2, 10];
+/// Bytes of the limits of a group, and of a spoke.
+const LIMITS: usize = 16;
+const SPOKE: usize = 10;
+/// Most groups, and most spokes, in an item: 128 and 120 bytes.
+const MOST_LIMITS: usize = 8;
+const MOST_SPOKES: usize = 12;
+/// Most bytes of hinges in an item.
+const MOST_BYTES: usize = 128;
 
 /// The groups of a setpoint, of its bytes.
 pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item = Node<f32>> {
@@ -41,10 +45,26 @@ pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
     }
 }
 
-/// A hinge, of its bytes.
+/// Bits of a hinge of a sheet of so many groups: as few as the numbers below twice that take.
 #[must_use]
-pub fn hinge(bytes: [u8; 2]) -> Membership {
-    let code = u16::from_le_bytes(bytes);
+pub fn hinge_bits(groups: u16) -> usize {
+    let largest = (2 * u32::from(groups)).saturating_sub(1);
+    (u32::BITS - largest.leading_zeros()).max(1) as usize
+}
+
+/// The codes of so many `bits` in these bytes, the lowest bits first; what is left of the last byte is dropped.
+pub fn hinge_codes(bytes: &[u8], bits: usize) -> impl Iterator<Item = u16> {
+    let bit = move |place: usize| {
+        let byte = bytes.get(place / 8).copied().unwrap_or(0);
+        u16::from(byte >> (place % 8) & 1)
+    };
+    let code = move |hinge: usize| (0..bits).fold(0, |code, k| code | bit(hinge * bits + k) << k);
+    (0..8 * bytes.len() / bits.max(1)).map(code)
+}
+
+/// A hinge, of its code: twice its group, and 1 more if it turns the opposite way.
+#[must_use]
+pub fn hinge(code: u16) -> Membership {
     Membership {
         group: GroupId(u32::from(code >> 1)),
         negative: code & 1 == 1,
@@ -116,20 +136,29 @@ impl<'a> PathItems<'a> {
         })
     }
 
-    /// Items of each kind of piece.
-    fn counts(&self) -> [usize; 3] {
+    /// Bytes of all limits, hinges and spokes, and the most of them in an item.
+    fn bytes(&self) -> [(usize, usize); 3] {
         let SheetHead {
             groups,
             hinges,
             spokes,
             ..
         } = self.head;
-        let [a, b, c] = PIECES;
+        let bits = hinge_bits(groups);
         [
-            usize::from(groups).div_ceil(a),
-            usize::from(hinges).div_ceil(b),
-            usize::from(spokes).div_ceil(c),
+            (usize::from(groups) * LIMITS, MOST_LIMITS * LIMITS),
+            // Whole bytes of whole hinges.
+            (
+                (usize::from(hinges) * bits).div_ceil(8),
+                MOST_BYTES / bits * bits,
+            ),
+            (usize::from(spokes) * SPOKE, MOST_SPOKES * SPOKE),
         ]
+    }
+
+    /// Items of each kind of piece.
+    fn counts(&self) -> [usize; 3] {
+        self.bytes().map(|(all, most)| all.div_ceil(most))
     }
 
     /// The same path from another place on; nothing if that is not on it.
@@ -142,6 +171,12 @@ impl<'a> PathItems<'a> {
             first,
             ..self
         })
+    }
+
+    /// Number of the knot of the first setpoint.
+    #[must_use]
+    pub fn first(&self) -> usize {
+        self.first
     }
 
     /// Number of items before the first setpoint: the sheet.
@@ -181,10 +216,21 @@ impl<'a> PathItems<'a> {
         }))
     }
 
+    /// The codes of all hinges, one behind the other.
+    fn hinge_bytes(&self) -> impl Iterator<Item = u8> {
+        let bits = hinge_bits(self.head.groups);
+        let bit = move |place: usize| {
+            let hinge = self.hinges.get(place / bits);
+            let code = hinge.map_or(0, |hinge| 2 * hinge.group.0 + u32::from(hinge.negative));
+            u8::from(code >> (place % bits) & 1 == 1)
+        };
+        let byte = move |byte: usize| (0..8).fold(0, |value, k| value | bit(8 * byte + k) << k);
+        (0..(self.hinges.len() * bits).div_ceil(8)).map(byte)
+    }
+
     /// The bytes of piece number `index` of a kind.
     fn piece<'b>(&self, kind: usize, index: usize, scratch: &'b mut [u8]) -> Option<&'b [u8]> {
-        let (pieces, bytes) = (*PIECES.get(kind)?, *BYTES.get(kind)?);
-        let length = pieces * bytes;
+        let (_, length) = *self.bytes().get(kind)?;
         let range = (index * length, length);
         match kind {
             0 => part(
@@ -195,14 +241,7 @@ impl<'a> PathItems<'a> {
                 range,
                 scratch,
             ),
-            1 => part(
-                self.hinges.iter().flat_map(|hinge| {
-                    let [a, b, ..] = (2 * hinge.group.0 + u32::from(hinge.negative)).to_le_bytes();
-                    [a, b]
-                }),
-                range,
-                scratch,
-            ),
+            1 => part(self.hinge_bytes(), range, scratch),
             _ => part(
                 self.stars.iter().flat_map(|star| {
                     let last = star.spokes.len();

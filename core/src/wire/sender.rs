@@ -20,7 +20,7 @@ pub trait Source {
 pub struct Options {
     /// Time after which what was not acknowledged is sent again.
     pub retry: u64,
-    /// Longest time between two frames.
+    /// Longest time between two frames, if the last one was answered.
     pub alive: u64,
     /// Silence of the controller after which it is given up.
     pub silence: u64,
@@ -30,7 +30,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             retry: 30_000,
-            alive: 50_000,
+            alive: 100_000,
             silence: 5_000_000,
         }
     }
@@ -90,6 +90,8 @@ pub struct Sender {
     /// When the controller last took an item or the oldest one was sent.
     progress: u64,
     sent: Option<u64>,
+    /// Whether a report came since.
+    answered: bool,
     heard: Option<u64>,
     number: u8,
     pending: Option<Pending>,
@@ -114,6 +116,7 @@ impl Sender {
             repeated: 0,
             progress: 0,
             sent: None,
+            answered: false,
             heard: None,
             number: 0,
             pending: None,
@@ -189,7 +192,7 @@ impl Sender {
             return None;
         }
         let (session, message) = self.message(now, source, scratch)?;
-        self.sent = Some(now);
+        (self.sent, self.answered) = (Some(now), false);
         frame::seal(session, &message, buffer)
     }
 
@@ -223,7 +226,7 @@ impl Sender {
         {
             return Some((self.session, ToDevice::Item { sequence, item }));
         }
-        let pace = if self.phase == Phase::Open {
+        let pace = if self.phase == Phase::Open && self.answered {
             alive
         } else {
             retry
@@ -295,6 +298,7 @@ impl Sender {
         if came > self.highest - self.acked {
             return None;
         }
+        self.answered = true;
         if self.phase == Phase::Offered {
             self.phase = Phase::Open;
         }

@@ -32,6 +32,12 @@ pub(super) enum Command {
     View(View),
     /// Write a path for a controller or a spreadsheet
     Export(Export),
+    /// Send a path to a controller and follow what it does
+    ///
+    /// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the
+    /// sheet is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no
+    /// controller that understands; 2 bad input or usage.
+    Stream(Stream),
 }
 
 #[derive(Debug, Args)]
@@ -514,10 +520,103 @@ pub(super) struct Export {
     pub(super) output: PathBuf,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ExportFormat {
     /// What a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
     /// A row a knot: seconds, and the fold angle of each crease group in degrees
     Csv,
+    /// What a .traj file holds as constants of Rust, which need foldpath-core and no std
+    Rust,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Stream {
+    /// Path: a .traj file, as `foldpath export --to traj` writes it
+    pub(super) path: PathBuf,
+    /// Controller: sim (one in this process, in virtual time), qemu (its image on an emulated board),
+    /// serial:DEVICE, tcp:HOST:PORT, or tcp:PORT on this machine
+    #[arg(long, value_name = "CONTROLLER")]
+    pub(super) to: Target,
+    /// CSV file to write, a row for each telemetry message: microseconds, state, number of the knot at or before
+    /// the place on the path, and the commanded angle of each crease group in radians
+    #[arg(long)]
+    pub(super) log: Option<PathBuf>,
+    /// Go on from where the sheet stands, after a stop or a fault too
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Faults to add to the line, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
+    #[arg(long)]
+    pub(super) faults: Option<LineFaults>,
+    /// Image for qemu [default: that of the workspace, built if there is none]
+    #[arg(long)]
+    pub(super) image: Option<PathBuf>,
+    /// Speed of a serial line
+    #[arg(long, default_value_t = 115_200)]
+    pub(super) baud: u32,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+/// A controller to send to.
+#[derive(Clone, Debug)]
+pub(super) enum Target {
+    Sim,
+    Qemu,
+    Serial(String),
+    Tcp(String),
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "sim" => Ok(Self::Sim),
+            None if text == "qemu" => Ok(Self::Qemu),
+            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.into())),
+            Some(("tcp", address)) if !address.is_empty() => Ok(Self::Tcp(address.into())),
+            _ => Err("expected sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT".into()),
+        }
+    }
+}
+
+/// Faults of a line.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LineFaults {
+    pub(super) faults: foldpath_firmware_sim::faults::Faults,
+    pub(super) seed: u64,
+}
+
+impl FromStr for LineFaults {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut this = Self::default();
+        for pair in text.split(',') {
+            let (key, value) = pair
+                .split_once('=')
+                .ok_or_else(|| format!("expected KEY=VALUE, found {pair}"))?;
+            let faults = &mut this.faults;
+            let part = match key {
+                "seed" => {
+                    let seed = value.parse();
+                    this.seed =
+                        seed.map_err(|_| format!("seed: expected a number, found {value}"))?;
+                    continue;
+                }
+                "drop" => &mut faults.drop,
+                "flip" => &mut faults.flip,
+                "double" => &mut faults.double,
+                "reorder" => &mut faults.reorder,
+                _ => {
+                    let expected = "drop, flip, double, reorder or seed";
+                    return Err(format!("expected {expected}, found {key}"));
+                }
+            };
+            let parsed = value.parse().ok().filter(|part| (0.0..=1.0).contains(part));
+            *part = parsed.ok_or_else(|| format!("{key}: expected 0 to 1, found {value}"))?;
+        }
+        Ok(this)
+    }
 }

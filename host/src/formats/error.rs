@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use foldpath_core::trajectory_file;
 use thiserror::Error;
 
 use crate::pattern::PatternError;
@@ -40,6 +41,14 @@ pub enum FileError {
         expected: String,
         /// What is there.
         found: String,
+    },
+    /// The bytes are no trajectory.
+    #[error("{}: {source}", path.display())]
+    Trajectory {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with them, and where.
+        source: trajectory_file::FileError,
     },
     /// The drawing in the file is no crease pattern.
     #[error("{}: {frame}{source}", path.display())]

@@ -6,6 +6,7 @@ mod error;
 pub mod fold;
 mod groups;
 mod output;
+pub mod rust;
 mod segments;
 mod svg;
 pub mod traj;

@@ -3,14 +3,16 @@
 use core::f64::consts::PI;
 use std::path::Path;
 
-use foldpath_core::Scalar;
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::trajectory_file::{GroupLimits, write};
+use foldpath_core::trajectory_file::{FileError as WriteError, GroupLimits, write};
+use foldpath_core::{Scalar, Spoke, StarsView};
 
 use super::FileError;
 use super::fold::PathFile;
 use super::groups::{GroupPath, unfit};
+use crate::numbers::largest;
 use crate::planner::Overshoot;
+use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
 
 /// A path as the bytes of a `.traj` file.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,13 @@ pub struct TrajFile {
 const HASTE: f64 = 0.01;
 /// Times that a path is made slower, since rounded otherwise each time.
 const ROUNDS: usize = 16;
+/// Radians: sectors of vertices that are equal but for the rounding of coordinates differ by less.
+const SAME_SECTOR: f64 = 1e-6;
+/// Closure residual that numbers of 32 bits give a configuration that is closed: their rounding, and that of what
+/// a controller makes of them.
+const FLOOR: f64 = 2e-6;
+/// Places of each segment at which the residual is sampled, beside its beginning.
+const SAMPLES: u8 = 16;
 
 impl TrajFile {
     /// The path of `file`, rounded to `f32`. It keeps its limits on speed and acceleration as rounded: time is
@@ -72,7 +81,7 @@ impl TrajFile {
             let view = rounded.wide.view(file)?;
             let excess = Overshoot::of(view, &speeds, &accelerations).stretch();
             if excess <= 1.0 {
-                return rounded.write(&exact, limits, file);
+                return rounded.write(path, &exact, limits, file);
             }
             stretch *= excess;
         }
@@ -139,8 +148,24 @@ impl Rounded {
         }
     }
 
+    /// The largest closure residual that the path has, as sampled, and what rounding adds.
+    fn closure(&self, stars: StarsView<'_, f64>, file: &Path) -> Result<f32, FileError> {
+        let view = self.wide.view(file)?;
+        let segments = 0..self.times.len().saturating_sub(1);
+        let places =
+            segments.flat_map(|segment| (0..=SAMPLES).map(move |sample| (segment, sample)));
+        let residuals = places.map(|(segment, sample)| {
+            let s = f64::from(sample) / f64::from(SAMPLES);
+            let curves = (0..self.wide.groups).filter_map(|group| view.curve(segment, group));
+            let angles: Vec<f64> = curves.map(|curve| curve.angle(s)).collect();
+            largest_star_residual(stars, &angles)
+        });
+        Ok(f32::lit(largest(residuals) + FLOOR))
+    }
+
     fn write(
         &self,
+        path: &PathFile,
         exact: &GroupPath,
         limits: GroupLimits,
         file: &Path,
@@ -155,11 +180,16 @@ impl Rounded {
         );
         let view = view.map_err(|error| unfit(file, &error))?;
         let limits = vec![limits; exact.groups];
+        let groups = CreaseGroups::of_memberships(exact.hinges.clone(), SAME_SECTOR / 4.0);
+        let stars = ReducedStars::all(&path.pattern, &groups);
+        let closure = self.closure(stars.distinct().view(), file)?;
+        let (spokes, ends) = spokes(stars.essential().view());
+        let stars = StarsView::new(&spokes, &ends, exact.groups);
+        let stars = stars.ok_or_else(|| unfit(file, &WriteError::Spoke(0)))?;
         let mut bytes = Vec::new();
-        write(view, &limits, &exact.hinges, |part| {
-            bytes.extend_from_slice(part);
-        })
-        .map_err(|error| unfit(file, &error))?;
+        let sink = |part: &[u8]| bytes.extend_from_slice(part);
+        write(view, &limits, &exact.hinges, stars, closure, sink)
+            .map_err(|error| unfit(file, &error))?;
         Ok(TrajFile {
             bytes,
             groups: exact.groups,
@@ -168,4 +198,19 @@ impl Rounded {
             duration: self.wide.times.last().copied().unwrap_or(0.0),
         })
     }
+}
+
+/// The same stars in numbers of 32 bits, and where each ends.
+fn spokes(stars: StarsView<'_, f64>) -> (Vec<Spoke<f32>>, Vec<u32>) {
+    let rounded = |spoke: &Spoke<f64>| Spoke {
+        group: spoke.group,
+        negative: spoke.negative,
+        direction: spoke.direction.map(f32::lit),
+    };
+    let spokes = stars.iter().flat_map(|star| star.spokes).map(rounded);
+    let ends = stars.iter().scan(0, |end, star| {
+        *end += u32::try_from(star.spokes.len()).unwrap_or(u32::MAX);
+        Some(*end)
+    });
+    (spokes.collect(), ends.collect())
 }

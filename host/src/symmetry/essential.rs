@@ -20,6 +20,17 @@ use crate::ragged::Ragged;
 /// one by as much, and each sector has two sides.
 const SAME_ANGLE: f64 = 4.0;
 
+/// The largest closure residual of stars at the unknowns `x` (radians), 0 for none; NaN if one is.
+#[must_use]
+pub fn largest_star_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
+    let mut half_angles = vec![HalfAngle::default(); x.len()];
+    closure::half_angles(x, &mut half_angles);
+    let residuals = stars
+        .iter()
+        .map(|star| closure::residual(star, &half_angles));
+    largest(residuals.map(|residual| residual.norm_squared())).sqrt()
+}
+
 /// Stars of real vertices, and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
 pub struct ReducedStars {

@@ -9,7 +9,7 @@ mod parity;
 mod places;
 mod steps;
 
-pub use essential::{ReducedStars, essential_pattern};
+pub use essential::{ReducedStars, essential_pattern, largest_star_residual};
 pub use groups::CreaseGroups;
 pub use lattice::{Lattice, Link, Orbit, Place};
 pub use pair_classes::PairClass;

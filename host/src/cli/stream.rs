@@ -1,0 +1,276 @@
+//! `foldpath stream`.
+
+use core::sync::atomic::{AtomicU8, Ordering};
+use core::time::Duration;
+use std::io::{self, IsTerminal, Write};
+use std::sync::Arc;
+use std::time::{Instant, SystemTime};
+
+use foldpath_core::follower::State;
+use serde::Serialize;
+
+use super::args::{LineFaults, Stream, Target};
+use super::{Answer, CliError, check_output, print, print_json};
+use crate::formats::{FileError, write_whole_with};
+use crate::stream::{
+    self, Emulator, Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Watcher,
+    Wire, Wish, default_image,
+};
+
+/// Time between two lines of progress.
+const PACE: Duration = Duration::from_millis(100);
+
+#[derive(Serialize)]
+struct StreamJson<'a> {
+    outcome: &'a str,
+    reason: Option<&'a str>,
+    setpoints: u64,
+    bytes_sent: u64,
+    retransmitted: u64,
+    refused: u64,
+    max_closure: f64,
+    duration: f64,
+}
+
+pub(super) fn run(args: &Stream) -> Answer {
+    if let Some(log) = &args.log {
+        check_output(&args.path, log)?;
+    }
+    let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
+        path: args.path.clone(),
+        source,
+    })?;
+    let path = StreamPath::read(&bytes, &args.path)?;
+    let summary = match &args.to {
+        Target::Sim => session(Sim::new(), args, &path, 1)?,
+        Target::Qemu => {
+            let image = match &args.image {
+                Some(image) => image.clone(),
+                None => {
+                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
+                }
+            };
+            let name = format!("qemu-system-arm with {}", image.display());
+            connected(&name, Emulator::start(&image), args, &path)?
+        }
+        Target::Serial(device) => {
+            let link = Wire::open(device, args.baud);
+            connected(&format!("serial:{device}"), link, args, &path)?
+        }
+        Target::Tcp(address) => {
+            let link = Wire::connect(address);
+            connected(&format!("tcp:{address}"), link, args, &path)?
+        }
+    };
+    report(args, &path, &summary)?;
+    Ok(summary.outcome == Outcome::Done)
+}
+
+/// A session over a link, if there is one.
+fn connected(
+    name: &str,
+    link: io::Result<impl Link>,
+    args: &Stream,
+    path: &StreamPath,
+) -> Result<Summary, CliError> {
+    match link {
+        Ok(link) => session(link, args, path, id()),
+        Err(error) => Ok(Summary {
+            outcome: Outcome::NoDevice,
+            reason: Some(format!("{name}: {error}")),
+            setpoints: 0,
+            bytes_sent: 0,
+            retransmitted: 0,
+            refused: 0,
+            max_closure: 0.0,
+            duration: 0,
+        }),
+    }
+}
+
+/// A number that other sessions hardly had.
+fn id() -> u32 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    let [a, b, c, d, ..] = now.map_or(0, |now| now.as_micros()).to_le_bytes();
+    u32::from_le_bytes([a, b, c, d]) ^ std::process::id().rotate_left(16)
+}
+
+/// A session with the faults and the log that were asked for.
+fn session(
+    mut link: impl Link,
+    args: &Stream,
+    path: &StreamPath,
+    id: u32,
+) -> Result<Summary, CliError> {
+    match args.faults {
+        None => logged(&mut link, args, path, id),
+        Some(LineFaults { faults, seed }) => {
+            logged(&mut Faulty::new(link, faults, seed), args, path, id)
+        }
+    }
+}
+
+fn logged(
+    link: &mut impl Link,
+    args: &Stream,
+    path: &StreamPath,
+    id: u32,
+) -> Result<Summary, CliError> {
+    let pressed = Arc::new(AtomicU8::new(0));
+    let count = Arc::clone(&pressed);
+    // Without a handler Ctrl-C ends the process, and the controller holds for the silence.
+    let _default = ctrlc::set_handler(move || {
+        count.fetch_add(1, Ordering::Relaxed);
+    });
+    let options = Options {
+        resume: args.resume,
+        id,
+    };
+    let quiet = args.report.quiet || args.report.json;
+    let mut follow = |log: &mut dyn Write| {
+        let mut watch = Watch {
+            path,
+            log,
+            pressed: &pressed,
+            shown: None,
+            progress: !quiet && io::stderr().is_terminal(),
+        };
+        watch.head()?;
+        stream::run(link, path, options, &mut watch)
+    };
+    let Some(log) = &args.log else {
+        return follow(&mut io::sink()).map_err(CliError::Output);
+    };
+    let mut summary = None;
+    write_whole_with(log, |out| {
+        summary = Some(follow(out)?);
+        Ok(())
+    })?;
+    summary.ok_or_else(|| CliError::Usage("--log: nothing was written".into()))
+}
+
+fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), CliError> {
+    #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
+    let duration = summary.duration as f64 / 1e6;
+    let json = StreamJson {
+        outcome: summary.outcome.name(),
+        reason: summary.reason.as_deref(),
+        setpoints: summary.setpoints,
+        bytes_sent: summary.bytes_sent,
+        retransmitted: summary.retransmitted,
+        refused: summary.refused,
+        max_closure: summary.max_closure,
+        duration,
+    };
+    if args.report.json {
+        return print_json(&json);
+    }
+    let mut text = format!("{}: {}\n", args.path.display(), json.outcome);
+    if let Some(reason) = json.reason {
+        text += &format!("  reason       {reason}\n");
+    }
+    text += &format!(
+        "  sent         {} of {} setpoints of {} groups, {} bytes, {} items again, {} refused\n  \
+         closure      {:.1e} at the angles that were told\n  \
+         time         {duration:.3} s\n",
+        json.setpoints,
+        path.times().len(),
+        path.groups(),
+        json.bytes_sent,
+        json.retransmitted,
+        json.refused,
+        json.max_closure,
+    );
+    if let Some(log) = &args.log {
+        text += &format!("  log          {}\n", log.display());
+    }
+    print(&text)
+}
+
+/// Whoever ran the command looks on.
+struct Watch<'a> {
+    path: &'a StreamPath,
+    log: &'a mut dyn Write,
+    pressed: &'a AtomicU8,
+    shown: Option<Instant>,
+    progress: bool,
+}
+
+impl Watch<'_> {
+    fn head(&mut self) -> io::Result<()> {
+        write!(self.log, "t_us,state,sequence")?;
+        for group in 0..self.path.groups() {
+            write!(self.log, ",group_{group}")?;
+        }
+        writeln!(self.log)
+    }
+
+    /// A line over the one before.
+    fn show(&mut self, telemetry: &Telemetry) {
+        let times = self.path.times();
+        let time = |knot: usize| times.get(knot).copied().unwrap_or(0.0);
+        let knot = usize::try_from(telemetry.place.knot).unwrap_or(usize::MAX);
+        let end = time(times.len().saturating_sub(1)) - time(0);
+        let part = 100.0 * (time(knot) - time(0) + telemetry.place.into) / end;
+        let angles = telemetry.angles.iter().take(4);
+        let angles: String = angles.map(|a| format!(" {:.1}", a.to_degrees())).collect();
+        let more = if telemetry.angles.len() > 4 {
+            " ..."
+        } else {
+            ""
+        };
+        let state = state(telemetry.state);
+        let _gone = write!(
+            io::stderr(),
+            "\r\x1b[K{state}: {part:.0} %, knot {knot} of {}, groups at{angles}{more} degrees",
+            times.len().saturating_sub(1),
+        );
+    }
+}
+
+impl Watcher for Watch<'_> {
+    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
+        let (time, state) = (telemetry.time, state(telemetry.state));
+        write!(self.log, "{time},{state},{}", telemetry.place.knot)?;
+        // None are known before the first motion.
+        for group in 0..self.path.groups() {
+            let angle = telemetry.angles.get(group);
+            let angle = angle.map_or_else(String::new, f32::to_string);
+            write!(self.log, ",{angle}")?;
+        }
+        writeln!(self.log)?;
+        if self.progress && self.shown.is_none_or(|shown| shown.elapsed() >= PACE) {
+            self.shown = Some(Instant::now());
+            self.show(telemetry);
+        }
+        Ok(())
+    }
+
+    fn wish(&mut self) -> Wish {
+        match self.pressed.load(Ordering::Relaxed) {
+            0 => Wish::Run,
+            1 => Wish::Stop,
+            _ => Wish::Quit,
+        }
+    }
+}
+
+impl Drop for Watch<'_> {
+    fn drop(&mut self) {
+        if self.shown.is_some() {
+            let _gone = writeln!(io::stderr());
+        }
+    }
+}
+
+/// The name of a state in the log.
+fn state(state: State) -> &'static str {
+    match state {
+        State::Idle => "Idle",
+        State::Ready => "Ready",
+        State::Running => "Running",
+        State::Holding => "Holding",
+        State::Done => "Done",
+        State::Faulted => "Faulted",
+    }
+}

@@ -1,0 +1,187 @@
+//! A controller in QEMU.
+
+use core::time::Duration;
+use std::env;
+use std::io::{self, ErrorKind, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Instant;
+
+use super::{Link, Wire};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const NAME: &str = "foldpath-controller";
+/// What builds the image.
+const BUILD: [&str; 10] = [
+    "build",
+    "--locked",
+    "--profile",
+    "firmware",
+    "--target",
+    TARGET,
+    "-p",
+    "foldpath-firmware-sim",
+    "--bin",
+    NAME,
+];
+/// Settings for the host that are none for the board.
+const FOR_THE_HOST: [&str; 4] = [
+    "CARGO_BUILD_TARGET",
+    "CARGO_ENCODED_RUSTFLAGS",
+    "RUSTC_WRAPPER",
+    "RUSTFLAGS",
+];
+/// Time for the emulator to open its lines.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// The controller's image of this workspace, built if there is none; cargo tells its progress on stderr.
+///
+/// # Errors
+/// What is missing: outside a workspace, the command that builds it.
+pub fn default_image() -> Result<PathBuf, String> {
+    let command = format!("cargo {}", BUILD.join(" "));
+    let here = env::current_dir().map_err(|error| error.to_string())?;
+    let root = here
+        .ancestors()
+        .find(|folder| folder.join("firmware-sim/Cargo.toml").is_file())
+        .ok_or_else(|| {
+            format!(
+                "no image: expected --image FILE, which `{command}` builds in foldpath's folder"
+            )
+        })?;
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let target = std::path::absolute(target).map_err(|error| error.to_string())?;
+    let image = |folder: &Path| folder.join(TARGET).join("firmware").join(NAME);
+    let places = [image(&target), image(&target.join("fw"))];
+    if let Some(found) = places.iter().find(|place| place.is_file()) {
+        return Ok(found.clone());
+    }
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(BUILD).arg("--target-dir").arg(&target);
+    cargo
+        .current_dir(root)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null());
+    for setting in FOR_THE_HOST {
+        cargo.env_remove(setting);
+    }
+    let status = cargo.status();
+    let [image, _] = places;
+    match status {
+        Ok(status) if status.success() && image.is_file() => Ok(image),
+        Ok(status) => Err(format!("no image: `{command}` ended with {status}")),
+        Err(error) => Err(format!("no image: `{command}`: {error}")),
+    }
+}
+
+/// An emulated board that runs an image. It ends with this value.
+#[derive(Debug)]
+pub struct Emulator {
+    line: Wire<TcpStream>,
+    stop: TcpStream,
+    _process: Process,
+}
+
+impl Emulator {
+    /// Starts `qemu-system-arm` with the image, its first serial line for messages, its second for the stop line.
+    ///
+    /// # Errors
+    /// If there is no QEMU or no image, or the emulator ends at once.
+    pub fn start(image: &Path) -> io::Result<Self> {
+        // QEMU would say no more than that it cannot load it.
+        std::fs::File::open(image)?;
+        let listeners = [listen()?, listen()?];
+        let mut command = Command::new("qemu-system-arm");
+        command.args(["-machine", "mps2-an386", "-display", "none"]);
+        command.args(["-monitor", "none"]);
+        for (number, listener) in listeners.iter().enumerate() {
+            let port = listener.local_addr()?.port();
+            command.arg("-chardev");
+            command.arg(format!("socket,id=line{number},host=127.0.0.1,port={port}"));
+            command.args(["-serial", &format!("chardev:line{number}")]);
+        }
+        command.args(["-semihosting-config", "enable=on,target=native"]);
+        command.arg("-kernel").arg(image);
+        command.stdin(Stdio::null()).stdout(Stdio::null());
+        #[cfg(unix)]
+        {
+            // Ctrl-C is for the host, which has to brake first.
+            use std::os::unix::process::CommandExt;
+            command.process_group(0);
+        }
+        let mut process = Process(command.spawn()?);
+        let [line, stop] = &listeners;
+        Ok(Self {
+            line: Wire::over(process.accept(line)?)?,
+            stop: process.accept(stop)?,
+            _process: process,
+        })
+    }
+}
+
+fn listen() -> io::Result<TcpListener> {
+    let listener = TcpListener::bind(("127.0.0.1", 0))?;
+    listener.set_nonblocking(true)?;
+    Ok(listener)
+}
+
+/// A process that is ended with this value.
+#[derive(Debug)]
+struct Process(Child);
+
+impl Process {
+    /// Its end of a line.
+    fn accept(&mut self, listener: &TcpListener) -> io::Result<TcpStream> {
+        let start = Instant::now();
+        loop {
+            match listener.accept() {
+                Ok((stream, _)) => return Ok(stream),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(error) => return Err(error),
+            }
+            if let Some(status) = self.0.try_wait()? {
+                return Err(io::Error::other(format!("the emulator ended: {status}")));
+            }
+            if start.elapsed() > PATIENCE {
+                return Err(ErrorKind::TimedOut.into());
+            }
+            sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ended = self.0.kill();
+        let _status = self.0.wait();
+    }
+}
+
+impl Link for Emulator {
+    fn now(&self) -> u64 {
+        self.line.now()
+    }
+
+    fn is_free(&self) -> bool {
+        self.line.is_free()
+    }
+
+    fn write(&mut self, frame: &[u8]) -> io::Result<()> {
+        self.line.write(frame)
+    }
+
+    fn read(&mut self) -> io::Result<Option<u8>> {
+        self.line.read()
+    }
+
+    fn wait(&mut self) -> io::Result<()> {
+        self.line.wait()
+    }
+
+    fn stop(&mut self) -> io::Result<bool> {
+        self.stop.write_all(&[1])?;
+        Ok(true)
+    }
+}

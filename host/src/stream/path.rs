@@ -1,0 +1,166 @@
+//! A path with its sheet, as it is sent.
+
+use std::path::Path;
+
+use foldpath_core::follower::Place;
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
+
+use crate::formats::FileError;
+use crate::symmetry::largest_star_residual;
+
+/// Bytes of a setpoint's numbers that fit in a frame of 256 with all that goes with them.
+const WIDEST: usize = 256 - 25;
+
+/// The content of a `.traj` file, in numbers of its own.
+#[derive(Clone, Debug)]
+pub struct StreamPath {
+    interpolation: Interpolation,
+    times: Vec<f32>,
+    /// A row a knot, as the next two.
+    angles: Vec<f32>,
+    rates: Vec<f32>,
+    weights: Vec<[f32; 2]>,
+    limits: Vec<GroupLimits>,
+    hinges: Vec<Membership>,
+    /// Spokes of the essential vertices, the same in 64 bits, and where each vertex ends.
+    spokes: Vec<Spoke<f32>>,
+    wide: Vec<Spoke<f64>>,
+    ends: Vec<u32>,
+    closure: f32,
+}
+
+impl StreamPath {
+    /// The path of the bytes of a `.traj` file, of which errors tell this name.
+    ///
+    /// # Errors
+    /// If the bytes are no trajectory, or it has no knots, or more of anything than can be sent.
+    pub fn read(bytes: &[u8], file: &Path) -> Result<Self, FileError> {
+        let path = file.to_path_buf();
+        let traj =
+            TrajectoryFile::read(bytes).map_err(|source| FileError::Trajectory { path, source })?;
+        let (groups, width) = (traj.groups(), traj.interpolation().width());
+        let places = (0..traj.len()).flat_map(|k| (0..groups).map(move |g| (k, g)));
+        let nodes: Vec<_> = places.filter_map(|(k, g)| traj.node(k, g)).collect();
+        let weighted = traj.interpolation() == Interpolation::Homogeneous;
+        let weighted = nodes.iter().filter(|_| weighted);
+        let ends = (1..).zip(traj.spokes()).filter(|(_, (_, last))| *last);
+        let this = Self {
+            interpolation: traj.interpolation(),
+            times: (0..traj.len()).filter_map(|k| traj.time(k)).collect(),
+            angles: nodes.iter().map(|node| node.angle).collect(),
+            rates: nodes.iter().map(|node| node.rate).collect(),
+            weights: weighted.map(|node| node.weight).collect(),
+            limits: (0..groups).filter_map(|g| traj.limits(g)).collect(),
+            hinges: traj.memberships().collect(),
+            spokes: traj.spokes().map(|(spoke, _)| spoke).collect(),
+            wide: traj.spokes().map(|(spoke, _)| widened(spoke)).collect(),
+            ends: ends.map(|(end, _)| end).collect(),
+            closure: traj.closure(),
+        };
+        let most = WIDEST / (4 * width);
+        if groups > most || this.items().is_none() {
+            return Err(FileError::Expected {
+                path: file.to_path_buf(),
+                place: "path".into(),
+                expected: format!(
+                    "knots of 1 to {most} crease groups, at most 16384 hinges and as many spokes"
+                ),
+                found: format!(
+                    "{} knots of {groups} groups, {} hinges, {} spokes",
+                    this.times.len(),
+                    this.hinges.len(),
+                    this.spokes.len()
+                ),
+            });
+        }
+        Ok(this)
+    }
+
+    /// Number of crease groups.
+    #[must_use]
+    pub fn groups(&self) -> usize {
+        self.limits.len()
+    }
+
+    /// Seconds of the knots.
+    #[must_use]
+    pub fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// Group and sign of each hinge.
+    #[must_use]
+    pub fn hinges(&self) -> &[Membership] {
+        &self.hinges
+    }
+
+    /// The limits of each group.
+    #[must_use]
+    pub fn limits(&self) -> &[GroupLimits] {
+        &self.limits
+    }
+
+    /// The largest closure residual that the controller is to let pass: that of the path, rounding included.
+    #[must_use]
+    pub fn closure(&self) -> f32 {
+        self.closure
+    }
+
+    /// The largest closure residual of an essential vertex at these group angles, radians; 0 where they are not
+    /// known.
+    #[must_use]
+    pub fn residual(&self, angles: &[f32]) -> f64 {
+        let angles: Vec<f64> = angles.iter().map(|angle| angle.to_f64()).collect();
+        let stars = StarsView::new(&self.wide, &self.ends, self.groups());
+        let stars = stars.filter(|_| angles.len() == self.groups());
+        stars.map_or(0.0, |stars| largest_star_residual(stars, &angles))
+    }
+
+    /// The essential vertices.
+    #[must_use]
+    pub fn stars(&self) -> Option<StarsView<'_, f32>> {
+        StarsView::new(&self.spokes, &self.ends, self.groups())
+    }
+
+    /// The path as core's trajectory.
+    #[must_use]
+    pub fn view(&self) -> Option<TrajectoryView<'_, f32>> {
+        TrajectoryView::new(
+            self.interpolation,
+            self.groups(),
+            &self.times,
+            &self.angles,
+            &self.rates,
+            &self.weights,
+        )
+        .ok()
+    }
+
+    /// The path as what is sent, from its start.
+    #[must_use]
+    pub fn items(&self) -> Option<PathItems<'_>> {
+        let (limits, hinges) = (&self.limits, &self.hinges);
+        PathItems::new(
+            self.view()?,
+            limits,
+            hinges,
+            self.stars()?,
+            self.closure,
+            Place::default(),
+        )
+    }
+}
+
+/// A spoke in 64 bits, of length 1 there too.
+fn widened(spoke: Spoke<f32>) -> Spoke<f64> {
+    let [x, y] = spoke.direction.map(Scalar::to_f64);
+    let length = x.hypot(y);
+    Spoke {
+        group: spoke.group,
+        negative: spoke.negative,
+        direction: [x / length, y / length],
+    }
+}

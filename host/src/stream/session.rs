@@ -1,0 +1,331 @@
+//! A session from the greeting to its outcome.
+
+use std::io;
+
+use foldpath_core::follower::{Denial, Place, Reason, State};
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::message::ToHost;
+use foldpath_core::wire::sender::{self, Phase};
+
+use super::{Link, StreamPath, words};
+
+/// Microseconds that a controller has to say that the stop line is drawn.
+const PATIENCE: u64 = 1_000_000;
+
+/// Options of a session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Whether to begin where the sheet stands, after a stop line or a fault too, instead of at the start of the path.
+    pub resume: bool,
+    /// A number that no session with this controller had before.
+    pub id: u32,
+}
+
+/// What is commanded at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Telemetry {
+    /// Microseconds on the controller's clock.
+    pub time: u64,
+    /// What the follower does.
+    pub state: State,
+    /// Seconds of the path in a second.
+    pub rate: f32,
+    /// Where on the path.
+    pub place: Place<f32>,
+    /// Commanded angle of each group, radians.
+    pub angles: Vec<f32>,
+}
+
+/// What whoever watches wants.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wish {
+    /// That it goes on.
+    #[default]
+    Run,
+    /// That the motion slows down along the path and holds, and the session ends then.
+    Stop,
+    /// That everything stops at once, by the stop line if there is one from here, and the session ends. A controller
+    /// that hears nothing holds by itself.
+    Quit,
+}
+
+/// Who looks on while a session runs.
+pub trait Watcher {
+    /// Telemetry has come.
+    ///
+    /// # Errors
+    /// If it cannot be kept; the session ends then.
+    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()>;
+
+    /// Asked again and again.
+    fn wish(&mut self) -> Wish;
+}
+
+/// How a session ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The sheet is at the end of the path.
+    Done,
+    /// The controller holds the motion, or did not begin it.
+    Held,
+    /// A hinge has stalled.
+    Faulted,
+    /// It was to stop.
+    Stopped,
+    /// There is no controller that understands, or not any more.
+    NoDevice,
+}
+
+impl Outcome {
+    /// The name in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Held => "held",
+            Self::Faulted => "faulted",
+            Self::Stopped => "stopped",
+            Self::NoDevice => "no_device",
+        }
+    }
+}
+
+/// What a session came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, unless it is done.
+    pub reason: Option<String>,
+    /// Setpoints that the controller took.
+    pub setpoints: u64,
+    /// Bytes on the line to the controller.
+    pub bytes_sent: u64,
+    /// Items that were sent again.
+    pub retransmitted: u64,
+    /// Items that were refused.
+    pub refused: u64,
+    /// Largest closure residual of an essential vertex at the angles that telemetry told.
+    pub max_closure: f64,
+    /// Microseconds on the host's clock.
+    pub duration: u64,
+}
+
+/// Sends a path over a link until it is done, or something else is the end of it.
+///
+/// # Errors
+/// If the watcher cannot keep telemetry. A broken link is an outcome.
+pub fn run(
+    link: &mut impl Link,
+    path: &StreamPath,
+    options: Options,
+    watcher: &mut impl Watcher,
+) -> io::Result<Summary> {
+    let Some(items) = path.items() else {
+        return Err(io::ErrorKind::InvalidInput.into());
+    };
+    let persistence = if options.resume {
+        Persistence::Resume
+    } else {
+        Persistence::None
+    };
+    let driver = Driver::new(items, persistence, options.id, sender::Options::default());
+    let mut session = Session {
+        driver,
+        path,
+        resume: options.resume,
+        wish: Wish::Run,
+        last: None,
+        bytes: 0,
+        closure: 0.0,
+        quit: None,
+    };
+    let start = link.now();
+    let end = loop {
+        let looked = session.look(watcher.wish(), link);
+        let mut broken = looked.and_then(|()| session.exchange(link)).err();
+        while broken.is_none()
+            && let Some(heard) = session.hear(link)
+        {
+            match heard {
+                Ok(telemetry) => watcher.telemetry(&telemetry)?,
+                Err(error) => broken = Some(error),
+            }
+        }
+        if let Some(error) = broken {
+            break (Outcome::NoDevice, Some(format!("the line: {error}")));
+        }
+        if let Some(end) = session.end(link.now()) {
+            break end;
+        }
+    };
+    Ok(session.summary(end, link.now() - start))
+}
+
+struct Session<'a> {
+    driver: Driver<'a>,
+    path: &'a StreamPath,
+    resume: bool,
+    wish: Wish,
+    /// What the last telemetry told.
+    last: Option<(State, f32)>,
+    bytes: u64,
+    closure: f64,
+    /// When the stop line was drawn, if there is one.
+    quit: Option<Option<u64>>,
+}
+
+impl Session<'_> {
+    fn look(&mut self, wish: Wish, link: &mut impl Link) -> io::Result<()> {
+        if wish != Wish::Run && self.wish == Wish::Run {
+            self.driver.stop();
+        }
+        if wish == Wish::Quit && self.quit.is_none() {
+            let now = link.now();
+            self.quit = Some(link.stop()?.then_some(now));
+        }
+        self.wish = wish;
+        Ok(())
+    }
+
+    /// Sends what is to be sent, and lets time pass.
+    fn exchange(&mut self, link: &mut impl Link) -> io::Result<()> {
+        let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+        let mut bytes = Vec::new();
+        while link.is_free() {
+            let frame = self.driver.poll(link.now(), &mut scratch, &mut buffer);
+            let Some(frame) = frame else { break };
+            bytes.clear();
+            cobs::encode(frame, |byte| bytes.push(byte));
+            self.bytes += bytes.len() as u64;
+            link.write(&bytes)?;
+        }
+        link.wait()
+    }
+
+    /// The next telemetry of what has come.
+    fn hear(&mut self, link: &mut impl Link) -> Option<io::Result<Telemetry>> {
+        loop {
+            let byte = match link.read() {
+                Ok(byte) => byte?,
+                Err(error) => return Some(Err(error)),
+            };
+            let message = self.driver.byte(byte, link.now());
+            let Some(ToHost::Telemetry {
+                time,
+                state,
+                rate,
+                place,
+                angles,
+            }) = message
+            else {
+                continue;
+            };
+            let (angles, _) = angles.as_chunks::<4>();
+            let angles: Vec<f32> = angles.iter().copied().map(f32::from_le_bytes).collect();
+            self.last = Some((state, rate));
+            self.closure = self.closure.max(self.path.residual(&angles));
+            return Some(Ok(Telemetry {
+                time,
+                state,
+                rate,
+                place,
+                angles,
+            }));
+        }
+    }
+
+    /// How it ended, if it has.
+    fn end(&self, now: u64) -> Option<(Outcome, Option<String>)> {
+        if let Phase::Failed(failure) = self.driver.sender().phase() {
+            return Some((Outcome::NoDevice, Some(words::failure(failure))));
+        }
+        if let Some(drawn) = self.quit {
+            let report = self.driver.sender().report();
+            let stands = report.is_none_or(|report| report.reason == Reason::StopLine);
+            let reason = match drawn {
+                None => "left at once; the controller holds when it hears nothing",
+                Some(_) if stands => "stopped at once by the stop line",
+                Some(drawn) if now > drawn + PATIENCE => {
+                    "the stop line was drawn; no word of it came"
+                }
+                Some(_) => return None,
+            };
+            return Some((Outcome::Stopped, Some(reason.into())));
+        }
+        // The log ends with the end of the path.
+        if self.driver.is_done() && self.last.is_some_and(|(state, _)| state == State::Done) {
+            return Some((Outcome::Done, None));
+        }
+        let end = self.obstacle()?;
+        Some((end.0, Some(end.1)))
+    }
+
+    /// What is in the way, once the sheet is at rest.
+    fn obstacle(&self) -> Option<(Outcome, String)> {
+        let sender = self.driver.sender();
+        let Some(report) = sender.report() else {
+            let gone = self.wish == Wish::Stop;
+            return gone.then(|| (Outcome::Stopped, "stopped before it began".into()));
+        };
+        let (state, reason) = (report.state, report.reason);
+        let recovers = self.resume && !self.driver.is_started();
+        if state == State::Faulted {
+            return (!recovers).then(|| (Outcome::Faulted, words::reason(reason)));
+        }
+        let rests = match state {
+            State::Running => false,
+            State::Holding => self
+                .last
+                .is_some_and(|(state, rate)| state == State::Holding && rate <= 0.0),
+            _ => true,
+        };
+        if !rests {
+            return None;
+        }
+        if let Some(place) = self.driver.astray() {
+            let reason = format!("the sheet stands at knot {}, not on this path", place.knot);
+            return Some((Outcome::Held, reason));
+        }
+        if let Some(refused) = report.refused {
+            return Some((Outcome::Held, words::refusal(refused, self.knot())));
+        }
+        let refuses = sender.answer() == Some(Err(Denial::Held));
+        if reason == Reason::StopLine && (!recovers || refuses) {
+            return Some((Outcome::Held, words::reason(reason)));
+        }
+        if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {
+            let reason = "stopped; --resume goes on from where the sheet stands";
+            return Some((Outcome::Stopped, reason.into()));
+        }
+        match sender.answer() {
+            Some(Err(why @ (Denial::Jump(_) | Denial::Place | Denial::Empty)))
+                if state == State::Ready =>
+            {
+                Some((Outcome::Held, words::denial(why)))
+            }
+            _ => None,
+        }
+    }
+
+    /// The knot that the controller is to take next.
+    fn knot(&self) -> u64 {
+        self.driver.first_knot() + self.driver.setpoints()
+    }
+
+    fn summary(&self, (outcome, reason): (Outcome, Option<String>), duration: u64) -> Summary {
+        let sender = self.driver.sender();
+        let refused = sender.report().is_some_and(|r| r.refused.is_some());
+        Summary {
+            outcome,
+            reason,
+            setpoints: self.driver.setpoints(),
+            bytes_sent: self.bytes,
+            retransmitted: sender.repeated(),
+            refused: refused.into(),
+            max_closure: self.closure,
+            duration,
+        }
+    }
+}

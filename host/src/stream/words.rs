@@ -1,0 +1,74 @@
+//! What a controller says, in words.
+
+use foldpath_core::follower::{Denial, Reason};
+use foldpath_core::wire::message::{ItemRefusal, SCHEMA, VERSION};
+use foldpath_core::wire::sender::Failure;
+
+/// Why a motion does not run.
+pub(super) fn reason(reason: Reason) -> String {
+    match reason {
+        Reason::None => "nothing holds the motion".into(),
+        Reason::Asked => "the host asked to hold".into(),
+        Reason::Underrun => "the queue ran dry".into(),
+        Reason::Silence => "the controller did not hear the host".into(),
+        Reason::Lag(hinge) => format!("hinge {hinge} lags"),
+        Reason::StopLine => {
+            "the stop line was drawn; --resume goes on once it is let go".to_string()
+        }
+        Reason::Session => "another host came".into(),
+        Reason::Refused(refusal) => format!("a setpoint was refused: {refusal}"),
+        Reason::Stalled(hinge) => {
+            format!("hinge {hinge} has stalled; --resume goes on once it is free")
+        }
+    }
+}
+
+/// Why a command is not carried out.
+pub(super) fn denial(denial: Denial) -> String {
+    match denial {
+        Denial::State => "the controller cannot do that in its state".into(),
+        Denial::Moving => "the sheet still moves".into(),
+        Denial::Groups => "the controller has another number of crease groups".into(),
+        Denial::Empty => "no setpoint is queued".into(),
+        Denial::Place => "the sheet does not stand on the first segment that was sent".into(),
+        Denial::Jump(group) => format!(
+            "group {group} stands elsewhere than the path begins; --resume begins where it stands"
+        ),
+        Denial::Held => "something holds the motion".into(),
+    }
+}
+
+/// Why something of the path, the one that comes behind `setpoints`, is not taken.
+pub(super) fn refusal(refusal: ItemRefusal, knot: u64) -> String {
+    match refusal {
+        ItemRefusal::Setpoint(refusal) => format!("knot {knot} was refused: {refusal}"),
+        ItemRefusal::Path(why) => format!("the path was refused: {}", denial(why)),
+        ItemRefusal::Room => {
+            "the sheet was refused: more groups, hinges or spokes than the controller has room for"
+                .into()
+        }
+        ItemRefusal::Pieces | ItemRefusal::Incomplete => {
+            "the sheet was refused: its pieces do not fit together".into()
+        }
+        ItemRefusal::Limits(group) => format!("the limits of group {group} were refused"),
+        ItemRefusal::Hinge(hinge) => format!("hinge {hinge} was refused: it has no group"),
+        ItemRefusal::Stars => "the essential vertices were refused: they are not sound".into(),
+        ItemRefusal::Closure => {
+            "the sheet was refused: its path is open by more than the controller allows".into()
+        }
+    }
+}
+
+/// Why there is no session.
+pub(super) fn failure(failure: Failure) -> String {
+    match failure {
+        Failure::Version { version, schema } => format!(
+            "the controller speaks version {version} ({schema:08x}) of the protocol, \
+             expected {VERSION} ({SCHEMA:08x})"
+        ),
+        Failure::Lost => "the session is lost: the controller was reset, or another host came; \
+                          --resume goes on from where the sheet stands"
+            .into(),
+        Failure::Silent => "the controller is silent".into(),
+    }
+}
