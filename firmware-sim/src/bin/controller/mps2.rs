@@ -183,9 +183,14 @@ impl Board for Mps2 {
         }
     }
 
-    fn kept(&mut self) -> [[u8; RECORD]; 2] {
-        let load = |byte: &AtomicU8| byte.load(Ordering::Relaxed);
-        RECORDS.each_ref().map(|record| record.each_ref().map(load))
+    fn kept(&mut self, record: usize) -> [u8; RECORD] {
+        let mut bytes = [0; RECORD];
+        if let Some(record) = RECORDS.get(record) {
+            for (byte, place) in bytes.iter_mut().zip(record) {
+                *byte = place.load(Ordering::Relaxed);
+            }
+        }
+        bytes
     }
 
     fn feed(&mut self) {
