@@ -64,7 +64,7 @@ where
     #[inline(always)]
     #[must_use]
     pub fn new(mut board: B, line: L, settings: Settings) -> Self {
-        let kept = Kept::latest(&[0, 1].map(|record| board.kept(record)));
+        let kept = latest(&mut board);
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
         let boot = settings.boot.wrapping_add(starts << 16);
         Self {
@@ -96,7 +96,7 @@ where
     /// Stands where the records say. Not done in `new`, which would build the controller on the stack and move it.
     #[inline(never)]
     fn restore(&mut self) {
-        let Some(kept) = Kept::latest(&[0, 1].map(|record| self.board.kept(record))) else {
+        let Some(kept) = latest(&mut self.board) else {
             return;
         };
         let follower = self.device.follower_mut();
@@ -158,4 +158,10 @@ where
             let _ = self.line.write(&[byte]);
         }
     }
+}
+
+/// What was kept last.
+#[inline(never)]
+fn latest(board: &mut impl Board) -> Option<Kept> {
+    Kept::latest(&[board.kept(0), board.kept(1)])
 }

@@ -183,6 +183,7 @@ impl Board for Mps2 {
         }
     }
 
+    #[inline(never)]
     fn kept(&mut self, record: usize) -> [u8; RECORD] {
         let mut bytes = [0; RECORD];
         if let Some(record) = RECORDS.get(record) {
