@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use super::{TIME_LIMIT, image};
+use super::image;
 
 /// Names of its sockets: the line to the host, the stop line, and the emulator's own.
 const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
@@ -24,13 +24,14 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Starts an emulator of `machine`, with `options` more.
-    pub(crate) fn start(machine: &str, options: &[&str]) -> Self {
+    /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock: without that
+    /// its time would go on, and its watchdog bite, where the emulator has to wait for this machine.
+    pub(crate) fn start(machine: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let listeners = SOCKETS.map(|name| UnixListener::bind(path(name)).unwrap());
         let mut command = Command::new("timeout");
-        command.args(["--foreground", "--kill-after=5", TIME_LIMIT]);
+        command.args(["--foreground", "--kill-after=5", "300"]);
         command.args(["qemu-system-arm", "-machine", machine]);
         command.args(["-display", "none", "-monitor", "none"]);
         for name in SOCKETS {
@@ -40,7 +41,7 @@ impl Board {
         }
         command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
         command.args(["-mon", "chardev=monitor,mode=control"]);
-        command.args(options);
+        command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
         let mut emulator = command
             .stdin(Stdio::null())
@@ -120,6 +121,28 @@ impl Board {
         std::fs::read(file).unwrap()
     }
 
+    /// Changes something as a debugger does, by a command of GDB's remote protocol.
+    pub(crate) fn debug(&mut self, command: &str) {
+        let socket = self.folder.path().join("debugger");
+        let listener = UnixListener::bind(&socket).unwrap();
+        let name = socket.display();
+        let arguments = format!(r#"{{"command-line":"gdbserver unix:{name}"}}"#);
+        self.monitor("human-monitor-command", &arguments);
+        let mut debugger = accept(&listener, &mut self.emulator);
+        for command in [command, "D"] {
+            let sum = command.bytes().fold(0_u8, u8::wrapping_add);
+            write!(debugger, "${command}#{sum:02x}").unwrap();
+            let mut answer = Vec::new();
+            while !answer.ends_with(b"$OK#9a") {
+                let mut byte = [0];
+                debugger.read_exact(&mut byte).unwrap();
+                answer.extend(byte);
+                assert!(answer.len() < 100, "{}", String::from_utf8_lossy(&answer));
+            }
+            debugger.write_all(b"+").unwrap();
+        }
+    }
+
     /// Asks the emulator for something, and waits until it has answered.
     fn monitor(&mut self, command: &str, arguments: &str) -> String {
         let arguments = Some(arguments).filter(|text| !text.is_empty());
@@ -147,7 +170,7 @@ impl Board {
 impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             if let Ok(Some(_)) = self.emulator.try_wait() {
                 return;
             }
@@ -162,7 +185,7 @@ impl Drop for Board {
 
 /// Waits a little.
 pub(crate) fn pause() {
-    sleep(Duration::from_micros(500));
+    sleep(Duration::from_millis(1));
 }
 
 /// The emulator's end of a line, unless it has ended.
