@@ -13,9 +13,9 @@ use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{Command, SCHEMA, ToDevice, ToHost, VERSION};
 use foldpath_core::wire::sender::Failure;
 use foldpath_firmware_sim::faults::Faults;
+use image::image;
 use image::path::Fold;
 use image::world::{Sight, World, moment, rng, stuffed};
-use image::{address, image};
 use rand_core::Rng;
 
 mod image;
@@ -159,34 +159,6 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
             assert_ne!(held.state, State::Running);
             world.greet(Persistence::Resume);
         }
-        world.finish();
-    });
-}
-
-/// A stack that grows into its guard, and a program that hangs. Neither may leave the fold as it is.
-#[test]
-fn a_fault_and_a_hang_reset_the_board_and_the_fold_goes_on() {
-    let tick = address(&["application", "tick"]);
-    seeds(|seed| {
-        let mut world = world(seed, Persistence::None);
-        world.run_into(moment(seed));
-        world.freeze();
-        let before = world.sight.unwrap();
-        if seed % 2 == 0 {
-            // The stack pointer: just above the guard.
-            world.board.debug("Pd=10040020");
-        } else {
-            // The program's tick: a jump to itself.
-            world.board.debug(&format!("M{tick:x},2:fee7"));
-        }
-        world.until(|world| world.failure(0).is_some());
-        assert_eq!(world.failure(0), Some(Failure::Lost));
-        world.forget();
-        world.greet(Persistence::Resume);
-        world.until(|world| world.report.is_some() && world.sight.is_some());
-        let place = world.sight.unwrap().place;
-        let gone = FOLD.time(place) - FOLD.time(before.place);
-        assert!((0.0..0.1).contains(&gone), "{gone}");
         world.finish();
     });
 }

@@ -121,28 +121,6 @@ impl Board {
         std::fs::read(file).unwrap()
     }
 
-    /// Changes something as a debugger does, by a command of GDB's remote protocol.
-    pub(crate) fn debug(&mut self, command: &str) {
-        let socket = self.folder.path().join("debugger");
-        let listener = UnixListener::bind(&socket).unwrap();
-        let name = socket.display();
-        let arguments = format!(r#"{{"command-line":"gdbserver unix:{name}"}}"#);
-        self.monitor("human-monitor-command", &arguments);
-        let mut debugger = accept(&listener, &mut self.emulator);
-        for command in [command, "D"] {
-            let sum = command.bytes().fold(0_u8, u8::wrapping_add);
-            write!(debugger, "${command}#{sum:02x}").unwrap();
-            let mut answer = Vec::new();
-            while !answer.ends_with(b"$OK#9a") {
-                let mut byte = [0];
-                debugger.read_exact(&mut byte).unwrap();
-                answer.extend(byte);
-                assert!(answer.len() < 100, "{}", String::from_utf8_lossy(&answer));
-            }
-            debugger.write_all(b"+").unwrap();
-        }
-    }
-
     /// Asks the emulator for something, and waits until it has answered.
     fn monitor(&mut self, command: &str, arguments: &str) -> String {
         let arguments = Some(arguments).filter(|text| !text.is_empty());

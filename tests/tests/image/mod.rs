@@ -92,14 +92,3 @@ pub(crate) fn size(image: &[u8], names: &[&str]) -> u64 {
     let sections = names.iter().filter_map(|name| elf.section_by_name(name));
     sections.map(|section| section.size()).sum()
 }
-
-/// Address of the function of the controller's image whose name has all `parts`.
-pub(crate) fn address(parts: &[&str]) -> u64 {
-    let bytes = std::fs::read(image("foldpath-controller")).unwrap();
-    let elf = object::File::parse(&*bytes).unwrap();
-    let named = |name: &str| parts.iter().all(|part| name.contains(part));
-    let mut functions = elf.symbols().filter(|s| s.name().is_ok_and(named));
-    let function = functions.next().expect("a function of that name");
-    // The lowest bit only tells of the kind of its instructions.
-    function.address() & !1
-}
