@@ -22,8 +22,9 @@ mod image;
 
 const AN386: &str = "mps2-an386";
 const SEEDS: u64 = 5;
-/// Microseconds after which a silent host is missed, and the path clock at rest: 250 ms each. And a round of telemetry.
-const HELD: u64 = 550_000;
+/// Microseconds after which a sheet whose host is silent rests: 250 ms until it is missed and 250 ms of braking, and what
+/// is left for frames under way, and for ticks of more than 10 ms, which count for no more.
+const HELD: u64 = 1_000_000;
 
 static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
 

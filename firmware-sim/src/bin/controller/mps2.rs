@@ -223,6 +223,7 @@ fn start() {
 }
 
 /// Memory of the controller: its numbers make all of `None` zero, which takes no flash.
+#[allow(clippy::large_enum_variant, reason = "there is one, for ever")]
 #[repr(u8)]
 enum Memory {
     None,
