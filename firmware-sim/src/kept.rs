@@ -65,6 +65,7 @@ impl Kept {
     }
 
     /// What was kept, if the record is whole.
+    #[inline(never)]
     pub(crate) fn open(record: &[u8; RECORD]) -> Option<Self> {
         let (words, _) = record.as_chunks();
         let [checked, words @ ..] = words else {

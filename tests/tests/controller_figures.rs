@@ -6,7 +6,6 @@ use std::fs;
 use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::driver::Persistence;
 use foldpath_firmware_sim::faults::Faults;
-use image::board::Board;
 use image::path::Fold;
 use image::world::World;
 use image::{board_output, image, size};
@@ -52,12 +51,10 @@ fn work_is_done_in_time() {
     assert!(frames >= 2000);
 }
 
-/// With an instruction every 2⁵ ns, about a cycle of the board's clock.
 #[test]
 fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
     let fold = Fold::miura();
-    let board = Board::start("mps2-an386", &["-icount", "shift=5"]);
-    let mut world = World::on(board, &fold, Faults::default(), 0);
+    let mut world = World::new(&fold, "mps2-an386", Faults::default(), 0);
     world.greet(Persistence::Always);
     let mut latest = i64::MIN;
     for _ in 0..4 {

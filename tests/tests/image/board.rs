@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use super::{TIME_LIMIT, image};
+use super::image;
 
 /// Names of its sockets: the line to the host, the stop line, and the emulator's own.
 const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
@@ -24,13 +24,14 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Starts an emulator of `machine`, with `options` more.
-    pub(crate) fn start(machine: &str, options: &[&str]) -> Self {
+    /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock: without that
+    /// its time would go on, and its watchdog bite, where the emulator has to wait for this machine.
+    pub(crate) fn start(machine: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let listeners = SOCKETS.map(|name| UnixListener::bind(path(name)).unwrap());
         let mut command = Command::new("timeout");
-        command.args(["--foreground", "--kill-after=5", TIME_LIMIT]);
+        command.args(["--foreground", "--kill-after=5", "300"]);
         command.args(["qemu-system-arm", "-machine", machine]);
         command.args(["-display", "none", "-monitor", "none"]);
         for name in SOCKETS {
@@ -40,7 +41,7 @@ impl Board {
         }
         command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
         command.args(["-mon", "chardev=monitor,mode=control"]);
-        command.args(options);
+        command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
         let mut emulator = command
             .stdin(Stdio::null())
@@ -147,7 +148,7 @@ impl Board {
 impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             if let Ok(Some(_)) = self.emulator.try_wait() {
                 return;
             }
@@ -162,7 +163,7 @@ impl Drop for Board {
 
 /// Waits a little.
 pub(crate) fn pause() {
-    sleep(Duration::from_micros(500));
+    sleep(Duration::from_millis(1));
 }
 
 /// The emulator's end of a line, unless it has ended.
