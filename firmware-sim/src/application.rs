@@ -27,8 +27,8 @@ pub trait Board {
     fn drive(&mut self, hinge: u32, angle: f32) -> Option<f32>;
     /// Writes one of two records that a reset leaves as they are.
     fn keep(&mut self, record: usize, bytes: &[u8; RECORD]);
-    /// The records as they were found at the start, whatever that is.
-    fn kept(&mut self) -> [[u8; RECORD]; 2];
+    /// Reads one of them, whatever was found there at the start.
+    fn kept(&mut self, record: usize) -> [u8; RECORD];
     /// Keeps the watchdog from resetting the board for a while longer.
     fn feed(&mut self);
 }
@@ -60,19 +60,17 @@ where
     L: Read + ReadReady + Write + WriteReady,
 {
     /// A controller that stands where it was before a reset, if that was kept. What the stop line held is still held.
+    // Inlined, with those that it calls: else it is built on the stack and moved from there.
+    #[inline(always)]
     #[must_use]
     pub fn new(mut board: B, line: L, settings: Settings) -> Self {
-        let kept = Kept::latest(&board.kept());
+        let kept = latest(&mut board);
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
         let boot = settings.boot.wrapping_add(starts << 16);
-        let mut device = Controller::new(Settings { boot, ..settings });
-        if let Some(kept) = &kept {
-            restore(&mut device, kept);
-        }
         Self {
             board,
             line,
-            device,
+            device: Controller::new(Settings { boot, ..settings }),
             starts,
             records: kept.map_or(0, |kept| kept.count),
             due: 0,
@@ -81,6 +79,9 @@ where
 
     /// One round of the main loop: ticks if that is due, decodes what has come, and answers.
     pub fn step(&mut self) {
+        if self.due == 0 {
+            self.restore();
+        }
         let now = self.board.now();
         self.watch();
         if now >= self.due {
@@ -90,6 +91,21 @@ where
         self.receive(now);
         self.device.poll(now);
         self.send();
+    }
+
+    /// Stands where the records say. Not done in `new`, which would build the controller on the stack and move it.
+    #[inline(never)]
+    fn restore(&mut self) {
+        let Some(kept) = latest(&mut self.board) else {
+            return;
+        };
+        let follower = self.device.follower_mut();
+        if !kept.angles().is_empty() {
+            let _ = follower.stand(kept.angles(), kept.place);
+        }
+        if kept.stopped {
+            follower.hold(Reason::StopLine);
+        }
     }
 
     /// Asks the stop line.
@@ -144,16 +160,8 @@ where
     }
 }
 
-/// Stands where `kept` says.
-fn restore<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
-    device: &mut Controller<GROUPS, HINGES, SPOKES, KNOTS>,
-    kept: &Kept,
-) {
-    let follower = device.follower_mut();
-    if !kept.angles().is_empty() {
-        let _ = follower.stand(kept.angles(), kept.place);
-    }
-    if kept.stopped {
-        follower.hold(Reason::StopLine);
-    }
+/// What was kept last.
+#[inline(never)]
+fn latest(board: &mut impl Board) -> Option<Kept> {
+    Kept::latest(&[board.kept(0), board.kept(1)])
 }

@@ -1,15 +1,41 @@
-//! The board: runs the probe, prints through semihosting, and hands its end to the debugger.
+//! The board: runs the probe, prints through semihosting, and hands its end to the debugger. Then it counts what the
+//! controller's work costs, which is instructions if the emulator runs with `-icount shift=10`.
 
 use core::fmt::Write;
 
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hio};
-use foldpath_firmware_sim::probe;
+use foldpath_firmware_sim::{figures, probe};
+
+/// Counts after which the clock of the core begins anew.
+const CYCLE: u32 = 1 << 24;
 
 #[entry]
 fn main() -> ! {
-    let status = hio::hstdout().and_then(|mut out| probe::run(&mut out).map_err(|_| ()));
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(CYCLE - 1);
+        core.SYST.clear_current();
+        core.SYST.enable_counter();
+    }
+    let status = hio::hstdout().and_then(|mut out| {
+        let done = probe::run(&mut out).and_then(|()| figures::run(&mut out, instructions()));
+        done.map_err(|_| ())
+    });
     exit(status)
+}
+
+/// Counts instructions of 2¹⁰ ns each by the clock of 25 MHz, which has to be asked once in each of its cycles.
+fn instructions() -> impl FnMut() -> u32 {
+    let (mut before, mut sum) = (SYST::get_current(), 0_u64);
+    move || {
+        let now = SYST::get_current();
+        sum += u64::from(before.wrapping_add(CYCLE).wrapping_sub(now) % CYCLE);
+        before = now;
+        u32::try_from(sum * 40 / 1024).unwrap_or(u32::MAX)
+    }
 }
 
 /// Nothing in the image panics: a test looks for this message in it.

@@ -76,6 +76,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     Controller<GROUPS, HINGES, SPOKES, KNOTS>
 {
     /// A controller that waits for a host.
+    // As `Application::new`.
+    #[inline(always)]
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {

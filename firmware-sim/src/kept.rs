@@ -65,6 +65,7 @@ impl Kept {
     }
 
     /// What was kept, if the record is whole.
+    #[inline(never)]
     pub(crate) fn open(record: &[u8; RECORD]) -> Option<Self> {
         let (words, _) = record.as_chunks();
         let [checked, words @ ..] = words else {
@@ -106,6 +107,11 @@ impl Kept {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test may panic"
+)]
 mod tests {
     use super::Kept;
     use crate::application::RECORD;

@@ -12,6 +12,7 @@ pub mod controller;
 #[cfg(not(target_os = "none"))]
 pub mod faults;
 pub mod fifo;
+pub mod figures;
 mod kept;
 pub mod probe;
 pub mod sheet;

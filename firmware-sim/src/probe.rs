@@ -37,13 +37,20 @@ const KNOTS: usize = STEPS as usize + 1;
 
 /// Largest closure residual of what is streamed: the first segment of the waterbomb leaves the flat state, which
 /// is singular, and is open by as much as cubics of 4 degrees are there.
-const OPEN: f32 = 1e-4;
+pub(crate) const OPEN: f32 = 1e-4;
+/// No limits.
+pub(crate) const ANY: GroupLimits = GroupLimits {
+    lower: -core::f32::consts::PI,
+    upper: core::f32::consts::PI,
+    speed: f32::INFINITY,
+    acceleration: f32::INFINITY,
+};
 /// By how much hinges are measured to be elsewhere, radians.
 const OFF: f32 = 0.02;
 /// Ticks of a controller after which it should have come to the end.
 const MOST_TICKS: u32 = 10_000;
 
-type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
+pub(crate) type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
 
 /// Why the probe stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,18 +69,18 @@ pub enum Failure {
 
 /// A fold with one degree of freedom: its stars, and the rates (rad/s) at which it leaves the flat
 /// state, the first of which is 1.
-struct Fold<'a> {
+pub(crate) struct Fold<'a> {
     name: &'a str,
-    spokes: &'a [Spoke<f32>],
-    ends: &'a [u32],
-    rates: &'a [f32],
+    pub(crate) spokes: &'a [Spoke<f32>],
+    pub(crate) ends: &'a [u32],
+    pub(crate) rates: &'a [f32],
 }
 
 const DIAGONAL: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const SIN_60: f32 = 0.866_025_4;
 
 /// Miura's fold with 60 degree sectors. Groups: the zigzag creases, the straight ones.
-const MIURA: Fold<'_> = Fold {
+pub(crate) const MIURA: Fold<'_> = Fold {
     name: "miura",
     spokes: &[
         Spoke {
@@ -90,7 +97,7 @@ const MIURA: Fold<'_> = Fold {
 
 /// The waterbomb tessellation: its centres, its corners and the crossings of its long creases.
 /// Groups: m, r, d, b of the closed form m = 2 atan t, r = 2 atan 2t, d = -2 atan √2 t, b = 2r - m.
-const WATERBOMB: Fold<'_> = Fold {
+pub(crate) const WATERBOMB: Fold<'_> = Fold {
     name: "waterbomb",
     spokes: &[
         spoke(2, [DIAGONAL, DIAGONAL]),
@@ -112,7 +119,7 @@ const WATERBOMB: Fold<'_> = Fold {
     rates: &[1.0, 2.0, -core::f32::consts::SQRT_2, 3.0],
 };
 
-const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
+pub(crate) const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
     Spoke {
         group: GroupId(group),
         negative: false,
@@ -144,7 +151,7 @@ pub fn run(out: &mut impl Write) -> Result<(), Failure> {
 
 /// Walks from the flat state by predicting with the rates, correcting with a solver, and turning
 /// the rates into the motion that the new configuration allows.
-fn follow(
+pub(crate) fn follow(
     fold: &Fold<'_>,
     stars: StarsView<'_, f32>,
     out: &mut impl Write,
@@ -240,13 +247,7 @@ fn stream(
     path: TrajectoryView<'_, f32>,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let any = GroupLimits {
-        lower: -core::f32::consts::PI,
-        upper: core::f32::consts::PI,
-        speed: f32::INFINITY,
-        acceleration: f32::INFINITY,
-    };
-    let limits = [any; GROUPS];
+    let limits = [ANY; GROUPS];
     let limits = limits.get(..path.groups()).ok_or(Failure::Size)?;
     let place = Place::default();
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;

@@ -2,40 +2,15 @@
 //! an emulator, what the host computes, bit for bit.
 
 use std::fs;
-use std::process::{Command, Stdio};
 
 use foldpath_firmware_sim::probe;
 
-use image::{TIME_LIMIT, build, image, symbols};
+use image::{PROBE, board_output, build, image, symbols};
 
 mod image;
 
 /// The images.
 const IMAGES: [&str; 2] = [PROBE, "foldpath-controller"];
-const PROBE: &str = "foldpath-firmware-sim";
-
-/// What the image prints when the emulator runs it to a successful end.
-fn board_output() -> String {
-    let run = Command::new("timeout")
-        .args(["--foreground", "--kill-after=5", TIME_LIMIT])
-        .args(["qemu-system-arm", "-machine", "mps2-an386"])
-        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
-        .args(["-semihosting-config", "enable=on,target=native"])
-        .arg("-kernel")
-        .arg(image(PROBE))
-        .stdin(Stdio::null())
-        .output()
-        .expect("timeout, of coreutils, starts");
-    let output = String::from_utf8_lossy(&run.stdout).into_owned();
-    let problem = match run.status.code() {
-        Some(0) => return output,
-        Some(124 | 137) => "the image did not end in time",
-        Some(127) => "qemu-system-arm is missing: `tests/run` installs it",
-        _ => "the image failed",
-    };
-    let errors = String::from_utf8_lossy(&run.stderr);
-    panic!("{problem} ({})\n{output}{errors}", run.status);
-}
 
 fn host_output() -> String {
     let mut output = String::new();
@@ -56,12 +31,16 @@ fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = 
 }
 
 /// Looks at an unoptimised image: link-time optimisation inlines an allocator until nothing of its
-/// name is left.
+/// name is left. Unoptimised code still has its panics, which the controller's image does not link with.
 #[test]
 fn nothing_reaches_an_allocator() {
     let settings = [
         ("CARGO_PROFILE_FIRMWARE_LTO", "off"),
         ("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "0"),
+        (
+            "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS",
+            "-Clink-arg=--unresolved-symbols=ignore-all",
+        ),
     ];
     let images = build("fw-unoptimised", &settings);
     let allocators = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc"];
@@ -71,7 +50,8 @@ fn nothing_reaches_an_allocator() {
     }
 }
 
-/// The linker drops the panic handler, with its message, when nothing reaches it.
+/// The linker drops the panic handler, with its message, when nothing reaches it. That of the controller's image has
+/// none, but calls what is not there, so that the image would not even link.
 #[test]
 fn nothing_in_the_image_panics() {
     let panics = ["panicking", "rust_begin_unwind", "slice_index_fail"];
@@ -86,6 +66,7 @@ fn nothing_in_the_image_panics() {
 #[test]
 fn the_board_computes_the_bits_of_the_host() {
     let (board, host) = (board_output(), host_output());
+    let board = board.split("cost ").next().unwrap();
     for (board, host) in board.lines().zip(host.lines()) {
         assert_eq!(board, host);
     }

@@ -68,6 +68,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// An idle follower that does not know where the hinges are.
+    // Inlined, so that a large one is built in its place and not on the stack.
+    #[inline(always)]
     #[must_use]
     pub fn new(options: Options<T>) -> Self {
         Self {

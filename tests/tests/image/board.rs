@@ -1,15 +1,15 @@
 //! An emulator that runs the controller's image, and its lines.
 
+use core::time::Duration;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
 
 use tempfile::TempDir;
 
-use super::{TIME_LIMIT, image};
+use super::image;
 
 /// Names of its sockets: the line to the host, the stop line, and the emulator's own.
 const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
@@ -24,13 +24,14 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Starts an emulator of `machine`, with `options` more.
-    pub(crate) fn start(machine: &str, options: &[&str]) -> Self {
+    /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock: without that
+    /// its time would go on, and its watchdog bite, where the emulator has to wait for this machine.
+    pub(crate) fn start(machine: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let listeners = SOCKETS.map(|name| UnixListener::bind(path(name)).unwrap());
         let mut command = Command::new("timeout");
-        command.args(["--foreground", "--kill-after=5", TIME_LIMIT]);
+        command.args(["--foreground", "--kill-after=5", "300"]);
         command.args(["qemu-system-arm", "-machine", machine]);
         command.args(["-display", "none", "-monitor", "none"]);
         for name in SOCKETS {
@@ -40,7 +41,7 @@ impl Board {
         }
         command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
         command.args(["-mon", "chardev=monitor,mode=control"]);
-        command.args(options);
+        command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
         let mut emulator = command
             .stdin(Stdio::null())
@@ -89,10 +90,26 @@ impl Board {
         self.monitor("stop", "");
     }
 
+    /// Lets time go on.
+    pub(crate) fn thaw(&mut self) {
+        self.monitor("cont", "");
+    }
+
     /// Resets a frozen board, whose memory stays as it is, and lets time go on.
     pub(crate) fn reset(&mut self) {
         self.monitor("system_reset", "");
-        self.monitor("cont", "");
+        self.thaw();
+    }
+
+    /// Microseconds on its clock: the count of its timer, which runs down at 25 MHz.
+    pub(crate) fn micros(&mut self) -> u64 {
+        let answer = self.monitor(
+            "human-monitor-command",
+            r#"{"command-line":"xp /1wx 0x40000004"}"#,
+        );
+        let (_, count) = answer.split_once(": 0x").expect("an address and a word");
+        let count = u32::from_str_radix(&count[..8], 16).unwrap();
+        u64::from(u32::MAX - count) / 25
     }
 
     /// So much of its memory.
@@ -105,7 +122,7 @@ impl Board {
     }
 
     /// Asks the emulator for something, and waits until it has answered.
-    fn monitor(&mut self, command: &str, arguments: &str) {
+    fn monitor(&mut self, command: &str, arguments: &str) -> String {
         let arguments = Some(arguments).filter(|text| !text.is_empty());
         let arguments = arguments.map(|text| format!(r#","arguments":{text}"#));
         let arguments = arguments.unwrap_or_default();
@@ -120,7 +137,7 @@ impl Board {
                 let text = String::from_utf8_lossy(&line);
                 assert!(!text.starts_with(r#"{"error""#), "{command}: {text}");
                 if text.starts_with(r#"{"return""#) {
-                    return;
+                    return text.into_owned();
                 }
                 line.clear();
             }
@@ -131,7 +148,7 @@ impl Board {
 impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             if let Ok(Some(_)) = self.emulator.try_wait() {
                 return;
             }
@@ -146,7 +163,7 @@ impl Drop for Board {
 
 /// Waits a little.
 pub(crate) fn pause() {
-    sleep(Duration::from_micros(500));
+    sleep(Duration::from_millis(1));
 }
 
 /// The emulator's end of a line, unless it has ended.

@@ -6,13 +6,16 @@ pub(crate) mod path;
 pub(crate) mod world;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use object::{Object, ObjectSection, ObjectSymbol};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Seconds until the emulator is ended, whatever becomes of this process.
 pub(crate) const TIME_LIMIT: &str = "60";
+
+/// Name of the image that computes and prints.
+pub(crate) const PROBE: &str = "foldpath-firmware-sim";
 
 /// The image of that name as for a real board.
 pub(crate) fn image(name: &str) -> PathBuf {
@@ -45,6 +48,30 @@ pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
         String::from_utf8_lossy(&build.stderr)
     );
     target_dir.join(TARGET).join("firmware")
+}
+
+/// What the probe prints when the emulator runs it to a successful end, in which it counts instructions.
+pub(crate) fn board_output() -> String {
+    let run = Command::new("timeout")
+        .args(["--foreground", "--kill-after=5", TIME_LIMIT])
+        .args(["qemu-system-arm", "-machine", "mps2-an386"])
+        .args(["-icount", "shift=10"])
+        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image(PROBE))
+        .stdin(Stdio::null())
+        .output()
+        .expect("timeout, of coreutils, starts");
+    let output = String::from_utf8_lossy(&run.stdout).into_owned();
+    let problem = match run.status.code() {
+        Some(0) => return output,
+        Some(124 | 137) => "the image did not end in time",
+        Some(127) => "qemu-system-arm is missing: `tests/run` installs it",
+        _ => "the image failed",
+    };
+    let errors = String::from_utf8_lossy(&run.stderr);
+    panic!("{problem} ({})\n{output}{errors}", run.status);
 }
 
 /// Names in the symbol table of `image` that contain one of `parts`.

@@ -84,6 +84,8 @@ pub(crate) struct World<'a> {
     pub(crate) sight: Option<Sight>,
     /// Telemetry that was judged.
     pub(crate) sights: u64,
+    /// What the board said that is no message.
+    pub(crate) garbled: u64,
     fold: &'a Fold,
     start: Instant,
     outgoing: Vec<u8>,
@@ -96,7 +98,7 @@ pub(crate) struct World<'a> {
 impl<'a> World<'a> {
     pub(crate) fn new(fold: &'a Fold, machine: &str, faults: Faults, seed: u64) -> Self {
         Self {
-            board: Board::start(machine, &[]),
+            board: Board::start(machine),
             hosts: Vec::new(),
             up: Line::new(faults, rng(2 * seed)),
             down: Line::new(faults, rng(2 * seed + 1)),
@@ -104,6 +106,7 @@ impl<'a> World<'a> {
             report: None,
             sight: None,
             sights: 0,
+            garbled: 0,
             fold,
             start: Instant::now(),
             outgoing: Vec::new(),
@@ -178,7 +181,11 @@ impl<'a> World<'a> {
                 continue;
             };
             let message = frame::open::<ToHost<'_>>(frame);
-            let (_, message) = message.expect("the board says nothing that is no message");
+            let Some((_, message)) = message else {
+                // Cut off by a reset that was not asked for.
+                self.garbled += 1;
+                continue;
+            };
             match message {
                 ToHost::Report(report) => self.report = Some(report),
                 ToHost::Telemetry {
@@ -272,10 +279,10 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Resets the frozen board. What it was about to say is cut off, and its clock begins anew.
-    pub(crate) fn reset(&mut self) {
-        self.board.reset();
+    /// The board was reset: what it was about to say was cut off, and its clock began anew.
+    pub(crate) fn forget(&mut self) {
         self.incoming.clear();
+        self.garbled = 0;
         self.ear.push(0);
         (self.report, self.sight) = (None, None);
     }
@@ -303,12 +310,22 @@ impl<'a> World<'a> {
         let sight = self.sight.unwrap();
         assert_eq!((sight.place, sight.angles.unwrap()), self.fold.end());
         assert_eq!(sight.rate.to_bits(), 0);
+        assert_eq!(self.garbled, 0);
     }
 
     pub(crate) fn failure(&self, host: usize) -> Option<Failure> {
         match self.hosts[host].driver.sender().phase() {
             Phase::Failed(failure) => Some(failure),
             _ => None,
+        }
+    }
+}
+
+impl Drop for World<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let phases: Vec<_> = self.hosts.iter().map(|h| h.driver.sender()).collect();
+            eprintln!("{:?}\n{:?}\n{phases:?}", self.sight, self.report);
         }
     }
 }

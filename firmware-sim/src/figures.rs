@@ -1,0 +1,203 @@
+//! What the controller's work costs, in counts of whatever clock is given: on the emulated board, instructions.
+
+use core::fmt::Write;
+use core::hint::black_box;
+
+use foldpath_core::follower::{Place, State};
+use foldpath_core::least_squares::{ClosureProblem, Limits};
+use foldpath_core::project::project;
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::message::Command;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::sender::{Options, Sender};
+use foldpath_core::{
+    DenseNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
+    closure, norm,
+};
+use nalgebra::Vector3;
+
+use crate::controller::{Controller, Settings};
+use crate::probe::{self, ANY, Failure, MIURA, OPEN, WATERBOMB};
+
+/// Ticks over which a mean is taken.
+const TICKS: u32 = 256;
+/// Hinges of the largest sheet: those of a Miura fold of 24 x 24 faces.
+const HINGES: usize = 1104;
+
+static MEMBERSHIPS: [Membership; HINGES] = [Membership {
+    group: GroupId(1),
+    negative: true,
+}; HINGES];
+
+/// A clock, and what reading it costs.
+struct Meter<C> {
+    count: C,
+    overhead: u32,
+}
+
+impl<C: FnMut() -> u32> Meter<C> {
+    fn new(count: C) -> Self {
+        let mut meter = Self { count, overhead: 0 };
+        meter.overhead = meter.measure(|| ());
+        meter
+    }
+
+    /// Counts that `work` takes.
+    fn measure<R>(&mut self, work: impl FnOnce() -> R) -> u32 {
+        let before = (self.count)();
+        black_box(work());
+        let passed = (self.count)().wrapping_sub(before);
+        passed.saturating_sub(self.overhead)
+    }
+}
+
+/// Prints the figures, one a line: `cost`, what it is of, and the counts.
+///
+/// # Errors
+/// If a configuration does not close, a path does not run, or the output fails.
+pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failure> {
+    let mut meter = Meter::new(count);
+    let mut tell = |what: &str, cost: u32| {
+        let line = writeln!(out, "cost {what} {cost}");
+        line.map_err(|_| Failure::Output)
+    };
+    tell("closure-of-degree-4", closes(&mut meter)?)?;
+    tell("levenberg-marquardt-step-of-6-unknowns", step(&mut meter)?)?;
+    let stars = StarsView::new(MIURA.spokes, MIURA.ends, MIURA.rates.len());
+    let stars = stars.ok_or(Failure::Size)?;
+    let path = probe::follow(&MIURA, stars, &mut Nowhere)?;
+    for (hinges, what) in [
+        (6, "tick-of-6-hinges"),
+        (64, "tick-of-64-hinges"),
+        (HINGES, "tick-of-1104-hinges"),
+    ] {
+        let [tick, setpoint] = stream(&mut meter, stars, path.view(), hinges)?;
+        tell(what, tick)?;
+        if hinges == HINGES {
+            tell("setpoint-from-its-frame-to-the-answer", setpoint)?;
+        }
+    }
+    Ok(())
+}
+
+/// An output that is not looked at.
+struct Nowhere;
+
+impl Write for Nowhere {
+    fn write_str(&mut self, _: &str) -> core::fmt::Result {
+        Ok(())
+    }
+}
+
+/// Whether a vertex closes, from its four angles.
+fn closes(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
+    let mut spokes = [probe::spoke(0, [1.0, 0.0]); 4];
+    for (group, (spoke, miura)) in (0..).zip(spokes.iter_mut().zip(MIURA.spokes)) {
+        *spoke = Spoke {
+            group: GroupId(group),
+            ..*miura
+        };
+    }
+    let angles = black_box([0.5, 1.0, 0.5, 1.0]);
+    let mut half_angles = [HalfAngle::default(); 4];
+    Ok(meter.measure(|| {
+        closure::half_angles(&angles, &mut half_angles);
+        norm(&closure::residual(
+            StarView { spokes: &spokes },
+            &half_angles,
+        ))
+    }))
+}
+
+/// A step of the solver at a vertex of six groups.
+fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
+    let mut spokes = [probe::spoke(0, [1.0, 0.0]); 6];
+    for (group, (spoke, waterbomb)) in (0..).zip(spokes.iter_mut().zip(WATERBOMB.spokes)) {
+        *spoke = Spoke {
+            group: GroupId(group),
+            ..*waterbomb
+        };
+    }
+    let stars = StarsView::new(&spokes, &[6], 6).ok_or(Failure::Size)?;
+    let (mut half_angles, mut columns) = ([HalfAngle::default(); 6], [Vector3::default(); 6]);
+    let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
+    let mut problem = problem.ok_or(Failure::Size)?;
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(6)];
+    let mut equations = DenseNormalEquations::new(6, &mut memory).ok_or(Failure::Size)?;
+    // The closed form of this vertex, a little off.
+    let (m, d) = (0.8, -1.077);
+    let mut angles = black_box([d + 0.02, m, d, d, m, d - 0.01]);
+    let mut steps = 0;
+    let cost = meter.measure(|| {
+        let closure = f32::CLOSURE_TOLERANCE;
+        let workspace = &mut [0.0; 18];
+        let done = project(
+            &mut problem,
+            &mut equations,
+            Limits::HalfTurn,
+            closure,
+            &mut angles,
+            workspace,
+        );
+        steps = done.report.iterations;
+    });
+    cost.checked_div(steps).ok_or(Failure::Open)
+}
+
+/// Means of a tick that drives so many hinges, and of a setpoint that is received, checked and answered.
+fn stream(
+    meter: &mut Meter<impl FnMut() -> u32>,
+    stars: StarsView<'_, f32>,
+    path: TrajectoryView<'_, f32>,
+    hinges: usize,
+) -> Result<[u32; 2], Failure> {
+    let hinges = MEMBERSHIPS.get(..hinges).ok_or(Failure::Size)?;
+    let limits = [ANY; 2];
+    let items = PathItems::new(path, &limits, hinges, stars, OPEN, Place::default());
+    let items = items.ok_or(Failure::Size)?;
+    let mut sender = Sender::new(1, Options::default());
+    let mut answers = cobs::Deframer::<256>::default();
+    let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::default());
+    let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
+    let (mut ticks, mut setpoints) = ((0, 0), (0, 0));
+    for now in (1000..).step_by(1000).take(3000) {
+        let room = device.follower().room();
+        let cost = meter.measure(|| {
+            device.tick(now);
+            device.drive(|_, angle| Some(angle));
+        });
+        if device.follower().state() == State::Running {
+            ticks = (ticks.0 + cost, ticks.1 + 1);
+        }
+        let frame = sender.poll(now, &items, &mut scratch, &mut buffer);
+        let mut bytes = heapless::Vec::<u8, 300>::new();
+        if let Some(frame) = frame {
+            cobs::encode(frame, |byte| {
+                let _ = bytes.push(byte);
+            });
+        }
+        let cost = meter.measure(|| {
+            bytes.iter().for_each(|byte| device.byte(*byte, now));
+            device.poll(now);
+        });
+        // Among them all that are neither telemetry nor the first, of which no way is checked.
+        if device.follower().room() < room && room < 16 && !now.is_multiple_of(20_000) {
+            setpoints = (setpoints.0 + cost, setpoints.1 + 1);
+        }
+        while let Some(byte) = device.take() {
+            if let Some(frame) = answers.push(byte) {
+                sender.receive(frame, now);
+            }
+        }
+        let full = device.follower().state() == State::Ready && device.follower().room() == 0;
+        if full && sender.answer().is_none() {
+            sender.command(Command::Start);
+        }
+        if ticks.1 == TICKS {
+            let mean = |(sum, count): (u32, u32)| sum.checked_div(count).ok_or(Failure::Stream);
+            return Ok([mean(ticks)?, mean(setpoints)?]);
+        }
+    }
+    Err(Failure::Stream)
+}
