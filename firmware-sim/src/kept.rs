@@ -107,6 +107,11 @@ impl Kept {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test may panic"
+)]
 mod tests {
     use super::Kept;
     use crate::application::RECORD;

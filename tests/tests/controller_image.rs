@@ -2,9 +2,9 @@
 //! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
 //! Times are the board's own.
 
+use core::time::Duration;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
 
 use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::cobs::Deframer;

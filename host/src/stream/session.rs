@@ -144,7 +144,7 @@ pub fn run(
     let start = link.now();
     let end = loop {
         let looked = session.look(watcher.wish(), link);
-        let mut broken = looked.and_then(|()| session.exchange(link)).err();
+        let mut broken = looked.err();
         while broken.is_none()
             && let Some(heard) = session.hear(link)
         {
@@ -153,6 +153,8 @@ pub fn run(
                 Err(error) => broken = Some(error),
             }
         }
+        // Behind what was heard: a host that was asleep is not to take that for silence.
+        broken = broken.or_else(|| session.exchange(link).err());
         if let Some(error) = broken {
             break (Outcome::NoDevice, Some(format!("the line: {error}")));
         }

@@ -1,11 +1,11 @@
 //! An emulator that runs the controller's image, and its lines.
 
+use core::time::Duration;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
 
 use tempfile::TempDir;
 
