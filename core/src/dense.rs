@@ -73,13 +73,16 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
     }
 
     fn max_diagonal(&self) -> T {
-        let diagonal = self.matrix.iter().step_by(self.gradient.len() + 1);
+        let diagonal = self
+            .matrix
+            .iter()
+            .step_by(self.gradient.len().saturating_add(1));
         diagonal.fold(T::zero(), |max, &entry| max.max(entry))
     }
 
     fn hold(&mut self, unknown: usize) {
         let n = self.gradient.len();
-        let column = self.matrix.iter_mut().skip(unknown).step_by(n);
+        let column = self.matrix.iter_mut().skip(unknown).step_by(n.max(1));
         column.for_each(|entry| *entry = T::zero());
         if let Some(row) = self.matrix.get_mut(unknown * n..(unknown + 1) * n) {
             row.fill(T::zero());
@@ -105,7 +108,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
                 return false;
             };
             // Forward substitution for row i of the factor, whose diagonal is stored inverted.
-            for (j, row) in above.chunks_exact(n).enumerate() {
+            for (j, row) in above.chunks_exact(n.max(1)).enumerate() {
                 let Some((done, open)) = left.split_at_mut_checked(j) else {
                     return false;
                 };
@@ -132,14 +135,14 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
             return;
         }
         // L y = b, then Lᵀ x = y, the second by columns of L so that both walk along rows.
-        for (i, row) in self.factor.chunks_exact(n).enumerate() {
+        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate() {
             if let Some((done, [entry, ..])) = right_side.split_at_mut_checked(i)
                 && let Some(&inverse) = row.get(i)
             {
                 *entry = (*entry - dot(done, row)) * inverse;
             }
         }
-        for (i, row) in self.factor.chunks_exact(n).enumerate().rev() {
+        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate().rev() {
             if let Some((open, [entry, ..])) = right_side.split_at_mut_checked(i)
                 && let Some(&inverse) = row.get(i)
             {

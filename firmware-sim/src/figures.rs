@@ -161,7 +161,7 @@ fn stream(
     let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::default());
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut ticks, mut setpoints) = ((0, 0), (0, 0));
-    for now in (1000..).step_by(1000).take(3000) {
+    for now in (1..=3000).map(|tick| 1000 * tick) {
         let room = device.follower().room();
         let cost = meter.measure(|| {
             device.tick(now);
