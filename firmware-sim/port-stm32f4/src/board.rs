@@ -170,9 +170,15 @@ impl Board for Nucleo {
         }
     }
 
-    fn kept(&mut self) -> [[u8; RECORD]; 2] {
-        let load = |byte: &AtomicU8| byte.load(Ordering::Relaxed);
-        RECORDS.each_ref().map(|record| record.each_ref().map(load))
+    fn kept(&mut self, record: usize) -> [u8; RECORD] {
+        let mut bytes = [0; RECORD];
+        for (byte, place) in bytes
+            .iter_mut()
+            .zip(RECORDS.get(record).into_iter().flatten())
+        {
+            *byte = place.load(Ordering::Relaxed);
+        }
+        bytes
     }
 
     fn feed(&mut self) {
