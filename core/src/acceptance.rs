@@ -9,7 +9,6 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::curve::Flaw;
-use crate::objective::norm;
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Intervals of a segment between the places that are looked at.
@@ -165,8 +164,8 @@ fn pairs<'a, T: Scalar, const GROUPS: usize>(
 
 /// The first star that does not close.
 fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
-    let open = |star| norm(&closure::residual(star, half_angles)) <= sheet.closure;
-    let first = groups(sheet.stars.iter()).find(|(_, star)| !open(*star));
+    let closes = |star| closure::closes(star, half_angles, sheet.closure);
+    let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
     first.map_or(Ok(()), |(star, _)| Err(star))
 }
 

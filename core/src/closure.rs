@@ -40,6 +40,14 @@ pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) 
     closure.v * T::TWO
 }
 
+/// Whether the closure residual is at most `bound`.
+#[inline]
+#[must_use]
+pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bound: T) -> bool {
+    let residual = residual(star, half_angles);
+    residual.dot(&residual) <= bound * bound
+}
+
 /// The closure residual, and its derivative by the fold angle of each spoke in `columns`.
 ///
 /// Returns `None` if `columns` has not the length of the star or a group is missing.

@@ -1,10 +1,9 @@
-//! Dense normal equations: Cholesky over borrowed memory, for the few unknowns that symmetry
-//! leaves.
+//! Dense normal equations over borrowed memory, for the few unknowns that symmetry leaves.
 
 use nalgebra::Vector3;
 
 use crate::least_squares::{Accumulate, Gradient, NormalEquations};
-use crate::{Scalar, Spoke};
+use crate::{Scalar, Spoke, cholesky};
 
 /// JᵀJ and Jᵀr as a dense lower triangle, with its Cholesky factor.
 #[derive(Debug)]
@@ -52,10 +51,13 @@ impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
         Gradient(self.gradient).add(star, spokes, columns, residual);
         let n = self.gradient.len();
         for (spoke, column) in spokes.iter().zip(columns) {
-            let row = spoke.group.index();
+            let (start, diagonal) = (spoke.group.index() * n, spoke.group.index() * (n + 1));
+            let Some(row) = self.matrix.get_mut(start..=diagonal) else {
+                continue;
+            };
             for (other, other_column) in spokes.iter().zip(columns) {
-                let place = row * n + other.group.index();
-                if let Some(entry) = self.matrix.get_mut(place) {
+                // Right of the diagonal the row ends.
+                if let Some(entry) = row.get_mut(other.group.index()) {
                     *entry += column.dot(other_column);
                 }
             }
@@ -93,71 +95,11 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
     }
 
     fn factorise(&mut self, damping: T) -> bool {
-        let n = self.gradient.len();
-        if n == 0 {
-            return true;
-        }
-        for (factor, &entry) in self.factor.iter_mut().zip(&*self.matrix) {
-            *factor = entry;
-        }
-        for i in 0..n {
-            let Some((above, rest)) = self.factor.split_at_mut_checked(i * n) else {
-                return false;
-            };
-            let Some((left, right)) = rest.split_at_mut_checked(i) else {
-                return false;
-            };
-            // Forward substitution for row i of the factor, whose diagonal is stored inverted.
-            for (j, row) in above.chunks_exact(n.max(1)).enumerate() {
-                let Some((done, open)) = left.split_at_mut_checked(j) else {
-                    return false;
-                };
-                if let (Some(entry), Some(&inverse)) = (open.first_mut(), row.get(j)) {
-                    *entry = (*entry - dot(done, row)) * inverse;
-                }
-            }
-            let Some(diagonal) = right.first_mut() else {
-                return false;
-            };
-            let pivot = *diagonal + damping - dot(left, left);
-            if pivot.is_finite() && pivot > T::zero() {
-                *diagonal = T::one() / pivot.sqrt();
-            } else {
-                return false;
-            }
-        }
-        true
+        self.factor.copy_from_slice(self.matrix);
+        cholesky::factorise(self.factor, self.gradient.len(), damping)
     }
 
     fn solve(&mut self, right_side: &mut [T]) {
-        let n = self.gradient.len();
-        if n == 0 {
-            return;
-        }
-        // L y = b, then Lᵀ x = y, the second by columns of L so that both walk along rows.
-        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate() {
-            if let Some((done, [entry, ..])) = right_side.split_at_mut_checked(i)
-                && let Some(&inverse) = row.get(i)
-            {
-                *entry = (*entry - dot(done, row)) * inverse;
-            }
-        }
-        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate().rev() {
-            if let Some((open, [entry, ..])) = right_side.split_at_mut_checked(i)
-                && let Some(&inverse) = row.get(i)
-            {
-                *entry *= inverse;
-                let solved = *entry;
-                for (other, &factor) in open.iter_mut().zip(row) {
-                    *other -= factor * solved;
-                }
-            }
-        }
+        cholesky::solve(self.factor, self.gradient.len(), right_side);
     }
-}
-
-/// Product of two vectors as far as the shorter one reaches.
-#[inline]
-pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }

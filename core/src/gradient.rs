@@ -6,7 +6,7 @@
 //! quadratically.
 
 use crate::Scalar;
-use crate::dense::dot;
+use crate::cholesky::dot;
 use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
 
 /// Length of the memory of costs against which a step is judged: 1 would be monotone descent, which
@@ -57,8 +57,8 @@ pub fn solve<T: Scalar>(
     let mut length = T::one();
     let mut restarted = false;
     report.outcome = loop {
-        report.residual = cost.max;
-        if cost.max <= options.tolerance {
+        report.residual = cost.max();
+        if report.residual <= options.tolerance {
             break Outcome::Converged;
         }
         if report.iterations == options.max_iterations {

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use crate::objective::{larger, norm};
+use crate::objective::larger;
 use crate::{HalfAngle, LoopsView, Scalar, Spoke, StarsView};
 use crate::{closure, hole};
 
@@ -15,15 +15,21 @@ use crate::{closure, hole};
 pub struct Cost<T> {
     /// ½‖r‖² over all stars and loops.
     pub half_square: T,
-    /// Largest ‖r(v)‖ of a star, or of the rotation or translation of a loop.
-    pub max: T,
+    /// Largest ‖r(v)‖² of a star, or of the rotation or translation of a loop.
+    max_square: T,
 }
 
 impl<T: Scalar> Cost<T> {
+    /// Largest ‖r(v)‖ of a star, or of the rotation or translation of a loop.
+    #[must_use]
+    pub fn max(&self) -> T {
+        self.max_square.sqrt()
+    }
+
     /// Whether the residual is defined everywhere.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        self.half_square.is_finite() && self.max.is_finite()
+        self.half_square.is_finite() && self.max_square.is_finite()
     }
 }
 
@@ -43,7 +49,7 @@ pub trait Accumulate<T: Scalar> {
     );
 }
 
-/// Normal equations (JᵀJ + λI) x = b behind which dense and sparse linear algebra look alike.
+/// Normal equations (JᵀJ + λI) x = b behind which dense, dual and sparse linear algebra look alike.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     /// Number of unknowns.
     fn unknowns(&self) -> usize;
@@ -58,6 +64,13 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
     fn solve(&mut self, right_side: &mut [T]);
+    /// The step -(JᵀJ + λI)⁻¹Jᵀr with the last factor, one number for each unknown.
+    fn step(&mut self, step: &mut [T]) {
+        for (step, &slope) in step.iter_mut().zip(self.gradient()) {
+            *step = -slope;
+        }
+        self.solve(step);
+    }
 }
 
 /// The closure of stars and loops as a least-squares problem, with the scratch memory that it needs.
@@ -157,14 +170,15 @@ impl<T: Scalar> Cost<T> {
     fn none() -> Self {
         Self {
             half_square: T::zero(),
-            max: T::zero(),
+            max_square: T::zero(),
         }
     }
 
     fn plus(self, residual: &Vector3<T>) -> Self {
+        let square = residual.dot(residual);
         Self {
-            half_square: self.half_square + residual.dot(residual) * T::HALF,
-            max: larger(self.max, norm(residual)),
+            half_square: self.half_square + square * T::HALF,
+            max_square: larger(self.max_square, square),
         }
     }
 }

@@ -8,7 +8,7 @@
 //! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
 
 use crate::Scalar;
-use crate::dense::dot;
+use crate::cholesky::dot;
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
 
 /// First μ. The damping starts at ½‖r‖², below the curvature of any star that has more than a
@@ -57,8 +57,8 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     }
     let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
     report.outcome = loop {
-        report.residual = cost.max;
-        if cost.max <= options.tolerance {
+        report.residual = cost.max();
+        if report.residual <= options.tolerance {
             break Outcome::Converged;
         }
         if report.iterations == options.max_iterations {
@@ -84,13 +84,10 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
             growth *= T::TWO;
             continue;
         }
-        for (step, &slope) in step.iter_mut().zip(equations.gradient()) {
-            *step = -slope;
-        }
-        equations.solve(step);
+        equations.step(step);
         let scale = bound(step, options.max_step);
         let promised = promised(step, equations.gradient(), damping, scale);
-        if cost.max <= options.acceptable && promised < T::HALF * cost.half_square {
+        if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
             break Outcome::Stalled;
         }
         let mut moved = T::zero();

@@ -83,9 +83,11 @@
 
 pub mod acceptance;
 mod checksum;
+mod cholesky;
 pub mod closure;
 mod curve;
 mod dense;
+mod dual;
 mod folding_matrix;
 pub mod follower;
 pub mod gradient;
@@ -109,6 +111,7 @@ pub mod wire;
 pub use checksum::checksum;
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;
+pub use dual::DualNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
 pub use hole::{LoopView, LoopsView};

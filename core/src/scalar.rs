@@ -75,10 +75,10 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
     /// Whether this is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The smaller of two numbers; the other one if one is NaN.
+    /// The smaller of two numbers; the other one if one is NaN. Of two zeros the `other`, on any processor.
     #[must_use]
     fn min(self, other: Self) -> Self;
-    /// The larger of two numbers; the other one if one is NaN.
+    /// The larger of two numbers; the other one if one is NaN. Of two zeros the `other`, on any processor.
     #[must_use]
     fn max(self, other: Self) -> Self;
 }
@@ -138,11 +138,19 @@ macro_rules! scalar {
             }
             #[inline]
             fn min(self, other: Self) -> Self {
-                $type::min(self, other)
+                if self < other || other.is_nan() {
+                    self
+                } else {
+                    other
+                }
             }
             #[inline]
             fn max(self, other: Self) -> Self {
-                $type::max(self, other)
+                if self > other || other.is_nan() {
+                    self
+                } else {
+                    other
+                }
             }
         }
     };

@@ -161,7 +161,7 @@ fn a_problem_with_loops_has_the_gradient_of_its_cost() {
         let cost = problem.linearise(&x, &mut Gradient(&mut gradient)).unwrap();
         assert_eq!(problem.cost(&x), Some(cost));
         let largest = residuals(cycle.only(), &self::half(&x)).map(|r| norm(&r));
-        assert!(cost.max >= largest[0].max(largest[1]));
+        assert!(cost.max() >= largest[0].max(largest[1]));
         for k in 0..unknowns {
             let at = x[k];
             let mut cost_at = |value: f64| {

@@ -1,23 +1,29 @@
-//! The dense normal equations against nalgebra's Cholesky factorisation.
+//! The dense normal equations, and the dual ones, against nalgebra's Cholesky factorisation.
 
 mod common;
 
 use common::{Stars, below, rng, uniform};
 use foldpath_core::least_squares::{Accumulate, NormalEquations};
-use foldpath_core::{DenseNormalEquations, Scalar};
+use foldpath_core::{DenseNormalEquations, DualNormalEquations, Scalar};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 const N: usize = 6;
+const STARS: usize = 3;
 
-fn equals_nalgebra<T: Scalar>() {
-    let mut rng = rng(31);
+fn equal_nalgebras<T: Scalar>() {
     let mut memory = vec![T::zero(); DenseNormalEquations::<T>::memory(N)];
-    let mut equations = DenseNormalEquations::new(N, &mut memory).unwrap();
+    equals_nalgebra(&mut DenseNormalEquations::new(N, &mut memory).unwrap());
+    let (mut columns, mut gradient) = ([[T::zero(); 3 * STARS]; N], [T::zero(); N]);
+    equals_nalgebra(&mut DualNormalEquations::new(N, &mut columns, &mut gradient).unwrap());
+}
+
+fn equals_nalgebra<T: Scalar>(equations: &mut impl NormalEquations<T>) {
+    let mut rng = rng(31);
     for _ in 0..200 {
         // The rows of three stars, written down twice: the second time in f64 by nalgebra.
         equations.clear();
         let (mut matrix, mut gradient) = (SMatrix::<f64, N, N>::zeros(), SVector::zeros());
-        for index in 0..3 {
+        for index in 0..STARS {
             let degree = 1 + below(&mut rng, 8);
             let stars = Stars::<T>::random(&mut rng, N, &[degree]);
             let mut vector = || Vector3::from_fn(|_, _| T::lit(uniform(&mut rng, -1.0, 1.0)));
@@ -40,26 +46,38 @@ fn equals_nalgebra<T: Scalar>() {
         let max = matrix.diagonal().max();
         assert!((equations.max_diagonal().to_f64() - max).abs() <= rounding);
 
+        let held = below(&mut rng, N);
+        equations.hold(held);
+        matrix.row_mut(held).fill(0.0);
+        matrix.column_mut(held).fill(0.0);
+        gradient[held] = 0.0;
         let damping = 0.5;
+        assert!(equations.factorise(T::lit(damping)));
+        let damped = matrix + SMatrix::identity() * damping;
+        let cholesky = damped.cholesky().unwrap();
+        let condition = (N as f64 * max + damping) / damping;
+        let compare = |ours: [T; N], expected: SVector<f64, N>| {
+            for (ours, theirs) in ours.iter().zip(&expected) {
+                let error = (ours.to_f64() - theirs).abs();
+                let bound = condition * N as f64 * T::EPSILON.to_f64() * expected.norm();
+                assert!(error <= bound, "{error:e}");
+            }
+        };
+        let mut step = [T::zero(); N];
+        equations.step(&mut step);
+        compare(step, cholesky.solve(&-gradient));
         let right_side: [T; N] = core::array::from_fn(|_| T::lit(uniform(&mut rng, -1.0, 1.0)));
         let mut solution = right_side;
-        assert!(equations.factorise(T::lit(damping)));
         equations.solve(&mut solution);
-        let damped = matrix + SMatrix::identity() * damping;
-        let expected = damped.cholesky().unwrap();
-        let expected = expected.solve(&SVector::from(right_side.map(T::to_f64)));
-        let condition = (N as f64 * max + damping) / damping;
-        for (ours, theirs) in solution.iter().zip(&expected) {
-            let error = (ours.to_f64() - theirs).abs();
-            assert!(error <= condition * N as f64 * T::EPSILON.to_f64() * expected.norm());
-        }
+        let right_side = SVector::from(right_side.map(T::to_f64));
+        compare(solution, cholesky.solve(&right_side));
     }
 }
 
 #[test]
 fn solution_equals_nalgebras() {
-    equals_nalgebra::<f32>();
-    equals_nalgebra::<f64>();
+    equal_nalgebras::<f32>();
+    equal_nalgebras::<f64>();
 }
 
 #[test]
@@ -81,6 +99,28 @@ fn a_matrix_that_is_not_positive_definite_is_refused() {
 }
 
 #[test]
+fn rows_without_room_are_not_left_out() {
+    let (mut columns, mut gradient) = ([[0.0; 3]; 2], [0.0; 2]);
+    let mut equations = DualNormalEquations::new(2, &mut columns, &mut gradient).unwrap();
+    let stars = Stars::new(2, &[&[(0.0, 0, false), (90.0, 1, false)]]);
+    let mut factorise = |stars_added| {
+        equations.clear();
+        for star in 0..stars_added {
+            equations.add(
+                star,
+                &stars.spokes,
+                &[Vector3::x(), Vector3::y()],
+                &Vector3::z(),
+            );
+        }
+        equations.factorise(1.0)
+    };
+    assert!(factorise(1));
+    assert!(!factorise(2));
+    assert!(factorise(1));
+}
+
+#[test]
 fn memory_is_checked() {
     let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(3)];
     assert!(DenseNormalEquations::new(3, &mut memory).is_some());
@@ -88,5 +128,13 @@ fn memory_is_checked() {
     assert!(DenseNormalEquations::new(usize::MAX, &mut memory).is_none());
     let mut nothing = DenseNormalEquations::<f64>::new(0, &mut []).unwrap();
     assert!(nothing.factorise(0.0));
+    nothing.solve(&mut []);
+
+    let (mut columns, mut gradient) = ([[0.0; 3]; 4], [0.0; 3]);
+    assert!(DualNormalEquations::new(3, &mut columns, &mut gradient).is_some());
+    assert!(DualNormalEquations::new(3, &mut columns[2..], &mut gradient).is_none());
+    assert!(DualNormalEquations::new(4, &mut columns, &mut gradient).is_none());
+    let mut nothing = DualNormalEquations::<f64, 0>::new(0, &mut [], &mut []).unwrap();
+    assert!(nothing.factorise(1.0));
     nothing.solve(&mut []);
 }

@@ -9,7 +9,8 @@ use common::{
 use core::f64::consts::PI;
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::sampling::random_near;
-use foldpath_core::{DenseNormalEquations, HalfAngle, Scalar, gradient, levenberg_marquardt};
+use foldpath_core::{DenseNormalEquations, DualNormalEquations, HalfAngle, Scalar};
+use foldpath_core::{gradient, levenberg_marquardt};
 use nalgebra::Vector3;
 
 /// Where a solver's memory comes from.
@@ -40,17 +41,20 @@ impl Storage for Vecs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
     LevenbergMarquardt,
+    Dual,
     Gradient,
 }
 
-use Method::{Gradient, LevenbergMarquardt};
+use Method::{Dual, Gradient, LevenbergMarquardt};
 
 const METHODS: [Method; 2] = [LevenbergMarquardt, Gradient];
+/// The same method by two ways.
+const DAMPED: [Method; 2] = [LevenbergMarquardt, Dual];
 
 impl Method {
     fn workspace(self, unknowns: usize) -> usize {
         match self {
-            LevenbergMarquardt => 2 * unknowns,
+            LevenbergMarquardt | Dual => 2 * unknowns,
             Gradient => 3 * unknowns,
         }
     }
@@ -59,7 +63,7 @@ impl Method {
     fn options<T: Scalar>(self) -> Options<T> {
         Options {
             max_iterations: match self {
-                LevenbergMarquardt => 100,
+                LevenbergMarquardt | Dual => 100,
                 Gradient => 1000,
             },
             ..Options::default()
@@ -102,9 +106,32 @@ impl Method {
                     workspace,
                 )
             }
+            Dual if view.len() == 1 => dual::<T, S, 3>(&mut problem, limits, options, x, workspace),
+            Dual => dual::<T, S, 6>(&mut problem, limits, options, x, workspace),
             Gradient => gradient::solve(&mut problem, limits, options, x, workspace),
         }
     }
+}
+
+/// Of stars with M residuals.
+fn dual<T: Scalar, S: Storage, const M: usize>(
+    problem: &mut ClosureProblem<'_, T>,
+    limits: Limits<'_, T>,
+    options: &Options<T>,
+    x: &mut [T],
+    workspace: &mut [T],
+) -> Report<T> {
+    let n = problem.unknowns();
+    let (mut rows, mut slopes) = (S::room([T::zero(); M], n), S::room(T::zero(), n));
+    let equations = DualNormalEquations::new(n, rows.as_mut(), slopes.as_mut());
+    levenberg_marquardt::solve(
+        problem,
+        &mut equations.unwrap(),
+        limits,
+        options,
+        x,
+        workspace,
+    )
 }
 
 /// The report against x and against the 4x4 matrices, which the solvers do not use.
@@ -148,100 +175,106 @@ fn miura_error<T: Scalar>(sector: f64, x: [T; 2]) -> f64 {
 }
 
 fn finds_the_miura_fold_again<T: Scalar, S: Storage>() {
-    let options = LevenbergMarquardt.options();
-    for (sector, _, start) in miura_starts::<T>(300) {
-        let stars = miura(sector, false, false);
-        let mut x = start;
-        let report = LevenbergMarquardt.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-        assert_eq!(
-            report.outcome,
-            Outcome::Converged,
-            "{sector} {start:?} {report:?}"
-        );
-        assert!(report.iterations <= 6, "{sector} {start:?} {report:?}");
-        assert_honest(&stars, &options, &x, &report);
-        let error = miura_error(sector, x);
-        assert!(
-            error <= T::CLOSURE_TOLERANCE.to_f64(),
-            "{error:e} {sector} {x:?}"
-        );
+    for method in DAMPED {
+        let options = method.options();
+        for (sector, _, start) in miura_starts::<T>(300) {
+            let stars = miura(sector, false, false);
+            let mut x = start;
+            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+            assert_eq!(
+                report.outcome,
+                Outcome::Converged,
+                "{sector} {start:?} {report:?}"
+            );
+            assert!(report.iterations <= 6, "{sector} {start:?} {report:?}");
+            assert_honest(&stars, &options, &x, &report);
+            let error = miura_error(sector, x);
+            assert!(
+                error <= T::CLOSURE_TOLERANCE.to_f64(),
+                "{error:e} {sector} {x:?}"
+            );
+        }
     }
 }
 
 fn finds_the_waterbomb_again<T: Scalar, S: Storage>() {
-    let mut rng = rng(12);
-    let stars = waterbomb();
-    let options = LevenbergMarquardt.options();
-    for _ in 0..300 {
-        let closed: [T; 4] = cast(waterbomb_angles(uniform(&mut rng, 0.3, 0.95)));
-        let mut x = closed;
-        let radius = T::lit(uniform(&mut rng, 0.05, 0.3));
-        random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
-        let start = x;
-        let report = LevenbergMarquardt.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-        assert_eq!(report.outcome, Outcome::Converged, "{start:?} {report:?}");
-        assert!(report.iterations <= 15, "{start:?} {report:?}");
-        assert_honest(&stars, &options, &x, &report);
-        let expected = waterbomb_angles((x[0].to_f64() / 2.0).tan());
-        for (x, expected) in x.iter().zip(expected) {
-            // √2 residuals, a singular value above 1/4, and b moves 2.2 times as fast as m.
-            let error = (x.to_f64() - expected).abs();
-            assert!(
-                error <= 20.0 * T::CLOSURE_TOLERANCE.to_f64(),
-                "{error:e} {x:?}"
-            );
+    for method in DAMPED {
+        let mut rng = rng(12);
+        let stars = waterbomb();
+        let options = method.options();
+        for _ in 0..300 {
+            let closed: [T; 4] = cast(waterbomb_angles(uniform(&mut rng, 0.3, 0.95)));
+            let mut x = closed;
+            let radius = T::lit(uniform(&mut rng, 0.05, 0.3));
+            random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
+            let start = x;
+            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+            assert_eq!(report.outcome, Outcome::Converged, "{start:?} {report:?}");
+            assert!(report.iterations <= 15, "{start:?} {report:?}");
+            assert_honest(&stars, &options, &x, &report);
+            let expected = waterbomb_angles((x[0].to_f64() / 2.0).tan());
+            for (x, expected) in x.iter().zip(expected) {
+                // √2 residuals, a singular value above 1/4, and b moves 2.2 times as fast as m.
+                let error = (x.to_f64() - expected).abs();
+                assert!(
+                    error <= 20.0 * T::CLOSURE_TOLERANCE.to_f64(),
+                    "{error:e} {x:?}"
+                );
+            }
         }
     }
 }
 
 fn converges_quadratically<T: Scalar, S: Storage>() {
-    let mut squared = 0;
-    for (sector, _, start) in miura_starts::<T>(200) {
-        let stars = miura(sector, false, false);
-        let residual = |max_iterations| {
-            let options = Options {
-                max_iterations,
-                ..Options::default()
+    for method in DAMPED {
+        let mut squared = 0;
+        for (sector, _, start) in miura_starts::<T>(200) {
+            let stars = miura(sector, false, false);
+            let residual = |max_iterations| {
+                let options = Options {
+                    max_iterations,
+                    ..Options::default()
+                };
+                let mut x = start;
+                let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+                report.residual.to_f64()
             };
-            let mut x = start;
-            let report =
-                LevenbergMarquardt.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-            report.residual.to_f64()
-        };
-        let residuals: Vec<f64> = (0..6).map(residual).collect();
-        for drop in residuals.windows(2) {
-            let (before, after) = (drop[0], drop[1]);
-            let bound = 4.0 * before * before;
-            let floor = T::CLOSURE_TOLERANCE.to_f64();
-            assert!(
-                after <= bound.max(floor),
-                "{sector} {start:?}: {residuals:?}"
-            );
-            squared += usize::from(before < 0.1 && bound > floor);
+            let residuals: Vec<f64> = (0..6).map(residual).collect();
+            for drop in residuals.windows(2) {
+                let (before, after) = (drop[0], drop[1]);
+                let bound = 4.0 * before * before;
+                let floor = T::CLOSURE_TOLERANCE.to_f64();
+                assert!(
+                    after <= bound.max(floor),
+                    "{sector} {start:?}: {residuals:?}"
+                );
+                squared += usize::from(before < 0.1 && bound > floor);
+            }
         }
+        assert!(squared >= 100, "{squared} drops show the order");
     }
-    assert!(squared >= 100, "{squared} drops show the order");
 }
 
 fn no_step_makes_it_worse<T: Scalar, S: Storage>() {
-    let mut rng = rng(15);
-    let stars = miura(60.0, false, false);
-    for _ in 0..300 {
-        let start = random_angles::<T>(&mut rng, 2);
-        let mut before = T::MAX;
-        for max_iterations in 0..20 {
-            let options = Options {
-                max_iterations,
-                ..Options::default()
-            };
-            let mut x = start.clone();
-            let report =
-                LevenbergMarquardt.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-            assert!(
-                report.residual <= before,
-                "{start:?} {max_iterations}: {report:?}"
-            );
-            before = report.residual;
+    for method in DAMPED {
+        let mut rng = rng(15);
+        let stars = miura(60.0, false, false);
+        for _ in 0..300 {
+            let start = random_angles::<T>(&mut rng, 2);
+            let mut before = T::MAX;
+            for max_iterations in 0..20 {
+                let options = Options {
+                    max_iterations,
+                    ..Options::default()
+                };
+                let mut x = start.clone();
+                let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+                assert!(
+                    report.residual <= before,
+                    "{start:?} {max_iterations}: {report:?}"
+                );
+                before = report.residual;
+            }
         }
     }
 }

@@ -155,6 +155,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
     let report = Report {
         next: 300,
         limit: 316,
+        heard: 7,
         gap: true,
         refused: Some(ItemRefusal::Room),
         command: 2,
@@ -227,7 +228,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(ToHost::Unknown), "Unknown"),
         (
             bytes(ToHost::Report(plain)),
-            "Report: next 300, limit 316, a gap, nothing refused, command 2 carried out, Holding, StopLine, 0.5 s behind knot 200",
+            "Report: next 300, limit 316, 7 frames have come, a gap, nothing refused, command 2 carried out, Holding, StopLine, 0.5 s behind knot 200",
         ),
         (
             bytes(ToHost::Report(report)),

@@ -12,8 +12,8 @@ use foldpath_core::wire::message::Command;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::{Options, Sender};
 use foldpath_core::{
-    DenseNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
-    closure, norm,
+    DualNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
+    closure,
 };
 use nalgebra::Vector3;
 
@@ -103,10 +103,7 @@ fn closes(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let mut half_angles = [HalfAngle::default(); 4];
     Ok(meter.measure(|| {
         closure::half_angles(&angles, &mut half_angles);
-        norm(&closure::residual(
-            StarView { spokes: &spokes },
-            &half_angles,
-        ))
+        closure::closes(StarView { spokes: &spokes }, &half_angles, black_box(OPEN))
     }))
 }
 
@@ -123,8 +120,9 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let (mut half_angles, mut columns) = ([HalfAngle::default(); 6], [Vector3::default(); 6]);
     let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
     let mut problem = problem.ok_or(Failure::Size)?;
-    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(6)];
-    let mut equations = DenseNormalEquations::new(6, &mut memory).ok_or(Failure::Size)?;
+    let (mut rows, mut gradient) = ([[0.0; 3]; 6], [0.0; 6]);
+    let equations = DualNormalEquations::new(6, &mut rows, &mut gradient);
+    let mut equations = equations.ok_or(Failure::Size)?;
     // The closed form of this vertex, a little off.
     let (m, d) = (0.8, -1.077);
     let mut angles = black_box([d + 0.02, m, d, d, m, d - 0.01]);

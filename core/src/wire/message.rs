@@ -13,7 +13,7 @@ use crate::follower::{Denial, Place, Reason, State};
 pub const VERSION: u16 = 1;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other: it changes with
 /// the encoding, though someone forgets the version.
-pub const SCHEMA: u32 = 0xbe16_4a7a;
+pub const SCHEMA: u32 = 0x1f42_b7e1;
 
 /// From the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,6 +154,8 @@ pub struct Report {
     pub next: u16,
     /// Number of the first item for which there is no room yet.
     pub limit: u16,
+    /// Number of frames of the session that have come, modulo 2⁸.
+    pub heard: u8,
     /// Whether a later item came first; said once a gap.
     pub gap: bool,
     /// Why the item that is expected was refused when it came.

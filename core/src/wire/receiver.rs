@@ -57,6 +57,7 @@ pub struct Receiver {
     opened: bool,
     due: Due,
     next: u16,
+    heard: u8,
     /// Whether a later item came before the one expected, and whether that was said.
     gap: Gap,
     refused: Option<ItemRefusal>,
@@ -83,6 +84,7 @@ impl Receiver {
             opened: false,
             due: Due::default(),
             next: 0,
+            heard: 0,
             gap: Gap::None,
             refused: None,
             command: 0,
@@ -116,6 +118,7 @@ impl Receiver {
             return None;
         }
         self.admit(session)?;
+        self.heard = self.heard.wrapping_add(1);
         match message {
             ToDevice::Hello { .. } => None,
             ToDevice::Alive => {
@@ -258,6 +261,7 @@ impl Receiver {
         Report {
             next: self.next,
             limit: self.next.wrapping_add(status.room),
+            heard: self.heard,
             gap: self.gap == Gap::Seen,
             refused: self.refused,
             command: self.command,

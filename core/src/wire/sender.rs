@@ -90,7 +90,7 @@ pub struct Sender {
     /// When the controller last took an item or the oldest one was sent.
     progress: u64,
     sent: Option<u64>,
-    /// Whether a report came since.
+    /// Whether a report has since told of one more frame.
     answered: bool,
     heard: Option<u64>,
     number: u8,
@@ -298,7 +298,7 @@ impl Sender {
         if came > self.highest - self.acked {
             return None;
         }
-        self.answered = true;
+        self.answered |= self.report.is_none_or(|last| last.heard != report.heard);
         if self.phase == Phase::Offered {
             self.phase = Phase::Open;
         }

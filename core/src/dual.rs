@@ -1,0 +1,137 @@
+//! Normal equations in the space of the residuals, for more unknowns than residuals.
+//!
+//! With J the M x n Jacobian, (JᵀJ + λI)⁻¹Jᵀ = Jᵀ(JJᵀ + λI)⁻¹: a step asks for a factor of M x M numbers only.
+//! A vertex has three residuals, however many creases meet there.
+
+use nalgebra::Vector3;
+
+use crate::least_squares::{Accumulate, Gradient, NormalEquations};
+use crate::{Scalar, Spoke, cholesky};
+
+/// Jᵀ, with the Cholesky factor of JJᵀ + λI, of M residuals: three for each star, six for each loop.
+#[derive(Debug)]
+pub struct DualNormalEquations<'a, T, const M: usize> {
+    /// How the residuals change with each unknown.
+    columns: &'a mut [[T; M]],
+    gradient: &'a mut [T],
+    factor: [[T; M]; M],
+    residuals: [T; M],
+    added: usize,
+    damping: T,
+}
+
+impl<'a, T: Scalar, const M: usize> DualNormalEquations<'a, T, M> {
+    /// Equations in `unknowns` unknowns over borrowed memory, one column and one entry of the gradient for each;
+    /// `None` if that is too small.
+    pub fn new(unknowns: usize, columns: &'a mut [[T; M]], gradient: &'a mut [T]) -> Option<Self> {
+        Some(Self {
+            columns: columns.get_mut(..unknowns)?,
+            gradient: gradient.get_mut(..unknowns)?,
+            factor: [[T::zero(); M]; M],
+            residuals: [T::zero(); M],
+            added: 0,
+            damping: T::zero(),
+        })
+    }
+}
+
+impl<T: Scalar, const M: usize> Accumulate<T> for DualNormalEquations<'_, T, M> {
+    fn clear(&mut self) {
+        self.columns.fill([T::zero(); M]);
+        self.gradient.fill(T::zero());
+        self.added = 0;
+    }
+
+    #[inline]
+    fn add(
+        &mut self,
+        star: usize,
+        spokes: &[Spoke<T>],
+        columns: &[Vector3<T>],
+        residual: &Vector3<T>,
+    ) {
+        Gradient(self.gradient).add(star, spokes, columns, residual);
+        let row = self.added;
+        self.added += residual.len();
+        if let Some(residuals) = three(&mut self.residuals, row) {
+            *residuals = (*residual).into();
+        }
+        for (spoke, column) in spokes.iter().zip(columns) {
+            let sum = self.columns.get_mut(spoke.group.index());
+            if let Some([x, y, z]) = sum.and_then(|sum| three(sum, row)) {
+                *x += column.x;
+                *y += column.y;
+                *z += column.z;
+            }
+        }
+    }
+}
+
+impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T, M> {
+    fn unknowns(&self) -> usize {
+        self.gradient.len()
+    }
+
+    fn gradient(&self) -> &[T] {
+        self.gradient
+    }
+
+    fn max_diagonal(&self) -> T {
+        let squares = self.columns.iter().map(|column| dot(column, column));
+        squares.fold(T::zero(), T::max)
+    }
+
+    fn hold(&mut self, unknown: usize) {
+        if let Some(column) = self.columns.get_mut(unknown) {
+            column.fill(T::zero());
+        }
+        if let Some(slope) = self.gradient.get_mut(unknown) {
+            *slope = T::zero();
+        }
+    }
+
+    /// `false`, too, if there are more or fewer than M residuals.
+    fn factorise(&mut self, damping: T) -> bool {
+        self.damping = damping;
+        self.factor = [[T::zero(); M]; M];
+        for column in &*self.columns {
+            for (row, &a) in self.factor.iter_mut().zip(column) {
+                for (entry, &b) in row.iter_mut().zip(column) {
+                    *entry += a * b;
+                }
+            }
+        }
+        self.added == M && cholesky::factorise(self.factor.as_flattened_mut(), M, damping)
+    }
+
+    fn step(&mut self, step: &mut [T]) {
+        let mut residuals = self.residuals;
+        cholesky::solve(self.factor.as_flattened(), M, &mut residuals);
+        for (step, column) in step.iter_mut().zip(&*self.columns) {
+            *step = -dot(column, &residuals);
+        }
+    }
+
+    /// By (JᵀJ + λI)⁻¹b = (b − Jᵀ(JJᵀ + λI)⁻¹Jb) / λ, to ε‖b‖/λ.
+    fn solve(&mut self, right_side: &mut [T]) {
+        let mut sums = [T::zero(); M];
+        for (column, &b) in self.columns.iter().zip(&*right_side) {
+            for (sum, &derivative) in sums.iter_mut().zip(column) {
+                *sum += derivative * b;
+            }
+        }
+        cholesky::solve(self.factor.as_flattened(), M, &mut sums);
+        for (b, column) in right_side.iter_mut().zip(&*self.columns) {
+            *b = (*b - dot(column, &sums)) / self.damping;
+        }
+    }
+}
+
+fn dot<T: Scalar, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
+    cholesky::dot(a, b)
+}
+
+/// Three entries from number `start` on.
+fn three<T, const M: usize>(entries: &mut [T; M], start: usize) -> Option<&mut [T; 3]> {
+    entries.get_mut(start..)?.first_chunk_mut()
+}
