@@ -1,9 +1,11 @@
-//! Cholesky factors of small dense matrices, in place over borrowed memory.
+//! Factors LDLᵀ of small dense matrices, in place over borrowed memory: Cholesky's without square roots, which a
+//! Cortex-M4F would take from software.
 
 use crate::Scalar;
 
-/// Replaces the lower triangle of A, `n` rows of `n` numbers, by the factor L of A + λI = LLᵀ with its diagonal
-/// inverted; `false` if that is not positive definite in this precision. What is above the diagonal is not looked at.
+/// Replaces the lower triangle of A, `n` rows of `n` numbers, by the factors of A + λI = LDLᵀ: L, whose diagonal of
+/// ones is not stored, and D inverted on the diagonal. `false` if that is not positive definite in this precision.
+/// What is above the diagonal is not looked at.
 #[inline]
 pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bool {
     for i in 0..n {
@@ -13,21 +15,23 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
         let Some((left, right)) = rest.split_at_mut_checked(i) else {
             return false;
         };
-        // Forward substitution for row i of the factor.
+        // Forward substitution for row i of LD.
         for (j, row) in above.chunks_exact(n).enumerate() {
-            let Some((done, open)) = left.split_at_mut_checked(j) else {
-                return false;
-            };
-            if let (Some(entry), Some(&inverse)) = (open.first_mut(), row.get(j)) {
-                *entry = (*entry - dot(done, row)) * inverse;
+            if let Some((done, [entry, ..])) = left.split_at_mut_checked(j) {
+                *entry -= dot(done, row);
             }
         }
         let Some(diagonal) = right.first_mut() else {
             return false;
         };
-        let pivot = *diagonal + damping - dot(left, left);
+        let mut pivot = *diagonal + damping;
+        for (entry, &inverse) in left.iter_mut().zip(above.iter().step_by(n + 1)) {
+            let scaled = *entry * inverse;
+            pivot -= *entry * scaled;
+            *entry = scaled;
+        }
         if pivot.is_finite() && pivot > T::zero() {
-            *diagonal = T::one() / pivot.sqrt();
+            *diagonal = T::one() / pivot;
         } else {
             return false;
         }
@@ -35,25 +39,23 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
     true
 }
 
-/// Solves LLᵀx = b in place, L as [`factorise`] leaves it.
+/// Solves LDLᵀx = b in place, with the factors as [`factorise`] leaves them.
 #[inline]
 pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
-    // L y = b, then Lᵀ x = y, the second by columns of L so that both walk along rows.
-    for (i, row) in factor.chunks_exact(n.max(1)).enumerate() {
-        if let Some((done, [entry, ..])) = right_side.split_at_mut_checked(i)
-            && let Some(&inverse) = row.get(i)
-        {
-            *entry = (*entry - dot(done, row)) * inverse;
+    let rows = factor.chunks_exact(n.max(1)).enumerate();
+    for (i, row) in rows.clone() {
+        if let Some((done, [entry, ..])) = right_side.split_at_mut_checked(i) {
+            *entry -= dot(done, row);
         }
     }
-    for (i, row) in factor.chunks_exact(n.max(1)).enumerate().rev() {
-        if let Some((open, [entry, ..])) = right_side.split_at_mut_checked(i)
-            && let Some(&inverse) = row.get(i)
-        {
-            *entry *= inverse;
-            let solved = *entry;
+    for (entry, &inverse) in right_side.iter_mut().zip(factor.iter().step_by(n + 1)) {
+        *entry *= inverse;
+    }
+    // By columns of L, so that this walks along rows too.
+    for (i, row) in rows.rev() {
+        if let Some((open, [solved, ..])) = right_side.split_at_mut_checked(i) {
             for (other, &factor) in open.iter_mut().zip(row) {
-                *other -= factor * solved;
+                *other -= factor * *solved;
             }
         }
     }

@@ -63,8 +63,7 @@ pub fn residual_and_jacobian<T: Scalar>(
     let mut product = Rotation::identity();
     for (spoke, column) in star.spokes.iter().zip(columns.iter_mut()) {
         let half = half_angles.get(spoke.group.index())?.signed(spoke.negative);
-        let [x, y] = spoke.direction;
-        *column = product.rotate(&Vector3::new(x, y, T::zero()));
+        *column = product.rotate_in_sheet(spoke.direction);
         product = product.across_crease(half, spoke.direction);
     }
     let Rotation { w, v } = positive(product);

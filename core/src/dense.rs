@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::least_squares::{Accumulate, Gradient, NormalEquations};
 use crate::{Scalar, Spoke, cholesky};
 
-/// JᵀJ and Jᵀr as a dense lower triangle, with its Cholesky factor.
+/// JᵀJ and Jᵀr as a dense lower triangle, with the factors of JᵀJ + λI.
 #[derive(Debug)]
 pub struct DenseNormalEquations<'a, T> {
     matrix: &'a mut [T],

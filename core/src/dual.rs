@@ -5,10 +5,10 @@
 
 use nalgebra::Vector3;
 
-use crate::least_squares::{Accumulate, Gradient, NormalEquations};
+use crate::least_squares::{Accumulate, NormalEquations};
 use crate::{Scalar, Spoke, cholesky};
 
-/// Jᵀ, with the Cholesky factor of JJᵀ + λI, of M residuals: three for each star, six for each loop.
+/// Jᵀ, with the factors of JJᵀ + λI, of M residuals: three for each star, six for each loop.
 #[derive(Debug)]
 pub struct DualNormalEquations<'a, T, const M: usize> {
     /// How the residuals change with each unknown.
@@ -45,23 +45,26 @@ impl<T: Scalar, const M: usize> Accumulate<T> for DualNormalEquations<'_, T, M> 
     #[inline]
     fn add(
         &mut self,
-        star: usize,
+        _star: usize,
         spokes: &[Spoke<T>],
         columns: &[Vector3<T>],
         residual: &Vector3<T>,
     ) {
-        Gradient(self.gradient).add(star, spokes, columns, residual);
         let row = self.added;
         self.added += residual.len();
         if let Some(residuals) = three(&mut self.residuals, row) {
             *residuals = (*residual).into();
         }
         for (spoke, column) in spokes.iter().zip(columns) {
-            let sum = self.columns.get_mut(spoke.group.index());
-            if let Some([x, y, z]) = sum.and_then(|sum| three(sum, row)) {
+            let unknown = spoke.group.index();
+            let sum = self.columns.get_mut(unknown);
+            if let Some([x, y, z]) = sum.and_then(|sum| three(sum, row))
+                && let Some(slope) = self.gradient.get_mut(unknown)
+            {
                 *x += column.x;
                 *y += column.y;
                 *z += column.z;
+                *slope += column.dot(residual);
             }
         }
     }
@@ -95,8 +98,8 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         self.damping = damping;
         self.factor = [[T::zero(); M]; M];
         for column in &*self.columns {
-            for (row, &a) in self.factor.iter_mut().zip(column) {
-                for (entry, &b) in row.iter_mut().zip(column) {
+            for (i, (row, &a)) in self.factor.iter_mut().zip(column).enumerate() {
+                for (entry, &b) in row.iter_mut().zip(column).take(i + 1) {
                     *entry += a * b;
                 }
             }

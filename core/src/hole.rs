@@ -123,8 +123,7 @@ pub fn residuals_and_jacobian<T: Scalar>(
     let spokes = || cycle.spokes.iter().zip(cycle.places);
     let mut motion = Motion::none();
     for ((spoke, place), (axis, through)) in spokes().zip(turns.iter_mut().zip(moves.iter_mut())) {
-        let [x, y] = spoke.direction;
-        *axis = motion.turned.rotate(&Vector3::new(x, y, T::zero()));
+        *axis = motion.turned.rotate_in_sheet(spoke.direction);
         *through = motion.apply(place);
         let half = half_angles.get(spoke.group.index())?;
         motion.turn(half.signed(spoke.negative), spoke, place);
@@ -152,8 +151,8 @@ impl<T: Scalar> Motion<T> {
         }
     }
 
-    fn apply(&self, [x, y]: &[T; 2]) -> Vector3<T> {
-        self.turned.rotate(&Vector3::new(*x, *y, T::zero())) + self.moved
+    fn apply(&self, place: &[T; 2]) -> Vector3<T> {
+        self.turned.rotate_in_sheet(*place) + self.moved
     }
 
     /// On to the face behind a crease, whose line stays where it is.

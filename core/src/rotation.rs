@@ -88,6 +88,16 @@ impl<T: Scalar> Rotation<T> {
         vector + t * self.w + self.v.cross(&t)
     }
 
+    /// The vector (`x`, `y`, 0) rotated: [`rotate`](Self::rotate) without the terms of its z.
+    #[inline]
+    #[must_use]
+    pub fn rotate_in_sheet(self, [x, y]: [T; 2]) -> Vector3<T> {
+        let v = self.v;
+        let t = Vector3::new(-v.z * y, v.z * x, v.x * y - v.y * x) * T::TWO;
+        let turned = t * self.w + v.cross(&t);
+        Vector3::new(turned.x + x, turned.y + y, turned.z)
+    }
+
     /// The same rotation as a 3x3 matrix.
     #[must_use]
     pub fn matrix(self) -> Matrix3<T> {
@@ -163,6 +173,9 @@ mod tests {
         assert!(difference.abs().max() < 1e-15);
         let across = a.across_crease(HalfAngle::of(-1.9), [-1.0, 0.0]);
         assert!((across.matrix() - a.matrix() * b.matrix()).abs().max() < 1e-15);
+        let turned =
+            (a * b).rotate_in_sheet([0.3, -2.0]) - (a * b).matrix() * Vector3::new(0.3, -2.0, 0.0);
+        assert!(turned.norm() < 1e-15);
         let back = (a * b) * (a * b).inverse();
         assert!((back.w - 1.0).abs() < 1e-15 && back.v.norm() < 1e-15);
     }

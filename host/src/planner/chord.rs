@@ -41,7 +41,7 @@ pub(super) fn close(
         closed: false,
         steps: 0,
     };
-    let mut residual = problem.linearise(x, equations)?.max;
+    let mut residual = problem.linearise(x, equations)?.max();
     // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
     let damping = equations.max_diagonal() * f64::EPSILON.sqrt();
     if residual > NEAR || residual > f64::CLOSURE_TOLERANCE && !equations.factorise(damping) {
@@ -54,7 +54,7 @@ pub(super) fn close(
             equations,
             block: 0,
         };
-        let next = problem.linearise(trial, &mut rows)?.max;
+        let next = problem.linearise(trial, &mut rows)?.max();
         chord.steps += 1;
         let shrinks = next <= f64::CLOSURE_TOLERANCE || next <= CONTRACTION * residual;
         if !shrinks || !within(limits, trial) {
