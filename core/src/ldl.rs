@@ -26,13 +26,15 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
             return false;
         };
         let mut pivot = *diagonal + damping;
-        for (entry, &inverse) in left
+        for (entry, (j, row)) in left
             .iter_mut()
-            .zip(above.iter().step_by(n.saturating_add(1)))
+            .zip(above.chunks_exact(n.max(1)).enumerate())
         {
-            let scaled = *entry * inverse;
-            pivot -= *entry * scaled;
-            *entry = scaled;
+            if let Some(&inverse) = row.get(j) {
+                let scaled = *entry * inverse;
+                pivot -= *entry * scaled;
+                *entry = scaled;
+            }
         }
         if pivot.is_finite() && pivot > T::zero() {
             *diagonal = T::one() / pivot;
@@ -52,11 +54,10 @@ pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
             *entry -= dot(done, row);
         }
     }
-    for (entry, &inverse) in right_side
-        .iter_mut()
-        .zip(factor.iter().step_by(n.saturating_add(1)))
-    {
-        *entry *= inverse;
+    for (entry, (i, row)) in right_side.iter_mut().zip(rows.clone()) {
+        if let Some(&inverse) = row.get(i) {
+            *entry *= inverse;
+        }
     }
     // By columns of L, so that this walks along rows too.
     for (i, row) in rows.rev() {
