@@ -204,6 +204,14 @@ impl FoldingMap {
 
     /// Places faces and vertices by the half angles.
     fn place(&mut self, pattern: &CreasePattern, tree: &SpanningTree) {
+        if self
+            .half_angles
+            .iter()
+            .all(|half| *half == HalfAngle::default())
+        {
+            self.unfold(pattern);
+            return;
+        }
         for &root in tree.roots() {
             self.poses[root.index()] = Pose::identity();
         }
@@ -220,6 +228,15 @@ impl FoldingMap {
             self.poses[step.face.index()] = pose;
         }
         self.place_vertices(pattern);
+    }
+
+    /// Places faces and vertices as they are drawn.
+    fn unfold(&mut self, pattern: &CreasePattern) {
+        self.poses.fill(Pose::identity());
+        for (folded, flat) in self.vertices.iter_mut().zip(pattern.vertices()) {
+            *folded = flat.push(0.0);
+        }
+        self.gap = 0.0;
     }
 
     /// Places the vertices, each by the first of its faces, and measures how far the others have it from

@@ -241,8 +241,11 @@ struct Search<'a> {
     rays: Ragged<Ray>,
     real: Vec<VertexId>,
     sets: ParitySets,
-    /// Relations that the isometry at hand implies.
+    /// Relations that the isometry at hand implies, and the vertices that it takes to another.
     found: Vec<(CreaseId, CreaseId)>,
+    mapped: Vec<(VertexId, VertexId)>,
+    /// Vertices that symmetries take to each other.
+    orbits: ParitySets,
     /// For each vertex the last isometry, by its number, that took another to it.
     image_of: Vec<u32>,
     /// For each crease the last isometry of which its image was noted, as seen from one end or the other.
@@ -279,6 +282,8 @@ impl<'a> Search<'a> {
             real,
             sets: single(pattern),
             found: Vec::with_capacity(pattern.creases().len()),
+            mapped: Vec::with_capacity(pattern.vertices().len()),
+            orbits: ParitySets::new(pattern.vertices().iter().map(|_| None), 0.0),
             image_of: vec![0; pattern.vertices().len()],
             noted: vec![0; pattern.creases().len()],
             isometries: 0,
@@ -293,6 +298,9 @@ impl<'a> Search<'a> {
         let mut kinds: Vec<Kind> = Vec::new();
         for index in 0..self.real.len() {
             let vertex = self.real[index];
+            if kinds.iter().any(|kind| self.is_told(kind, vertex)) {
+                continue;
+            }
             let mut known = false;
             for kind in &mut kinds {
                 if self.rays[kind.vertex.index()].len() == self.rays[vertex.index()].len() {
@@ -310,53 +318,63 @@ impl<'a> Search<'a> {
         (groups, kinds.len(), self.worst.sqrt())
     }
 
+    /// Whether symmetries of exact coordinates that were found before take the kind to this vertex, which tells all
+    /// there is to tell.
+    fn is_told(&mut self, kind: &Kind, vertex: VertexId) -> bool {
+        let exact = self.tolerance <= SAME_PLACE;
+        let mut joined = || {
+            self.orbits
+                .related(kind.vertex.index(), vertex.index(), false)
+        };
+        exact && kind.settled && joined()
+    }
+
     /// Tries every isometry that takes the star of the kind to that of a vertex, as long as any may tell
     /// something new. Returns whether the stars are congruent at all.
     fn try_all(&mut self, kind: &mut Kind, to: VertexId) -> bool {
         let from = kind.vertex;
         let [mut congruent, mut all_known] = [false, true];
         let degree = self.rays[to.index()].len();
-        let both = [false, true];
-        let turned_over = both
-            .iter()
-            .flat_map(|mirrored| both.map(|flips| (*mirrored, flips)));
-        let ways = turned_over.flat_map(|way| (0..degree).map(move |first| (way, first)));
-        for ((mirrored, flips), first) in ways {
-            let image = StarImage { first, mirrored };
-            let [rays, images] = [from, to].map(|v| &self.rays[v.index()]);
-            let mut pairs = rays
-                .iter()
-                .enumerate()
-                .map(|(k, ray)| (ray, image.of(k, images)));
-            if !pairs.clone().all(|(ray, image)| ray.agrees(image, flips)) {
-                continue;
+        let turned_over = [(false, false), (false, true), (true, false), (true, true)];
+        for (mirrored, flips) in turned_over {
+            for first in 0..degree {
+                let image = StarImage { first, mirrored };
+                let [rays, images] = [from, to].map(|v| &self.rays[v.index()]);
+                let mut pairs = rays
+                    .iter()
+                    .enumerate()
+                    .map(|(k, ray)| (ray, image.of(k, images)));
+                if !pairs.clone().all(|(ray, image)| ray.agrees(image, flips)) {
+                    continue;
+                }
+                let sets = &mut self.sets;
+                let mut known = pairs.all(|(ray, image)| {
+                    sets.related(ray.crease.index(), image.crease.index(), flips)
+                });
+                if known && congruent {
+                    continue;
+                }
+                let mut isometry = Isometry::between(
+                    [from, to].map(|v| self.pattern.vertices()[v.index()]),
+                    [rays[0].direction, image.of(0, images).direction],
+                    mirrored,
+                    flips,
+                );
+                if !self.maps_star(&isometry, from, to, self.star_tolerance()) {
+                    continue;
+                }
+                congruent = true;
+                if known && kind.settled {
+                    return true;
+                }
+                if !known && self.tolerance > SAME_PLACE {
+                    isometry = self.fitted(isometry, from);
+                }
+                if !known && self.budget > 0 && self.is_symmetry(&isometry) {
+                    known = self.join(flips);
+                }
+                all_known &= known;
             }
-            let sets = &mut self.sets;
-            let mut known = pairs
-                .all(|(ray, image)| sets.related(ray.crease.index(), image.crease.index(), flips));
-            if known && congruent {
-                continue;
-            }
-            let mut isometry = Isometry::between(
-                [from, to].map(|v| self.pattern.vertices()[v.index()]),
-                [rays[0].direction, image.of(0, images).direction],
-                mirrored,
-                flips,
-            );
-            if !self.maps_star(&isometry, from, to, self.star_tolerance()) {
-                continue;
-            }
-            congruent = true;
-            if known && kind.settled {
-                return true;
-            }
-            if !known && self.tolerance > SAME_PLACE {
-                isometry = self.fitted(isometry, from);
-            }
-            if !known && self.budget > 0 && self.is_symmetry(&isometry) {
-                known = self.join(flips);
-            }
-            all_known &= known;
         }
         kind.settled |= congruent && all_known;
         congruent
@@ -450,6 +468,7 @@ impl<'a> Search<'a> {
     /// of creases, which may contradict each other or what is known.
     fn is_symmetry(&mut self, isometry: &Isometry) -> bool {
         self.found.clear();
+        self.mapped.clear();
         self.isometries += 1;
         for index in 0..self.real.len() {
             self.budget = self.budget.saturating_sub(1);
@@ -458,6 +477,7 @@ impl<'a> Search<'a> {
             let fits = match self.places.vertex_at(image) {
                 Some(to) => {
                     self.image_of[to.index()] = self.isometries;
+                    self.mapped.push((vertex, to));
                     self.maps_star(isometry, vertex, to, self.tolerance)
                 }
                 None => !self.places.is_inside(image),
@@ -494,6 +514,14 @@ impl<'a> Search<'a> {
         let joins = self.found.iter().all(consistent);
         if joins {
             self.sets = joined;
+            // A star that the border cuts is not all of it.
+            for &(from, to) in self
+                .mapped
+                .iter()
+                .filter(|(_, to)| self.pattern.is_real(*to))
+            {
+                self.orbits.join(from.index(), to.index(), false);
+            }
         }
         joins
     }
