@@ -11,7 +11,7 @@ use foldpath_core::wire::message::{SCHEMA, ToDevice, ToHost, VERSION};
 use foldpath_core::wire::sender::{Failure, Phase};
 use foldpath_firmware_sim::controller::Settings;
 use foldpath_firmware_sim::faults::Faults;
-use foldpath_firmware_sim::hinges::{Drive, Hinges};
+use foldpath_firmware_sim::hinges::{Drive, Hinges, Trouble};
 use rand_core::Rng;
 
 const SEEDS: u64 = 100;
@@ -414,6 +414,7 @@ fn reset(world: &mut World<'_>) {
 const DRIVE: Drive = Drive {
     lag: 0.005,
     speed: 4.0,
+    acceleration: 200.0,
     play: 0.002,
     noise: 0.001,
 };
@@ -429,12 +430,7 @@ fn with_hinges<'a>(path: &'a Path, drive: Drive, seed: u64) -> World<'a> {
 #[test]
 fn real_hinges_tear_the_sheet_by_no_more_than_they_are_off() {
     let path = Path::miura();
-    let exact = Drive {
-        lag: 0.0,
-        play: 0.0,
-        speed: f64::INFINITY,
-        noise: 0.0,
-    };
+    let exact = Drive::default();
     let lagging = Drive {
         lag: 0.005,
         ..exact
@@ -480,9 +476,9 @@ fn a_dip_of_the_supply_slows_the_sheet_and_nobody_has_to_ask() {
             .hinges
             .as_mut()
             .unwrap()
-            .supply(below(&mut rng, 20) as f64 / 100.0);
+            .befall(Trouble::Supply(below(&mut rng, 20) as f64 / 100.0));
         world.run(100_000 + below(&mut rng, 700_000));
-        world.hinges.as_mut().unwrap().supply(1.0);
+        world.hinges.as_mut().unwrap().befall(Trouble::Supply(1.0));
         let lagged = matches!(world.reason(), Reason::Lag(_));
         slowed += u64::from(lagged);
         world.run(200_000);
@@ -505,11 +501,11 @@ fn a_dip_that_resets_the_controller_ends_where_the_hinges_stand() {
         let mut world = with_hinges(&path, DRIVE, seed);
         let mut rng = rng(1300 + seed);
         world.run(400_000 + below(&mut rng, 1_500_000));
-        world.hinges.as_mut().unwrap().supply(0.0);
+        world.hinges.as_mut().unwrap().befall(Trouble::Supply(0.0));
         world.run(below(&mut rng, 300_000));
         reset(&mut world);
         world.run(100_000);
-        world.hinges.as_mut().unwrap().supply(1.0);
+        world.hinges.as_mut().unwrap().befall(Trouble::Supply(1.0));
         world.hosts.push(common::Host::new(&path, 99_999));
         world.finish(30);
         assert_eq!(world.failure(0), Some(Failure::Lost));

@@ -393,6 +393,64 @@ fn the_command_adds_faults_from_a_seed() {
     assert_eq!(deaf["reason"], "the controller is silent");
 }
 
+/// What `stream` says of a small sheet with these drives and this script.
+fn driven(folder: &Folder, options: &str) -> Value {
+    let stream = "stream path.traj --to sim --sheet path.fold --json";
+    folder.run(&format!("{stream} {options}")).json()
+}
+
+/// The true hinges make the true sheet.
+#[test]
+fn drives_deform_the_sheet_by_what_they_are_off() {
+    let folder = small();
+    let number = |json: &Value, key: &str| json[key].as_f64().unwrap();
+    // Where they are commanded they close in numbers of 32 bits.
+    let exact = driven(&folder, "");
+    assert_eq!(exact["outcome"], "done");
+    assert!(number(&exact, "max_deformation") < 1e-5, "{exact}");
+    assert!(number(&exact, "max_gap") < 1e-5, "{exact}");
+    // Hinges that are late alike leave the sheet almost whole, play and noise do not.
+    let late = driven(&folder, "--drives lag=0.005");
+    let loose = driven(&folder, "--drives play=0.01,noise=0.001,seed=3");
+    for json in [&late, &loose] {
+        assert_eq!(json["outcome"], "done");
+    }
+    let [whole, late, loose] = [exact, late, loose].map(|json| number(&json, "max_gap"));
+    assert!(
+        whole < late && late < loose && loose < 0.1,
+        "{whole} {late} {loose}"
+    );
+}
+
+#[test]
+fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
+    let folder = small();
+    folder.write("stall.txt", "# the third\n\n0.8 stick 3 # for ever\n");
+    let json = driven(&folder, "--script stall.txt");
+    assert_eq!(json["outcome"], "faulted");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(reason.contains("hinge 3 "), "{reason}");
+    // The others went on until that was seen.
+    assert!(json["max_gap"].as_f64().unwrap() > 1e-3);
+
+    folder.write("jump.txt", "0.8 jump 5 0.5");
+    let json = driven(&folder, "--script jump.txt");
+    assert_eq!(json["outcome"], "faulted");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(reason.contains("hinge 5 "), "{reason}");
+
+    folder.write("dip.txt", "1.6 supply 1\n0.8 supply 0.1\n");
+    let [with, without] = ["--script dip.txt", ""].map(|script| {
+        let json = driven(&folder, &format!("{script} --drives speed=2.5"));
+        assert_eq!(json["outcome"], "done");
+        json["duration"].as_f64().unwrap()
+    });
+    assert!(with > without + 0.3, "{with} {without}");
+
+    folder.write("free.txt", "0.8 stick 3\n0.85 free 3");
+    assert_eq!(driven(&folder, "--script free.txt")["outcome"], "done");
+}
+
 #[test]
 fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     let folder = small();
@@ -789,6 +847,9 @@ fn bad_files_and_usage_are_told() {
     std::fs::write(folder.path("changed.traj"), changed).unwrap();
     std::fs::write(folder.path("short.traj"), &good[..good.len() - 9]).unwrap();
     folder.write("empty.traj", "");
+    folder.write("script.txt", "1 supply 0.5\n1 stick 12\n");
+    folder.done("generate miura --rows 2 --cols 3 -o flat.fold");
+    folder.done("plan flat.fold -o other.fold");
     for (arguments, message) in [
         (
             "path.fold --to sim",
@@ -808,6 +869,20 @@ fn bad_files_and_usage_are_told() {
         ),
         ("path.traj --to sim --log no/log.csv", "no/log.csv: "),
         (
+            "path.traj --to sim --script script.txt",
+            "script.txt: line 2: expected SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, \
+             with hinges below 12, found 1 stick 12",
+        ),
+        ("path.traj --to sim --script none.txt", "none.txt: "),
+        (
+            "path.traj --to sim --sheet other.fold",
+            "other.fold: foldpath:edges_group: expected the 12 hinges of the path that is sent, found 7 hinges",
+        ),
+        (
+            "path.traj --to tcp:1 --drives lag=1",
+            "--drives, --script and --sheet: expected --to sim",
+        ),
+        (
             "path.traj --to qemu",
             "--to qemu: no image: expected --image FILE, which `cargo build",
         ),
@@ -818,6 +893,18 @@ fn bad_files_and_usage_are_told() {
             "{answer:?}"
         );
         assert_eq!(answer.stdout, "");
+    }
+    for (drives, message) in [
+        (
+            "mass=1",
+            "expected lag, speed, acceleration, play, noise or seed, found mass",
+        ),
+        ("lag=-1", "lag: expected 0 or more, found -1"),
+        ("lag", "expected KEY=VALUE, found lag"),
+    ] {
+        let stream = format!("stream path.traj --to sim --drives {drives}");
+        let answer = folder.run(&stream).with_status(2);
+        assert!(answer.stderr.contains(message), "{answer:?}");
     }
     let answer = folder.run("stream path.traj --to usb").with_status(2);
     assert!(

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use foldpath_firmware_sim::hinges::Drive;
+
 use crate::planner;
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
@@ -548,6 +550,17 @@ pub(super) struct Stream {
     /// Faults to add to the line, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     #[arg(long)]
     pub(super) faults: Option<LineFaults>,
+    /// With sim: what its hinges' drives have, of lag (seconds), speed (radians a second), acceleration (torque over
+    /// what is turned, radians a second squared), play and noise (radians): lag=0.005,speed=4,acceleration=200,seed=7
+    #[arg(long)]
+    pub(super) drives: Option<Drives>,
+    /// With sim: what befalls its hinges, a line an event: SECONDS and supply 0..1, stick HINGE, free HINGE or
+    /// jump HINGE RADIANS (of its sensor)
+    #[arg(long)]
+    pub(super) script: Option<PathBuf>,
+    /// With sim: the path that the .traj file was exported from, to tell how far from rigid its sheet was
+    #[arg(long)]
+    pub(super) sheet: Option<PathBuf>,
     /// Image for qemu [default: that of the workspace, built if there is none]
     #[arg(long)]
     pub(super) image: Option<PathBuf>,
@@ -593,16 +606,12 @@ impl FromStr for LineFaults {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut this = Self::default();
-        for pair in text.split(',') {
-            let (key, value) = pair
-                .split_once('=')
-                .ok_or_else(|| format!("expected KEY=VALUE, found {pair}"))?;
+        for pair in pairs(text) {
+            let (key, value) = pair?;
             let faults = &mut this.faults;
             let part = match key {
                 "seed" => {
-                    let seed = value.parse();
-                    this.seed =
-                        seed.map_err(|_| format!("seed: expected a number, found {value}"))?;
+                    this.seed = seed(value)?;
                     continue;
                 }
                 "drop" => &mut faults.drop,
@@ -619,4 +628,54 @@ impl FromStr for LineFaults {
         }
         Ok(this)
     }
+}
+
+/// Drives of hinges.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Drives {
+    pub(super) drive: Drive,
+    pub(super) seed: u64,
+}
+
+impl FromStr for Drives {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut this = Self::default();
+        for pair in pairs(text) {
+            let (key, value) = pair?;
+            let drive = &mut this.drive;
+            let number = match key {
+                "seed" => {
+                    this.seed = seed(value)?;
+                    continue;
+                }
+                "lag" => &mut drive.lag,
+                "speed" => &mut drive.speed,
+                "acceleration" => &mut drive.acceleration,
+                "play" => &mut drive.play,
+                "noise" => &mut drive.noise,
+                _ => {
+                    let expected = "lag, speed, acceleration, play, noise or seed";
+                    return Err(format!("expected {expected}, found {key}"));
+                }
+            };
+            let parsed = value.parse().ok().filter(|number| *number >= 0.0);
+            *number = parsed.ok_or_else(|| format!("{key}: expected 0 or more, found {value}"))?;
+        }
+        Ok(this)
+    }
+}
+
+/// The pairs of a list KEY=VALUE,KEY=VALUE.
+fn pairs(text: &str) -> impl Iterator<Item = Result<(&str, &str), String>> {
+    text.split(',').map(|pair| {
+        pair.split_once('=')
+            .ok_or_else(|| format!("expected KEY=VALUE, found {pair}"))
+    })
+}
+
+fn seed(value: &str) -> Result<u64, String> {
+    let seed = value.parse();
+    seed.map_err(|_| format!("seed: expected a number, found {value}"))
 }

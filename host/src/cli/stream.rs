@@ -9,12 +9,14 @@ use std::time::{Instant, SystemTime};
 use foldpath_core::follower::State;
 use serde::Serialize;
 
-use super::args::{LineFaults, Stream, Target};
+use super::args::{Drives, LineFaults, Stream, Target};
 use super::{Answer, CliError, check_output, print, print_json};
-use crate::formats::{FileError, write_whole_with};
+use crate::folding::Rigidity;
+use crate::formats::fold::read_path;
+use crate::formats::{FileError, read_text, write_whole_with};
 use crate::stream::{
-    self, Emulator, Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Watcher,
-    Wire, Wish, default_image,
+    self, Emulator, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry,
+    Watcher, Wire, Wish, default_image, script,
 };
 
 /// Time between two lines of progress.
@@ -30,6 +32,10 @@ struct StreamJson<'a> {
     refused: u64,
     max_closure: f64,
     duration: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_deformation: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_gap: Option<f64>,
 }
 
 pub(super) fn run(args: &Stream) -> Answer {
@@ -41,8 +47,19 @@ pub(super) fn run(args: &Stream) -> Answer {
         source,
     })?;
     let path = StreamPath::read(&bytes, &args.path)?;
+    let simulated = matches!(args.to, Target::Sim);
+    if !simulated && (args.drives.is_some() || args.script.is_some() || args.sheet.is_some()) {
+        let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
+        return Err(CliError::Usage(what.into()));
+    }
+    let mut rigidity = None;
     let summary = match &args.to {
-        Target::Sim => session(Sim::new(), args, &path, 1)?,
+        Target::Sim => {
+            let mut sim = Sim::driving(plant(args, &path)?);
+            let summary = session(&mut sim, args, &path, 1)?;
+            rigidity = sim.plant().and_then(Plant::rigidity);
+            summary
+        }
         Target::Qemu => {
             let image = match &args.image {
                 Some(image) => image.clone(),
@@ -62,8 +79,22 @@ pub(super) fn run(args: &Stream) -> Answer {
             connected(&format!("tcp:{address}"), link, args, &path)?
         }
     };
-    report(args, &path, &summary)?;
+    report(args, &path, &summary, rigidity)?;
     Ok(summary.outcome == Outcome::Done)
+}
+
+/// The hinges of a simulated controller.
+fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
+    let events = match &args.script {
+        Some(file) => script(&read_text(file)?, path.hinges().len(), file)?,
+        None => Vec::new(),
+    };
+    let Drives { drive, seed } = args.drives.unwrap_or_default();
+    let plant = Plant::new(path, drive, seed, events);
+    Ok(match &args.sheet {
+        Some(file) => plant.with_sheet(path, read_path(file)?, file)?,
+        None => plant,
+    })
 }
 
 /// A session over a link, if there is one.
@@ -149,7 +180,12 @@ fn logged(
     summary.ok_or_else(|| CliError::Usage("--log: nothing was written".into()))
 }
 
-fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), CliError> {
+fn report(
+    args: &Stream,
+    path: &StreamPath,
+    summary: &Summary,
+    rigidity: Option<Rigidity>,
+) -> Result<(), CliError> {
     #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
     let duration = summary.duration as f64 / 1e6;
     let json = StreamJson {
@@ -161,6 +197,8 @@ fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), Cli
         refused: summary.refused,
         max_closure: summary.max_closure,
         duration,
+        max_deformation: rigidity.map(|rigidity| rigidity.deformation),
+        max_gap: rigidity.map(|rigidity| rigidity.gap),
     };
     if args.report.json {
         return print_json(&json);
@@ -181,6 +219,14 @@ fn report(args: &Stream, path: &StreamPath, summary: &Summary) -> Result<(), Cli
         json.refused,
         json.max_closure,
     );
+    if let Some(Rigidity {
+        deformation, gap, ..
+    }) = rigidity
+    {
+        text += &format!(
+            "  sheet        deformation {deformation:.1e}, gap {gap:.1e} of its hinges as they were\n"
+        );
+    }
     if let Some(log) = &args.log {
         text += &format!("  log          {}\n", log.display());
     }

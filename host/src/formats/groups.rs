@@ -114,7 +114,7 @@ fn alike(a: Node<f64>, b: Node<f64>) -> bool {
 }
 
 /// The hinges with their groups, numbered from 0 without gaps.
-fn hinges(path: &PathFile, file: &Path) -> Result<Vec<(EdgeId, Membership)>, FileError> {
+pub(super) fn hinges(path: &PathFile, file: &Path) -> Result<Vec<(EdgeId, Membership)>, FileError> {
     let edges = path.pattern.edges().iter().enumerate();
     let hinges = edges.filter_map(|(edge, parts)| parts.crease.map(|crease| (edge, crease)));
     let member = |(edge, crease): (usize, CreaseId)| {

@@ -31,7 +31,7 @@ pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
 }
 
 /// The text of a file, without a byte order mark.
-fn read_text(path: &Path) -> Result<String, FileError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
     let bytes = std::fs::read(path).map_err(|source| FileError::Io {
         path: path.to_path_buf(),
         source,

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::{FileError as WriteError, GroupLimits, write};
-use foldpath_core::{Scalar, Spoke, StarsView};
+use foldpath_core::{Membership, Scalar, Spoke, StarsView};
 
 use super::FileError;
 use super::fold::PathFile;
-use super::groups::{GroupPath, unfit};
+use super::groups::{GroupPath, hinges, unfit};
 use crate::numbers::largest;
 use crate::planner::Overshoot;
 use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
@@ -27,6 +27,15 @@ pub struct TrajFile {
     pub knots: usize,
     /// Seconds from the first knot to the last.
     pub duration: f64,
+}
+
+/// Group and sign of each hinge of a path, in the order in which a `.traj` file has them, which is that of the creases.
+///
+/// # Errors
+/// If a hinge has no group.
+pub fn memberships(path: &PathFile, file: &Path) -> Result<Vec<Membership>, FileError> {
+    let hinges = hinges(path, file)?;
+    Ok(hinges.into_iter().map(|(_, member)| member).collect())
 }
 
 /// Part of its limits by which a path may pass them; what it does is made slower, as what rounding does.

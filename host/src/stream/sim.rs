@@ -6,7 +6,7 @@ use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
 use rand_pcg::Pcg64;
 
-use super::Link;
+use super::{Link, Plant};
 
 /// Room for 32 groups, more than a frame holds; for as many hinges as the protocol counts; for the spokes of a
 /// thousand vertices of degree 4; and for 64 setpoints.
@@ -15,7 +15,11 @@ type Device = Controller<32, 16_384, 4096, 64>;
 /// Microseconds of a step, of which four are a tick of the controller.
 const STEP: u64 = 250;
 
-/// A controller whose hinges are where they are commanded, behind a serial line of 1 Mbaud that takes a millisecond.
+/// Microseconds between two looks at the sheet.
+const LOOK: u64 = 20_000;
+
+/// A controller behind a serial line of 1 Mbaud that takes a millisecond. Without a plant its hinges are where they
+/// are commanded.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
@@ -23,6 +27,7 @@ pub struct Sim {
     up: Line<Pcg64>,
     down: Line<Pcg64>,
     outgoing: Vec<u8>,
+    plant: Option<Plant>,
 }
 
 impl Sim {
@@ -43,7 +48,23 @@ impl Sim {
             up: line(),
             down: line(),
             outgoing: Vec::new(),
+            plant: None,
         }
+    }
+
+    /// A controller that has just started and drives this.
+    #[must_use]
+    pub fn driving(plant: Plant) -> Self {
+        Self {
+            plant: Some(plant),
+            ..Self::new()
+        }
+    }
+
+    /// What it drives.
+    #[must_use]
+    pub fn plant(&self) -> Option<&Plant> {
+        self.plant.as_ref()
     }
 }
 
@@ -78,6 +99,12 @@ impl Link for Sim {
         }
         if self.now.is_multiple_of(4 * STEP) {
             self.device.tick(self.now);
+            if let Some(plant) = &mut self.plant {
+                plant.turn(self.now, self.device.follower_mut());
+                if self.now.is_multiple_of(LOOK) {
+                    plant.look();
+                }
+            }
         }
         self.device.poll(self.now);
         while self.down.is_free(self.now)

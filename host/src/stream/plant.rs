@@ -1,0 +1,114 @@
+//! What a simulated controller drives: hinges with all that befalls them, and the sheet that they fold.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use foldpath_core::follower::Follower;
+use foldpath_firmware_sim::hinges::{Drive, Hinges, Trouble};
+use rand_pcg::Pcg64;
+
+use super::StreamPath;
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::formats::FileError;
+use crate::formats::fold::PathFile;
+use crate::formats::traj::memberships;
+use crate::pattern::CreasePattern;
+
+/// Hinges with drives in virtual time.
+#[derive(Debug)]
+pub struct Plant {
+    hinges: Hinges<Pcg64>,
+    /// What is still to happen, at which microsecond.
+    script: VecDeque<(u64, Trouble)>,
+    sheet: Option<Sheet>,
+}
+
+/// The sheet on the hinges.
+#[derive(Debug)]
+struct Sheet {
+    pattern: CreasePattern,
+    tree: SpanningTree,
+    map: FoldingMap,
+    worst: Rigidity,
+}
+
+impl Plant {
+    /// The hinges of a path, flat, with drives whose noise is drawn from `seed`, and what is to happen when.
+    #[must_use]
+    pub fn new(path: &StreamPath, drive: Drive, seed: u64, script: Vec<(u64, Trouble)>) -> Self {
+        let hinges = Hinges::new(path.hinges(), drive, Pcg64::new(u128::from(seed), 2));
+        Self {
+            hinges,
+            script: script.into(),
+            sheet: None,
+        }
+    }
+
+    /// The same with the sheet of `file`, the FOLD file that the path was exported from.
+    ///
+    /// # Errors
+    /// If it has other hinges.
+    pub fn with_sheet(
+        self,
+        path: &StreamPath,
+        sheet: PathFile,
+        file: &Path,
+    ) -> Result<Self, FileError> {
+        let hinges = memberships(&sheet, file)?;
+        if hinges != path.hinges() {
+            return Err(FileError::Expected {
+                path: file.to_path_buf(),
+                place: "foldpath:edges_group".into(),
+                expected: format!(
+                    "the {} hinges of the path that is sent",
+                    path.hinges().len()
+                ),
+                found: format!("{} hinges, or other groups of them", hinges.len()),
+            });
+        }
+        let tree = SpanningTree::from_central_face(&sheet.pattern);
+        let sheet = Sheet {
+            map: FoldingMap::flat(&sheet.pattern),
+            pattern: sheet.pattern,
+            tree,
+            worst: Rigidity::default(),
+        };
+        Ok(Self {
+            sheet: Some(sheet),
+            ..self
+        })
+    }
+
+    /// Lets hinges follow for a millisecond what is commanded at `now`, microseconds, and measures them.
+    pub(super) fn turn<const GROUPS: usize, const KNOTS: usize>(
+        &mut self,
+        now: u64,
+        follower: &mut Follower<f32, GROUPS, KNOTS>,
+    ) {
+        while let Some((_, trouble)) = self.script.pop_front_if(|(time, _)| *time <= now) {
+            self.hinges.befall(trouble);
+        }
+        self.hinges.follow(follower.angles(), 1e-3);
+        for (hinge, membership, angle) in self.hinges.measured() {
+            follower.measure(hinge, membership, angle);
+        }
+    }
+
+    /// Looks at the sheet.
+    pub(super) fn look(&mut self) {
+        if let Some(sheet) = &mut self.sheet {
+            sheet
+                .map
+                .fold(&sheet.pattern, &sheet.tree, &self.hinges.angles());
+            sheet.worst = sheet
+                .worst
+                .worse(sheet.map.rigidity(&sheet.pattern, &sheet.tree));
+        }
+    }
+
+    /// How far from rigid the sheet was at the worst, if there is one.
+    #[must_use]
+    pub fn rigidity(&self) -> Option<Rigidity> {
+        self.sheet.as_ref().map(|sheet| sheet.worst)
+    }
+}

@@ -1,0 +1,59 @@
+//! Scripts of what befalls hinges: a line an event, `SECONDS supply PART`, `SECONDS stick HINGE`, `SECONDS free HINGE`
+//! or `SECONDS jump HINGE RADIANS`. Empty lines and what follows a `#` are left out.
+
+use core::f64::consts::TAU;
+use core::ops::RangeInclusive;
+use std::path::Path;
+
+use foldpath_firmware_sim::hinges::Trouble;
+
+use crate::formats::FileError;
+
+/// What happens at which microsecond, in order, by the text of `file`, for so many hinges.
+///
+/// # Errors
+/// If a line is none of the above, or its hinge is none of them.
+pub fn script(text: &str, hinges: usize, file: &Path) -> Result<Vec<(u64, Trouble)>, FileError> {
+    let mut events = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
+            continue;
+        }
+        let event = event(line, hinges).ok_or_else(|| FileError::Expected {
+            path: file.to_path_buf(),
+            place: format!("line {number}"),
+            expected: format!(
+                "SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, with hinges below {hinges}"
+            ),
+            found: line.into(),
+        })?;
+        events.push(event);
+    }
+    events.sort_by_key(|(time, _)| *time);
+    Ok(events)
+}
+
+fn event(line: &str, hinges: usize) -> Option<(u64, Trouble)> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let (seconds, what) = words.split_first()?;
+    let number = |word: &str, range: RangeInclusive<f64>| {
+        let number = word.parse().ok();
+        number.filter(|number| range.contains(number))
+    };
+    let hinge = |word: &str| word.parse().ok().filter(|hinge| *hinge < hinges);
+    let trouble = match *what {
+        ["supply", part] => Trouble::Supply(number(part, 0.0..=1.0)?),
+        ["stick", word] => Trouble::Stick(hinge(word)?),
+        ["free", word] => Trouble::Free(hinge(word)?),
+        ["jump", word, radians] => Trouble::Jump(hinge(word)?, number(radians, -TAU..=TAU)?),
+        _ => return None,
+    };
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most a million seconds, not negative"
+    )]
+    let micros = (1e6 * number(seconds, 0.0..=1e6)?) as u64;
+    Some((micros, trouble))
+}
