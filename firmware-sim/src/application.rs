@@ -108,10 +108,14 @@ where
         }
     }
 
-    /// Asks the stop line.
+    /// Asks the stop line. That it stops is kept before the host is told: a reset may come in between.
     fn watch(&mut self) {
         let drawn = self.board.stop();
+        let before = self.device.follower().reason();
         self.device.stop(drawn);
+        if self.device.follower().reason() != before {
+            self.keep();
+        }
     }
 
     /// Ticks, which is what the watchdog looks for: without a clock, or without this loop, it is not fed.
@@ -126,6 +130,7 @@ where
     }
 
     /// Keeps what is commanded, in the record that is the older.
+    #[inline(never)]
     fn keep(&mut self) {
         let follower = self.device.follower();
         self.records = self.records.wrapping_add(1);
