@@ -11,15 +11,22 @@ use tempfile::TempDir;
 
 use super::image;
 
-/// Names of its sockets: the line to the host, the stop line, and the emulator's own.
-const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
+/// Names of its sockets: the line to the host, the stop line, the bench, and the emulator's own.
+const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
+/// Above the stack.
+const STACK_TOP: u32 = 0x2000_4000;
+/// The guard, 1 KiB, ends here.
+const GUARD_END: u32 = 0x2000_0400;
 
 /// A running board.
 pub(crate) struct Board {
     emulator: Child,
     line: UnixStream,
     stop: UnixStream,
+    bench: UnixStream,
     monitor: UnixStream,
+    /// What the monitor has told unasked.
+    events: Vec<String>,
     folder: TempDir,
 }
 
@@ -39,7 +46,9 @@ impl Board {
             command.arg("-chardev");
             command.arg(format!("socket,id={name},path={}", socket.display()));
         }
-        command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
+        for name in &SOCKETS[..3] {
+            command.args(["-serial", &format!("chardev:{name}")]);
+        }
         command.args(["-mon", "chardev=monitor,mode=control"]);
         command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
@@ -47,13 +56,16 @@ impl Board {
             .stdin(Stdio::null())
             .spawn()
             .expect("timeout starts");
-        let [line, stop, monitor] = listeners.map(|listener| accept(&listener, &mut emulator));
+        let [line, stop, bench, monitor] =
+            listeners.map(|listener| accept(&listener, &mut emulator));
         line.set_nonblocking(true).unwrap();
         let mut board = Self {
             emulator,
             line,
             stop,
+            bench,
             monitor,
+            events: Vec::new(),
             folder,
         };
         board.monitor("qmp_capabilities", "");
@@ -83,6 +95,11 @@ impl Board {
     /// Draws the stop line.
     pub(crate) fn draw_stop(&mut self) {
         self.stop.write_all(b"!").unwrap();
+    }
+
+    /// Has its hinges fail, as the plant's texts say.
+    pub(crate) fn bench(&mut self, text: &str) {
+        self.bench.write_all(text.as_bytes()).unwrap();
     }
 
     /// Lets no time pass on the board.
@@ -121,6 +138,51 @@ impl Board {
         std::fs::read(file).unwrap()
     }
 
+    /// Moves all that a frozen board has on its stack down to so many bytes above the guard, as if calls went deep.
+    pub(crate) fn deepen_stack(&mut self, left: u32) {
+        let mut debugger = self.debugger();
+        let old = u32::from_str_radix(&debugger.ask("pd"), 16)
+            .unwrap()
+            .swap_bytes();
+        assert!((GUARD_END..STACK_TOP).contains(&old), "{old:x}");
+        let size = STACK_TOP - old;
+        // The stack pointer is a multiple of 8, and the frames on it remember which of 4.
+        let new = GUARD_END + left / 8 * 8 + old % 8;
+        assert!(new + size <= old);
+        let bytes = debugger.ask(&format!("m{old:x},{size:x}"));
+        debugger.tell(&format!("M{new:x},{size:x}:{bytes}"));
+        debugger.tell(&format!("Pd={:08x}", new.swap_bytes()));
+        debugger.tell("D");
+    }
+
+    /// Has a function of a frozen board jump to itself where it begins.
+    pub(crate) fn hang(&mut self, function: u64) {
+        let mut debugger = self.debugger();
+        debugger.tell(&format!("M{function:x},2:fee7"));
+        debugger.tell("D");
+    }
+
+    fn debugger(&mut self) -> Debugger {
+        let socket = self.folder.path().join("debugger");
+        let listener = UnixListener::bind(&socket).unwrap();
+        let arguments = format!(
+            r#"{{"command-line":"gdbserver unix:{}"}}"#,
+            socket.display()
+        );
+        self.monitor("human-monitor-command", &arguments);
+        let mut debugger = Debugger(accept(&listener, &mut self.emulator));
+        // The emulator lets no single register be changed before someone has asked what there are.
+        debugger.ask("qXfer:features:read:target.xml:0,1000");
+        debugger
+    }
+
+    /// Whether the emulator has told of an event of this name.
+    pub(crate) fn happened(&mut self, event: &str) -> bool {
+        self.monitor("query-status", "");
+        let event = format!(r#""event": "{event}""#);
+        self.events.iter().any(|told| told.contains(&event))
+    }
+
     /// Asks the emulator for something, and waits until it has answered.
     fn monitor(&mut self, command: &str, arguments: &str) -> String {
         let arguments = Some(arguments).filter(|text| !text.is_empty());
@@ -139,9 +201,37 @@ impl Board {
                 if text.starts_with(r#"{"return""#) {
                     return text.into_owned();
                 }
+                self.events.push(text.into_owned());
                 line.clear();
             }
         }
+    }
+}
+
+/// GDB's remote protocol.
+struct Debugger(UnixStream);
+
+impl Debugger {
+    /// Sends a command; returns the answer.
+    fn ask(&mut self, command: &str) -> String {
+        let sum = |text: &str| text.bytes().fold(0_u8, u8::wrapping_add);
+        write!(self.0, "${command}#{:02x}", sum(command)).unwrap();
+        let mut answer = Vec::new();
+        // An acknowledgement, `$`, the answer, `#`, and its sum.
+        while answer.iter().rev().nth(2) != Some(&b'#') {
+            let mut byte = [0];
+            self.0.read_exact(&mut byte).unwrap();
+            answer.extend(byte);
+        }
+        self.0.write_all(b"+").unwrap();
+        let answer = String::from_utf8_lossy(&answer);
+        let (_, answer) = answer.split_once('$').unwrap();
+        answer[..answer.len() - 3].to_owned()
+    }
+
+    #[track_caller]
+    fn tell(&mut self, command: &str) {
+        assert_eq!(self.ask(command), "OK", "{command}");
     }
 }
 

@@ -86,6 +86,10 @@ pub(crate) struct World<'a> {
     pub(crate) sights: u64,
     /// What the board said that is no message.
     pub(crate) garbled: u64,
+    /// The longest that it said nothing, in its own time.
+    pub(crate) hole: u64,
+    /// Whether nobody takes what it says.
+    deaf: bool,
     fold: &'a Fold,
     start: Instant,
     outgoing: Vec<u8>,
@@ -107,6 +111,8 @@ impl<'a> World<'a> {
             sight: None,
             sights: 0,
             garbled: 0,
+            hole: 0,
+            deaf: false,
             fold,
             start: Instant::now(),
             outgoing: Vec::new(),
@@ -151,10 +157,13 @@ impl<'a> World<'a> {
         }
         let count = self.board.write(&self.outgoing);
         self.outgoing.drain(..count);
-        let bytes = self.board.read();
-        if count == 0 && bytes.is_empty() {
-            pause();
-        }
+        let bytes = if self.deaf {
+            Vec::new()
+        } else {
+            self.board.read()
+        };
+        // Bytes come and go one by one: whoever looks for each takes the emulator's time.
+        pause();
         for byte in bytes {
             self.incoming.push(byte);
             if byte == 0 {
@@ -200,6 +209,10 @@ impl<'a> World<'a> {
                     let numbers: Vec<f32> =
                         numbers.iter().map(|n| f32::from_le_bytes(*n)).collect();
                     let angles = (!numbers.is_empty()).then(|| numbers.try_into().unwrap());
+                    let silent = self
+                        .sight
+                        .map_or(0, |sight| time.saturating_sub(sight.time));
+                    self.hole = self.hole.max(silent);
                     let before = self.sight.replace(Sight {
                         time,
                         state,
@@ -261,6 +274,18 @@ impl<'a> World<'a> {
     pub(crate) fn run(&mut self, micros: u64) {
         let end = self.time() + micros;
         self.until(|world| world.time() >= end);
+    }
+
+    /// Runs for so many microseconds of the board's time, in which nobody takes what it says.
+    pub(crate) fn neglect(&mut self, micros: u64) {
+        let start = self.board.micros();
+        self.deaf = true;
+        while self.board.micros() - start < micros {
+            for _ in 0..10 {
+                self.step();
+            }
+        }
+        self.deaf = false;
     }
 
     /// Freezes the board and hears all that it has said.
