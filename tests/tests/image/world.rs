@@ -17,7 +17,7 @@ use super::path::{CLOSURE, Fold};
 
 /// A host's patience is not tested here: the machine may be busy.
 const PATIENT: Options = Options {
-    retry: 30_000,
+    retry: 100_000,
     alive: 50_000,
     silence: 60_000_000,
 };
@@ -81,6 +81,8 @@ pub(crate) struct World<'a> {
     /// All frames of hosts, as they are on the line.
     pub(crate) spoken: Vec<u8>,
     pub(crate) report: Option<Report>,
+    /// Number of reports.
+    pub(crate) reports: u64,
     pub(crate) sight: Option<Sight>,
     /// Telemetry that was judged.
     pub(crate) sights: u64,
@@ -108,6 +110,7 @@ impl<'a> World<'a> {
             down: Line::new(faults, rng(2 * seed + 1)),
             spoken: Vec::new(),
             report: None,
+            reports: 0,
             sight: None,
             sights: 0,
             garbled: 0,
@@ -196,7 +199,10 @@ impl<'a> World<'a> {
                 continue;
             };
             match message {
-                ToHost::Report(report) => self.report = Some(report),
+                ToHost::Report(report) => {
+                    self.report = Some(report);
+                    self.reports += 1;
+                }
                 ToHost::Telemetry {
                     time,
                     state,
@@ -286,6 +292,19 @@ impl<'a> World<'a> {
             }
         }
         self.deaf = false;
+    }
+
+    /// Runs until the board is reset; returns how many microseconds behind `start`, on its clock, it still was not.
+    pub(crate) fn until_reset(&mut self, start: u64) -> u64 {
+        let mut last = start;
+        loop {
+            self.step();
+            let now = self.board.micros();
+            if now < last {
+                return last - start;
+            }
+            last = now;
+        }
     }
 
     /// Freezes the board and hears all that it has said.
