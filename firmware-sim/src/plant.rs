@@ -138,3 +138,77 @@ impl<const GROUPS: usize> Plant<GROUPS> {
         membership.apply(drive.turn(membership.apply(command), now, speed))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::{GroupId, Membership};
+
+    use super::Plant;
+
+    fn member(group: u32, negative: bool) -> Membership {
+        let group = GroupId(group);
+        Membership { group, negative }
+    }
+
+    fn tell(plant: &Plant<2>, text: &str) {
+        text.bytes().for_each(|byte| plant.hear(byte));
+    }
+
+    /// Ticks from `from` to `to` milliseconds; returns where two hinges of each group are in the end.
+    fn run(plant: &Plant<2>, commands: [f32; 2], (from, to): (u32, u32)) -> [f32; 4] {
+        let [first, second] = commands;
+        let mut angles = [0.0; 4];
+        for now in (from..to).map(|milli| 1000 * (milli + 1)) {
+            angles = [
+                plant.drive(0, member(0, false), first, now),
+                plant.drive(1, member(1, true), -second, now),
+                plant.drive(2, member(0, true), -first, now),
+                plant.drive(3, member(1, false), second, now),
+            ];
+        }
+        angles
+    }
+
+    fn near(angles: [f32; 4], expected: [f32; 4]) {
+        let mut pairs = angles.iter().zip(expected);
+        assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-5), "{angles:?}");
+    }
+
+    #[test]
+    fn without_a_fault_hinges_are_where_they_are_commanded() {
+        let plant = Plant::new();
+        near(run(&plant, [0.0, 0.0], (0, 1)), [0.0; 4]);
+        near(run(&plant, [3.0, 1.0], (1, 2)), [3.0, -1.0, -3.0, 1.0]);
+    }
+
+    #[test]
+    fn drives_turn_at_the_speed_that_the_supply_leaves_them() {
+        let plant = Plant::new();
+        tell(&plant, "30s");
+        run(&plant, [0.5, 0.5], (0, 1));
+        // 1.8 rad/s for 100 ms; the way of the second group is less.
+        let angles = run(&plant, [1.0, 0.4], (1, 101));
+        near(angles, [0.68, -0.4, -0.68, 0.4]);
+        tell(&plant, "0s");
+        near(run(&plant, [1.0, 1.0], (101, 200)), angles);
+        tell(&plant, "100s");
+        near(
+            run(&plant, [1.0, 1.0], (200, 210)),
+            [0.74, -0.46, -0.74, 0.46],
+        );
+        // The clock begins anew, and no hinge is elsewhere for it.
+        near(run(&plant, [1.0, 1.0], (0, 1)), [0.8, -0.52, -0.8, 0.52]);
+    }
+
+    #[test]
+    fn one_hinge_sticks_and_comes_free() {
+        let plant = Plant::new();
+        run(&plant, [0.5, 0.5], (0, 1));
+        tell(&plant, "2k");
+        run(&plant, [0.5, 0.5], (1, 2));
+        near(run(&plant, [0.6, 0.6], (2, 102)), [0.6, -0.6, -0.5, 0.6]);
+        tell(&plant, "f");
+        near(run(&plant, [0.6, 0.6], (102, 112)), [0.6, -0.6, -0.56, 0.6]);
+        near(run(&plant, [0.6, 0.6], (112, 122)), [0.6, -0.6, -0.6, 0.6]);
+    }
+}
