@@ -131,7 +131,6 @@ fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
             // A host may ask for going on after what was before it.
             world.greet(Persistence::Resume);
             world.run_into(50_000 + rng.next_u64() % 400_000);
-            assert!(world.sight.unwrap().rate > 0.0);
             world.board.draw_stop();
             world.until(|world| reason(world) == Reason::StopLine);
             let time = world.time();

@@ -15,10 +15,11 @@ use rand_pcg::Pcg64;
 use super::board::{Board, pause};
 use super::path::{CLOSURE, Fold};
 
-/// A host's patience is not tested here: the machine may be busy.
+/// A host's patience is not tested here: the machine may be busy, and the board's time goes up to six times as fast as
+/// that of a machine which is not.
 const PATIENT: Options = Options {
     retry: 100_000,
-    alive: 50_000,
+    alive: 20_000,
     silence: 60_000_000,
 };
 
@@ -331,11 +332,15 @@ impl<'a> World<'a> {
         (self.report, self.sight) = (None, None);
     }
 
-    /// Runs until a moment in the midst of the motion.
+    /// Runs until a moment in the midst of the motion, which a busy machine may have held for a while.
     pub(crate) fn run_into(&mut self, micros: u64) {
         self.until(|world| world.sight.is_some_and(|s| s.state == State::Running));
         self.run(micros);
-        assert_ne!(self.sight.unwrap().state, State::Done);
+        self.until(|world| {
+            let Sight { state, rate, .. } = world.sight.unwrap();
+            assert_ne!(state, State::Done);
+            state == State::Running && rate > 0.0
+        });
     }
 
     /// Runs until the last host knows that the fold is done, and the board has told so.
