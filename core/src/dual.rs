@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use crate::least_squares::{Accumulate, NormalEquations};
-use crate::{Scalar, Spoke, cholesky};
+use crate::{Scalar, Spoke, dense, ldl};
 
 /// Jᵀ, with the factors of JJᵀ + λI, of M residuals: three for each star, six for each loop.
 #[derive(Debug)]
@@ -104,12 +104,12 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
                 }
             }
         }
-        self.added == M && cholesky::factorise(self.factor.as_flattened_mut(), M, damping)
+        self.added == M && ldl::factorise(self.factor.as_flattened_mut(), M, damping)
     }
 
     fn step(&mut self, step: &mut [T]) {
         let mut residuals = self.residuals;
-        cholesky::solve(self.factor.as_flattened(), M, &mut residuals);
+        ldl::solve(self.factor.as_flattened(), M, &mut residuals);
         for (step, column) in step.iter_mut().zip(&*self.columns) {
             *step = -dot(column, &residuals);
         }
@@ -123,7 +123,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
                 *sum += derivative * b;
             }
         }
-        cholesky::solve(self.factor.as_flattened(), M, &mut sums);
+        ldl::solve(self.factor.as_flattened(), M, &mut sums);
         for (b, column) in right_side.iter_mut().zip(&*self.columns) {
             *b = (*b - dot(column, &sums)) / self.damping;
         }
@@ -131,7 +131,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
 }
 
 fn dot<T: Scalar, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
-    cholesky::dot(a, b)
+    dense::dot(a, b)
 }
 
 /// Three entries from number `start` on.

@@ -6,7 +6,7 @@
 //! quadratically.
 
 use crate::Scalar;
-use crate::cholesky::dot;
+use crate::dense::dot;
 use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
 
 /// Length of the memory of costs against which a step is judged: 1 would be monotone descent, which

@@ -8,7 +8,7 @@
 //! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
 
 use crate::Scalar;
-use crate::cholesky::dot;
+use crate::dense::dot;
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
 
 /// First μ. The damping starts at ½‖r‖², below the curvature of any star that has more than a

@@ -83,7 +83,6 @@
 
 pub mod acceptance;
 mod checksum;
-mod cholesky;
 pub mod closure;
 mod curve;
 mod dense;
@@ -93,6 +92,7 @@ pub mod follower;
 pub mod gradient;
 mod group;
 pub mod hole;
+mod ldl;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 mod limits;

@@ -94,8 +94,8 @@ impl<T: Scalar> Rotation<T> {
     pub fn rotate_in_sheet(self, [x, y]: [T; 2]) -> Vector3<T> {
         let v = self.v;
         let t = Vector3::new(-v.z * y, v.z * x, v.x * y - v.y * x) * T::TWO;
-        let turned = t * self.w + v.cross(&t);
-        Vector3::new(turned.x + x, turned.y + y, turned.z)
+        let moved = t * self.w;
+        Vector3::new(x + moved.x, y + moved.y, moved.z) + v.cross(&t)
     }
 
     /// The same rotation as a 3x3 matrix.

@@ -2,6 +2,8 @@
 
 mod common;
 
+use core::num::NonZero;
+
 use common::{below, rng};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foldpath_core::acceptance::Refusal;
@@ -776,10 +778,10 @@ fn codes_of_hinges_take_as_few_bits_as_they_can() {
         (1 << 14, 15),
     ];
     for (groups, expected) in bits {
-        assert_eq!(path::hinge_bits(groups), expected, "{groups} groups");
+        assert_eq!(path::hinge_bits(groups).get(), expected, "{groups} groups");
     }
     // By hand: 5, 2, 7 and 0 in three bits each are 000 111 010 101.
-    let codes: Vec<u16> = path::hinge_codes(&[0b1101_0101, 0b0000_0001], 3).collect();
+    let codes: Vec<u16> = path::hinge_codes(&[0b1101_0101, 0b0000_0001], width(3)).collect();
     assert_eq!(codes, [5, 2, 7, 0, 0]);
 }
 
@@ -827,7 +829,11 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
             Item::Limits(bytes) => came_limits.extend(bytes.as_chunks().0.iter().map(path::limits)),
             Item::Hinges(bytes) => {
                 let left = usize::from(hinges) - came_hinges.len();
-                came_hinges.extend(path::hinge_codes(bytes, 2).take(left).map(path::hinge));
+                came_hinges.extend(
+                    path::hinge_codes(bytes, width(2))
+                        .take(left)
+                        .map(path::hinge),
+                );
             }
             Item::Spokes(bytes) => {
                 came_spokes.extend(bytes.as_chunks().0.iter().map(|b| path::spoke(*b)));
@@ -867,4 +873,8 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
         negative: false,
     };
     assert!(new(&[lost], place).is_none());
+}
+
+fn width(count: usize) -> NonZero<usize> {
+    NonZero::new(count).unwrap()
 }

@@ -74,8 +74,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         let bits = path::hinge_bits(head.groups);
         let left = usize::from(head.hinges).saturating_sub(self.hinges.len());
         let count = left.min(8 * bytes.len() / bits);
-        let ends = count == left || count * bits == 8 * bytes.len();
-        if !ends || (count * bits).div_ceil(8) != bytes.len() {
+        let ends = count == left || count * bits.get() == 8 * bytes.len();
+        if !ends || (count * bits.get()).div_ceil(8) != bytes.len() {
             return Err(ItemRefusal::Pieces);
         }
         let codes = || path::hinge_codes(bytes, bits).take(count);

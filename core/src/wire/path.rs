@@ -1,5 +1,7 @@
 //! A path and its sheet as items, and the bytes of their numbers.
 
+use core::num::NonZero;
+
 use crate::follower::Place;
 use crate::trajectory::TrajectoryView;
 use crate::wire::message::{Item, SetpointBytes, SheetHead};
@@ -47,19 +49,22 @@ pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
 
 /// Bits of a hinge of a sheet of so many groups: as few as the numbers below twice that take.
 #[must_use]
-pub fn hinge_bits(groups: u16) -> usize {
+pub fn hinge_bits(groups: u16) -> NonZero<usize> {
     let largest = (2 * u32::from(groups)).saturating_sub(1);
-    (u32::BITS - largest.leading_zeros()).max(1) as usize
+    NonZero::new((u32::BITS - largest.leading_zeros()) as usize).unwrap_or(NonZero::<usize>::MIN)
 }
 
 /// The codes of so many `bits` in these bytes, the lowest bits first; what is left of the last byte is dropped.
-pub fn hinge_codes(bytes: &[u8], bits: usize) -> impl Iterator<Item = u16> {
+pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u16> {
     let bit = move |place: usize| {
         let byte = bytes.get(place / 8).copied().unwrap_or(0);
         u16::from(byte >> (place % 8) & 1)
     };
-    let code = move |hinge: usize| (0..bits).fold(0, |code, k| code | bit(hinge * bits + k) << k);
-    (0..8 * bytes.len() / bits.max(1)).map(code)
+    let code = move |hinge: usize| {
+        let first = hinge * bits.get();
+        (0..bits.get()).fold(0, |code, k| code | bit(first + k) << k)
+    };
+    (0..8 * bytes.len() / bits).map(code)
 }
 
 /// A hinge, of its code: twice its group, and 1 more if it turns the opposite way.
@@ -149,8 +154,8 @@ impl<'a> PathItems<'a> {
             (usize::from(groups) * LIMITS, MOST_LIMITS * LIMITS),
             // Whole bytes of whole hinges.
             (
-                (usize::from(hinges) * bits).div_ceil(8),
-                MOST_BYTES / bits * bits,
+                (usize::from(hinges) * bits.get()).div_ceil(8),
+                MOST_BYTES / bits * bits.get(),
             ),
             (usize::from(spokes) * SPOKE, MOST_SPOKES * SPOKE),
         ]
@@ -225,7 +230,7 @@ impl<'a> PathItems<'a> {
             u8::from(code >> (place % bits) & 1 == 1)
         };
         let byte = move |byte: usize| (0..8).fold(0, |value, k| value | bit(8 * byte + k) << k);
-        (0..(self.hinges.len() * bits).div_ceil(8)).map(byte)
+        (0..(self.hinges.len() * bits.get()).div_ceil(8)).map(byte)
     }
 
     /// The bytes of piece number `index` of a kind.

@@ -2,6 +2,7 @@
 //! Cortex-M4F would take from software.
 
 use crate::Scalar;
+use crate::dense::dot;
 
 /// Replaces the lower triangle of A, `n` rows of `n` numbers, by the factors of A + λI = LDLᵀ: L, whose diagonal of
 /// ones is not stored, and D inverted on the diagonal. `false` if that is not positive definite in this precision.
@@ -16,7 +17,7 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
             return false;
         };
         // Forward substitution for row i of LD.
-        for (j, row) in above.chunks_exact(n).enumerate() {
+        for (j, row) in above.chunks_exact(n.max(1)).enumerate() {
             if let Some((done, [entry, ..])) = left.split_at_mut_checked(j) {
                 *entry -= dot(done, row);
             }
@@ -25,10 +26,15 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
             return false;
         };
         let mut pivot = *diagonal + damping;
-        for (entry, &inverse) in left.iter_mut().zip(above.iter().step_by(n + 1)) {
-            let scaled = *entry * inverse;
-            pivot -= *entry * scaled;
-            *entry = scaled;
+        for (entry, (j, row)) in left
+            .iter_mut()
+            .zip(above.chunks_exact(n.max(1)).enumerate())
+        {
+            if let Some(&inverse) = row.get(j) {
+                let scaled = *entry * inverse;
+                pivot -= *entry * scaled;
+                *entry = scaled;
+            }
         }
         if pivot.is_finite() && pivot > T::zero() {
             *diagonal = T::one() / pivot;
@@ -48,8 +54,10 @@ pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
             *entry -= dot(done, row);
         }
     }
-    for (entry, &inverse) in right_side.iter_mut().zip(factor.iter().step_by(n + 1)) {
-        *entry *= inverse;
+    for (entry, (i, row)) in right_side.iter_mut().zip(rows.clone()) {
+        if let Some(&inverse) = row.get(i) {
+            *entry *= inverse;
+        }
     }
     // By columns of L, so that this walks along rows too.
     for (i, row) in rows.rev() {
@@ -59,10 +67,4 @@ pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
             }
         }
     }
-}
-
-/// Product of two vectors as far as the shorter one reaches.
-#[inline]
-pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
