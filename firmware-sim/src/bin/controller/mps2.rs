@@ -49,6 +49,18 @@ const SENT: i16 = 1;
 const STOP_RECEIVED: i16 = 2;
 const BENCH_RECEIVED: i16 = 4;
 
+unsafe extern "C" {
+    /// What [`exception`] makes of the handler of that name below.
+    #[link_name = "DefaultHandler"]
+    safe fn default_handler();
+}
+
+/// The handlers of interrupts 0 to 4. The board has more, which are not enabled.
+// SAFETY: the section is that of these addresses.
+#[unsafe(export_name = "__INTERRUPTS")]
+#[unsafe(link_section = ".vector_table.interrupts")]
+static INTERRUPTS: [extern "C" fn(); 5] = [default_handler; 5];
+
 /// Bytes from the host that wait for the main loop. What finds no room is lost, and sent again.
 static INCOMING: Fifo<256> = Fifo::new();
 /// Bytes for the host that wait for the line.
