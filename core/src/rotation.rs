@@ -59,13 +59,11 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// Scaled back to length one, which repeated products lose by roundings: a length of 1 + δ becomes one of
-    /// 1 - 3/2 δ², by a step of Newton's method, without a root.
+    /// Scaled back to length one, which repeated products lose by roundings.
     #[inline]
     #[must_use]
     pub fn renormalised(self) -> Self {
-        let square = self.w * self.w + self.v.dot(&self.v);
-        let scale = T::one() + (T::one() - square) * T::HALF;
+        let scale = T::one() / (self.w * self.w + self.v.dot(&self.v)).sqrt();
         Self {
             w: self.w * scale,
             v: self.v * scale,

@@ -4,6 +4,7 @@
 //! ([`Fifo`](crate::fifo::Fifo)), and the rest as a [`Board`]. Nothing here waits.
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
+use foldpath_core::Membership;
 use foldpath_core::follower::Reason;
 
 use crate::controller::{Controller, Settings};
@@ -23,8 +24,9 @@ pub trait Board {
     fn now(&mut self) -> u64;
     /// Whether the stop line is drawn, or was since this was last asked.
     fn stop(&mut self) -> bool;
-    /// Commands a hinge its angle, radians; returns where it is measured to be, if that is known.
-    fn drive(&mut self, hinge: u32, angle: f32) -> Option<f32>;
+    /// Commands a hinge of this group and sign its angle, radians; returns where it is measured to be, if that is
+    /// known.
+    fn drive(&mut self, hinge: u32, membership: Membership, angle: f32) -> Option<f32>;
     /// Writes one of two records that a reset leaves as they are.
     fn keep(&mut self, record: usize, bytes: &[u8; RECORD]);
     /// Reads one of them, whatever was found there at the start.
@@ -108,10 +110,14 @@ where
         }
     }
 
-    /// Asks the stop line.
+    /// Asks the stop line. That it stops is kept before the host is told: a reset may come in between.
     fn watch(&mut self) {
         let drawn = self.board.stop();
+        let before = self.device.follower().reason();
         self.device.stop(drawn);
+        if self.device.follower().reason() != before {
+            self.keep();
+        }
     }
 
     /// Ticks, which is what the watchdog looks for: without a clock, or without this loop, it is not fed.
@@ -120,12 +126,13 @@ where
     fn tick(&mut self, now: u64) {
         self.device.tick(now);
         self.device
-            .drive(|hinge, angle| self.board.drive(hinge, angle));
+            .drive(|hinge, membership, angle| self.board.drive(hinge, membership, angle));
         self.keep();
         self.board.feed();
     }
 
     /// Keeps what is commanded, in the record that is the older.
+    #[inline(never)]
     fn keep(&mut self) {
         let follower = self.device.follower();
         self.records = self.records.wrapping_add(1);

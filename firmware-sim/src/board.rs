@@ -9,6 +9,15 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hio};
 use foldpath_firmware_sim::{figures, probe};
 
+/// The handler of interrupt 0, the last of those that the probe could have: it enables none.
+// SAFETY: the section is that of these addresses.
+#[allow(unsafe_code, reason = "interrupts are found by their address")]
+#[unsafe(export_name = "__INTERRUPTS")]
+#[unsafe(link_section = ".vector_table.interrupts")]
+static INTERRUPTS: [extern "C" fn(); 1] = [interrupt];
+
+extern "C" fn interrupt() {}
+
 /// Counts after which the clock of the core begins anew.
 const CYCLE: u32 = 1 << 24;
 

@@ -4,7 +4,6 @@
 //! [`Controller::tick`] at a steady pace, drives the hinges, calls [`Controller::poll`] and [takes](Controller::take)
 //! bytes for the line. Times are microseconds on the controller's clock.
 
-use foldpath_core::Interpolation;
 use foldpath_core::acceptance::{Refusal, Setpoint};
 use foldpath_core::follower::{Denial, Follower, Options, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
@@ -13,6 +12,7 @@ use foldpath_core::wire::message::{Command, Item, ItemRefusal, SetpointBytes, To
 use foldpath_core::wire::path;
 use foldpath_core::wire::receiver::{Event, Receiver, Status};
 use foldpath_core::wire::transmit::Ring;
+use foldpath_core::{Interpolation, Membership};
 use heapless::Vec;
 
 use crate::sheet::Sheet;
@@ -183,14 +183,14 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         self.follower.tick(now);
     }
 
-    /// Hands each hinge, by its number, its commanded angle to `drive` (radians), which returns where it is measured
-    /// to be, if that is known. Cost: a multiplication and a comparison a hinge.
-    pub fn drive(&mut self, mut drive: impl FnMut(u32, f32) -> Option<f32>) {
+    /// Hands each hinge, by its number, its group and sign, its commanded angle to `drive` (radians), which returns
+    /// where it is measured to be, if that is known. Cost: a multiplication and a comparison a hinge.
+    pub fn drive(&mut self, mut drive: impl FnMut(u32, Membership, f32) -> Option<f32>) {
         for (hinge, membership) in (0..).zip(self.sheet.hinges()) {
             let Some(angle) = self.follower.hinge(membership) else {
                 continue;
             };
-            if let Some(measured) = drive(hinge, angle) {
+            if let Some(measured) = drive(hinge, membership, angle) {
                 self.follower.measure(hinge, membership, measured);
             }
         }

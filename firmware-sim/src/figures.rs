@@ -166,7 +166,7 @@ fn stream(
         let room = device.follower().room();
         let cost = meter.measure(|| {
             device.tick(now);
-            device.drive(|_, angle| Some(angle));
+            device.drive(|_, _, angle| Some(angle));
         });
         if device.follower().state() == State::Running {
             ticks = (ticks.0 + cost, ticks.1 + 1);

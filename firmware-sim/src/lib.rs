@@ -16,5 +16,6 @@ pub mod figures;
 #[cfg(not(target_os = "none"))]
 pub mod hinges;
 mod kept;
+pub mod plant;
 pub mod probe;
 pub mod sheet;

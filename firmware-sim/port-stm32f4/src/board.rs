@@ -22,6 +22,7 @@ use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_core::Membership;
 use foldpath_firmware_sim::application::{Application, Board, RECORD};
 use foldpath_firmware_sim::controller::Settings;
 use foldpath_firmware_sim::fifo::Fifo;
@@ -138,7 +139,7 @@ impl Board for Nucleo {
         self.button.is_low()
     }
 
-    fn drive(&mut self, hinge: u32, angle: f32) -> Option<f32> {
+    fn drive(&mut self, hinge: u32, _: Membership, angle: f32) -> Option<f32> {
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // A conversion takes 5 microseconds, for which it is waited.

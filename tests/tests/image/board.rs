@@ -11,14 +11,19 @@ use tempfile::TempDir;
 
 use super::image;
 
-/// Names of its sockets: the line to the host, the stop line, and the emulator's own.
-const SOCKETS: [&str; 3] = ["line", "stop", "monitor"];
+/// Names of its sockets: the line to the host, the stop line, the bench, and the emulator's own.
+const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
+/// Above the stack.
+const STACK_TOP: u32 = 0x2000_4000;
+/// The guard, 1 KiB, ends here.
+const GUARD_END: u32 = 0x2000_0400;
 
 /// A running board.
 pub(crate) struct Board {
     emulator: Child,
     line: UnixStream,
     stop: UnixStream,
+    bench: UnixStream,
     monitor: UnixStream,
     folder: TempDir,
 }
@@ -39,24 +44,29 @@ impl Board {
             command.arg("-chardev");
             command.arg(format!("socket,id={name},path={}", socket.display()));
         }
-        command.args(["-serial", "chardev:line", "-serial", "chardev:stop"]);
-        command.args(["-mon", "chardev=monitor,mode=control"]);
+        for name in &SOCKETS[..3] {
+            command.args(["-serial", &format!("chardev:{name}")]);
+        }
+        // The monitor for people: that for programs has a thread, which the emulator wakes at each byte of a line.
+        command.args(["-mon", "chardev=monitor,mode=readline"]);
         command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
         let mut emulator = command
             .stdin(Stdio::null())
             .spawn()
             .expect("timeout starts");
-        let [line, stop, monitor] = listeners.map(|listener| accept(&listener, &mut emulator));
+        let [line, stop, bench, monitor] =
+            listeners.map(|listener| accept(&listener, &mut emulator));
         line.set_nonblocking(true).unwrap();
         let mut board = Self {
             emulator,
             line,
             stop,
+            bench,
             monitor,
             folder,
         };
-        board.monitor("qmp_capabilities", "");
+        board.answer();
         board
     }
 
@@ -85,69 +95,135 @@ impl Board {
         self.stop.write_all(b"!").unwrap();
     }
 
+    /// Has its hinges fail, as the plant's texts say.
+    pub(crate) fn bench(&mut self, text: &str) {
+        self.bench.write_all(text.as_bytes()).unwrap();
+    }
+
     /// Lets no time pass on the board.
     pub(crate) fn freeze(&mut self) {
-        self.monitor("stop", "");
+        self.order("stop");
     }
 
     /// Lets time go on.
     pub(crate) fn thaw(&mut self) {
-        self.monitor("cont", "");
+        self.order("cont");
     }
 
     /// Resets a frozen board, whose memory stays as it is, and lets time go on.
     pub(crate) fn reset(&mut self) {
-        self.monitor("system_reset", "");
+        self.order("system_reset");
         self.thaw();
     }
 
-    /// Microseconds on its clock: the count of its timer, which runs down at 25 MHz.
+    /// Microseconds on its clock: the count of its timer, which runs down at 25 MHz, and is 0 before it starts.
     pub(crate) fn micros(&mut self) -> u64 {
-        let answer = self.monitor(
-            "human-monitor-command",
-            r#"{"command-line":"xp /1wx 0x40000004"}"#,
-        );
+        let answer = self.monitor("xp /1wx 0x40000004");
         let (_, count) = answer.split_once(": 0x").expect("an address and a word");
         let count = u32::from_str_radix(&count[..8], 16).unwrap();
-        u64::from(u32::MAX - count) / 25
+        let passed = if count == 0 { 0 } else { u32::MAX - count };
+        u64::from(passed) / 25
     }
 
     /// So much of its memory.
     pub(crate) fn memory(&mut self, address: usize, size: usize) -> Vec<u8> {
         let file = self.folder.path().join("memory");
         let name = Path::display(&file);
-        let arguments = format!(r#"{{"val":{address},"size":{size},"filename":"{name}"}}"#);
-        self.monitor("pmemsave", &arguments);
+        self.order(&format!("pmemsave {address} {size} \"{name}\""));
         std::fs::read(file).unwrap()
     }
 
-    /// Asks the emulator for something, and waits until it has answered.
-    fn monitor(&mut self, command: &str, arguments: &str) -> String {
-        let arguments = Some(arguments).filter(|text| !text.is_empty());
-        let arguments = arguments.map(|text| format!(r#","arguments":{text}"#));
-        let arguments = arguments.unwrap_or_default();
-        let request = format!("{{\"execute\":\"{command}\"{arguments}}}\n");
-        self.monitor.write_all(request.as_bytes()).unwrap();
-        let mut line = Vec::new();
-        loop {
-            let mut byte = [0];
-            self.monitor.read_exact(&mut byte).unwrap();
-            line.extend(byte);
-            if byte == *b"\n" {
-                let text = String::from_utf8_lossy(&line);
-                assert!(!text.starts_with(r#"{"error""#), "{command}: {text}");
-                if text.starts_with(r#"{"return""#) {
-                    return text.into_owned();
-                }
-                line.clear();
-            }
+    /// Moves all that a frozen board has on its stack down to so many bytes above the guard, as if calls went deep, and
+    /// lets time go on.
+    pub(crate) fn deepen_stack(&mut self, left: u32) {
+        let mut debugger = self.debugger();
+        let old = u32::from_str_radix(&debugger.ask("pd"), 16)
+            .unwrap()
+            .swap_bytes();
+        assert!((GUARD_END..STACK_TOP).contains(&old), "{old:x}");
+        let size = STACK_TOP - old;
+        // The stack pointer is a multiple of 8, and the frames on it remember which of 4.
+        let new = GUARD_END + left / 8 * 8 + old % 8;
+        assert!(new + size <= old);
+        let bytes = debugger.ask(&format!("m{old:x},{size:x}"));
+        debugger.tell(&format!("M{new:x},{size:x}:{bytes}"));
+        debugger.tell(&format!("Pd={:08x}", new.swap_bytes()));
+        debugger.tell("D");
+    }
+
+    /// Has a function of a frozen board jump to itself where it begins, and lets time go on.
+    pub(crate) fn hang(&mut self, function: u64) {
+        let mut debugger = self.debugger();
+        debugger.tell(&format!("M{function:x},2:fee7"));
+        debugger.tell("D");
+    }
+
+    fn debugger(&mut self) -> Debugger {
+        let socket = self.folder.path().join("debugger");
+        let listener = UnixListener::bind(&socket).unwrap();
+        self.monitor(&format!("gdbserver unix:{}", socket.display()));
+        let mut debugger = Debugger(accept(&listener, &mut self.emulator));
+        // The emulator lets no single register be changed before someone has asked what there are.
+        debugger.ask("qXfer:features:read:target.xml:0,1000");
+        debugger
+    }
+
+    /// Has the emulator do what it has nothing to say about.
+    fn order(&mut self, command: &str) {
+        assert_eq!(self.monitor(command), "", "{command}");
+    }
+
+    /// Tells the emulator something, and waits until it has answered.
+    fn monitor(&mut self, command: &str) -> String {
+        writeln!(self.monitor, "{command}").unwrap();
+        self.answer()
+    }
+
+    /// What the monitor says behind the echo of a command, up to its next prompt.
+    fn answer(&mut self) -> String {
+        let mut bytes = Vec::new();
+        while !bytes.ends_with(b"(qemu) ") {
+            let mut piece = [0; 4096];
+            let count = self.monitor.read(&mut piece).unwrap();
+            assert!(count > 0, "the emulator has ended");
+            bytes.extend(&piece[..count]);
         }
+        let text = String::from_utf8_lossy(&bytes[..bytes.len() - 7]);
+        let (_, answer) = text.split_once("\r\n").unwrap();
+        answer.to_owned()
+    }
+}
+
+/// GDB's remote protocol.
+struct Debugger(UnixStream);
+
+impl Debugger {
+    /// Sends a command; returns the answer.
+    fn ask(&mut self, command: &str) -> String {
+        let sum = |text: &str| text.bytes().fold(0_u8, u8::wrapping_add);
+        write!(self.0, "${command}#{:02x}", sum(command)).unwrap();
+        let mut answer = Vec::new();
+        // An acknowledgement, `$`, the answer, `#`, and its sum.
+        while answer.iter().rev().nth(2) != Some(&b'#') {
+            let mut byte = [0];
+            self.0.read_exact(&mut byte).unwrap();
+            answer.extend(byte);
+        }
+        self.0.write_all(b"+").unwrap();
+        let answer = String::from_utf8_lossy(&answer);
+        let (_, answer) = answer.split_once('$').unwrap();
+        answer[..answer.len() - 3].to_owned()
+    }
+
+    #[track_caller]
+    fn tell(&mut self, command: &str) {
+        assert_eq!(self.ask(command), "OK", "{command}");
     }
 }
 
 impl Drop for Board {
     fn drop(&mut self) {
-        let _ = self.monitor.write_all(b"{\"execute\":\"quit\"}\n");
+        let _ = self.monitor.write_all(b"quit\n");
         for _ in 0..1000 {
             if let Ok(Some(_)) = self.emulator.try_wait() {
                 return;

@@ -86,6 +86,18 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
     names.into_iter().filter(named).map(String::from).collect()
 }
 
+/// Address of the first instruction of the controller's function, or of its variable, whose name contains all `parts`.
+pub(crate) fn address(parts: &[&str]) -> u64 {
+    let bytes = std::fs::read(image("foldpath-controller")).unwrap();
+    let elf = object::File::parse(&*bytes).unwrap();
+    let named = |name: &str| parts.iter().all(|part| name.contains(part));
+    let mut symbols = elf.symbols().filter(|s| s.name().is_ok_and(named));
+    let symbol = symbols.next().expect("a symbol of that name");
+    assert!(symbols.next().is_none(), "two of {parts:?}");
+    // The lowest bit only tells of the kind of its instructions.
+    symbol.address() & !1
+}
+
 /// Bytes of these sections of `image`.
 pub(crate) fn size(image: &[u8], names: &[&str]) -> u64 {
     let elf = object::File::parse(image).unwrap();

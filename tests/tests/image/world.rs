@@ -15,10 +15,11 @@ use rand_pcg::Pcg64;
 use super::board::{Board, pause};
 use super::path::{CLOSURE, Fold};
 
-/// A host's patience is not tested here: the machine may be busy.
+/// A host's patience is not tested here: the machine may be busy, and the board's time goes up to six times as fast as
+/// that of a machine which is not.
 const PATIENT: Options = Options {
-    retry: 30_000,
-    alive: 50_000,
+    retry: 100_000,
+    alive: 20_000,
     silence: 60_000_000,
 };
 
@@ -81,11 +82,17 @@ pub(crate) struct World<'a> {
     /// All frames of hosts, as they are on the line.
     pub(crate) spoken: Vec<u8>,
     pub(crate) report: Option<Report>,
+    /// Number of reports.
+    pub(crate) reports: u64,
     pub(crate) sight: Option<Sight>,
     /// Telemetry that was judged.
     pub(crate) sights: u64,
     /// What the board said that is no message.
     pub(crate) garbled: u64,
+    /// The longest that it said nothing, in its own time.
+    pub(crate) hole: u64,
+    /// Whether nobody takes what it says.
+    deaf: bool,
     fold: &'a Fold,
     start: Instant,
     outgoing: Vec<u8>,
@@ -104,9 +111,12 @@ impl<'a> World<'a> {
             down: Line::new(faults, rng(2 * seed + 1)),
             spoken: Vec::new(),
             report: None,
+            reports: 0,
             sight: None,
             sights: 0,
             garbled: 0,
+            hole: 0,
+            deaf: false,
             fold,
             start: Instant::now(),
             outgoing: Vec::new(),
@@ -151,10 +161,13 @@ impl<'a> World<'a> {
         }
         let count = self.board.write(&self.outgoing);
         self.outgoing.drain(..count);
-        let bytes = self.board.read();
-        if count == 0 && bytes.is_empty() {
-            pause();
-        }
+        let bytes = if self.deaf {
+            Vec::new()
+        } else {
+            self.board.read()
+        };
+        // Bytes come and go one by one: whoever looks for each takes the emulator's time.
+        pause();
         for byte in bytes {
             self.incoming.push(byte);
             if byte == 0 {
@@ -187,7 +200,10 @@ impl<'a> World<'a> {
                 continue;
             };
             match message {
-                ToHost::Report(report) => self.report = Some(report),
+                ToHost::Report(report) => {
+                    self.report = Some(report);
+                    self.reports += 1;
+                }
                 ToHost::Telemetry {
                     time,
                     state,
@@ -200,6 +216,10 @@ impl<'a> World<'a> {
                     let numbers: Vec<f32> =
                         numbers.iter().map(|n| f32::from_le_bytes(*n)).collect();
                     let angles = (!numbers.is_empty()).then(|| numbers.try_into().unwrap());
+                    let silent = self
+                        .sight
+                        .map_or(0, |sight| time.saturating_sub(sight.time));
+                    self.hole = self.hole.max(silent);
                     let before = self.sight.replace(Sight {
                         time,
                         state,
@@ -263,6 +283,31 @@ impl<'a> World<'a> {
         self.until(|world| world.time() >= end);
     }
 
+    /// Runs for so many microseconds of the board's time, in which nobody takes what it says.
+    pub(crate) fn neglect(&mut self, micros: u64) {
+        let start = self.board.micros();
+        self.deaf = true;
+        while self.board.micros() - start < micros {
+            for _ in 0..10 {
+                self.step();
+            }
+        }
+        self.deaf = false;
+    }
+
+    /// Runs until the board is reset; returns how many microseconds behind `start`, on its clock, it still was not.
+    pub(crate) fn until_reset(&mut self, start: u64) -> u64 {
+        let mut last = start;
+        loop {
+            self.step();
+            let now = self.board.micros();
+            if now < last {
+                return last - start;
+            }
+            last = now;
+        }
+    }
+
     /// Freezes the board and hears all that it has said.
     pub(crate) fn freeze(&mut self) {
         self.board.freeze();
@@ -287,11 +332,15 @@ impl<'a> World<'a> {
         (self.report, self.sight) = (None, None);
     }
 
-    /// Runs until a moment in the midst of the motion.
+    /// Runs until a moment in the midst of the motion, which a busy machine may have held for a while.
     pub(crate) fn run_into(&mut self, micros: u64) {
         self.until(|world| world.sight.is_some_and(|s| s.state == State::Running));
         self.run(micros);
-        assert_ne!(self.sight.unwrap().state, State::Done);
+        self.until(|world| {
+            let Sight { state, rate, .. } = world.sight.unwrap();
+            assert_ne!(state, State::Done);
+            state == State::Running && rate > 0.0
+        });
     }
 
     /// Runs until the last host knows that the fold is done, and the board has told so.

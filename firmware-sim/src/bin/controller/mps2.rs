@@ -2,7 +2,7 @@
 //! file like this.
 //!
 //! Interrupts carry bytes between the lines and queues, and nothing else; the main loop does all the rest. The hinges
-//! are ideal: they are where they are commanded to be.
+//! are a [`Plant`], whose faults come over the third line, the bench.
 #![allow(
     unsafe_code,
     reason = "registers, and RAM that a reset leaves as it is, are reached by address"
@@ -17,9 +17,11 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_core::Membership;
 use foldpath_firmware_sim::application::{Application, Board, RECORD};
 use foldpath_firmware_sim::controller::Settings;
 use foldpath_firmware_sim::fifo::Fifo;
+use foldpath_firmware_sim::plant::Plant;
 
 /// Two groups, and the hinges of a Miura fold of 24 x 24 faces.
 type Controller = Application<Mps2, Line, 2, 1104, 16, 16>;
@@ -45,6 +47,19 @@ const GUARD: u32 = 0x2000_0000;
 const RECEIVED: i16 = 0;
 const SENT: i16 = 1;
 const STOP_RECEIVED: i16 = 2;
+const BENCH_RECEIVED: i16 = 4;
+
+unsafe extern "C" {
+    /// What [`exception`] makes of the handler of that name below.
+    #[link_name = "DefaultHandler"]
+    safe fn default_handler();
+}
+
+/// The handlers of interrupts 0 to 4. The board has more, which are not enabled.
+// SAFETY: the section is that of these addresses.
+#[unsafe(export_name = "__INTERRUPTS")]
+#[unsafe(link_section = ".vector_table.interrupts")]
+static INTERRUPTS: [extern "C" fn(); 5] = [default_handler; 5];
 
 /// Bytes from the host that wait for the main loop. What finds no room is lost, and sent again.
 static INCOMING: Fifo<256> = Fifo::new();
@@ -58,6 +73,11 @@ static DRAWN: AtomicBool = AtomicBool::new(false);
 #[unsafe(link_section = ".uninit.records")]
 static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
 
+/// The hinges, which a reset leaves as they are. The emulator's memory is 0 when it starts.
+// SAFETY: as above: any bytes are a plant.
+#[unsafe(link_section = ".uninit.plant")]
+static PLANT: Plant<2> = Plant::new();
+
 /// A CMSDK UART: one byte each way.
 #[derive(Clone, Copy)]
 struct Uart(usize);
@@ -66,6 +86,8 @@ struct Uart(usize);
 const HOST: Uart = Uart(0x4000_4000);
 /// The stop line, which any byte draws.
 const STOP: Uart = Uart(0x4000_5000);
+/// The bench.
+const BENCH: Uart = Uart(0x4000_6000);
 
 impl Uart {
     const STATE: usize = 0x4;
@@ -171,8 +193,10 @@ impl Board for Mps2 {
         DRAWN.swap(false, Ordering::Relaxed)
     }
 
-    fn drive(&mut self, _: u32, angle: f32) -> Option<f32> {
-        Some(angle)
+    fn drive(&mut self, hinge: u32, membership: Membership, angle: f32) -> Option<f32> {
+        #[allow(clippy::cast_possible_truncation, reason = "differences matter")]
+        let now = self.micros as u32;
+        Some(PLANT.drive(hinge, membership, angle, now))
     }
 
     fn keep(&mut self, record: usize, bytes: &[u8; RECORD]) {
@@ -238,7 +262,8 @@ fn main() -> ! {
     // With nothing that ticks, QEMU may leave received bytes lying for a second: the lines come last.
     HOST.enable();
     STOP.enable();
-    write(NVIC_ENABLE, 0b111);
+    BENCH.enable();
+    write(NVIC_ENABLE, 0b10111);
     loop {
         if let Memory::Some(controller) = MEMORY {
             controller.step();
@@ -274,6 +299,12 @@ unsafe fn DefaultHandler(interrupt: i16) {
             STOP.acknowledge(0b10);
             if STOP.receive().is_some() {
                 DRAWN.store(true, Ordering::Relaxed);
+            }
+        }
+        BENCH_RECEIVED => {
+            BENCH.acknowledge(0b10);
+            if let Some(byte) = BENCH.receive() {
+                PLANT.hear(byte);
             }
         }
         _ => {}

@@ -1,0 +1,214 @@
+//! The hinges of an emulated board: drives that turn no faster than they can, one of which may be stuck.
+//!
+//! All hinges of a group turn alike but for that one, so that a sheet of any size takes a few words. A reset leaves the
+//! hinges where they are. Faults come as text over a line of its own, the bench: a number and a letter.
+//!
+//! | text | from now on |
+//! |---|---|
+//! | `30s` | the supply is at 30 %, and so is the speed of all drives |
+//! | `250k` | hinge 250 stays where it is |
+//! | `f` | it comes free, and turns to where it is commanded to be |
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use foldpath_core::Membership;
+
+/// Radians in a microsecond at full supply, for each percent of it: 6 a second.
+const SPEED: f32 = 6e-8;
+/// Microseconds for which a drive turns in one go at the most: its clock begins anew with a reset.
+const LONGEST: u32 = 10_000;
+
+/// One or more hinges that turn alike.
+#[derive(Debug)]
+struct Drive {
+    /// Bits of the angle as that of a group, radians; 0 where it is not known: it is then where it is commanded to be.
+    angle: AtomicU32,
+    /// When it turned last, microseconds.
+    turned: AtomicU32,
+}
+
+impl Drive {
+    const fn new() -> Self {
+        Self {
+            angle: AtomicU32::new(0),
+            turned: AtomicU32::new(0),
+        }
+    }
+
+    /// Turns towards a command, by as much as `speed` (radians in a microsecond) allows since it last did; returns
+    /// how far it has come.
+    fn turn(&self, command: f32, now: u32, speed: f32) -> f32 {
+        let passed = now.wrapping_sub(self.turned.swap(now, Relaxed));
+        #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
+        let most = speed * passed.min(LONGEST) as f32;
+        let angle = f32::from_bits(self.angle.load(Relaxed));
+        let way = command - angle;
+        let angle = if angle.to_bits() == 0 || way.abs() <= most {
+            command
+        } else {
+            angle + most.copysign(way)
+        };
+        self.angle.store(angle.to_bits(), Relaxed);
+        angle
+    }
+}
+
+/// The hinges of so many groups. An interrupt may tell it of faults; where it lies, memory is 0 at first.
+///
+/// Before the first fault hinges are where they are commanded to be, which costs next to nothing.
+#[derive(Debug)]
+pub struct Plant<const GROUPS: usize> {
+    groups: [Drive; GROUPS],
+    /// The hinge that is or was stuck, its number and 1 more, and whether it is: 1.
+    odd: Drive,
+    odd_one: AtomicU32,
+    stuck: AtomicU32,
+    /// Percent of the supply that are missing.
+    missing: AtomicU32,
+    /// The number of a text so far, and whether one has come: 1.
+    number: AtomicU32,
+    tested: AtomicU32,
+}
+
+impl<const GROUPS: usize> Default for Plant<GROUPS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const GROUPS: usize> Plant<GROUPS> {
+    /// Hinges without faults that are where they are first commanded to be.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            groups: [const { Drive::new() }; GROUPS],
+            odd: Drive::new(),
+            odd_one: AtomicU32::new(0),
+            stuck: AtomicU32::new(0),
+            missing: AtomicU32::new(0),
+            number: AtomicU32::new(0),
+            tested: AtomicU32::new(0),
+        }
+    }
+
+    /// Takes a byte from the bench.
+    pub fn hear(&self, byte: u8) {
+        let number = self.number.load(Relaxed);
+        let digit = byte.wrapping_sub(b'0');
+        let next = if digit < 10 {
+            number.wrapping_mul(10).wrapping_add(digit.into())
+        } else {
+            0
+        };
+        self.number.store(next, Relaxed);
+        self.tested.store(1, Relaxed);
+        match byte {
+            b's' => self.missing.store(100 - number.min(100), Relaxed),
+            b'k' => {
+                self.odd.angle.store(0, Relaxed);
+                self.odd_one.store(number.wrapping_add(1), Relaxed);
+                self.stuck.store(1, Relaxed);
+            }
+            b'f' => self.stuck.store(0, Relaxed),
+            _ => {}
+        }
+    }
+
+    /// Turns a hinge towards its command at `now`, microseconds; returns its angle. Both in radians.
+    #[inline]
+    pub fn drive(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> f32 {
+        if self.tested.load(Relaxed) == 0 {
+            return command;
+        }
+        self.turn(hinge, membership, command, now)
+    }
+
+    #[inline(never)]
+    fn turn(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> f32 {
+        let odd = self.odd_one.load(Relaxed) == hinge.wrapping_add(1);
+        let group = self.groups.get(membership.group.index());
+        let Some(drive) = group.map(|group| if odd { &self.odd } else { group }) else {
+            return command;
+        };
+        let stuck = odd && self.stuck.load(Relaxed) != 0;
+        let missing = self.missing.load(Relaxed).min(100);
+        let percent = if stuck { 0 } else { 100 - missing };
+        #[allow(clippy::cast_precision_loss, reason = "at most 100")]
+        let speed = SPEED * percent as f32;
+        membership.apply(drive.turn(membership.apply(command), now, speed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::{GroupId, Membership};
+
+    use super::Plant;
+
+    fn member(group: u32, negative: bool) -> Membership {
+        let group = GroupId(group);
+        Membership { group, negative }
+    }
+
+    fn tell(plant: &Plant<2>, text: &str) {
+        text.bytes().for_each(|byte| plant.hear(byte));
+    }
+
+    /// Ticks from `from` to `to` milliseconds; returns where two hinges of each group are in the end.
+    fn run(plant: &Plant<2>, commands: [f32; 2], (from, to): (u32, u32)) -> [f32; 4] {
+        let [first, second] = commands;
+        let mut angles = [0.0; 4];
+        for now in (from..to).map(|milli| 1000 * (milli + 1)) {
+            angles = [
+                plant.drive(0, member(0, false), first, now),
+                plant.drive(1, member(1, true), -second, now),
+                plant.drive(2, member(0, true), -first, now),
+                plant.drive(3, member(1, false), second, now),
+            ];
+        }
+        angles
+    }
+
+    fn near(angles: [f32; 4], expected: [f32; 4]) {
+        let mut pairs = angles.iter().zip(expected);
+        assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-5), "{angles:?}");
+    }
+
+    #[test]
+    fn without_a_fault_hinges_are_where_they_are_commanded() {
+        let plant = Plant::new();
+        near(run(&plant, [0.0, 0.0], (0, 1)), [0.0; 4]);
+        near(run(&plant, [3.0, 1.0], (1, 2)), [3.0, -1.0, -3.0, 1.0]);
+    }
+
+    #[test]
+    fn drives_turn_at_the_speed_that_the_supply_leaves_them() {
+        let plant = Plant::new();
+        tell(&plant, "30s");
+        run(&plant, [0.5, 0.5], (0, 1));
+        // 1.8 rad/s for 100 ms; the way of the second group is less.
+        let angles = run(&plant, [1.0, 0.4], (1, 101));
+        near(angles, [0.68, -0.4, -0.68, 0.4]);
+        tell(&plant, "0s");
+        near(run(&plant, [1.0, 1.0], (101, 200)), angles);
+        tell(&plant, "100s");
+        near(
+            run(&plant, [1.0, 1.0], (200, 210)),
+            [0.74, -0.46, -0.74, 0.46],
+        );
+        // The clock begins anew, and no hinge is elsewhere for it.
+        near(run(&plant, [1.0, 1.0], (0, 1)), [0.8, -0.52, -0.8, 0.52]);
+    }
+
+    #[test]
+    fn one_hinge_sticks_and_comes_free() {
+        let plant = Plant::new();
+        run(&plant, [0.5, 0.5], (0, 1));
+        tell(&plant, "2k");
+        run(&plant, [0.5, 0.5], (1, 2));
+        near(run(&plant, [0.6, 0.6], (2, 102)), [0.6, -0.6, -0.5, 0.6]);
+        tell(&plant, "f");
+        near(run(&plant, [0.6, 0.6], (102, 112)), [0.6, -0.6, -0.56, 0.6]);
+        near(run(&plant, [0.6, 0.6], (112, 122)), [0.6, -0.6, -0.6, 0.6]);
+    }
+}
