@@ -121,6 +121,7 @@ impl<R: Rng> Hinges<R> {
             }
         };
         let (fastest, strongest) = (supplied(speed), supplied(acceleration));
+        let change = strongest * seconds;
         for hinge in &mut self.hinges {
             let Some(angle) = groups.get(hinge.membership.group.index()) else {
                 continue;
@@ -130,10 +131,10 @@ impl<R: Rng> Hinges<R> {
                 continue;
             }
             let way = f64::from(hinge.membership.apply(*angle)) - hinge.motor;
-            // As fast as it can still brake from.
-            let most = fastest.min((2.0 * strongest * way.abs()).sqrt());
+            // As fast as it can still brake from afterwards, if its torque is finite.
+            let most = (change * change + 2.0 * strongest * way.abs()).sqrt() - change;
+            let most = fastest.min(most);
             let wanted = (way * part / seconds).clamp(-most, most);
-            let change = strongest * seconds;
             hinge.rate += (wanted - hinge.rate).clamp(-change, change);
             hinge.rate = hinge.rate.clamp(-fastest, fastest);
             hinge.motor += hinge.rate * seconds;
@@ -185,13 +186,13 @@ mod tests {
         let (mut time, mut beyond) = (None, 0.0_f64);
         for step in 1..3000 {
             hinges.follow(&[1.0], 1e-3);
-            let turned = -hinges.angles()[0];
+            let turned = hinges.angles().first().map_or(f64::NAN, |angle| -angle);
             beyond = beyond.max(turned - 1.0);
             if turned >= 0.999 {
                 time.get_or_insert(1e-3 * f64::from(step));
             }
         }
-        (time.unwrap(), beyond)
+        (time.unwrap_or(f64::NAN), beyond)
     }
 
     /// With half the way to speed up and half the way to brake, or with a speed that it keeps between.

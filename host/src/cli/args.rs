@@ -39,7 +39,7 @@ pub(super) enum Command {
     /// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the
     /// sheet is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no
     /// controller that understands; 2 bad input or usage.
-    Stream(Stream),
+    Stream(Box<Stream>),
 }
 
 #[derive(Debug, Args)]
