@@ -11,8 +11,8 @@ use crate::{Curve, Interpolation, Scalar};
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
     groups: usize,
-    /// Smallest and largest angle of each group.
-    bounds: [[T; 2]; GROUPS],
+    /// Smallest and largest angle of each group, and its speed.
+    bounds: [[T; 3]; GROUPS],
     setpoints: Deque<Setpoint<T, GROUPS>, KNOTS>,
     /// The segment behind the first setpoint, its seconds, and how many of them have passed.
     curves: [Curve<T>; GROUPS],
@@ -27,7 +27,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         Self {
             interpolation: Interpolation::default(),
             groups: 0,
-            bounds: [[T::zero(); 2]; GROUPS],
+            bounds: [[T::zero(); 3]; GROUPS],
             setpoints: Deque::new(),
             curves: [Curve::Angle([T::zero(); 4]); GROUPS],
             span: T::zero(),
@@ -48,7 +48,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         self.interpolation = sheet.interpolation;
         self.groups = sheet.limits.len();
         for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
-            *bounds = [limits.lower, limits.upper];
+            *bounds = [limits.lower, limits.upper, limits.speed.min(T::MAX)];
         }
         self.into = into;
     }
@@ -100,8 +100,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         // What is left may be less than the rounding of the place.
         let left = self.left();
         let arrived = left - step <= T::EPSILON * left.max(self.into);
+        // What is carried may be more than a short step, behind a knot where the place is finer; it never goes back.
         let (before, step) = (self.into, step + self.carry);
-        self.into += step;
+        self.into = (self.into + step).max(before);
         self.carry = step - (self.into - before);
         while self.setpoints.len() > 1 && (arrived || self.into >= self.span) {
             self.into -= self.span;
@@ -131,7 +132,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         if self.into > T::zero() {
             let place = self.into / self.span;
             let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
-            for (angle, (curve, [lower, upper])) in angles.iter_mut().zip(curves) {
+            for (angle, (curve, [lower, upper, _])) in angles.iter_mut().zip(curves) {
                 *angle = curve.angle(place).max(*lower).min(*upper);
             }
         } else if let Some(first) = self.setpoints.front() {
@@ -142,14 +143,16 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         angles
     }
 
-    /// The rates of the place where so many seconds of the path pass in one of the world.
+    /// The rates of the place, within the groups' speed, where so many seconds of the path pass in one of the world.
     pub(super) fn rates(&self, clock: T) -> [T; GROUPS] {
         let mut rates = [T::zero(); GROUPS];
         if self.span > T::zero() {
-            let (place, speed) = (self.into / self.span, clock / self.span);
-            for (rate, curve) in rates.iter_mut().zip(&self.curves).take(self.groups) {
+            let place = self.into / self.span;
+            let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
+            for (rate, (curve, [.., speed])) in rates.iter_mut().zip(curves) {
+                // Over the shortest of times rounding alone is fast.
                 let [slope, _] = curve.derivatives(place);
-                *rate = slope * speed;
+                *rate = (slope * clock / self.span).max(-*speed).min(*speed);
             }
         }
         rates
