@@ -40,12 +40,12 @@ pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) 
     closure.v * T::TWO
 }
 
-/// Whether the closure residual is at most `bound`.
+/// Whether the closure residual is at most `bound`; a bound below 0 allows none.
 #[inline]
 #[must_use]
 pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bound: T) -> bool {
     let residual = residual(star, half_angles);
-    residual.dot(&residual) <= bound * bound
+    bound >= T::zero() && residual.dot(&residual) <= bound * bound
 }
 
 /// The closure residual, and its derivative by the fold angle of each spoke in `columns`.

@@ -7,7 +7,7 @@ use common::{
     waterbomb_angles,
 };
 use core::f64::consts::PI;
-use foldpath_core::closure::{half_angles, misclosure, residual, residual_and_jacobian};
+use foldpath_core::closure::{closes, half_angles, misclosure, residual, residual_and_jacobian};
 use foldpath_core::{HalfAngle, Scalar, StarView, local_foldability_matrix, norm};
 use nalgebra::{Vector3, Vector4};
 
@@ -81,6 +81,18 @@ fn residual_of_a_half_turn_is_two() {
         let residual = residual(stars.view().iter().next().unwrap(), &half(&[rho]));
         assert!((norm(&residual) - 2.0).abs() <= 2.0 * f64::EPSILON);
     }
+}
+
+#[test]
+fn a_star_closes_within_its_residual_and_within_no_bound_below_zero() {
+    for_random_stars::<f64>(73, |star, angles| {
+        let half = half(angles);
+        let residual = norm(&residual(star, &half));
+        assert!(closes(star, &half, residual * (1.0 + 1e-12)));
+        for bound in [residual * (1.0 - 1e-12), -residual, -3.0, f64::NAN] {
+            assert!(!closes(star, &half, bound), "{bound}");
+        }
+    });
 }
 
 #[test]

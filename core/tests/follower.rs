@@ -95,6 +95,20 @@ impl<T: Scalar> Sheet<T> {
     }
 }
 
+/// A sheet of one group without vertices.
+fn lone<'a, T: Scalar>(
+    interpolation: Interpolation,
+    limits: &'a [GroupLimits<T>; 1],
+    none: &'a Stars<T>,
+) -> SheetView<'a, T> {
+    SheetView {
+        interpolation,
+        limits,
+        stars: none.view(),
+        closure: T::zero(),
+    }
+}
+
 /// A follower and the host that feeds it.
 struct Run<T: Scalar> {
     sheet: Sheet<T>,
@@ -638,8 +652,7 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
     assert_eq!(accelerates::<f32>(5.0, 1.002), Err(Refusal::Speed(0)));
 }
 
-/// Knots rounded to f32 are not refused for their roundings, however close they are.
-/// Nor do rates that lines make no use of, however large.
+/// Lines make no use of rates, however large.
 #[test]
 fn rates_beside_a_line_widen_no_limit() {
     let none = Stars::<f32>::new(1, &[]);
@@ -649,12 +662,7 @@ fn rates_beside_a_line_widen_no_limit() {
         speed: 1.0,
         acceleration: 1.0,
     }];
-    let sheet = SheetView {
-        interpolation: Interpolation::Linear,
-        limits: &limits,
-        stars: none.view(),
-        closure: 0.0,
-    };
+    let sheet = lone(Interpolation::Linear, &limits, &none);
     let knot = |number: u8, rate| Setpoint::<f32, 1> {
         number: number.into(),
         time: f32::from(number) * 0.1,
@@ -671,6 +679,7 @@ fn rates_beside_a_line_widen_no_limit() {
     }
 }
 
+/// Knots rounded to f32 are not refused for their roundings, however close they are.
 #[test]
 fn rounding_passes_no_limit_of_acceptance() {
     let mut rng = rng(83);
@@ -695,12 +704,7 @@ fn an_angle_that_turns_back_on_the_way_is_found() {
             speed: 1e3,
             acceleration: 1e3,
         }];
-        let sheet = SheetView {
-            interpolation: Interpolation::Hermite,
-            limits: &limits,
-            stars: none.view(),
-            closure: 0.0,
-        };
+        let sheet = lone(Interpolation::Hermite, &limits, &none);
         let at = |number: u32, angle, rate| Setpoint::<f64, 1> {
             number,
             time: f64::from(number),
@@ -919,12 +923,7 @@ fn a_long_segment_takes_its_time() {
         speed: 1.0,
         acceleration: 1.0,
     }];
-    let sheet = SheetView {
-        interpolation: Interpolation::Linear,
-        limits: &limits,
-        stars: none.view(),
-        closure: 0.0,
-    };
+    let sheet = lone(Interpolation::Linear, &limits, &none);
     let mut follower = Follower::<f32, 1, 2>::new(Options::default());
     let place = Place {
         knot: 0,
@@ -964,12 +963,7 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
         speed: 1.0,
         acceleration: f32::INFINITY,
     }];
-    let sheet = SheetView {
-        interpolation: Interpolation::Linear,
-        limits: &limits,
-        stars: none.view(),
-        closure: 0.0,
-    };
+    let sheet = lone(Interpolation::Linear, &limits, &none);
     let mut follower = Follower::<f32, 1, 4>::new(Options::default());
     follower.load(&sheet, Place::default()).unwrap();
     for (number, time) in [(0_u8, -3e38), (1, 0.0), (2, 3e38)] {
@@ -1009,12 +1003,7 @@ fn rounding_leaves_no_limit() {
             speed: 1.0,
             acceleration: 1.0,
         }];
-        let sheet = SheetView {
-            interpolation: Interpolation::HalfAngle,
-            limits: &limits,
-            stars: none.view(),
-            closure: 0.0,
-        };
+        let sheet = lone(Interpolation::HalfAngle, &limits, &none);
         let mut follower = Follower::<f32, 1, 2>::new(Options::default());
         follower.load(&sheet, Place::default()).unwrap();
         for number in 0..2_u8 {

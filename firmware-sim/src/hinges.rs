@@ -1,8 +1,8 @@
-//! The hinges of a simulated sheet: drives that follow their commands with lag, play and noise, in virtual time.
+//! The hinges of a simulated sheet: drives that follow their commands in virtual time.
 //!
 //! A motor comes after its command with a time constant, no faster and with no more torque than it has, its hinge
-//! after the motor with the play between them, and what is measured of the hinge is noisy. So the sheet is not where it is commanded, and
-//! [`Hinges::torn`] says by how much it does not close there.
+//! after the motor with the play between them, and what is measured of the hinge is noisy. So the sheet is not where
+//! it is commanded, and [`Hinges::torn`] says by how much it does not close there.
 
 use std::vec::Vec;
 

@@ -1,6 +1,8 @@
 //! Streaming to controllers: what they execute is what was planned, whatever the line does; what goes wrong is said.
 
 mod common;
+#[path = "common/session.rs"]
+mod session;
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::time::Duration;
@@ -13,9 +15,7 @@ use std::thread::{self, JoinHandle, sleep};
 use std::time::Instant;
 
 use common::Folder;
-use foldpath::stream::{
-    Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Watcher, Wish, run,
-};
+use foldpath::stream::{Faulty, Outcome, Sim, StreamPath, Telemetry, Wish};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{self, Follower, Place, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
@@ -27,6 +27,7 @@ use foldpath_core::{GroupId, Interpolation, Spoke, StarView, StarsView, local_fo
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::Faults;
 use serde_json::Value;
+use session::session;
 
 /// A folder with `path.traj` of a Miura fold of 24 x 24 faces.
 fn miura(options: &str) -> Folder {
@@ -275,36 +276,6 @@ fn two_groups_take_a_hundredth_of_the_bytes_of_their_hinges() {
         let part = if setpoints < 19 { 40 } else { 100 };
         assert!(bytes * part <= bare, "{bytes} of {bare}");
     }
-}
-
-/// Keeps what it hears.
-struct Ear<'a> {
-    heard: Vec<Telemetry>,
-    wish: &'a dyn Fn(&[Telemetry]) -> Wish,
-}
-
-impl Watcher for Ear<'_> {
-    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
-        self.heard.push(telemetry.clone());
-        Ok(())
-    }
-
-    fn wish(&mut self) -> Wish {
-        (self.wish)(&self.heard)
-    }
-}
-
-/// A session with its telemetry.
-fn session(
-    link: &mut impl Link,
-    path: &StreamPath,
-    (id, resume): (u32, bool),
-    wish: &dyn Fn(&[Telemetry]) -> Wish,
-) -> (Summary, Vec<Telemetry>) {
-    let heard = Vec::new();
-    let mut ear = Ear { heard, wish };
-    let summary = run(link, path, Options { resume, id }, &mut ear).unwrap();
-    (summary, ear.heard)
 }
 
 #[test]

@@ -2,15 +2,12 @@
 //! host.
 
 use std::fs;
-use std::io;
 use std::path::Path;
 
 use foldpath::formats::fold::read_path;
 use foldpath::formats::traj::TrajFile;
 use foldpath::planner::PlanOptions;
-use foldpath::stream::{
-    Emulator, Faulty, Link, Options, Outcome, StreamPath, Summary, Telemetry, Watcher, Wish, run,
-};
+use foldpath::stream::{Emulator, Faulty, Link, Outcome, StreamPath, Summary, Telemetry, Wish};
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_firmware_sim::faults::Faults;
@@ -18,6 +15,8 @@ use foldpath_tests::Planned;
 use image::image;
 
 mod image;
+#[path = "../../host/tests/common/session.rs"]
+mod session;
 
 /// The bytes of the `.traj` file of a planned Miura fold.
 fn planned() -> Vec<u8> {
@@ -29,35 +28,17 @@ fn planned() -> Vec<u8> {
     TrajFile::of(&path, &file).unwrap().bytes
 }
 
-struct Ear<'a> {
-    heard: Vec<Telemetry>,
-    wish: &'a dyn Fn(&[Telemetry]) -> Wish,
-}
-
-impl Watcher for Ear<'_> {
-    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
-        self.heard.push(telemetry.clone());
-        Ok(())
-    }
-
-    fn wish(&mut self) -> Wish {
-        (self.wish)(&self.heard)
-    }
-}
-
 /// A session, in which all that is told has to be on the path, bit by bit.
 fn session(
     link: &mut impl Link,
     bytes: &[u8],
-    (id, resume): (u32, bool),
+    host: (u32, bool),
     wish: &dyn Fn(&[Telemetry]) -> Wish,
 ) -> (Summary, Vec<Telemetry>) {
     let path = StreamPath::read(bytes, Path::new("path.traj")).unwrap();
-    let heard = Vec::new();
-    let mut ear = Ear { heard, wish };
-    let summary = run(link, &path, Options { resume, id }, &mut ear).unwrap();
+    let (summary, heard) = session::session(link, &path, host, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
-    for told in ear.heard.iter().filter(|told| !told.angles.is_empty()) {
+    for told in heard.iter().filter(|told| !told.angles.is_empty()) {
         let knot = told.place.knot as usize;
         let at = |group| match file.curve(knot, group) {
             Some(curve) if told.place.into > 0.0 => {
@@ -70,7 +51,7 @@ fn session(
         let found: Vec<u32> = told.angles.iter().map(|angle| angle.to_bits()).collect();
         assert_eq!(found, expected, "{told:?}");
     }
-    (summary, ear.heard)
+    (summary, heard)
 }
 
 /// Identifiers of the processes that are children of this one and run QEMU.

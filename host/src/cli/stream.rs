@@ -47,15 +47,19 @@ pub(super) fn run(args: &Stream) -> Answer {
         source,
     })?;
     let path = StreamPath::read(&bytes, &args.path)?;
-    let simulated = matches!(args.to, Target::Sim);
-    if !simulated && (args.drives.is_some() || args.script.is_some() || args.sheet.is_some()) {
+    let driven = args.drives.is_some() || args.script.is_some() || args.sheet.is_some();
+    if driven && !matches!(args.to, Target::Sim) {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
     let mut rigidity = None;
     let summary = match &args.to {
         Target::Sim => {
-            let mut sim = Sim::driving(plant(args, &path)?);
+            let mut sim = if driven {
+                Sim::driving(plant(args, &path)?)
+            } else {
+                Sim::new()
+            };
             let summary = session(&mut sim, args, &path, 1)?;
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary

@@ -1,8 +1,9 @@
 //! Sending a path to a controller and following what it does.
 //!
 //! - [`StreamPath`]: the content of a `.traj` file, as it is sent.
-//! - [`Link`]: bytes to a controller and back: [`Sim`], one in this process in virtual time, with the hinges of a [`Plant`]; [`Wire`], one behind TCP or
-//!   a serial device; [`Emulator`], one in QEMU; [`Faulty`], any of them with faults.
+//! - [`Link`]: bytes to a controller and back: [`Sim`], one in this process in virtual time, which may drive a
+//!   [`Plant`]; [`Wire`], one behind TCP or a serial device; [`Emulator`], one in QEMU; [`Faulty`], any of them with
+//!   faults.
 //! - [`run`]: a session from the greeting to its [`Outcome`], over [`foldpath_core::wire::driver`].
 
 mod emulator;

@@ -241,7 +241,7 @@ struct Search<'a> {
     rays: Ragged<Ray>,
     real: Vec<VertexId>,
     sets: ParitySets,
-    /// Relations that the isometry at hand implies, and the vertices that it takes to another.
+    /// Relations that the isometry at hand implies, and the inner vertices that it takes to another.
     found: Vec<(CreaseId, CreaseId)>,
     mapped: Vec<(VertexId, VertexId)>,
     /// Vertices that symmetries take to each other.
@@ -321,12 +321,9 @@ impl<'a> Search<'a> {
     /// Whether symmetries of exact coordinates that were found before take the kind to this vertex, which tells all
     /// there is to tell.
     fn is_told(&mut self, kind: &Kind, vertex: VertexId) -> bool {
+        let [from, to] = [kind.vertex, vertex].map(VertexId::index);
         let exact = self.tolerance <= SAME_PLACE;
-        let mut joined = || {
-            self.orbits
-                .related(kind.vertex.index(), vertex.index(), false)
-        };
-        exact && kind.settled && joined()
+        exact && kind.settled && self.orbits.related(from, to, false)
     }
 
     /// Tries every isometry that takes the star of the kind to that of a vertex, as long as any may tell
@@ -477,7 +474,10 @@ impl<'a> Search<'a> {
             let fits = match self.places.vertex_at(image) {
                 Some(to) => {
                     self.image_of[to.index()] = self.isometries;
-                    self.mapped.push((vertex, to));
+                    // A star that the border cuts is not all of it.
+                    if self.pattern.is_real(to) {
+                        self.mapped.push((vertex, to));
+                    }
                     self.maps_star(isometry, vertex, to, self.tolerance)
                 }
                 None => !self.places.is_inside(image),
@@ -514,12 +514,7 @@ impl<'a> Search<'a> {
         let joins = self.found.iter().all(consistent);
         if joins {
             self.sets = joined;
-            // A star that the border cuts is not all of it.
-            for &(from, to) in self
-                .mapped
-                .iter()
-                .filter(|(_, to)| self.pattern.is_real(*to))
-            {
+            for &(from, to) in &self.mapped {
                 self.orbits.join(from.index(), to.index(), false);
             }
         }

@@ -1,0 +1,35 @@
+//! Sessions with controllers, and all that is heard in them.
+
+use std::io;
+
+use foldpath::stream::{Link, Options, StreamPath, Summary, Telemetry, Watcher, Wish, run};
+
+/// Keeps what it hears.
+struct Ear<'a> {
+    heard: Vec<Telemetry>,
+    wish: &'a dyn Fn(&[Telemetry]) -> Wish,
+}
+
+impl Watcher for Ear<'_> {
+    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
+        self.heard.push(telemetry.clone());
+        Ok(())
+    }
+
+    fn wish(&mut self) -> Wish {
+        (self.wish)(&self.heard)
+    }
+}
+
+/// A session with its telemetry.
+pub(crate) fn session(
+    link: &mut impl Link,
+    path: &StreamPath,
+    (id, resume): (u32, bool),
+    wish: &dyn Fn(&[Telemetry]) -> Wish,
+) -> (Summary, Vec<Telemetry>) {
+    let heard = Vec::new();
+    let mut ear = Ear { heard, wish };
+    let summary = run(link, path, Options { resume, id }, &mut ear).unwrap();
+    (summary, ear.heard)
+}
