@@ -318,7 +318,11 @@ fn an_empty_queue_stops_at_its_last_setpoint_and_goes_on_with_the_next() {
 
 #[test]
 fn a_silent_host_holds_until_it_asks_to_go_on() {
-    let mut run = Run::<f32>::started();
+    let mut run = Run::<f32>::ready(Options {
+        silence: 250_000,
+        ..Options::default()
+    });
+    run.follower.start().unwrap();
     run.ticks(500);
     run.host = false;
     run.ticks(248);

@@ -385,7 +385,7 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
         if angles.is_empty() {
             continue;
         }
-        world.run(300_000);
+        world.run(500_000);
         assert_eq!(world.failure(0), Some(Failure::Lost));
         assert_eq!(world.device.follower().angles(), angles);
         world.hosts.push(common::Host::new(&path, 99_999));

@@ -273,7 +273,7 @@ fn two_groups_take_a_hundredth_of_the_bytes_of_their_hinges() {
             bytes as f64 * 100.0 <= duration * 50.0 * 1104.0 * 4.0,
             "{bytes}"
         );
-        let part = if setpoints < 19 { 40 } else { 100 };
+        let part = if setpoints < 19 { 50 } else { 150 };
         assert!(bytes * part <= bare, "{bytes} of {bare}");
     }
 }

@@ -21,9 +21,9 @@ mod image;
 
 const AN386: &str = "mps2-an386";
 const SEEDS: u64 = 5;
-/// Microseconds after which a sheet whose host is silent rests: 250 ms until it is missed and 250 ms of braking, and what
+/// Microseconds after which a sheet whose host is silent rests: 500 ms until it is missed and 250 ms of braking, and what
 /// is left for frames under way, and for ticks of more than 10 ms, which count for no more.
-const HELD: u64 = 1_000_000;
+const HELD: u64 = 1_250_000;
 
 static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
 

@@ -102,7 +102,7 @@ impl<T: Scalar> Default for Options<T> {
                 rise: T::lit(4.0),
                 brake: T::lit(4.0),
             },
-            silence: 250_000,
+            silence: 500_000,
             longest_tick: 10_000,
             lag: T::lit(0.05),
             most_lag: T::lit(0.15),

@@ -30,7 +30,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             retry: 30_000,
-            alive: 100_000,
+            alive: 200_000,
             silence: 5_000_000,
         }
     }

@@ -273,7 +273,7 @@ impl<'a> Subject<'a> {
             self.moves(&before, passed);
         }
         if after.state == State::Running {
-            assert!(self.now <= self.heard + 250_000, "a silent host");
+            assert!(self.now <= self.heard + 500_000, "a silent host");
         }
         self.rates(&before, &after, passed);
         self.last_tick = self.last_tick.max(now);
