@@ -29,6 +29,9 @@ pub(super) const FIRST_PART: f64 = 0.5;
 const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
 const NEARER: f64 = 0.01;
+/// Part of the depth at which a crossing counts that is looked for: a sweep is certain up to twice that, and what is
+/// written is rounded. So who judges the path afresh finds none.
+const STRICTER: f64 = 0.49;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
@@ -166,8 +169,7 @@ impl Planning<'_> {
         let usual = SweepOptions::default();
         SweepOptions {
             gap,
-            // Where faces are certified to be only up to the gap, they touch or cross by less.
-            tolerance: usual.tolerance.max(gap.min(CERTIFIED)),
+            tolerance: usual.tolerance * STRICTER,
             deadline: self.deadline,
             // Who wants to look at everything may.
             max_looks: if skips == Skips::default() {
