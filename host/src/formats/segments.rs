@@ -37,9 +37,9 @@ const ROUNDING: f64 = 1e-9;
 /// Lines and crossings at most: a hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MOST: usize = 1 << 22;
 
-/// Looks at most from lines at what is near them, some seconds' worth: where all lines are in one place, each
-/// is near all others.
-const LOOKS: usize = 1 << 30;
+/// Looks at most from lines at what is near them, for each line and in all: where all lines are in one place,
+/// each is near all others. In tessellations there are some hundreds for each.
+const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
 /// Splitting moves lines by up to the tolerance, and may so make them cross anew.
 const ROUNDS: usize = 8;
@@ -164,7 +164,7 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
     // What is in an island is in what the island is in: the widest first, most need not be looked at.
     faces.sort_by(|a, b| (b.1.x - b.0.x).total_cmp(&(a.1.x - a.0.x)));
     let mut island = vec![false; pattern.sheets()];
-    let mut looks = 0;
+    let mut looks = Looks::for_lines(drawing.edges.len());
     for (low, high, around, face) in faces {
         if island[around] {
             continue;
@@ -172,11 +172,11 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
         let from = corners.partition_point(|(at, _)| at.x <= low.x);
         let within = corners[from..].iter().take_while(|(at, _)| at.x < high.x);
         for &(at, sheet) in within {
-            looks += 1;
+            looks.take(1);
             if sheet == around || island[sheet] || at.y <= low.y || at.y >= high.y {
                 continue;
             }
-            looks += face.len();
+            looks.take(face.len());
             let polygon = face.iter().map(|vertex| points[vertex.index()]);
             let next = polygon.clone().cycle().skip(1);
             let above = polygon.zip(next).filter(|(a, b)| {
@@ -185,7 +185,7 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
             });
             island[sheet] = above.count() % 2 == 1;
         }
-        if looks > LOOKS {
+        if looks.are_used_up() {
             return None;
         }
     }
@@ -398,7 +398,7 @@ fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>
     repairs.short = segments.len() - pieces.len();
     drop(segments);
     deduplicate(&mut pieces, &mut repairs);
-    let mut looks = 0;
+    let mut looks = Looks::for_lines(pieces.len());
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     if join_open(
         &places.points,
@@ -417,13 +417,31 @@ fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>
     Some((drawing, repairs.in_words(tolerance)))
 }
 
+/// How often something near may still be looked at.
+struct Looks(usize);
+
+impl Looks {
+    /// As often as so many lines need.
+    fn for_lines(lines: usize) -> Self {
+        Self(LOOKS[1].max(LOOKS[0] * lines))
+    }
+
+    fn take(&mut self, count: usize) {
+        self.0 = self.0.saturating_sub(count);
+    }
+
+    fn are_used_up(&self) -> bool {
+        self.0 == 0
+    }
+}
+
 /// Splits lines where they cross and where they pass vertices, until none does; `None` if that makes too
 /// many.
 fn cut_up(
     places: &mut Places,
     pieces: &mut Vec<Piece>,
     repairs: &mut Repairs,
-    looks: &mut usize,
+    looks: &mut Looks,
 ) -> Option<()> {
     let tolerance = places.tolerance;
     for _ in 0..ROUNDS {
@@ -452,7 +470,7 @@ fn join_open(
     pieces: &mut [Piece],
     diagonal: f64,
     repairs: &mut Repairs,
-    looks: &mut usize,
+    looks: &mut Looks,
 ) -> Option<bool> {
     let mut degrees = vec![0_usize; points.len()];
     for end in pieces.iter().flat_map(|piece| piece.ends) {
@@ -471,7 +489,7 @@ fn join_open(
             let at = points[end];
             let mut near = [(f64::INFINITY, end); 2];
             grid.along([at; 2], 2.0 * reach, |cell| {
-                *looks += 1 + cells[cell].len();
+                looks.take(1 + cells[cell].len());
                 for &vertex in &cells[cell] {
                     let distance = (points[vertex] - at).norm();
                     if degrees[vertex] < 2 || vertex == other || distance >= near[1].0 {
@@ -488,7 +506,7 @@ fn join_open(
                 repairs.far_joined = repairs.far_joined.max(distance);
             }
         }
-        if *looks > LOOKS {
+        if looks.are_used_up() {
             return None;
         }
     }
@@ -714,7 +732,7 @@ fn crossings(
     points: &[Vector2<f64>],
     pieces: &[Piece],
     tolerance: f64,
-    looks: &mut usize,
+    looks: &mut Looks,
 ) -> Option<Vec<Vector2<f64>>> {
     let lengths = pieces.iter().map(|piece| {
         let [a, b] = line(points, piece);
@@ -734,9 +752,9 @@ fn crossings(
         let one = line(points, piece);
         let mut too_many = false;
         grid.along(one, 0.0, |cell| {
-            *looks += 1;
+            looks.take(1);
             for &other in covered[cell].iter().take_while(|&&other| other < index) {
-                *looks += 1;
+                looks.take(1);
                 if seen[other] == index {
                     continue;
                 }
@@ -750,7 +768,7 @@ fn crossings(
                 }
                 found.extend(crossing(one, line(points, &pieces[other]), tolerance));
             }
-            too_many |= found.len() > MOST || *looks > LOOKS;
+            too_many |= found.len() > MOST || looks.are_used_up();
         });
         if too_many {
             return None;
@@ -791,7 +809,7 @@ fn split(
     points: &[Vector2<f64>],
     pieces: &[Piece],
     tolerance: f64,
-    looks: &mut usize,
+    looks: &mut Looks,
 ) -> Option<Vec<Piece>> {
     let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
@@ -800,7 +818,7 @@ fn split(
         let line = line(points, piece);
         stops.clear();
         grid.along(line, tolerance, |cell| {
-            *looks += 1 + cells[cell].len();
+            looks.take(1 + cells[cell].len());
             for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
                 let (along, aside, length) = foot(line, points[vertex]);
                 if aside <= tolerance && along > 0.0 && along < length {
@@ -817,7 +835,7 @@ fn split(
             });
             from = to;
         }
-        if result.len() > MOST || *looks > LOOKS {
+        if result.len() > MOST || looks.are_used_up() {
             return None;
         }
     }
