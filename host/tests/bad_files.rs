@@ -159,7 +159,8 @@ fn values_of_the_wrong_type() {
         /vertices_coords/3 = [1] => vertices_coords[3]: expected 2 or 3 coordinates, found a list of 1
         /vertices_coords/3 = [1,2,3,4] => vertices_coords[3]: expected 2 or 3 coordinates, found a list of 4
         /edges_vertices = 7 => edges_vertices: expected a list, found 7
-        /edges_vertices = ; /faces_vertices = => edges_vertices: expected a list (or faces_vertices), found nothing
+        /edges_vertices = ; /faces_vertices = ; /edges_assignment = ; /edges_foldAngle = => \
+            edges_vertices: expected a list (or faces_vertices, or vertices_vertices), found nothing
         /edges_vertices/3 = [1,2,3] => edges_vertices[3]: expected 2 vertices, found a list of 3
         /edges_vertices/3/0 = "1" => edges_vertices[3][0]: expected a whole number from 0, found "1"
         /edges_vertices/3/0 = -1 => edges_vertices[3][0]: expected a whole number from 0, found -1
@@ -201,6 +202,9 @@ fn drawings_that_are_no_crease_pattern() {
         /faces_vertices/0 = [4,0,5,1] => faces_vertices[0]: expected a simple polygon with an area
         /faces_vertices/0 = [4,0] => faces_vertices[0]: expected a simple polygon with an area
         /faces_vertices/9 = [4,0,1,5] => edges_vertices[0]: faces 0 and 9 lie on the same side of it
+        /edges_vertices = => edges_vertices: expected a list, as edges_assignment speaks of edges, found nothing
+        /edges_vertices = ; /edges_assignment = => \
+            edges_vertices: expected a list, as edges_foldAngle speaks of edges, found nothing
         /faces_vertices = [[4,0,1,2,6,5]] => vertices_coords[1]: expected the faces round it not to \
             overlap, and no edge without faces between them
         "#,

@@ -7,7 +7,10 @@ use std::panic::catch_unwind;
 use std::path::Path;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::{PathWriter, pattern_text, read_path, read_pattern};
+use foldpath::formats::fold::{
+    PathWriter, parse_goal, parse_path, pattern_text, read_path, read_pattern,
+};
+use foldpath::formats::{FileError, parse_pattern};
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
@@ -260,4 +263,76 @@ fn mutated_paths_are_judged_or_refused() {
         max_acceleration: None,
     };
     for_mutations(&writer.text(&plan.path), check_and_view);
+}
+
+/// The seeds of `tests/fuzz`, which searches on from there.
+const SEEDS_OF_READERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fuzz/seeds");
+
+/// Mutates the seeds of a reader, each byte by byte or with a piece of another, and calls it with what that
+/// gives: of the seeds all must be read, and of what comes from them a fiftieth.
+fn for_mutated_seeds<T>(folder: &str, read: impl Fn(&Path, &[u8]) -> Result<T, FileError>) {
+    let seeds = fs::read_dir(Path::new(SEEDS_OF_READERS).join(folder)).unwrap();
+    let mut seeds: Vec<_> = seeds.map(|entry| entry.unwrap().path()).collect();
+    seeds.sort();
+    let texts: Vec<Vec<u8>> = seeds.iter().map(|seed| fs::read(seed).unwrap()).collect();
+    for (seed, text) in seeds.iter().zip(&texts) {
+        read(seed, text).unwrap_or_else(|error| panic!("{error}"));
+    }
+    let mut good = 0;
+    for round in 0..SEEDS {
+        let mut random = Random(round);
+        let path = &seeds[random.below(seeds.len())];
+        let mut bytes = random.of(&texts).clone();
+        for _ in 0..=random.below(3) {
+            let (from, to) = (random.below(bytes.len()), random.below(bytes.len()));
+            let other = random.of(&texts);
+            let (start, end) = (random.below(other.len()), random.below(other.len()));
+            match random.below(6) {
+                0 => drop(bytes.splice(from.min(to)..from.max(to), [])),
+                1 => drop(bytes.splice(from..from, other[start.min(end)..start.max(end)].to_vec())),
+                2 => drop(bytes.splice(from..from, random.of(&PIECES).bytes())),
+                3 => bytes.swap(from, to),
+                _ => bytes[from] = *random.of(b"0123456789-.,:eE[]{}<>#/\"\n \xffBMV"),
+            }
+            bytes.push(b' ');
+        }
+        let Ok(answer) = catch_unwind(core::panic::AssertUnwindSafe(|| {
+            read(path, &bytes).map_err(|error| error.to_string())
+        })) else {
+            panic!("round {round}: {}", String::from_utf8_lossy(&bytes));
+        };
+        good += u64::from(answer.is_ok());
+    }
+    assert!(good > SEEDS / 50, "{folder}: {good}");
+}
+
+/// What is hard to bear somewhere.
+const PIECES: [&str; 16] = [
+    "1e300",
+    "-1e-300",
+    "null",
+    "[]",
+    "{}",
+    "[[0,1]]",
+    "<g>",
+    "</g>",
+    "<use href=\"#s\"/>",
+    "scale(0)",
+    "url(#s)",
+    "c1 1 2 2 3 3",
+    "&r;",
+    "\n2 0 0 4 4\n",
+    "NaN",
+    "4294967296",
+];
+
+#[test]
+fn mutated_seeds_are_read_or_refused() {
+    for folder in ["fold", "svg", "cp"] {
+        for_mutated_seeds(folder, parse_pattern);
+    }
+    for_mutated_seeds("path", parse_path);
+    let square = Path::new(SEEDS_OF_READERS).join("fold/square.fold");
+    let sheet = read_pattern(&square).unwrap().pattern;
+    for_mutated_seeds("goal", |path, bytes| parse_goal(path, bytes, &sheet));
 }

@@ -156,3 +156,68 @@ fn goal_angles_of_fold_1_0_are_read() {
         "{found}"
     );
 }
+
+/// Frames inherit from frames, their classes too; the goal is that of the last that is a folded form.
+#[test]
+fn frames_inherit_along_chains() {
+    let (expected, _) = info(&pattern());
+    let mut flat = pattern();
+    let object = flat.as_object_mut().unwrap();
+    let goal = object.remove("edges_foldAngle").unwrap();
+    let letters = object.remove("edges_assignment").unwrap();
+    let frame = |parent: u32| json!({"frame_parent": parent, "frame_inherit": true});
+    let with = |mut frame: Value, key: &str, value: Value| {
+        frame[key] = value;
+        frame
+    };
+    let zeros = vec![0.0; numbers(&goal).len()];
+    flat["frame_classes"] = json!(["graph"]);
+    flat["file_frames"] = json!([
+        with(
+            with(frame(0), "edges_assignment", letters),
+            "frame_classes",
+            json!(["creasePattern"])
+        ),
+        with(
+            with(frame(1), "edges_foldAngle", json!(zeros)),
+            "frame_classes",
+            json!(["foldedForm"])
+        ),
+        with(frame(2), "edges_foldAngle", goal),
+        with(frame(3), "frame_title", json!("no angles of its own")),
+    ]);
+    assert_eq!(info(&flat), (expected, json!([])));
+}
+
+/// Some programs list, for each vertex, those that edges join it to, and no edges.
+#[test]
+fn edges_may_be_given_by_the_neighbours_of_vertices() {
+    let mut lists = pattern();
+    let object = lists.as_object_mut().unwrap();
+    object.remove("edges_assignment");
+    object.remove("edges_foldAngle");
+    object.remove("faces_vertices");
+    let edges = object.remove("edges_vertices").unwrap();
+    let count = lists["vertices_coords"].as_array().unwrap().len();
+    let mut neighbours = vec![vec![]; count];
+    for edge in edges.as_array().unwrap() {
+        let [a, b] = [0, 1].map(|end| usize::try_from(edge[end].as_u64().unwrap()).unwrap());
+        neighbours[a].push(b);
+        neighbours[b].push(a);
+    }
+    lists["vertices_vertices"] = json!(neighbours);
+    let (found, notes) = info(&lists);
+    for (key, value) in [("edges", 24), ("faces", 9), ("free_hinges", 12)] {
+        assert_eq!(found[key], value, "{key}");
+    }
+    let said = "edges_vertices is missing: edges taken from vertices_vertices";
+    assert!(notes.as_array().unwrap().contains(&json!(said)), "{notes}");
+}
+
+/// Windows programs may begin a text with a byte order mark.
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_text() {
+    let folder = Folder::new();
+    folder.write("marked.fold", &format!("\u{feff}{}", pattern()));
+    assert_eq!(folder.done("info marked.fold --json").json()["faces"], 9);
+}

@@ -16,6 +16,42 @@ fn folder() -> Option<PathBuf> {
     folder
 }
 
+/// Vertices, edges, faces, creases and interior vertices of every FOLD file that is a flat sheet. Counted from the
+/// lists of the files by another program; where a file lists no faces, Euler's formula has their number.
+#[test]
+fn fold_files_are_read_whole() {
+    let Some(folder) = folder() else { return };
+    for (name, expected) in [
+        ("report-authors/miura_8_8.fold", [81, 208, 128, 112, 49]),
+        ("report-authors/wb_12_6.fold", [91, 234, 144, 162, 55]),
+        (
+            "report-authors/yoshimura_12_12.fold",
+            [169, 456, 288, 276, 121],
+        ),
+        ("flat-folder/001_ku_Bad_Twist.fold", [16, 24, 9, 12, 4]),
+        (
+            "flat-folder/074_miuraoripa_Miura-ori.fold",
+            [81, 152, 72, 120, 49],
+        ),
+        ("osbo/birdBase.fold", [13, 28, 16, 20, 5]),
+        ("osbo/waterbombBase.fold", [9, 16, 8, 8, 1]),
+    ] {
+        let pattern = read_pattern(&folder.join(name)).unwrap().pattern;
+        let found = [
+            pattern.vertices().len(),
+            pattern.edges().len(),
+            pattern.faces().len(),
+            pattern.creases().len(),
+            pattern.real_vertices().count(),
+        ];
+        assert_eq!(found, expected, "{name}");
+    }
+    for name in ["fold/squaretwist.fold", "fold/box.fold"] {
+        let error = read_pattern(&folder.join(name)).unwrap_err().to_string();
+        assert!(error.contains("has to be unfolded first"), "{error}");
+    }
+}
+
 /// The report authors' own patterns reach their goals, or for the tube and the Yoshimura, whose goals
 /// close only to 1e-3 and 1e-5, the nearest that closes; in no more knots than their own paths have.
 #[test]

@@ -1,25 +1,31 @@
 //! CP files of ORIPA and Oriedita: one line of the drawing a line, `type x1 y1 x2 y2`.
 //!
-//! Types are 1 contour, 2 mountain, 3 valley and 4 auxiliary, which is no crease. As on the screens of
+//! Types are 0 none, 1 contour, 2 mountain and 3 valley; Oriedita writes 4 for auxiliary lines and reads all
+//! others as such. They are no creases. As on the screens of
 //! those programs y points down; it is turned round, so that the sheet is seen as it was drawn.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::Vector2;
 
-use super::segments::{Segment, pattern_file};
-use super::{FileError, read_text};
+use super::FileError;
+use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
 
-/// Reads a crease pattern. A CP file names no angles, so that its creases have no goals.
+/// Bytes of a file at most.
+pub(super) const LARGEST_FILE: u64 = 1 << 28;
+
+/// A crease pattern from the text of a file. A CP file names no angles, so that its creases have no goals.
+/// Empty lines and such that begin with `#` say nothing.
 ///
 /// # Errors
-/// If the file cannot be read, a line of it is not such a line, or they are no crease pattern.
-pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    let text = read_text(path)?;
+/// If a line of the text is not such a line, or they are no crease pattern.
+pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
     let mut segments = Vec::new();
-    let mut auxiliary = 0_usize;
+    let mut auxiliary: BTreeMap<u8, usize> = BTreeMap::new();
+    let mut commas = 0_usize;
     for (index, line) in text.lines().enumerate() {
         let expected = |expected: &str, found: &str| FileError::Expected {
             path: path.to_path_buf(),
@@ -27,43 +33,60 @@ pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
             expected: expected.into(),
             found: format!("\"{}\"", found.chars().take(40).collect::<String>()),
         };
-        if line.trim().is_empty() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let fields: Vec<&str> = line.split_whitespace().take(6).collect();
-        let &[kind, x1, y1, x2, y2] = fields.as_slice() else {
-            return Err(expected("5 fields, type x1 y1 x2 y2", line.trim()));
+        let mut fields = line.split_whitespace();
+        let mut next = || fields.next();
+        let (Some(kind), Some(x1), Some(y1), Some(x2), Some(y2), None) =
+            (next(), next(), next(), next(), next(), next())
+        else {
+            return Err(expected("5 fields, type x1 y1 x2 y2", line));
         };
-        let number = |field: &str| {
-            let number = field.parse().ok().filter(|n: &f64| n.is_finite());
+        let mut number = |field: &str| {
+            let with_point = field.replacen(',', ".", 1);
+            let number = with_point.parse().ok().filter(|n: &f64| n.is_finite());
+            commas += usize::from(number.is_some() && field.contains(','));
             number.ok_or_else(|| expected("a number", field))
         };
         let ends = [
             Vector2::new(number(x1)?, -number(y1)?),
             Vector2::new(number(x2)?, -number(y2)?),
         ];
-        let letter = match kind {
-            "1" => Letter::Boundary,
-            "2" => Letter::Mountain,
-            "3" => Letter::Valley,
-            "4" => {
-                auxiliary += 1;
+        let letter = match kind.parse() {
+            Ok(1) => Letter::Boundary,
+            Ok(2) => Letter::Mountain,
+            Ok(3) => Letter::Valley,
+            Ok(other) => {
+                *auxiliary.entry(other).or_default() += 1;
                 continue;
             }
-            _ => {
+            Err(_) => {
                 let types = "a type, 1 contour, 2 mountain, 3 valley or 4 auxiliary";
                 return Err(expected(types, kind));
             }
         };
+        if segments.len() == MOST {
+            return Err(expected(&format!("at most {MOST} lines"), line));
+        }
         segments.push(Segment {
             ends,
             letter,
             goal: None,
         });
     }
-    let mut notes = Vec::new();
-    if auxiliary > 0 {
-        notes.push(format!("auxiliary lines (type 4) left out: {auxiliary}"));
+    let left_out = auxiliary.into_iter().map(|(kind, count)| {
+        let name = match kind {
+            0 => "lines of no type (type 0)".into(),
+            4 => "auxiliary lines (type 4)".into(),
+            other => format!("lines of type {other}, taken as auxiliary,"),
+        };
+        format!("{name} left out: {count}")
+    });
+    let mut notes: Vec<String> = left_out.collect();
+    if commas > 0 {
+        notes.push(format!("numbers with a comma for the point: {commas}"));
     }
-    pattern_file(path, &segments, notes)
+    pattern_file(path, segments, 0.0, notes)
 }

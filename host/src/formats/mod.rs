@@ -11,6 +11,8 @@ mod segments;
 mod svg;
 pub mod traj;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
@@ -20,30 +22,76 @@ pub use output::{write_whole, write_whole_with};
 /// others.
 ///
 /// # Errors
-/// If the file cannot be read or holds no flat crease pattern.
+/// If the file cannot be read, is too large, or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
-    let ending = path.extension().unwrap_or_default().to_string_lossy();
-    match ending.to_ascii_lowercase().as_str() {
-        "svg" => svg::read_pattern(path),
-        "cp" => cp::read_pattern(path),
-        _ => fold::read_pattern(path),
+    let most = match ending(path).as_str() {
+        "svg" => svg::LARGEST_FILE,
+        "cp" => cp::LARGEST_FILE,
+        _ => fold::LARGEST_FILE,
+    };
+    parse_pattern(path, &read_bytes(path, most)?)
+}
+
+/// A crease pattern from the bytes of a file of that name, as [`read_pattern`] reads it.
+///
+/// # Errors
+/// If they are no flat crease pattern.
+pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<fold::PatternFile, FileError> {
+    match ending(path).as_str() {
+        "svg" => svg::parse_pattern(path, text(path, bytes)?),
+        "cp" => cp::parse_pattern(path, text(path, bytes)?),
+        _ => fold::parse_pattern(path, bytes),
     }
+}
+
+fn ending(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default();
+    ending.to_string_lossy().to_ascii_lowercase()
+}
+
+/// The bytes of a file.
+///
+/// # Errors
+/// If the system refuses, or there are more than `most`: what never ends, as a device may, is not read on.
+pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    let read = || {
+        let file = File::open(path)?;
+        let size = file.metadata()?.len().min(most);
+        let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or_default());
+        file.take(most + 1).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    let bytes = read().map_err(|source| FileError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    if u64::try_from(bytes.len()).is_ok_and(|size| size <= most) {
+        return Ok(bytes);
+    }
+    Err(FileError::Expected {
+        path: path.to_path_buf(),
+        place: "the file".into(),
+        expected: format!("at most {} MiB", most >> 20),
+        found: "more".into(),
+    })
 }
 
 /// The text of a file, without a byte order mark.
 pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
-    let bytes = std::fs::read(path).map_err(|source| FileError::Io {
+    let bytes = read_bytes(path, 1 << 26)?;
+    text(path, &bytes).map(String::from)
+}
+
+/// Bytes of a file as text, without a byte order mark.
+fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
+    let text = str::from_utf8(bytes).map_err(|error| FileError::Expected {
         path: path.to_path_buf(),
-        source,
-    })?;
-    let text = String::from_utf8(bytes).map_err(|error| FileError::Expected {
-        path: path.to_path_buf(),
-        place: format!("byte {}", error.utf8_error().valid_up_to()),
+        place: format!("byte {}", error.valid_up_to()),
         expected: "text in UTF-8".into(),
         found: "other bytes".into(),
     })?;
-    match text.strip_prefix('\u{feff}') {
-        Some(text) => Ok(text.into()),
-        None => Ok(text),
-    }
+    Ok(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text))
 }
+
+/// What some programs write before a text.
+const BYTE_ORDER_MARK: char = '\u{feff}';

@@ -35,7 +35,11 @@ const OPEN: f64 = 1.0 / 300.0;
 const ROUNDING: f64 = 1e-9;
 
 /// Lines and crossings at most: a hatched sheet has quadratically many crossings, and memory is finite.
-const MOST: usize = 1 << 22;
+pub(super) const MOST: usize = 1 << 22;
+
+/// Looks at most from lines at what is near them, for each line and in all: where all lines are in one place,
+/// each is near all others. In tessellations there are some hundreds for each.
+const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
 /// Splitting moves lines by up to the tolerance, and may so make them cross anew.
 const ROUNDS: usize = 8;
@@ -52,12 +56,14 @@ pub(super) struct Segment {
 }
 
 /// Makes a crease pattern of segments, titled by the name of the file, with notes of what was assumed.
+/// `rounding` is how far their ends may be from where they were drawn.
 ///
 /// # Errors
 /// If the lines enclose no faces, are too many, or make no crease pattern even when repaired.
 pub(super) fn pattern_file(
     path: &Path,
-    segments: &[Segment],
+    segments: Vec<Segment>,
+    rounding: f64,
     notes: Vec<String>,
 ) -> Result<PatternFile, FileError> {
     let expected = |expected: String, found: String| FileError::Expected {
@@ -74,17 +80,19 @@ pub(super) fn pattern_file(
         let found = "a larger one".into();
         return Err(expected("coordinates from -1e50 to 1e50".into(), found));
     }
-    let (drawing, repairs) = planar(segments).ok_or_else(|| {
+    let drawn = segments.len();
+    let too_many = || {
         let found = "more (are lines hatched or drawn many times over?)".into();
-        expected(format!("at most {MOST} lines and crossings"), found)
-    })?;
+        let most = format!("at most {MOST} lines and crossings, and not too many near each other");
+        expected(most, found)
+    };
+    let (drawing, mut repairs) = planar(segments, rounding).ok_or_else(too_many)?;
     if drawing.edges.len() < 3 {
-        let found = format!("{} lines, none of which does", segments.len());
+        let found = format!("{drawn} lines, none of which does");
         return Err(expected("lines that enclose faces".into(), found));
     }
-    let mut repairs = repairs;
     let mut pattern = checked(path, drawing.clone())?;
-    let (drawing, left_out) = without_islands(&pattern, drawing);
+    let (drawing, left_out) = without_islands(&pattern, drawing).ok_or_else(too_many)?;
     if left_out > 0 {
         pattern = checked(path, drawing)?;
         repairs.push(format!(
@@ -131,36 +139,54 @@ fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
     })
 }
 
-/// The drawing without the sheets that lie inside a face of another, and how many lines those have.
-fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> (Drawing, usize) {
+/// The drawing without the sheets that lie inside a face of another, and how many lines those have; `None`
+/// if there are too many to tell.
+fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Drawing, usize)> {
     if pattern.sheets() < 2 {
-        return (drawing, 0);
+        return Some((drawing, 0));
     }
     let points = pattern.vertices();
-    let faces: Vec<_> = pattern.faces().iter().collect();
     let mut corners = vec![None; pattern.sheets()];
-    for (face, &sheet) in faces.iter().zip(pattern.sheet_of_faces()) {
+    let mut faces = Vec::new();
+    for (face, &sheet) in pattern.faces().iter().zip(pattern.sheet_of_faces()) {
+        let polygon = || face.iter().map(|vertex| points[vertex.index()]);
         corners[sheet as usize].get_or_insert(points[face[0].index()]);
+        let [low, high] = polygon().fold([points[face[0].index()]; 2], |[low, high], p| {
+            [low.inf(&p), high.sup(&p)]
+        });
+        faces.push((low, high, sheet as usize, face));
     }
+    let corners = corners.into_iter().enumerate();
+    let mut corners: Vec<_> = corners
+        .filter_map(|(sheet, at)| Some((at?, sheet)))
+        .collect();
+    corners.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
+    // What is in an island is in what the island is in: the widest first, most need not be looked at.
+    faces.sort_by(|a, b| (b.1.x - b.0.x).total_cmp(&(a.1.x - a.0.x)));
     let mut island = vec![false; pattern.sheets()];
-    for (face, &around) in faces.iter().zip(pattern.sheet_of_faces()) {
-        let polygon = face.iter().map(|vertex| points[vertex.index()]);
-        let (low, high) = polygon
-            .clone()
-            .fold((LARGEST, -LARGEST), |(l, h), p| (p.x.min(l), p.x.max(h)));
-        for (sheet, corner) in corners.iter().enumerate() {
-            let Some(at) = corner.filter(|at| low < at.x && at.x < high) else {
-                continue;
-            };
-            if sheet == around as usize {
+    let mut looks = Looks::for_lines(drawing.edges.len());
+    for (low, high, around, face) in faces {
+        if island[around] {
+            continue;
+        }
+        let from = corners.partition_point(|(at, _)| at.x <= low.x);
+        let within = corners[from..].iter().take_while(|(at, _)| at.x < high.x);
+        for &(at, sheet) in within {
+            looks.take(1);
+            if sheet == around || island[sheet] || at.y <= low.y || at.y >= high.y {
                 continue;
             }
+            looks.take(face.len());
+            let polygon = face.iter().map(|vertex| points[vertex.index()]);
             let next = polygon.clone().cycle().skip(1);
-            let above = polygon.clone().zip(next).filter(|(a, b)| {
+            let above = polygon.zip(next).filter(|(a, b)| {
                 let part = (at.x - a.x) / (b.x - a.x);
                 (a.x > at.x) != (b.x > at.x) && a.y + part * (b.y - a.y) > at.y
             });
-            island[sheet] |= above.count() % 2 == 1;
+            island[sheet] = above.count() % 2 == 1;
+        }
+        if looks.are_used_up() {
+            return None;
         }
     }
     let on_island = |edge: &crate::pattern::Edge| {
@@ -179,7 +205,7 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> (Drawing, u
         goal: edge.goal,
     });
     let pieces: Vec<Piece> = pieces.collect();
-    (self::drawing(&drawing.vertices, &pieces), left_out)
+    Some((self::drawing(&drawing.vertices, &pieces), left_out))
 }
 
 /// A vertex at which the error is.
@@ -343,13 +369,15 @@ impl Repairs {
 }
 
 /// The planar drawing of the segments and what was repaired; `None` if there is too much of it.
-fn planar(segments: &[Segment]) -> Option<(Drawing, Vec<String>)> {
+fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>)> {
     if segments.len() > MOST {
         return None;
     }
-    let tolerance = tolerance(segments);
+    let [low, high] = bounds(&segments);
+    let diagonal = (high - low).norm();
+    let tolerance = tolerance(&segments).max(4.0 * rounding);
     let mut repairs = Repairs::default();
-    let mut places = Places::new(tolerance, segments);
+    let mut places = Places::new(tolerance, low);
     let mut pieces: Vec<Piece> = segments
         .iter()
         .map(|segment| Piece {
@@ -368,12 +396,19 @@ fn planar(segments: &[Segment]) -> Option<(Drawing, Vec<String>)> {
     }
     pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     repairs.short = segments.len() - pieces.len();
+    drop(segments);
     deduplicate(&mut pieces, &mut repairs);
-    cut_up(&mut places, &mut pieces, &mut repairs)?;
-    let diagonal = (bounds(segments)[1] - bounds(segments)[0]).norm();
-    if join_open(&places.points, &mut pieces, diagonal, &mut repairs) {
+    let mut looks = Looks::for_lines(pieces.len());
+    cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
+    if join_open(
+        &places.points,
+        &mut pieces,
+        diagonal,
+        &mut repairs,
+        &mut looks,
+    )? {
         deduplicate(&mut pieces, &mut repairs);
-        cut_up(&mut places, &mut pieces, &mut repairs)?;
+        cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     }
     // Each crossing has split two lines at least.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
@@ -382,18 +417,41 @@ fn planar(segments: &[Segment]) -> Option<(Drawing, Vec<String>)> {
     Some((drawing, repairs.in_words(tolerance)))
 }
 
+/// How often something near may still be looked at.
+struct Looks(usize);
+
+impl Looks {
+    /// As often as so many lines need.
+    fn for_lines(lines: usize) -> Self {
+        Self(LOOKS[1].max(LOOKS[0] * lines))
+    }
+
+    fn take(&mut self, count: usize) {
+        self.0 = self.0.saturating_sub(count);
+    }
+
+    fn are_used_up(&self) -> bool {
+        self.0 == 0
+    }
+}
+
 /// Splits lines where they cross and where they pass vertices, until none does; `None` if that makes too
 /// many.
-fn cut_up(places: &mut Places, pieces: &mut Vec<Piece>, repairs: &mut Repairs) -> Option<()> {
+fn cut_up(
+    places: &mut Places,
+    pieces: &mut Vec<Piece>,
+    repairs: &mut Repairs,
+    looks: &mut Looks,
+) -> Option<()> {
     let tolerance = places.tolerance;
     for _ in 0..ROUNDS {
         let before = places.points.len();
-        for crossing in crossings(&places.points, pieces, tolerance)? {
+        for crossing in crossings(&places.points, pieces, tolerance, looks)? {
             places.at(crossing);
         }
         repairs.crossings += places.points.len() - before;
         let count = pieces.len();
-        *pieces = split(&places.points, pieces, tolerance)?;
+        *pieces = split(&places.points, pieces, tolerance, looks)?;
         let splits = pieces.len() - count;
         if splits == 0 && places.points.len() == before {
             break;
@@ -405,14 +463,15 @@ fn cut_up(places: &mut Places, pieces: &mut Vec<Piece>, repairs: &mut Repairs) -
 }
 
 /// Joins each open end to the vertex that it can only have been meant to meet, and says whether there were
-/// any: within a twentieth of its line and [`OPEN`] of the diagonal, the next vertex twice as far at least.
+/// any, or `None` if there is too much near them: within a twentieth of its line and [`OPEN`] of the diagonal, the next vertex twice as far at least.
 /// A line that goes too far past another has a short open end, which stays, to be left out.
 fn join_open(
     points: &[Vector2<f64>],
     pieces: &mut [Piece],
     diagonal: f64,
     repairs: &mut Repairs,
-) -> bool {
+    looks: &mut Looks,
+) -> Option<bool> {
     let mut degrees = vec![0_usize; points.len()];
     for end in pieces.iter().flat_map(|piece| piece.ends) {
         degrees[end] += 1;
@@ -430,6 +489,7 @@ fn join_open(
             let at = points[end];
             let mut near = [(f64::INFINITY, end); 2];
             grid.along([at; 2], 2.0 * reach, |cell| {
+                looks.take(1 + cells[cell].len());
                 for &vertex in &cells[cell] {
                     let distance = (points[vertex] - at).norm();
                     if degrees[vertex] < 2 || vertex == other || distance >= near[1].0 {
@@ -446,8 +506,11 @@ fn join_open(
                 repairs.far_joined = repairs.far_joined.max(distance);
             }
         }
+        if looks.are_used_up() {
+            return None;
+        }
     }
-    repairs.joined > before
+    Some(repairs.joined > before)
 }
 
 fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
@@ -484,12 +547,12 @@ struct Places {
 }
 
 impl Places {
-    fn new(tolerance: f64, segments: &[Segment]) -> Self {
+    fn new(tolerance: f64, origin: Vector2<f64>) -> Self {
         Self {
             points: Vec::new(),
             offsets: Vec::new(),
             cells: HashMap::new(),
-            origin: bounds(segments)[0],
+            origin,
             tolerance,
         }
     }
@@ -669,6 +732,7 @@ fn crossings(
     points: &[Vector2<f64>],
     pieces: &[Piece],
     tolerance: f64,
+    looks: &mut Looks,
 ) -> Option<Vec<Vector2<f64>>> {
     let lengths = pieces.iter().map(|piece| {
         let [a, b] = line(points, piece);
@@ -688,7 +752,9 @@ fn crossings(
         let one = line(points, piece);
         let mut too_many = false;
         grid.along(one, 0.0, |cell| {
+            looks.take(1);
             for &other in covered[cell].iter().take_while(|&&other| other < index) {
+                looks.take(1);
                 if seen[other] == index {
                     continue;
                 }
@@ -702,7 +768,7 @@ fn crossings(
                 }
                 found.extend(crossing(one, line(points, &pieces[other]), tolerance));
             }
-            too_many |= found.len() > MOST;
+            too_many |= found.len() > MOST || looks.are_used_up();
         });
         if too_many {
             return None;
@@ -739,7 +805,12 @@ fn crossing(
 }
 
 /// Splits each line at the vertices that it passes; `None` if that makes too many.
-fn split(points: &[Vector2<f64>], pieces: &[Piece], tolerance: f64) -> Option<Vec<Piece>> {
+fn split(
+    points: &[Vector2<f64>],
+    pieces: &[Piece],
+    tolerance: f64,
+    looks: &mut Looks,
+) -> Option<Vec<Piece>> {
     let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
     let mut stops: Vec<(f64, usize)> = Vec::new();
@@ -747,6 +818,7 @@ fn split(points: &[Vector2<f64>], pieces: &[Piece], tolerance: f64) -> Option<Ve
         let line = line(points, piece);
         stops.clear();
         grid.along(line, tolerance, |cell| {
+            looks.take(1 + cells[cell].len());
             for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
                 let (along, aside, length) = foot(line, points[vertex]);
                 if aside <= tolerance && along > 0.0 && along < length {
@@ -763,7 +835,7 @@ fn split(points: &[Vector2<f64>], pieces: &[Piece], tolerance: f64) -> Option<Ve
             });
             from = to;
         }
-        if result.len() > MOST {
+        if result.len() > MOST || looks.are_used_up() {
             return None;
         }
     }

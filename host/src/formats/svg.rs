@@ -10,6 +10,8 @@
 //! a mountain rises towards whoever looks at it, as it does in the simulator. Coordinates have the seven
 //! digits of single precision, in which usvg resolves shapes: as many as drawing programs write.
 
+mod effort;
+
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,28 +20,34 @@ use nalgebra::Vector2;
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
-use super::segments::{Segment, pattern_file};
-use super::{FileError, read_text};
+use super::FileError;
+use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
 
-/// Reads a crease pattern.
+/// Bytes of a file at most.
+pub(super) const LARGEST_FILE: u64 = 1 << 26;
+
+/// Nodes of the document at most, as a file may be of nothing else.
+const NODES: u32 = 1 << 21;
+
+/// A crease pattern from the text of a file.
 ///
 /// # Errors
-/// If the file cannot be read, is no SVG, strokes a curve, or its lines are no crease pattern.
-pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    let text = read_text(path)?;
+/// If it is no SVG, asks for too much, strokes a curve, or its lines are no crease pattern.
+pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
     let error = |place: String, expected: &str, found: String| FileError::Expected {
         path: path.to_path_buf(),
         place,
         expected: expected.into(),
         found,
     };
-    let tree = tree(&text).map_err(|(place, found)| error(place, "an SVG drawing", found))?;
-    let strokes = strokes(tree.root())
-        .map_err(|place| error(place, "straight lines alone", "a curve".into()))?;
+    effort::of_text(text).map_err(|found| error("the drawing".into(), "less of it", found))?;
+    let (tree, mut notes) =
+        tree(text).map_err(|(place, found)| error(place, "an SVG drawing", found))?;
+    let strokes =
+        strokes(tree.root()).map_err(|(place, expected, found)| error(place, &expected, found))?;
 
-    let mut notes = Vec::new();
     let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
     // Opacity says how far a mountain or valley folds, and nothing if none is less than 1.
     let says = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
@@ -60,8 +68,18 @@ pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
                 .map(|&ends| Segment { ends, letter, goal }),
         );
     }
+    let straightened: usize = strokes.iter().map(|stroke| stroke.straightened).sum();
+    if straightened > 0 {
+        notes.push(format!(
+            "curves that run straight taken as lines: {straightened}"
+        ));
+    }
     for (colour, (kind, count)) in colours {
         match kind {
+            // Others draw other things in green.
+            Kind::Exact(Letter::Cut) => {
+                notes.push(format!("lines of colour {colour} (green) taken as cuts (C): {count}"));
+            }
             Kind::Exact(_) => {}
             Kind::Near(name, letter) => notes.push(format!(
                 "lines of colour {colour} taken as {name} ({}), the nearest hue: {count}",
@@ -76,14 +94,21 @@ pub(super) fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
     if angles {
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
-    pattern_file(path, &segments, notes)
+    let rounding = strokes.iter().map(|stroke| stroke.rounding);
+    pattern_file(path, segments, rounding.fold(0.0, f64::max), notes)
 }
 
-/// The drawing with styles, transforms and shapes resolved; or the place and what is wrong there.
-fn tree(text: &str) -> Result<Tree, (String, String)> {
+/// What usvg need not do: only where strokes run is read.
+const UNUSED: &str = "* { fill: none !important; marker: none !important; filter: none !important; \
+                      clip-path: none !important; mask: none !important }";
+
+/// The drawing with styles, transforms and shapes resolved, and notes of what is left out; or the place
+/// and what is wrong there.
+fn tree(text: &str) -> Result<(Tree, Vec<String>), (String, String)> {
     let options = roxmltree::ParsingOptions {
-        // Illustrator writes one. Entities that grow without bounds are refused.
+        // Illustrator writes one.
         allow_dtd: true,
+        nodes_limit: NODES,
         ..Default::default()
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
@@ -97,15 +122,37 @@ fn tree(text: &str) -> Result<Tree, (String, String)> {
     if root.tag_name().name() != "svg" {
         return Err((place(root), format!("<{}>", root.tag_name().name())));
     }
+    effort::of_document(&document).map_err(|found| (place(root), found))?;
     let options = Options {
         // Nothing but this file is opened.
         image_href_resolver: ImageHrefResolver {
             resolve_data: Box::new(|_, _, _| None),
             resolve_string: Box::new(|_, _| None),
         },
+        style_sheet: Some(UNUSED.into()),
         ..Default::default()
     };
-    Tree::from_xmltree(&document, &options).map_err(|error| (place(root), error.to_string()))
+    let tree = Tree::from_xmltree(&document, &options);
+    let tree = tree.map_err(|error| (place(root), error.to_string()))?;
+    let count = |names: [&str; 3]| {
+        let elements = document.descendants();
+        elements
+            .filter(|node| names.contains(&node.tag_name().name()))
+            .count()
+    };
+    let said = [
+        (
+            "text, images and markers left out",
+            count(["text", "image", "marker"]),
+        ),
+        (
+            "clip paths and masks not applied: what they hide counts",
+            count(["clipPath", "mask", "mask"]),
+        ),
+    ];
+    let said = said.into_iter().filter(|(_, count)| *count > 0);
+    let notes = said.map(|(what, count)| format!("{what}: {count}"));
+    Ok((tree, notes.collect()))
 }
 
 /// What a colour stands for.
@@ -183,11 +230,16 @@ struct Stroke {
     /// 0 to 1.
     opacity: f64,
     lines: Vec<[Vector2<f64>; 2]>,
+    /// Lines written as curves.
+    straightened: usize,
+    /// How far single precision may have moved an end.
+    rounding: f64,
 }
 
-/// All strokes in the order in which they are painted; or the element that is curved.
-fn strokes(root: &Group) -> Result<Vec<Stroke>, String> {
+/// All strokes in the order in which they are painted; or the element, what was expected and what it is.
+fn strokes(root: &Group) -> Result<Vec<Stroke>, (String, String, String)> {
     let mut strokes = Vec::new();
+    let mut total = 0;
     let mut open: Vec<(&Node, f64)> = Vec::new();
     open.extend(root.children().iter().rev().map(|node| (node, 1.0)));
     let mut number = 0_usize;
@@ -198,10 +250,10 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, String> {
                 open.extend(group.children().iter().rev().map(|node| (node, opacity)));
             }
             Node::Path(path) if path.is_visible() => {
-                number += 1;
                 let Some(stroke) = path.stroke() else {
                     continue;
                 };
+                number += 1;
                 let (kind, colour) = match stroke.paint() {
                     Paint::Color(c) => (
                         Kind::of([c.red, c.green, c.blue]),
@@ -209,18 +261,27 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, String> {
                     ),
                     _ => (Kind::Unknown, "gradient or pattern".into()),
                 };
-                let lines = lines(path).ok_or_else(|| {
+                let place = || {
                     let name = match path.id() {
                         "" => String::new(),
                         id => format!(" id=\"{}\"", id.chars().take(40).collect::<String>()),
                     };
-                    format!("visible shape {number}{name}, stroke {colour}")
-                })?;
+                    format!("stroked shape {number}{name}, stroke {colour}")
+                };
+                let Some((lines, straightened, rounding)) = lines(path) else {
+                    return Err((place(), "straight lines alone".into(), "a curve".into()));
+                };
+                total += lines.len();
+                if total > MOST {
+                    return Err((place(), format!("at most {MOST} lines"), "more".into()));
+                }
                 strokes.push(Stroke {
                     kind,
                     colour,
                     opacity: opacity * decimal(stroke.opacity().get()),
                     lines,
+                    straightened,
+                    rounding,
                 });
             }
             _ => {}
@@ -229,33 +290,66 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, String> {
     Ok(strokes)
 }
 
-/// The straight lines of a path on the sheet, y pointing up; `None` if it has a curve.
-fn lines(path: &usvg::Path) -> Option<Vec<[Vector2<f64>; 2]>> {
+/// The straight lines of a path on the sheet, y pointing up, how many of them were written as curves, and
+/// how far rounding may have moved an end; `None` if a curve is not straight.
+fn lines(path: &usvg::Path) -> Option<(Vec<[Vector2<f64>; 2]>, usize, f64)> {
     let t = path.abs_transform();
     let [sx, kx, tx, ky, sy, ty] = [t.sx, t.kx, t.tx, t.ky, t.sy, t.ty].map(decimal);
     let point = |p: usvg::tiny_skia_path::Point| {
         let [x, y] = [p.x, p.y].map(decimal);
         Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
     };
-    let mut lines = Vec::new();
+    let (mut lines, mut straightened) = (Vec::new(), 0);
     let (mut start, mut at) = (Vector2::zeros(), Vector2::zeros());
     for segment in path.data().segments() {
-        let to = match segment {
+        let (to, between) = match segment {
             PathSegment::MoveTo(p) => {
                 start = point(p);
                 at = start;
                 continue;
             }
-            PathSegment::LineTo(p) => point(p),
-            PathSegment::Close => start,
-            PathSegment::QuadTo(..) | PathSegment::CubicTo(..) => return None,
+            PathSegment::LineTo(p) => (point(p), None),
+            PathSegment::Close => (start, None),
+            PathSegment::QuadTo(a, p) => (point(p), Some([a, a])),
+            PathSegment::CubicTo(a, b, p) => (point(p), Some([a, b])),
         };
+        if let Some(controls) = between {
+            straightened +=
+                usize::from(is_straight([at, to], controls.map(point)).then_some(true)?);
+        }
         if at != to {
             lines.push([at, to]);
         }
         at = to;
     }
-    Some(lines)
+    // Of what is added up to a coordinate.
+    let bounds = path.data().bounds();
+    let [x, y] = [
+        [bounds.left(), bounds.right()],
+        [bounds.top(), bounds.bottom()],
+    ]
+    .map(|[low, high]| decimal(low).abs().max(decimal(high).abs()));
+    let parts = [sx * x, kx * y, tx, ky * x, sy * y, ty];
+    let largest = parts
+        .into_iter()
+        .fold(0.0, |most, part: f64| part.abs().max(most));
+    Some((lines, straightened, largest * f64::from(f32::EPSILON)))
+}
+
+/// Whether a curve with these control points is the line between its ends, to the rounding of single
+/// precision.
+fn is_straight([from, to]: [Vector2<f64>; 2], controls: [Vector2<f64>; 2]) -> bool {
+    let rounding = 1e-6 * from.amax().max(to.amax());
+    let length = (to - from).norm();
+    let along = (to - from) / length.max(f64::MIN_POSITIVE);
+    controls.iter().all(|control| {
+        let offset = control - from;
+        let part = offset.dot(&along);
+        offset.perp(&along).abs() <= rounding
+            && (offset - along * part).norm() <= rounding
+            && part >= -rounding
+            && part <= length + rounding
+    })
 }
 
 /// The shortest decimal that a single-precision number stands for, which is what the file says: without

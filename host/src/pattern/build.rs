@@ -416,12 +416,21 @@ fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
     stars.iter().map(inside).collect()
 }
 
+/// Squares of numbers of corners at most, in all: as long as triangulation takes, some seconds' worth.
+const STEPS: usize = 1 << 30;
+
 type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);
 
 fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, PatternError> {
     let mut triangles = Ragged::default();
     let mut diagonals = Vec::new();
+    let mut steps = 0;
     for (face, cycle) in faces.iter().enumerate() {
+        steps += cycle.len() * cycle.len();
+        if steps > STEPS {
+            let corners = cycle.len();
+            return Err(PatternError::Corners { face, corners });
+        }
         let polygon: Vec<_> = cycle.iter().map(|v| drawing.vertices[v.index()]).collect();
         let cut = triangulate(&polygon).ok_or(PatternError::NoArea { face })?;
         let last = cut.len() - 1;

@@ -88,6 +88,23 @@ pub enum PatternError {
         /// The vertex.
         vertex: usize,
     },
+    /// More edges near each other than can be compared.
+    #[error(
+        "edges_vertices[{edge}]: expected edges all over the sheet, found too many in one place to \
+         compare each with each"
+    )]
+    Crowded {
+        /// The edge at which it became too many.
+        edge: usize,
+    },
+    /// A face with more corners than can be cut into triangles, or too many faces with many.
+    #[error("faces_vertices[{face}]: expected faces of fewer corners, found {corners}")]
+    Corners {
+        /// The face at which it became too many.
+        face: usize,
+        /// Its corners.
+        corners: usize,
+    },
     /// A face with a side that is no edge.
     #[error("faces_vertices[{face}]: no edge joins its vertices {a} and {b}")]
     NoEdge {

@@ -9,6 +9,10 @@ use crate::ragged::group_by_key;
 /// Cells that one edge may cover in the grid before the grid is made coarser.
 const CELLS_PER_EDGE: f64 = 64.0;
 
+/// Pairs of edges compared at most, for each edge and in all: where all edges are in one place, each is near
+/// all others. In tessellations each is near some tens.
+const PAIRS: [usize; 2] = [1 << 10, 1 << 27];
+
 /// Checks every pair of edges that come near each other, found by a uniform grid of about one edge
 /// length a cell: expected time linear in the number of edges. The orientation tests are exact. Vertices
 /// count as one that share a place: `places` has the first one there for each.
@@ -41,12 +45,18 @@ pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternEr
     let edges = 0..drawing.edges.len();
     let in_buckets = |edge| cells(edge).map(move |cell| (bucket(cell, buckets), edge));
     let grid = group_by_key(buckets, edges.clone().flat_map(in_buckets));
+    let most = PAIRS[1].max(PAIRS[0] * drawing.edges.len());
+    let mut pairs = 0;
     for edge in edges {
         for cell in cells(edge) {
             let list = &grid[bucket(cell, buckets)];
             for &other in list.iter().take_while(|other| **other < edge) {
                 check_pair(drawing, places, edge, other)?;
+                pairs += 1;
             }
+        }
+        if pairs > most {
+            return Err(PatternError::Crowded { edge });
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Parts the sheet where its faces hang together in nothing: along cuts, and where they meet in a point
 //! alone.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter, VertexId};
 use crate::ragged::{Ragged, group_by_key};
@@ -143,23 +143,23 @@ impl Fans {
 
     /// Gives every fan at `vertex` but the first a vertex of its own.
     fn part(&mut self, drawn: usize, vertex: usize, faces: &[FaceId], joints: &[[FaceId; 2]]) {
-        let mut left = faces.to_vec();
+        let mut beyond: HashMap<FaceId, Vec<FaceId>> = HashMap::new();
+        for &[a, b] in joints {
+            beyond.entry(a).or_default().push(b);
+            beyond.entry(b).or_default().push(a);
+        }
+        let mut left: HashSet<FaceId> = faces.iter().copied().collect();
         let mut first = true;
-        while let Some(&start) = left.first() {
+        for &start in faces {
+            if !left.remove(&start) {
+                continue;
+            }
             let mut fan = vec![start];
-            left.retain(|face| *face != start);
             let mut next = 0;
-            while let Some(&face) = fan.get(next) {
+            while let Some(face) = fan.get(next) {
                 next += 1;
-                let beyond = joints
-                    .iter()
-                    .filter(|joint| joint.contains(&face))
-                    .flatten();
-                for other in beyond {
-                    if let Some(place) = left.iter().position(|face| face == other) {
-                        fan.push(left.remove(place));
-                    }
-                }
+                let others = beyond.get(face).into_iter().flatten();
+                fan.extend(others.filter(|other| left.remove(other)));
             }
             if !first {
                 let own = drawn + self.sources.len();

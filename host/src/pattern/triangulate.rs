@@ -7,31 +7,70 @@ use robust::{Coord, orient2d};
 /// not simple.
 ///
 /// Cuts the ear with the largest smallest angle first, which leaves no flat triangle where vertices
-/// lie on a straight side. O(n³) for n corners: faces have few.
+/// lie on a straight side. O(n²) for n corners.
 pub(super) fn triangulate(polygon: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
-    let mut open: Vec<usize> = (0..polygon.len()).collect();
-    let mut triangles = Vec::with_capacity(polygon.len().saturating_sub(2));
-    while open.len() > 3 {
-        let count = open.len();
-        let corners = |k: usize| {
-            [
-                open[(k + count - 1) % count],
-                open[k],
-                open[(k + 1) % count],
-            ]
-        };
-        let best = (0..count)
-            .filter(|&k| is_ear(polygon, &open, corners(k)))
-            .map(|k| (k, quality(polygon, corners(k))))
-            .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-        triangles.push(corners(best.0));
-        open.remove(best.0);
+    let count = polygon.len();
+    let mut open = vec![true; count];
+    let mut tips: Vec<Tip> = (0..count)
+        .map(|k| Tip::new(polygon, [(k + count - 1) % count, k, (k + 1) % count]))
+        .collect();
+    let mut triangles = Vec::with_capacity(count.saturating_sub(2));
+    for _ in 3..count {
+        let mut best: Option<(f64, [usize; 3])> = None;
+        for k in (0..count).filter(|&k| open[k]) {
+            let tip = &mut tips[k];
+            if tip.is_ear(polygon, &open) && best.is_none_or(|(most, _)| tip.quality > most) {
+                best = Some((tip.quality, tip.corners));
+            }
+        }
+        let (_, [a, b, c]) = best?;
+        triangles.push([a, b, c]);
+        open[b] = false;
+        let (before, behind) = (tips[a].corners[0], tips[c].corners[2]);
+        tips[a] = Tip::new(polygon, [before, a, c]);
+        tips[c] = Tip::new(polygon, [a, c, behind]);
     }
-    let last = [open[0], open[1], open[2]];
+    let mut left = (0..count).filter(|&k| open[k]);
+    let last = [left.next()?, left.next()?, left.next()?];
     (turn(polygon, last) > 0.0).then(|| {
         triangles.push(last);
         triangles
     })
+}
+
+/// A corner with its neighbours, perhaps an ear.
+struct Tip {
+    corners: [usize; 3],
+    quality: f64,
+    turns_left: bool,
+    /// Corners that are not in the triangle, or cut off, from the first on. It stays so.
+    outside: usize,
+}
+
+impl Tip {
+    fn new(polygon: &[Vector2<f64>], corners: [usize; 3]) -> Self {
+        Self {
+            corners,
+            quality: quality(polygon, corners),
+            turns_left: turn(polygon, corners) > 0.0,
+            outside: 0,
+        }
+    }
+
+    fn is_ear(&mut self, polygon: &[Vector2<f64>], open: &[bool]) -> bool {
+        let [a, b, c] = self.corners;
+        let outside = |k: usize| {
+            !open[k]
+                || [a, b, c].contains(&k)
+                || [[a, b, k], [b, c, k], [c, a, k]]
+                    .iter()
+                    .any(|&corners| turn(polygon, corners) < 0.0)
+        };
+        while self.turns_left && self.outside < open.len() && outside(self.outside) {
+            self.outside += 1;
+        }
+        self.turns_left && self.outside == open.len()
+    }
 }
 
 /// Positive if the three corners turn left, 0 if they lie on a line. Exact.
@@ -41,16 +80,6 @@ fn turn(polygon: &[Vector2<f64>], corners: [usize; 3]) -> f64 {
         y: polygon[k].y,
     });
     orient2d(a, b, c)
-}
-
-fn is_ear(polygon: &[Vector2<f64>], open: &[usize], [a, b, c]: [usize; 3]) -> bool {
-    let inside = |&k: &usize| {
-        turn(polygon, [a, b, k]) >= 0.0
-            && turn(polygon, [b, c, k]) >= 0.0
-            && turn(polygon, [c, a, k]) >= 0.0
-    };
-    let mut others = open.iter().filter(|k| ![a, b, c].contains(k));
-    turn(polygon, [a, b, c]) > 0.0 && !others.any(inside)
 }
 
 /// Sine of the smallest angle, about: twice the area over the squared longest side.

@@ -140,9 +140,20 @@ impl PathKnot {
 /// # Errors
 /// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no knot.
 pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
-    let document = Document::read(path)?;
+    path_of(&Document::read(path)?)
+}
+
+/// A path from the bytes of a file, as [`read_path`] reads it.
+///
+/// # Errors
+/// If their key frame is no flat crease pattern, or a frame is no knot.
+pub fn parse_path(path: &Path, bytes: &[u8]) -> Result<PathFile, FileError> {
+    path_of(&Document::parse(path, bytes)?)
+}
+
+fn path_of(document: &Document) -> Result<PathFile, FileError> {
     let key = document.key_frame();
-    let pattern = pattern_of(&document, &key, goals(&key)?)?;
+    let pattern = pattern_of(document, &key, goals(&key)?)?;
     let frames = document.frames()?;
     if frames.len() == 0 {
         return Err(document.expected(
@@ -152,9 +163,10 @@ pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
         ));
     }
     let interpolation = interpolation(&key)?;
+    // What a knot has is its own: inherited lists could be many times as long as the file.
     let knots: Vec<PathKnot> = (0..frames.len())
         .map(|index| {
-            let frame = frames.get(index)?;
+            let frame = frames.own(index + 1);
             knot(&frame, index, &pattern.pattern, interpolation)
         })
         .collect::<Result<_, _>>()?;
@@ -258,8 +270,7 @@ fn knot(
     interpolation: Interpolation,
 ) -> Result<PathKnot, FileError> {
     let own = |key: &'static str| frame.own(key);
-    let list = own("edges_foldAngle");
-    let list = list.map_or_else(|| frame.require("edges_foldAngle"), Ok)?;
+    let list = frame.require("edges_foldAngle")?;
     let edges = pattern.edges().len();
     let fold_angles = list.entries_of(edges, "edge")?.map(|entry| {
         let degrees = entry.number()?;

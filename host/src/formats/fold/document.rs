@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::LARGEST_FILE;
 use super::json::{Json, Value};
-use crate::formats::FileError;
+use crate::formats::{FileError, read_bytes};
 
 /// A parsed FOLD file.
 pub(super) struct Document {
@@ -13,15 +14,12 @@ pub(super) struct Document {
 
 impl Document {
     pub(super) fn read(path: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read(path).map_err(|source| FileError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        Self::parse(path, &text)
+        Self::parse(path, &read_bytes(path, LARGEST_FILE)?)
     }
 
-    pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Self, FileError> {
+    pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
         let path = path.to_path_buf();
+        let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
         match Json::parse(text) {
             Ok(json) if json.root().is_object() => Ok(Self { path, json }),
             Ok(json) => Err(FileError::Expected {
@@ -55,16 +53,48 @@ impl Document {
         }
     }
 
-    /// The frames beside the key frame.
+    /// The frames beside the key frame, each an object that inherits from none or an earlier one. Cost:
+    /// linear.
     pub(super) fn frames(&self) -> Result<Frames<'_>, FileError> {
         let objects = match self.key_frame().own("file_frames") {
             Some(frames) => frames.list()?.collect(),
             None => Vec::new(),
         };
+        let mut parents = Vec::with_capacity(objects.len());
+        let mut classes = vec![Classes::of(self.json.root(), Classes::default())];
+        for (index, frame) in objects.iter().enumerate() {
+            let parent = self.parent(index, *frame)?;
+            let inherited = parent.map_or(Classes::default(), |parent| classes[parent]);
+            classes.push(Classes::of(*frame, inherited));
+            parents.push(parent);
+        }
         Ok(Frames {
             document: self,
             objects,
+            parents,
+            classes,
         })
+    }
+
+    /// The frame that frame `index` of `file_frames` inherits from, if any; the key frame is 0.
+    fn parent(&self, index: usize, frame: Value<'_>) -> Result<Option<usize>, FileError> {
+        let place = format!("file_frames[{index}]");
+        if !frame.is_object() {
+            return Err(self.expected(place, "a frame", &frame.kind()));
+        }
+        if !frame.get("frame_inherit").is_some_and(|it| it.is_true()) {
+            return Ok(None);
+        }
+        let parent = frame.get("frame_parent");
+        let earlier = parent.and_then(|p| usize::try_from(p.as_u64()?).ok());
+        // Parents come earlier, so that no chain of them is a circle.
+        let earlier = earlier.filter(|parent| *parent <= index);
+        if earlier.is_some() {
+            return Ok(earlier);
+        }
+        let place = format!("{place}.frame_parent");
+        let found = parent.map_or("none".into(), |parent| parent.kind());
+        Err(self.expected(place, "the number of an earlier frame", &found))
     }
 
     pub(super) fn expected(&self, place: String, expected: &str, found: &str) -> FileError {
@@ -77,10 +107,34 @@ impl Document {
     }
 }
 
+/// What a frame is said to be.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Classes {
+    pub(super) crease_pattern: bool,
+    pub(super) folded_form: bool,
+}
+
+impl Classes {
+    /// The classes of a frame, or else those that it inherits.
+    fn of(frame: Value<'_>, inherited: Self) -> Self {
+        let Some(own) = frame.get("frame_classes").and_then(|it| it.list()) else {
+            return inherited;
+        };
+        own.fold(Self::default(), |this, class| Self {
+            crease_pattern: this.crease_pattern || class.as_str() == Some("creasePattern"),
+            folded_form: this.folded_form || class.as_str() == Some("foldedForm"),
+        })
+    }
+}
+
 /// The frames beside the key frame.
 pub(super) struct Frames<'a> {
     document: &'a Document,
     objects: Vec<Value<'a>>,
+    /// For each the frame that it inherits from; the key frame is 0.
+    parents: Vec<Option<usize>>,
+    /// What the key frame and each of these is.
+    classes: Vec<Classes>,
 }
 
 impl<'a> Frames<'a> {
@@ -88,40 +142,33 @@ impl<'a> Frames<'a> {
         self.objects.len()
     }
 
-    /// Frame `index` of `file_frames`, inheriting from its parents as it says.
-    pub(super) fn get(&self, index: usize) -> Result<Frame<'a>, FileError> {
-        let document = self.document;
-        let mut layers = Vec::new();
-        // Frame numbers count the key frame as 0.
-        let mut number = index + 1;
-        loop {
-            if number == 0 {
-                layers.push((document.json.root(), 0));
-                break;
-            }
-            let place = || format!("file_frames[{}]", number - 1);
-            let frame = self.objects.get(number - 1);
-            let Some(frame) = frame.filter(|frame| frame.is_object()) else {
-                let found = frame.map_or("none".into(), Value::kind);
-                return Err(document.expected(place(), "a frame", &found));
-            };
-            layers.push((*frame, number));
-            if !frame.get("frame_inherit").is_some_and(|it| it.is_true()) {
-                break;
-            }
-            let parent = frame.get("frame_parent");
-            let earlier = parent.and_then(|p| usize::try_from(p.as_u64()?).ok());
-            // Parents come earlier, so that no chain of them is a circle.
-            match earlier {
-                Some(parent) if parent < number => number = parent,
-                _ => {
-                    let place = format!("{}.frame_parent", place());
-                    let found = parent.map_or("none".into(), |parent| parent.kind());
-                    return Err(document.expected(place, "the number of an earlier frame", &found));
-                }
-            }
+    /// The key frame, 0, and those in `file_frames`, from 1.
+    pub(super) fn classes(&self) -> &[Classes] {
+        &self.classes
+    }
+
+    /// Frame `number`, 0 the key frame, with what it inherits.
+    pub(super) fn get(&self, number: usize) -> Frame<'a> {
+        let mut frame = self.own(number);
+        let mut at = number;
+        while let Some(&Some(parent)) = at.checked_sub(1).and_then(|index| self.parents.get(index))
+        {
+            frame.layers.extend(self.own(parent).layers);
+            at = parent;
         }
-        Ok(Frame { document, layers })
+        frame
+    }
+
+    /// Frame `number`, 0 the key frame, without what it inherits: as long a chain takes no time.
+    pub(super) fn own(&self, number: usize) -> Frame<'a> {
+        let object = number
+            .checked_sub(1)
+            .and_then(|index| self.objects.get(index));
+        let object = object.map_or(self.document.json.root(), |object| *object);
+        Frame {
+            document: self.document,
+            layers: vec![(object, number)],
+        }
     }
 }
 
@@ -182,12 +229,6 @@ impl<'a> Frame<'a> {
         self.layers
             .first()
             .map_or(String::new(), |&(_, frame)| prefix(frame))
-    }
-
-    /// Whether the frame is of that class.
-    pub(super) fn is_a(&self, class: &str) -> bool {
-        let classes = self.own("frame_classes").and_then(|c| c.value.list());
-        classes.is_some_and(|mut classes| classes.any(|c| c.as_str() == Some(class)))
     }
 }
 

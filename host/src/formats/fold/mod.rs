@@ -10,6 +10,9 @@ mod pattern;
 mod plane;
 mod write;
 
-pub use animation::{PathFile, PathKnot, read_path};
-pub use pattern::{PatternFile, read_goal, read_pattern};
+pub use animation::{PathFile, PathKnot, parse_path, read_path};
+pub use pattern::{PatternFile, parse_goal, parse_pattern, read_goal, read_pattern};
 pub use write::{PathWriter, pattern_text, write_pattern};
+
+/// Bytes of a file at most: paths of a million faces have about one gigabyte.
+pub(super) const LARGEST_FILE: u64 = 1 << 31;

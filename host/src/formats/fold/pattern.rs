@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::document::{Document, Frame, Located};
+use super::document::{Document, Frame, Frames, Located};
 use super::plane::flatten;
 use crate::formats::FileError;
 use crate::pattern::{
@@ -27,10 +27,22 @@ pub struct PatternFile {
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    let document = Document::read(path)?;
-    let frame = flat_frame(&document)?;
-    let angles = goal_angles(&document, &frame)?;
-    pattern_of(&document, &frame, angles)
+    pattern(&Document::read(path)?)
+}
+
+/// A crease pattern from the bytes of a file, as [`read_pattern`] reads it.
+///
+/// # Errors
+/// If they hold no flat crease pattern.
+pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
+    pattern(&Document::parse(path, bytes)?)
+}
+
+fn pattern(document: &Document) -> Result<PatternFile, FileError> {
+    let frames = document.frames()?;
+    let frame = flat_frame(&frames);
+    let angles = goal_angles(&frames, &frame)?;
+    pattern_of(document, &frame, angles)
 }
 
 /// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
@@ -39,18 +51,32 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 /// # Errors
 /// If the file cannot be read, has no angles, or not one for each edge of the pattern.
 pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
-    let document = Document::read(path)?;
-    let frame = document.key_frame();
-    let Some(goals) = goal_angles(&document, &frame)? else {
+    goal(&Document::read(path)?, pattern)
+}
+
+/// Goal fold angles from the bytes of a file, as [`read_goal`] reads them.
+///
+/// # Errors
+/// If they hold no angles, or not one for each edge of the pattern.
+pub fn parse_goal(
+    path: &Path,
+    bytes: &[u8],
+    pattern: &CreasePattern,
+) -> Result<Vec<Option<f64>>, FileError> {
+    goal(&Document::parse(path, bytes)?, pattern)
+}
+
+fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
+    let Some(goals) = goal_angles(&document.frames()?, &document.key_frame())? else {
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
     // A file of the drawing has no second sides of cuts, one written by this program has.
     if goals.angles.len() != pattern.edges().len() {
-        goals.check_count(&document, pattern.drawn_edges())?;
+        goals.check_count(document, pattern.drawn_edges())?;
     }
     for (index, (edge, &angle)) in pattern.edges().iter().zip(&goals.angles).enumerate() {
-        check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(&document, error))?;
+        check_goal(index, edge.letter, angle).map_err(|error| goals.place_of(document, error))?;
     }
     let creases = pattern.creases().iter();
     let goal =
@@ -94,19 +120,9 @@ pub(super) fn pattern_of(
 }
 
 /// The frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
-fn flat_frame(document: &Document) -> Result<Frame<'_>, FileError> {
-    let key = document.key_frame();
-    if key.is_a("creasePattern") {
-        return Ok(key);
-    }
-    let frames = document.frames()?;
-    for index in 0..frames.len() {
-        let frame = frames.get(index)?;
-        if frame.is_a("creasePattern") {
-            return Ok(frame);
-        }
-    }
-    Ok(key)
+fn flat_frame<'a>(frames: &Frames<'a>) -> Frame<'a> {
+    let first = frames.classes().iter().position(|it| it.crease_pattern);
+    frames.get(first.unwrap_or(0))
 }
 
 /// Goal angles of all edges.
@@ -137,14 +153,10 @@ impl Goals {
 }
 
 /// The goal of the last folded frame that names one, or else that of the flat frame.
-fn goal_angles(document: &Document, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
-    let frames = document.frames()?;
-    let latest_first = (0..frames.len()).rev().map(|index| frames.get(index));
-    for frame in latest_first.chain([Ok(document.key_frame())]) {
-        let frame = frame?;
-        if frame.is_a("foldedForm")
-            && let Some(goals) = goals(&frame)?
-        {
+fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
+    let latest_first = (1..=frames.len()).rev().chain([0]);
+    for number in latest_first.filter(|&number| frames.classes()[number].folded_form) {
+        if let Some(goals) = goals(&frames.own(number))? {
             return Ok(Some(goals));
         }
     }
@@ -296,18 +308,33 @@ fn edges(
         };
         return edges.entries()?.map(ends).collect();
     }
-    let Some(faces) = faces else {
-        let place = "edges_vertices".into();
-        return Err(document.expected(place, "a list (or faces_vertices)", "nothing"));
-    };
-    notes.push("edges_vertices is missing: edges taken from the faces".into());
+    let of_edges = ["edges_assignment", "edges_foldAngle", "edges_foldAngles"];
+    if let Some(key) = of_edges.into_iter().find(|key| frame.get(key).is_some()) {
+        let expected = format!("a list, as {key} speaks of edges");
+        return Err(frame.missing("edges_vertices", &expected));
+    }
     let mut edges = BTreeMap::new();
-    for face in faces {
-        for (k, &a) in face.iter().enumerate() {
-            let b = face[(k + 1) % face.len()];
-            let next = edges.len();
-            edges.entry([a.min(b), a.max(b)]).or_insert(next);
+    let mut add = |a: usize, b: usize| {
+        let next = edges.len();
+        edges.entry([a.min(b), a.max(b)]).or_insert(next);
+    };
+    if let Some(faces) = faces {
+        notes.push("edges_vertices is missing: edges taken from the faces".into());
+        for face in faces {
+            let next = face.iter().cycle().skip(1);
+            face.iter().zip(next).for_each(|(&a, &b)| add(a, b));
         }
+    } else if let Some(neighbours) = frame.get("vertices_vertices") {
+        notes.push("edges_vertices is missing: edges taken from vertices_vertices".into());
+        for (vertex, list) in neighbours.entries()?.enumerate() {
+            indices(&list)?
+                .into_iter()
+                .for_each(|other| add(vertex, other));
+        }
+    } else {
+        let place = "edges_vertices".into();
+        let expected = "a list (or faces_vertices, or vertices_vertices)";
+        return Err(document.expected(place, expected, "nothing"));
     }
     let mut edges: Vec<_> = edges.into_iter().collect();
     edges.sort_by_key(|(_, order)| *order);

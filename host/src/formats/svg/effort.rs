@@ -1,0 +1,219 @@
+//! How much work and memory a drawing asks of usvg, before it is given to it.
+//!
+//! A short file can ask for any amount: entities in entities, uses of uses, namespaces inherited by each
+//! element, rules of style sheets tried on all elements. What drawings of a million lines need is allowed.
+
+use std::collections::HashMap;
+
+use usvg::roxmltree::{Document, Node};
+
+/// Bytes that entities may grow to at most, by the longest of them at each reference.
+const ENTITIES: usize = 1 << 28;
+
+/// Namespaces declared at most: each element that declares one has a list of all that hold there.
+const NAMESPACES: usize = 1 << 13;
+
+/// Elements at most, uses expanded. usvg takes about a kilobyte for each.
+const ELEMENTS: u64 = 1 << 19;
+
+/// Bytes of attributes at most, uses expanded. usvg takes about 50 bytes for each of a long path.
+const ATTRIBUTES: u64 = 1 << 25;
+
+/// Levels of elements at most, uses expanded: usvg calls itself for each.
+const LEVELS: u64 = 256;
+
+/// Comparisons of selectors with elements at most.
+const COMPARISONS: u64 = 1 << 30;
+
+/// What is too much in a text, before it is parsed.
+pub(super) fn of_text(text: &str) -> Result<(), String> {
+    // A reference may hold 255 others.
+    let entities: usize = text
+        .match_indices("<!ENTITY")
+        .map(|at| value(text, at.0))
+        .sum();
+    let references = text.bytes().filter(|byte| *byte == b'&').count();
+    let grown = entities.saturating_mul(256).saturating_mul(references);
+    if grown > ENTITIES {
+        return Err("entities that could grow beyond all bounds".into());
+    }
+    if text.matches("xmlns").take(NAMESPACES + 1).count() > NAMESPACES {
+        return Err(format!("more than {NAMESPACES} declarations of namespaces"));
+    }
+    Ok(())
+}
+
+/// Bytes between the quotes of the entity declared here; 0 if none is.
+fn value(text: &str, at: usize) -> usize {
+    let declared = &text[at + 1..];
+    let Some(open) = declared.find(['"', '\'', '<']) else {
+        return 0;
+    };
+    let (quote, rest) = declared[open..].split_at(1);
+    match quote {
+        "<" => 0,
+        quote => rest.find(quote).unwrap_or(rest.len()),
+    }
+}
+
+/// What is too much in a document, before it is a drawing.
+pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
+    let Size {
+        elements,
+        attributes,
+        levels,
+    } = expanded(document)?;
+    if levels > LEVELS {
+        return Err(format!(
+            "more than {LEVELS} levels of elements, each use counted"
+        ));
+    }
+    if elements > ELEMENTS {
+        return Err(format!("more than {ELEMENTS} elements, each use counted"));
+    }
+    if attributes > ATTRIBUTES {
+        return Err(format!(
+            "more than {} MiB of attributes, each use counted",
+            ATTRIBUTES >> 20
+        ));
+    }
+    let styles = document.descendants().filter(|n| n.has_tag_name("style"));
+    let styles = styles.filter_map(|style| style.text());
+    let once: u64 = styles
+        .map(|style| comparisons(style, levels))
+        .fold(0, u64::saturating_add);
+    if once.saturating_mul(elements) > COMPARISONS {
+        return Err(
+            "style sheets whose selectors take too long to compare with its elements".into(),
+        );
+    }
+    Ok(())
+}
+
+fn index(node: Node<'_, '_>) -> usize {
+    node.id().get_usize()
+}
+
+/// What an element is with all that is in it, each use counted as what it refers to.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    elements: u64,
+    /// Bytes.
+    attributes: u64,
+    levels: u64,
+}
+
+/// The size of the document.
+///
+/// A stroke may be painted with a pattern or gradient, which usvg then copies for each element; with
+/// patterns in patterns these would be copies of copies.
+fn expanded(document: &Document<'_>) -> Result<Size, String> {
+    let nodes = document.descendants();
+    let mut ids = HashMap::new();
+    let mut in_paint = vec![false; nodes.len()];
+    let (mut painted, mut painted_paint, mut patterns, mut paint) = (false, false, false, 0_u64);
+    for node in nodes.clone() {
+        if let Some(id) = node.attribute("id") {
+            ids.entry(id).or_insert(node);
+        }
+        let name = node.tag_name().name();
+        let is_in_paint = matches!(name, "pattern" | "linearGradient" | "radialGradient")
+            || node.parent().is_some_and(|parent| in_paint[index(parent)]);
+        in_paint[index(node)] = is_in_paint;
+        patterns |= name == "pattern";
+        let sheet = node
+            .text()
+            .filter(|_| name == "style")
+            .map(without_comments);
+        let by_sheet = sheet.is_some_and(|css| strokes_paint(&css));
+        let by_itself = node.attributes().any(|attribute| match attribute.name() {
+            "stroke" => attribute.value().contains("url("),
+            "style" => strokes_paint(&without_comments(attribute.value())),
+            _ => false,
+        });
+        painted |= by_sheet || by_itself;
+        painted_paint |= by_sheet || (by_itself && is_in_paint);
+        if is_in_paint {
+            paint = paint.saturating_add(1 + attribute_bytes(node));
+        }
+    }
+    if painted_paint && patterns {
+        return Err("strokes with a pattern in what may be a pattern".into());
+    }
+    let each = if painted { paint } else { 0 };
+    let mut done: Vec<Option<Size>> = vec![None; nodes.len()];
+    let mut begun = vec![false; nodes.len()];
+    let mut open = vec![document.root()];
+    while let Some(&node) = open.last() {
+        let used = node
+            .attributes()
+            .filter(|a| a.name() == "href" && node.tag_name().name() == "use");
+        let used = used.filter_map(|href| ids.get(href.value().trim().strip_prefix('#')?));
+        let parts = node.children().chain(used.copied());
+        if done[index(node)].is_some() {
+            open.pop();
+        } else if begun[index(node)] {
+            let own = Size {
+                elements: u64::from(node.is_element()),
+                attributes: attribute_bytes(node).saturating_add(each),
+                levels: 0,
+            };
+            let sizes = parts.filter_map(|part: Node<'_, '_>| done[index(part)]);
+            let sum = sizes.fold(own, |sum, part: Size| Size {
+                elements: sum.elements.saturating_add(part.elements),
+                attributes: sum.attributes.saturating_add(part.attributes),
+                levels: sum.levels.max(part.levels + 1),
+            });
+            done[index(node)] = Some(sum);
+            open.pop();
+        } else {
+            begun[index(node)] = true;
+            for part in parts {
+                if done[index(part)].is_none() && begun[index(part)] {
+                    return Err("a use of what it is in".into());
+                }
+                open.push(part);
+            }
+        }
+    }
+    Ok(done[index(document.root())].unwrap_or_default())
+}
+
+fn attribute_bytes(node: Node<'_, '_>) -> u64 {
+    node.attributes().map(|a| a.value().len() as u64).sum()
+}
+
+/// Comparisons of the selectors of a style sheet with an element below `deepest` others, at most: each
+/// part of a selector behind the first may be tried on all of them.
+fn comparisons(style: &str, deepest: u64) -> u64 {
+    let sheet = without_comments(style);
+    let rules = sheet.split('}').filter_map(|rule| rule.rsplit_once('{'));
+    let selectors = rules.flat_map(|(selectors, _)| selectors.split(','));
+    let cost = |selector: &str| {
+        let parts = selector.split(|c: char| c.is_whitespace() || matches!(c, '>' | '+' | '~'));
+        let parts = parts.filter(|part| !part.is_empty()).count().max(1);
+        let ways = deepest.saturating_pow(u32::try_from(parts - 1).unwrap_or(u32::MAX));
+        (selector.len() as u64 + 1).saturating_mul(ways)
+    };
+    selectors.map(cost).fold(0, u64::saturating_add)
+}
+
+fn without_comments(style: &str) -> String {
+    let mut left = String::with_capacity(style.len());
+    let mut rest = style;
+    while let Some((before, comment)) = rest.split_once("/*") {
+        left.push_str(before);
+        rest = comment.split_once("*/").map_or("", |(_, behind)| behind);
+    }
+    left + rest
+}
+
+/// Whether declarations, without comments, paint strokes with a pattern or gradient.
+fn strokes_paint(declarations: &str) -> bool {
+    let mut values = declarations.split("stroke").skip(1);
+    values.any(|behind| {
+        let value = behind.trim_start().strip_prefix(':');
+        let value = value.and_then(|value| value.split([';', '}']).next());
+        value.is_some_and(|value| value.contains("url("))
+    })
+}
