@@ -28,6 +28,17 @@ impl Answer {
         value
     }
 
+    /// Whether the error told is this: without its line and column, the line of the file and the hint.
+    pub(crate) fn tells(&self, message: &str) -> bool {
+        let first = self.stderr.lines().next().unwrap_or_default();
+        let found = first.strip_prefix("foldpath: ").unwrap_or_default();
+        let mut parts = found.splitn(4, ':');
+        let parts = [(); 4].map(|()| parts.next().unwrap_or_default());
+        let position = parts[1..3].iter().all(|part| part.parse::<usize>().is_ok());
+        let placeless = format!("{}:{}", parts[0], parts[3]);
+        found == message || (position && placeless == message)
+    }
+
     /// The same answer, which must have this status.
     #[track_caller]
     pub(crate) fn with_status(self, status: i32) -> Self {
