@@ -59,6 +59,7 @@ fn usage() {
         plan miura.fold --via miura.fold --search random
         plan miura.fold -o miura.fold
         plan miura.fold -o nowhere/path.fold
+        plan nowhere/miura.fold
         generate miura --rows 3
         generate miura --rows 0 --cols 3 -o a.fold
         generate miura --rows 3 --cols 3 --angle 90 -o a.fold
@@ -185,7 +186,9 @@ fn patterns_and_goals() {
     let folder = Folder::new();
     let document = pattern();
     let edges = document["edges_vertices"].as_array().unwrap().len();
-    let nearly = format!("/edges_foldAngle = {:?}", vec![1e-12; edges]);
+    let mut nearly = vec![0.0; edges];
+    nearly[2] = 1e-12;
+    let nearly = format!("/edges_foldAngle = {nearly:?}");
     let free = format!(
         "/edges_foldAngle = ; /edges_assignment = {:?}",
         vec!["U"; edges]
@@ -356,7 +359,7 @@ fn sources(folder: &Path, found: &mut String) {
 }
 
 /// Errors whose format has no words of its own, and a part of what some snapshot says of them.
-const WORDLESS: [(&str, &str); 8] = [
+const WORDLESS: [(&str, &str); 10] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
@@ -367,6 +370,11 @@ const WORDLESS: [(&str, &str); 8] = [
     ("Goal", "bad.fold: edges_assignment: no crease is lettered"),
     ("Usage", "-o: miura.fold is the input file"),
     ("Hinge", "expected a hinge between two faces"),
+    (
+        "Options",
+        "foldpath: --bound: expected a number above 0, found 0",
+    ),
+    ("OptionsError", "bound: expected a number above 0, found -1"),
     ("ParameterError", "--rows: expected 1 to 3000, found 0"),
 ];
 

@@ -237,7 +237,7 @@ pub(super) struct Report {
 Examples:
   foldpath plan miura.fold -o path.fold
   foldpath plan miura.fold --fold 0.5 --max-accel 90 -o gentle.fold
-  foldpath plan miura.fold --crease 3=45 -o driven.fold
+  foldpath plan miura.fold --crease 4=-45 -o driven.fold
   foldpath plan miura.fold --symmetry off --collision off --json")]
 pub(super) struct Plan {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp

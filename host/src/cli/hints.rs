@@ -22,6 +22,12 @@ pub(super) fn hint(error: &CliError) -> Option<String> {
 fn of_file(error: &FileError) -> Option<String> {
     let path = error.path();
     let text = match error {
+        FileError::Io { .. } => {
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty())?;
+            return (!folder.exists()).then(|| format!("there is no folder {}", folder.display()));
+        }
         FileError::Trajectory { .. } if head(path)?.starts_with('{') => {
             "it seems to be a FOLD file: `foldpath export PATH --to traj` makes what a controller follows of a path"
         }
@@ -168,10 +174,10 @@ pub(super) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<Stri
     };
     let nearest = hinges.min_by(|a, b| far(a).total_cmp(&far(b)))?;
     let letter = pattern.edge(*nearest).letter.code();
-    let nearest_is = if known {
-        "the nearest hinge is"
+    let edge = format!("edge {} ({letter})", nearest.index());
+    Some(if known {
+        format!("the nearest hinge is {edge}")
     } else {
-        "a hinge is"
-    };
-    Some(format!("{nearest_is} edge {} ({letter})", nearest.index()))
+        format!("{edge} is a hinge")
+    })
 }

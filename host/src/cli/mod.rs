@@ -33,7 +33,7 @@ enum CliError {
     File(#[from] FileError),
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error("--{}: {}", option.option.replace('_', "-"), option.problem())]
+    #[error("--{}: {}", flag(option), option.problem())]
     Options { option: OptionsError },
     #[error("stdout: {0}")]
     Output(std::io::Error),
@@ -43,6 +43,14 @@ enum CliError {
     Usage(String),
     #[error("{text}")]
     Hinge { text: String, hint: Option<String> },
+}
+
+/// The name of an option on the command line.
+fn flag(error: &OptionsError) -> String {
+    match error.option {
+        "max_acceleration" => "max-accel".into(),
+        option => option.replace('_', "-"),
+    }
 }
 
 /// What a command that ran well says: done, or no.

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use std::path::Path;
 
 use super::report::{NO, YES, styled};
-use crate::pattern::{CreaseId, CreasePattern, FlatFlaw, VertexId};
+use crate::pattern::{CreasePattern, FlatFlaw, VertexId};
 use crate::planner::{FirstStep, Goal, GoalKind, first_step};
 use crate::symmetry::CreaseGroups;
 
@@ -25,37 +25,47 @@ pub(super) fn text(
     let (fold, drive) = match Goal::of_pattern(pattern) {
         Err(_) => {
             let fold =
-                "nothing says which way: no crease is lettered M or V, and no goal angle is given"
-                    .into();
-            (fold, "not known without a way".into())
+                "nothing says which way: no crease is lettered M or V, and no goal angle is given";
+            (fold.into(), "not known without a way".into())
         }
         Ok(goal) => {
-            let step = first_step(pattern, groups.clone(), &goal);
-            let fold = verdict(pattern, &goal, step.as_ref(), closure);
+            let step = first_step(pattern, groups, &goal);
+            let fold = verdict(pattern, &goal, &step, closure);
             let fold = format!("{fold}; `foldpath plan {}` tells for sure", file.display());
-            (fold, drive(pattern, groups, step.as_ref()))
+            (fold, drive(pattern, groups, &step))
         }
     };
     format!("  will it fold        {fold}\n  to drive            {drive}\n")
 }
 
 /// Whether it will fold.
-fn verdict(
-    pattern: &CreasePattern,
-    goal: &Goal,
-    step: Option<&FirstStep>,
-    closure: Option<f64>,
-) -> String {
+fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Option<f64>) -> String {
     let letters = goal.kind == GoalKind::Letters;
-    let way = if letters { "letters" } else { "goal" };
-    let Some(step) = step else {
-        return "too many unknowns to tell at a glance".into();
+    let way = if letters {
+        "its letters"
+    } else {
+        "the signs of its goal"
     };
-    if step.symmetric.is_none() {
-        let no = styled(NO, "hardly");
-        return format!("{no}: no first step was found that leaves flat along its {way}");
+    let leaves = format!("it leaves flat along {way}");
+    match step {
+        FirstStep::Unknown => return "too large to tell at a glance".into(),
+        FirstStep::Stays => {
+            let no = styled(NO, "hardly");
+            return format!("{no}: no first step was found that leaves flat along {way}");
+        }
+        FirstStep::Bends => {
+            let no = styled(NO, "hardly");
+            return format!(
+                "{no}: no first step along {way} closes, but within what the bound of `plan` allows, as panels that \
+                 bend do, or rounded coordinates"
+            );
+        }
+        FirstStep::Leaves { unturned: 0, .. } => {}
+        FirstStep::Leaves { unturned, .. } => {
+            let (part, all) = (styled(NO, "in part"), pattern.creases().len());
+            return format!("{part}: {leaves}, but {unturned} of {all} hinges do not turn");
+        }
     }
-    let leaves = format!("it leaves flat along its {way}");
     let asked = goal.fold_angles.iter().flatten();
     let flat = letters
         || asked
@@ -68,17 +78,12 @@ fn verdict(
     };
     match closure {
         _ if !flaws.is_empty() => {
-            format!(
-                "{}: {leaves}, but cannot fold flat: {}",
-                styled(NO, "not all the way"),
-                named(&flaws)
-            )
+            let part = styled(NO, "not all the way");
+            format!("{part}: {leaves}, but cannot fold flat: {}", named(&flaws))
         }
         Some(closure) if closure > CLOSED => {
-            format!(
-                "{}: {leaves}, but its goal does not close",
-                styled(NO, "near its goal at best")
-            )
+            let near = styled(NO, "near its goal at best");
+            format!("{near}: {leaves}, but its goal does not close")
         }
         Some(_) => format!("{}: {leaves}, and its goal closes", styled(YES, "likely")),
         None => format!("{}: {leaves}", styled(YES, "at least a little")),
@@ -114,66 +119,59 @@ fn named(flaws: &[(VertexId, FlatFlaw)]) -> String {
 }
 
 /// What to drive.
-fn drive(pattern: &CreasePattern, groups: &CreaseGroups, step: Option<&FirstStep>) -> String {
-    let Some(symmetric) = step.and_then(|step| step.symmetric.as_ref()) else {
+fn drive(pattern: &CreasePattern, groups: &CreaseGroups, step: &FirstStep) -> String {
+    let FirstStep::Leaves {
+        symmetric: Some(symmetric),
+        single,
+        ..
+    } = step
+    else {
         return "not known without a first step".into();
     };
     let edge = |crease: usize| pattern.creases()[crease].index();
-    let first = |group: usize| {
-        let mut members = groups.memberships().iter();
-        edge(
-            members
-                .position(|member| member.group.index() == group)
-                .unwrap_or(0),
-        )
-    };
-    let leading: Vec<usize> = symmetric
+    let members = || groups.memberships().iter();
+    let first = |group: usize| members().position(|member| member.group.index() == group);
+    // Without symmetry the unknowns are the creases themselves.
+    let alone = symmetric.unknowns != groups.len();
+    let leading = symmetric
         .drivers
         .iter()
-        .map(|&group| first(group))
-        .collect();
-    let count = leading.len();
-    let single = step.and_then(|step| step.single.as_ref());
-    let all = pattern.creases().len();
+        .filter_map(|&driver| if alone { Some(driver) } else { first(driver) });
+    let leading: Vec<usize> = leading.map(edge).collect();
+    let count = groups.len();
     match single {
-        Some(single) if single.drivers.len() == count => {
-            format!(
-                "{} decide{} all {} that turn",
-                hinges(&leading),
-                s(count),
-                single.moving.len()
-            )
-        }
         Some(single) => {
             let drivers: Vec<usize> = single.drivers.iter().map(|&crease| edge(crease)).collect();
-            let turning = single.moving.len();
-            let kept = groups.len();
+            let text = drives(&drivers, single.moving.len());
+            if leading.len() == drivers.len() || leading.is_empty() {
+                return text;
+            }
             format!(
-                "{} decide all {turning} that turn; where the symmetry of its {kept} crease groups is kept, {}",
-                hinges(&drivers),
+                "{text}; {} where its {count} crease groups keep together",
                 hinges(&leading)
             )
         }
         None => {
-            let turns = |crease: usize| {
-                let id = CreaseId(u32::try_from(crease).unwrap_or(u32::MAX));
-                symmetric.moving.contains(&groups.of(id).group.index())
-            };
-            let turning = (0..all).filter(|&crease| turns(crease)).count();
+            let turns = |group: usize| symmetric.moving.contains(&group);
+            let moving = members()
+                .filter(|member| turns(member.group.index()))
+                .count();
             format!(
-                "{} decide{} all {turning} that turn where the symmetry of its {} crease groups is kept; it may move \
-                 in more ways without",
-                hinges(&leading),
-                s(count),
-                groups.len()
+                "{}, as long as its {count} crease groups keep together: without, it may have more ways to move",
+                drives(&leading, moving)
             )
         }
     }
 }
 
-/// The ending of a verb.
-fn s(count: usize) -> &'static str {
-    if count == 1 { "s" } else { "" }
+/// Hinges that drive others, of so many that turn.
+fn drives(edges: &[usize], moving: usize) -> String {
+    let follow = moving.saturating_sub(edges.len());
+    match follow {
+        0 => hinges(edges),
+        1 => format!("{}: 1 follows", hinges(edges)),
+        _ => format!("{}: {follow} follow", hinges(edges)),
+    }
 }
 
 /// Hinges by their edges, in words.
@@ -183,7 +181,7 @@ fn hinges(edges: &[usize]) -> String {
     let more = if edges.len() > NAMED { ", ..." } else { "" };
     match edges.len() {
         0 => "no hinge".into(),
-        1 => format!("1 hinge, edge {named} for one,"),
-        count => format!("{count} hinges, edges {named}{more} for instance,"),
+        1 => format!("1 hinge, such as edge {named}"),
+        count => format!("{count} hinges, such as edges {named}{more}"),
     }
 }

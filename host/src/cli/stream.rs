@@ -315,7 +315,7 @@ impl Watcher for Watch<'_> {
 
 impl Drop for Watch<'_> {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = self.bar.take_if(|_| self.shown.is_some()) {
             bar.finish_and_clear();
         }
     }

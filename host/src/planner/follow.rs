@@ -172,8 +172,9 @@ pub(super) fn follow(
             break Some(Stop::Timeout);
         }
         let way = target.way(&angles);
-        let there = norm(&way) <= NEAR;
-        rules.tell(norm(&way), whole);
+        let left = norm(&way);
+        let there = left <= NEAR;
+        rules.tell(left, whole);
         let heading = if there {
             Err(None)
         } else {

@@ -8,7 +8,8 @@ use foldpath_core::least_squares::{Accumulate, ClosureProblem};
 use foldpath_core::{HalfAngle, Spoke};
 use nalgebra::{DMatrix, Vector3};
 
-use super::depart::departures;
+use super::depart::{UNTURNED, departures};
+use super::follow::{largest, max_norm};
 use super::reduction::Reduction;
 use super::solver::Work;
 use super::{Goal, PlanOptions};
@@ -18,6 +19,8 @@ use crate::symmetry::{CreaseGroups, ReducedStars};
 /// Infinitesimal motions of a closed configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mobility {
+    /// Number of unknowns.
+    pub unknowns: usize,
     /// Unknowns, as many as there are independent motions, whose rates determine those of all others; those that
     /// turn most first.
     pub drivers: Vec<usize>,
@@ -32,7 +35,7 @@ const STILL: f64 = 1e-9;
 /// Multiplications that elimination may take: a few hundredths of a second.
 const MOST_WORK: usize = 50_000_000;
 /// Unknowns up to which first steps from flat are tried.
-const MOST_UNKNOWNS: usize = 2_000;
+const MOST_UNKNOWNS: usize = 300;
 
 impl Mobility {
     /// Motions at the configuration `x` (radians, an angle for each unknown), which has to close. `None` where that
@@ -47,6 +50,7 @@ impl Mobility {
         let largest = basis.amax();
         let turns = |row: usize| basis.row(row).amax() > STILL * largest;
         Some(Self {
+            unknowns: x.len(),
             moving: (0..x.len()).filter(|&row| turns(row)).collect(),
             drivers: leaders(basis),
         })
@@ -148,47 +152,67 @@ fn leaders(mut basis: DMatrix<f64>) -> Vec<usize> {
     leaders
 }
 
-/// What a sheet does a small step from flat.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FirstStep {
-    /// Motions that keep its symmetry, in crease groups; nothing where it was not found how to leave flat.
-    pub symmetric: Option<Mobility>,
-    /// All its motions, in creases, where the sheet is small.
-    pub single: Option<Mobility>,
+/// What a sheet does a small step from flat, along the signs of a goal.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FirstStep {
+    /// It leaves flat.
+    Leaves {
+        /// Creases that the goal has turn and this step does not.
+        unturned: usize,
+        /// Motions that keep its symmetry, in crease groups.
+        symmetric: Option<Mobility>,
+        /// All its motions, in creases.
+        single: Option<Mobility>,
+    },
+    /// It does only as nearly as the default bound allows.
+    Bends,
+    /// No way to leave flat was found.
+    Stays,
+    /// There are too many unknowns for an answer at once.
+    Unknown,
 }
 
-/// Leaves flat the way of the goal. `None` if there are too many unknowns for an answer at once.
+/// Leaves flat the way of the goal, in crease groups, or else, where the sheet is small, crease by crease.
 #[must_use]
-pub fn first_step(pattern: &CreasePattern, groups: CreaseGroups, goal: &Goal) -> Option<FirstStep> {
-    if groups.len() > MOST_UNKNOWNS {
-        return None;
-    }
+pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -> FirstStep {
     let options = PlanOptions::default();
-    let reduction = Reduction::new(pattern, groups, &options, None);
-    let (asked, signs) = reduction.asked(goal);
-    let most = asked
-        .iter()
-        .flatten()
-        .fold(0.0, |most: f64, angle| most.max(angle.abs()));
-    let towards = asked.iter().zip(&signs);
-    let towards: Vec<f64> = towards
-        .map(|(asked, sign)| asked.unwrap_or(sign * most))
-        .collect();
-    let work = &mut Work::default();
-    let mut leave = |accepted| departures(&reduction, &towards, &signs, accepted, &options, work);
-    let mut steps = leave(0.0);
-    if steps.is_empty() {
-        // Rounded coordinates may leave nothing that closes exactly.
-        steps = leave(reduction.accepted(&options));
+    let mut tried = FirstStep::Unknown;
+    for groups in [groups.clone(), CreaseGroups::trivial(pattern)] {
+        if groups.len() > MOST_UNKNOWNS {
+            continue;
+        }
+        let reduction = Reduction::new(pattern, groups, &options, None);
+        let (asked, signs) = reduction.asked(goal);
+        let most = largest(&asked);
+        let towards = asked.iter().zip(&signs);
+        let towards: Vec<f64> = towards
+            .map(|(asked, sign)| asked.unwrap_or(sign * most))
+            .collect();
+        let work = &mut Work::default();
+        let mut leave =
+            |accepted| departures(&reduction, &towards, &signs, accepted, &options, work);
+        if let Some(x) = leave(0.0).first() {
+            let creases = reduction.groups.expand(x);
+            let least = UNTURNED * max_norm(x);
+            let asked = goal.fold_angles.iter().zip(&goal.signs);
+            let asked = asked.map(|(angle, sign)| angle.unwrap_or(*sign));
+            let unturned = asked.zip(&creases);
+            let unturned = unturned.filter(|(asked, x)| asked.abs() > 0.0 && x.abs() < least);
+            return FirstStep::Leaves {
+                unturned: unturned.count(),
+                symmetric: Mobility::at(&reduction.essential, x),
+                single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
+            };
+        }
+        if leave(reduction.accepted(&options)).is_empty() {
+            tried = if tried == FirstStep::Bends {
+                tried
+            } else {
+                FirstStep::Stays
+            };
+        } else {
+            tried = FirstStep::Bends;
+        }
     }
-    let Some(x) = steps.first() else {
-        return Some(FirstStep::default());
-    };
-    Some(FirstStep {
-        symmetric: Mobility::at(&reduction.essential, x),
-        single: Mobility::at(
-            &ReducedStars::of_creases(pattern),
-            &reduction.groups.expand(x),
-        ),
-    })
+    tried
 }
