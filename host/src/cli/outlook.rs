@@ -94,7 +94,7 @@ fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Opti
 fn named(flaws: &[(VertexId, FlatFlaw)]) -> String {
     let named = flaws.iter().take(NAMED).map(|(vertex, flaw)| {
         let flaw = match flaw {
-            FlatFlaw::Kawasaki(sum) if sum.is_nan() => "an odd number of creases".into(),
+            FlatFlaw::Odd(hinges) => format!("{hinges} creases, an odd number"),
             FlatFlaw::Kawasaki(sum) => {
                 format!(
                     "Kawasaki: every other sector adds up to {:.1} degrees, not 180",

@@ -13,7 +13,7 @@ pub(super) fn in_json(text: &str, place: &str) -> Option<Range<usize>> {
     let offset = |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
     let mut here = text;
     for step in place.split(['.', '[']).map(Step::of) {
-        let Some(inside) = step.from(here) else {
+        let Some(inside) = step.enter(here) else {
             let start = offset(here);
             return (start > 0).then_some(start..start + 1);
         };
@@ -64,7 +64,7 @@ impl<'s> Step<'s> {
     }
 
     /// The text of the value there.
-    fn from<'t>(self, text: &'t str) -> Option<&'t str> {
+    fn enter(self, text: &str) -> Option<&str> {
         let mut parser = serde_json::Deserializer::from_str(text);
         Some(self.deserialize(&mut parser).ok()??.get())
     }

@@ -10,7 +10,9 @@ use super::{CreasePattern, Letter, VertexId};
 /// Why a vertex cannot fold flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlatFlaw {
-    /// Every other sector adds up to this angle (radians) in place of half a turn; NaN for an odd number of hinges.
+    /// It has this odd number of hinges.
+    Odd(usize),
+    /// Every other sector adds up to this angle (radians) in place of half a turn.
     Kawasaki(f64),
     /// Numbers of mountains and valleys, which have to differ by 2.
     Maekawa(usize, usize),
@@ -45,21 +47,17 @@ impl CreasePattern {
         if hinges.is_empty() || mountains + valleys < hinges.len() {
             return None;
         }
-        let directions: Vec<_> = hinges
-            .iter()
-            .map(|&edge| self.direction(edge, vertex))
-            .collect();
-        let next = directions.iter().cycle().skip(1);
-        let sectors = directions.iter().zip(next).step_by(2).map(|(from, to)| {
-            let angle = from.perp(to).atan2(from.dot(to));
+        if hinges.len() % 2 == 1 {
+            return Some(FlatFlaw::Odd(hinges.len()));
+        }
+        let directions = hinges.iter().map(|&edge| self.direction(edge, vertex));
+        let next = directions.clone().cycle().skip(1);
+        let sectors = directions.zip(next).step_by(2).map(|(from, to)| {
+            let angle = from.perp(&to).atan2(from.dot(&to));
             if angle < 0.0 { angle + 2.0 * PI } else { angle }
         });
-        let sum = if hinges.len() % 2 == 0 {
-            sectors.sum()
-        } else {
-            f64::NAN
-        };
-        if !((sum - PI).abs() <= SAME_ANGLE) {
+        let sum: f64 = sectors.sum();
+        if (sum - PI).abs() > SAME_ANGLE {
             return Some(FlatFlaw::Kawasaki(sum));
         }
         (mountains.abs_diff(valleys) != 2).then_some(FlatFlaw::Maekawa(mountains, valleys))
