@@ -124,7 +124,7 @@ fn lines_of_files() {
         ("control.fold", changed("[3,12]", "[3,\"\u{1b}[31m\t\"]")),
         ("fields.cp", "1 0 0 4 0\n\n2 1 2 3\n".into()),
         ("number.cp", "1 0 0 4 0\n2 0 x 1 1\n".into()),
-        ("type.cp", "1 0 0 4 0\n7 0 0 1 1\n".into()),
+        ("type.cp", "1 0 0 4 0\nx 0 0 1 1\n".into()),
         ("broken.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\">\n  <path d=\"M0 0\"\n</svg>\n".into()),
         ("page.svg", "<html>\n</html>\n".into()),
         (

@@ -253,14 +253,24 @@ fn info_says_what_will_be() {
         };
         assert!(said.contains(expected), "{said}");
     }
-    let text = folder
+    // No two creases are in line: all turn, with one mountain of two that may be the only one.
+    let star = folder
         .read("star.fold")
-        .replacen("\"U\"", "\"M\"", 1)
+        .replacen("[0,1]", "[0.1,1]", 1)
         .replace("\"U\"", "\"V\"");
-    folder.write("star.fold", &text);
-    let said = info("star.fold");
+    let said = (0..4).map(|mountain| {
+        let (head, letters) = star.split_at(star.find("\"V\"").unwrap() + 4 * mountain);
+        folder.write(
+            "one.fold",
+            &(head.to_string() + &letters.replacen("\"V\"", "\"M\"", 1)),
+        );
+        info("one.fold")
+    });
+    let part =
+        |said: &String| said.contains("not all the way: ") && said.contains("vertex 4 (Kawasaki");
     assert!(
-        said.contains("not all the way: ") && said.contains("vertex 4 (Kawasaki"),
-        "{said}"
+        said.clone().any(|said| part(&said)),
+        "{:?}",
+        said.collect::<Vec<_>>()
     );
 }

@@ -33,7 +33,7 @@ pub(super) struct Cli {
 pub(super) enum Command {
     /// Write a crease pattern of a known family with its goal
     Generate(Generate),
-    /// Say what a crease pattern is: vertices, creases, groups, closure at its goal
+    /// Say what a crease pattern is, whether it will fold, and which hinges to drive
     Info(Info),
     /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
     /// way
@@ -226,7 +226,7 @@ pub(super) struct Report {
     /// Print one JSON object on stdout
     #[arg(long)]
     pub(super) json: bool,
-    /// No notes on stderr
+    /// No notes and no bars on stderr
     #[arg(long)]
     pub(super) quiet: bool,
 }
@@ -242,9 +242,6 @@ Examples:
 pub(super) struct Plan {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
     pub(super) pattern: PathBuf,
-    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
-    #[arg(short, long, help_heading = "Path written")]
-    pub(super) output: Option<PathBuf>,
     /// FOLD file of the same sheet whose angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
     pub(super) goal: Option<PathBuf>,
@@ -258,6 +255,9 @@ pub(super) struct Plan {
     /// in the order given
     #[arg(long, value_name = "FILE", help_heading = "Goal")]
     pub(super) via: Vec<PathBuf>,
+    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
+    #[arg(short, long, help_heading = "Path written")]
+    pub(super) output: Option<PathBuf>,
     /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
     #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
     pub(super) limit: Vec<LimitedEdge>,

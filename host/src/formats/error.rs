@@ -103,7 +103,12 @@ impl FileError {
         if !found.is_file() || found.len() > LARGEST_SHOWN {
             return None;
         }
-        String::from_utf8(std::fs::read(self.path()).ok()?).ok()
+        let text = String::from_utf8(std::fs::read(self.path()).ok()?).ok()?;
+        Some(
+            text.strip_prefix('\u{feff}')
+                .map(String::from)
+                .unwrap_or(text),
+        )
     }
 }
 
