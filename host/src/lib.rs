@@ -54,6 +54,7 @@ pub mod generate;
 mod numbers;
 pub mod pattern;
 pub mod planner;
+pub mod progress;
 pub mod ragged;
 pub mod stream;
 pub mod symmetry;

@@ -26,9 +26,8 @@ fn cases(table: &str) -> Vec<(String, String)> {
 /// What is wrong with the answer to a command that must be refused with this message.
 fn not_refused(folder: &Folder, command: &str, message: &str) -> Option<String> {
     let answer = folder.run(command);
-    let expected = format!("foldpath: {message}\n");
-    let good = answer.status == Some(2) && answer.stdout.is_empty() && answer.stderr == expected;
-    (!good).then(|| format!("\n{command}\n  expected {expected}  found    {answer:?}\n"))
+    let good = answer.status == Some(2) && answer.stdout.is_empty() && answer.tells(message);
+    (!good).then(|| format!("\n{command}\n  expected {message}\n  found    {answer:?}\n"))
 }
 
 /// Runs `commands` on `document` with the edits of each case of the table.

@@ -42,7 +42,9 @@ pub(super) fn check_closure(
         segment.rigidity = rigidity.filter(|r| r.worst().is_finite());
         segment
     };
-    let segments = motion.segments.iter().map(|curves| {
+    let segments = motion.segments.iter().enumerate();
+    let segments = segments.map(|(index, curves)| {
+        options.done(index, motion.segments.len());
         let rough = bound(curves, &Effort::ROUGH);
         if rough.error() <= options.bound || rough.sampled > options.bound {
             rough
@@ -98,6 +100,7 @@ pub(super) fn check_crossings(
     let certified = certified.filter(|gap| *gap <= options.bound);
     let mut options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
+        progress: options.progress,
         ..SweepOptions::default()
     };
     let failed = !verdict.failures.is_empty();
@@ -153,6 +156,7 @@ pub(super) fn check_shapes(
     let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     for (index, knot) in path.knots.iter().enumerate() {
+        options.done(index, path.knots.len());
         let segment = index.checked_sub(1).filter(|_| options.samples > 0);
         let inside = segment.into_iter().flat_map(|_| places(options.samples));
         let end = if index == 0 { 0.0 } else { 1.0 };

@@ -21,6 +21,7 @@ use crate::collision::Crossing;
 use crate::folding::Rigidity;
 use crate::formats::fold::PathFile;
 use crate::pattern::VertexId;
+use crate::progress::{Progress, Stage};
 
 /// Options of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +32,25 @@ pub struct CheckOptions {
     pub samples: usize,
     /// Whether crossings are sought anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
+    /// Told how far judging is, if anybody looks on.
+    pub progress: Option<&'static Progress>,
 }
 
 impl CheckOptions {
+    /// Tells that a stage begins.
+    fn begin(&self, stage: Stage) {
+        if let Some(progress) = self.progress {
+            progress.begin(stage);
+        }
+    }
+
+    /// Tells that so many of so many parts of it are done.
+    fn done(&self, done: usize, of: usize) {
+        if let Some(progress) = self.progress {
+            progress.done(done, of);
+        }
+    }
+
     /// Judges knots alone.
     #[must_use]
     pub fn knots_alone(bound: f64) -> Self {
@@ -41,6 +58,7 @@ impl CheckOptions {
             bound,
             samples: 0,
             sweep: false,
+            progress: None,
         }
     }
 }
@@ -51,6 +69,7 @@ impl Default for CheckOptions {
             bound: 1e-3,
             samples: 16,
             sweep: true,
+            progress: None,
         }
     }
 }
@@ -146,6 +165,7 @@ impl Verdict {
 /// Judges a path.
 #[must_use]
 pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
+    options.begin(Stage::Folding);
     let mut verdict = Verdict {
         knots: measure(path),
         ..Verdict::default()
@@ -167,9 +187,12 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
     }
     // Numbers that overflow have been found by now.
     if motion.is_finite() {
+        options.begin(Stage::Closure);
         between::check_closure(path, &motion, options, &mut verdict);
+        options.begin(Stage::Folding);
         between::check_shapes(path, &motion, options, &mut verdict);
         if options.sweep {
+            options.begin(Stage::Crossings);
             between::check_crossings(path, &motion, options, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);

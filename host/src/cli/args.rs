@@ -13,7 +13,17 @@ use crate::planner;
 ///
 /// Exit status: 0 done; 1 ran well, but the answer is no; 2 bad input or usage.
 #[derive(Debug, Parser)]
-#[command(name = "foldpath", version, about)]
+#[command(
+    name = "foldpath",
+    version,
+    about,
+    after_help = "\
+Examples:
+  foldpath generate miura --rows 5 --cols 5 -o miura.fold
+  foldpath info miura.fold
+  foldpath plan miura.fold -o path.fold
+  foldpath check path.fold"
+)]
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -23,7 +33,7 @@ pub(super) struct Cli {
 pub(super) enum Command {
     /// Write a crease pattern of a known family with its goal
     Generate(Generate),
-    /// Say what a crease pattern is: vertices, creases, groups, closure at its goal
+    /// Say what a crease pattern is, whether it will fold, and which hinges to drive
     Info(Info),
     /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
     /// way
@@ -40,9 +50,17 @@ pub(super) enum Command {
     /// sheet is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no
     /// controller that understands; 2 bad input or usage.
     Stream(Box<Stream>),
+    /// Print the completions of a shell, for it to read
+    Completions(Completions),
+    /// Print the manual page, or write those of all commands
+    Man(Man),
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath generate miura --rows 11 --cols 11 -o miura.fold
+  foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold")]
 pub(super) struct Generate {
     #[command(subcommand)]
     pub(super) family: Family,
@@ -51,6 +69,10 @@ pub(super) struct Generate {
 #[derive(Debug, Subcommand)]
 pub(super) enum Family {
     /// Miura fold of rows x cols parallelograms with unit sides
+    #[command(after_help = "\
+Examples:
+  foldpath generate miura --rows 11 --cols 11 -o miura.fold
+  foldpath generate miura --rows 4 --cols 6 --angle 75 --fold 1 -o steep.fold")]
     Miura {
         #[command(flatten)]
         size: Size,
@@ -62,6 +84,10 @@ pub(super) enum Family {
         fold: f64,
     },
     /// Waterbomb tessellation on rows x cols unit squares; rows are counted round the tube
+    #[command(after_help = "\
+Examples:
+  foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold
+  foldpath generate waterbomb --rows 4 --cols 6 --fold 0.3 -o wide.fold")]
     Waterbomb {
         #[command(flatten)]
         size: Size,
@@ -70,6 +96,10 @@ pub(super) enum Family {
         fold: f64,
     },
     /// Yoshimura pattern on rows x cols cells with one diagonal each
+    #[command(after_help = "\
+Examples:
+  foldpath generate yoshimura --rows 4 --cols 4 -o yoshimura.fold
+  foldpath generate yoshimura --rows 6 --cols 8 --angle 20 --fold 0.2 -o boom.fold")]
     Yoshimura {
         #[command(flatten)]
         size: Size,
@@ -81,6 +111,10 @@ pub(super) enum Family {
         fold: f64,
     },
     /// Slender parallelograms with one diagonal each, all valley: cannot fold
+    #[command(after_help = "\
+Examples:
+  foldpath generate quad -o quad.fold
+  foldpath generate quad --rows 6 --cols 6 -o small-quad.fold")]
     Quad {
         /// Number of rows
         #[arg(long, default_value_t = 24)]
@@ -96,6 +130,10 @@ pub(super) enum Family {
         fold: f64,
     },
     /// Square twists on rows x cols tiles that mirror their neighbours
+    #[command(after_help = "\
+Examples:
+  foldpath generate square-twist -o twist.fold
+  foldpath generate square-twist --rows 2 --cols 2 --letters unfoldable -o locked.fold")]
     SquareTwist {
         /// Number of rows
         #[arg(long, default_value_t = 1)]
@@ -117,6 +155,10 @@ pub(super) enum Family {
         fold: f64,
     },
     /// Ron Resch's triangular tessellation of rows x cols stars, closed to a plane as its goal
+    #[command(after_help = "\
+Examples:
+  foldpath generate resch -o resch.fold
+  foldpath generate resch --rows 2 --cols 4 -o strip.fold")]
     Resch {
         /// Number of rows
         #[arg(long, default_value_t = 3)]
@@ -130,6 +172,10 @@ pub(super) enum Family {
     },
     /// Flat conical Kresling pattern: a polygon of cols sides in rows rings; its goal closes, no motion
     /// leads there
+    #[command(after_help = "\
+Examples:
+  foldpath generate kresling -o kresling.fold
+  foldpath generate kresling --rows 1 --cols 8 -o ring.fold")]
     Kresling {
         /// Number of rings
         #[arg(long, default_value_t = 2)]
@@ -164,6 +210,10 @@ pub(super) struct Size {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath info miura.fold
+  foldpath info miura.fold --json")]
 pub(super) struct Info {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
     pub(super) pattern: PathBuf,
@@ -176,86 +226,103 @@ pub(super) struct Report {
     /// Print one JSON object on stdout
     #[arg(long)]
     pub(super) json: bool,
-    /// No notes on stderr
+    /// No notes and no bars on stderr
     #[arg(long)]
     pub(super) quiet: bool,
 }
 
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  foldpath plan miura.fold -o path.fold
+  foldpath plan miura.fold --fold 0.5 --max-accel 90 -o gentle.fold
+  foldpath plan miura.fold --crease 4=-45 -o driven.fold
+  foldpath plan miura.fold --symmetry off --collision off --json")]
 pub(super) struct Plan {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
     pub(super) pattern: PathBuf,
-    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
-    #[arg(short, long)]
-    pub(super) output: Option<PathBuf>,
     /// FOLD file of the same sheet whose angles are the goal
-    #[arg(long, conflicts_with_all = ["fold", "crease"])]
+    #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
     pub(super) goal: Option<PathBuf>,
     /// Fold each crease by this fraction of a half turn, the way its letter says
-    #[arg(long, conflicts_with = "crease")]
+    #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
     pub(super) fold: Option<f64>,
     /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow
-    #[arg(long, value_name = "I=DEG")]
+    #[arg(long, value_name = "I=DEG", help_heading = "Goal")]
     pub(super) crease: Option<DrivenEdge>,
     /// FOLD file of the same sheet whose angles the path passes through before the goal, at rest; several
     /// in the order given
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Goal")]
     pub(super) via: Vec<PathBuf>,
+    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
+    #[arg(short, long, help_heading = "Path written")]
+    pub(super) output: Option<PathBuf>,
     /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
-    #[arg(long, value_name = "I=MIN..MAX")]
+    #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
     pub(super) limit: Vec<LimitedEdge>,
     /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
     pub(super) bound: f64,
     /// Find creases that turn alike and give them one unknown; off gives every crease its own
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) symmetry: Symmetry,
     /// Vertices whose closure is solved: one for each distinct condition, or all
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) vertices: Vertices,
     /// Plan on the essential crease pattern and reuse its path on the whole sheet; off plans on the
     /// closure of all vertices
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) reuse: Reuse,
     /// Look for faces that pass through each other
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Crossings")]
     pub(super) collision: Switch,
     /// Switch off what the search for crossings skips, to compare
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LIST",
+        help_heading = "Crossings"
+    )]
     pub(super) no_skip: Vec<Skip>,
     /// Motion between knots
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(super) interpolation: Interpolation,
     /// Speed that no hinge exceeds, degrees per second
-    #[arg(long, default_value_t = 45.0, value_name = "DEG_PER_S")]
+    #[arg(
+        long,
+        default_value_t = 45.0,
+        value_name = "DEG_PER_S",
+        help_heading = "Limits"
+    )]
     pub(super) max_speed: f64,
     /// Acceleration that no hinge exceeds, degrees per second squared; the path then begins and ends at rest
-    #[arg(long, value_name = "DEG_PER_S2")]
+    #[arg(long, value_name = "DEG_PER_S2", help_heading = "Limits")]
     pub(super) max_accel: Option<f64>,
     /// How time runs along the path
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(super) pace: Pace,
     /// Knots that the path has at most
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Path written")]
     pub(super) max_knots: Option<usize>,
     /// What each knot stores
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(super) frames: Frames,
     /// Solver
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) solver: Solver,
     /// How to look for the path: along the motion, or by the report's adaptive randomised search
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) search: Search,
     /// Objective of the randomised search: the worst vertex, or the sum over all
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(super) objective: Objective,
     /// Seed of everything random
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, help_heading = "Method")]
     pub(super) seed: u64,
     /// Stop planning after this time
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(super) timeout: Option<f64>,
     #[command(flatten)]
     pub(super) report: Report,
@@ -491,6 +558,10 @@ impl Plan {
 
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  foldpath check path.fold
+  foldpath check path.fold --bound 1e-6 --json")]
 pub(super) struct Check {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,
@@ -502,6 +573,10 @@ pub(super) struct Check {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath view path.fold -o path.html
+  foldpath view gentle.fold -o gentle.html")]
 pub(super) struct View {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,
@@ -511,6 +586,11 @@ pub(super) struct View {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath export path.fold --to traj -o path.traj
+  foldpath export path.fold --to csv -o path.csv
+  foldpath export path.fold --to rust -o path.rs")]
 pub(super) struct Export {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,
@@ -533,6 +613,34 @@ pub(super) enum ExportFormat {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath completions bash > foldpath.bash
+  foldpath completions zsh > _foldpath")]
+pub(super) struct Completions {
+    /// Shell
+    #[arg(value_enum)]
+    pub(super) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath man > foldpath.1
+  foldpath man -o .")]
+pub(super) struct Man {
+    /// Folder to write a page for each command into
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath stream path.traj --to sim --log log.csv
+  foldpath stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7
+  foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
+  foldpath stream path.traj --to serial:/dev/ttyUSB0")]
 pub(super) struct Stream {
     /// Path: a .traj file, as `foldpath export --to traj` writes it
     pub(super) path: PathBuf,

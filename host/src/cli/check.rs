@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use super::args::Check;
+use super::progress::watched;
+use super::report::{NO, YES, styled};
 use super::{Answer, CliError, print, print_json, print_notes};
 use crate::check::{CheckOptions, check};
 use crate::formats::fold::read_path;
@@ -38,12 +40,16 @@ pub(super) fn run(args: &Check) -> Answer {
             "--bound: expected a number above 0, found {bound}"
         )));
     }
-    let path = read_path(&args.path)?;
-    let options = CheckOptions {
-        bound,
-        ..CheckOptions::default()
-    };
-    let verdict = check(&path, &options);
+    let (path, verdict) = watched(&args.report, |progress| {
+        let path = read_path(&args.path)?;
+        let options = CheckOptions {
+            bound,
+            progress,
+            ..CheckOptions::default()
+        };
+        let verdict = check(&path, &options);
+        Ok::<_, CliError>((path, verdict))
+    })?;
     let holds = verdict.failures.is_empty();
     let rigidity = verdict.rigidity();
     let crossings = verdict.crossings.iter().map(|found| CrossingJson {
@@ -67,7 +73,8 @@ pub(super) fn run(args: &Check) -> Answer {
         return Ok(holds);
     }
     print_notes(args.report.quiet, path.pattern.assumptions());
-    let mut text = format!("{}: {}\n", path.title, json.outcome);
+    let style = if holds { YES } else { NO };
+    let mut text = format!("{}: {}\n", path.title, styled(style, json.outcome));
     for failure in &verdict.failures {
         text += &format!("  fails: {failure}\n");
     }

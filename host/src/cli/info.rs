@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::args::Info;
-use super::{Answer, print, print_json, print_notes};
+use super::hints::radians;
+use super::{Answer, outlook, print, print_json, print_notes};
 use crate::folding::{Amplification, SpanningTree};
 use crate::formats::read_pattern;
 use crate::planner::closure_of;
@@ -70,7 +71,9 @@ pub(super) fn run(args: &Info) -> Answer {
     }
     print_notes(args.report.quiet, &info.repairs);
     print_notes(args.report.quiet, &info.assumptions);
-    print(&summary(&file.title, &info, pattern.holes().len()))?;
+    print_notes(args.report.quiet, radians(pattern, closure_goal).as_slice());
+    let text = summary(&file.title, &info, pattern.holes().len());
+    print(&(text + &outlook::text(pattern, &groups, closure_goal, &args.pattern)))?;
     Ok(true)
 }
 

@@ -2,10 +2,15 @@
 
 mod args;
 mod check;
+mod complete;
 mod export;
 mod generate;
+mod hints;
 mod info;
+mod outlook;
 mod plan;
+mod progress;
+mod report;
 mod stream;
 mod view;
 
@@ -28,7 +33,7 @@ enum CliError {
     File(#[from] FileError),
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error("--{}: {}", option.option.replace('_', "-"), option.problem())]
+    #[error("--{}: {}", flag(option), option.problem())]
     Options { option: OptionsError },
     #[error("stdout: {0}")]
     Output(std::io::Error),
@@ -36,6 +41,16 @@ enum CliError {
     Goal { file: String, source: GoalError },
     #[error("{0}")]
     Usage(String),
+    #[error("{text}")]
+    Hinge { text: String, hint: Option<String> },
+}
+
+/// The name of an option on the command line.
+fn flag(error: &OptionsError) -> String {
+    match error.option {
+        "max_acceleration" => "max-accel".into(),
+        option => option.replace('_', "-"),
+    }
 }
 
 /// What a command that ran well says: done, or no.
@@ -53,12 +68,14 @@ pub fn main() -> ExitCode {
         args::Command::View(args) => view::run(&args),
         args::Command::Export(args) => export::run(&args),
         args::Command::Stream(args) => stream::run(&args),
+        args::Command::Completions(args) => complete::completions(&args),
+        args::Command::Man(args) => complete::man(&args),
     };
     match answer {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            say(&format!("foldpath: {error}"));
+            report::tell(&error);
             ExitCode::from(2)
         }
     }
@@ -79,10 +96,14 @@ fn check_output(input: &Path, output: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Prints to stdout; a reader that went away is no error.
+/// Prints to stdout, in its colours if that is a terminal.
 fn print(text: &str) -> Result<(), CliError> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    print_to(anstream::stdout().lock(), text.as_bytes())
+}
+
+/// Prints as it is; a reader that went away is no error.
+fn print_to(mut out: impl Write, bytes: &[u8]) -> Result<(), CliError> {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Output(error)),
         _ => Ok(()),
     }
@@ -90,7 +111,7 @@ fn print(text: &str) -> Result<(), CliError> {
 
 fn print_json(value: &impl Serialize) -> Result<(), CliError> {
     let text = serde_json::to_string(value).unwrap_or_default();
-    print(&(text + "\n"))
+    print_to(std::io::stdout().lock(), (text + "\n").as_bytes())
 }
 
 /// A line on stderr, if anybody reads it.

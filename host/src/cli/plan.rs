@@ -1,15 +1,20 @@
 //! `foldpath plan`.
 
+use core::time::Duration;
 use std::time::Instant;
 
 use serde::Serialize;
 
 use super::args::{Frames, Plan, Switch};
+use super::hints::{nearest_hinge, radians};
+use super::progress::watched;
+use super::report::{NO, YES, styled};
 use super::{Answer, CliError, check_output, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal};
 use crate::formats::{read_pattern, write_whole_with};
 use crate::pattern::{CreaseId, CreasePattern};
-use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome};
+use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
+use crate::progress::Stage;
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -63,31 +68,25 @@ struct CollisionJson {
 
 pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
-    let mut options = args.options()?;
-    options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
+    let options = args.options()?;
     if let Some(output) = &args.output {
         check_output(&args.pattern, output)?;
     }
-    let file = read_pattern(&args.pattern)?;
-    let goal = goal(args, &file)?;
-    options.limits = limits(args, &file.pattern)?;
-    options
-        .validate()
-        .map_err(|option| CliError::Options { option })?;
-    let read = start.elapsed();
-    let plan = planner::plan(&file.pattern, &goal, &options);
-    let write_start = Instant::now();
-    if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
-        let writer = PathWriter {
-            title: &file.title,
-            pattern: &file.pattern,
-            vertices: args.frames == Frames::Full,
-            seed: args.seed,
-            max_speed: options.max_speed,
-            max_acceleration: options.max_acceleration,
-        };
-        write_whole_with(output, |out| writer.write(&plan.path, out))?;
-    }
+    let Planned {
+        file,
+        goal,
+        plan,
+        read,
+        write,
+    } = watched(&args.report, |progress| {
+        planned(
+            args,
+            PlanOptions {
+                progress,
+                ..options
+            },
+        )
+    })?;
     let times = plan.times;
     let json = PlanJson {
         outcome: plan.outcome.name(),
@@ -106,7 +105,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         goal_error: plan.goal_error.to_degrees(),
         min_clearance: plan.clearance.map(|clearance| clearance.distance),
         time: TimeJson {
-            write: write_start.elapsed().as_secs_f64(),
+            write: write.as_secs_f64(),
             total: start.elapsed().as_secs_f64(),
             read: read.as_secs_f64(),
             symmetry: times.symmetry.as_secs_f64(),
@@ -131,12 +130,74 @@ pub(super) fn run(args: &Plan) -> Answer {
     print_notes(args.report.quiet, file.pattern.repairs());
     print_notes(args.report.quiet, file.pattern.assumptions());
     print_notes(args.report.quiet, &plan.notes);
+    if args.goal.is_none() && args.fold.is_none() && args.crease.is_none() {
+        let open = plan.outcome == Outcome::GoalNotClosed;
+        let closure = if open {
+            f64::INFINITY
+        } else {
+            plan.goal_closure
+        };
+        let note = radians(&file.pattern, Some(closure));
+        print_notes(args.report.quiet, note.as_slice());
+    }
     if args.report.json {
         print_json(&json)?;
     } else {
         print(&summary(args, &file, &goal, &json, &plan))?;
     }
     Ok(plan.outcome == Outcome::Planned)
+}
+
+/// A plan of what was read, and the time that reading and writing took.
+struct Planned {
+    file: PatternFile,
+    goal: Goal,
+    plan: planner::Plan,
+    read: Duration,
+    write: Duration,
+}
+
+/// Reads, plans, and writes a path that reaches its goal.
+fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
+    let progress = options.progress;
+    let begin = |stage| {
+        progress
+            .into_iter()
+            .for_each(|progress| progress.begin(stage))
+    };
+    begin(Stage::Reading);
+    let start = Instant::now();
+    let file = read_pattern(&args.pattern)?;
+    let goal = goal(args, &file)?;
+    let limits = limits(args, &file.pattern)?;
+    options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
+    options.limits = limits;
+    options
+        .validate()
+        .map_err(|option| CliError::Options { option })?;
+    let read = start.elapsed();
+    let plan = planner::plan(&file.pattern, &goal, &options);
+    begin(Stage::Writing);
+    let start = Instant::now();
+    if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
+        let writer = PathWriter {
+            title: &file.title,
+            pattern: &file.pattern,
+            vertices: args.frames == Frames::Full,
+            seed: args.seed,
+            max_speed: options.max_speed,
+            max_acceleration: options.max_acceleration,
+        };
+        write_whole_with(output, |out| writer.write(&plan.path, out))?;
+    }
+    let write = start.elapsed();
+    Ok(Planned {
+        file,
+        goal,
+        plan,
+        read,
+        write,
+    })
 }
 
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
@@ -190,9 +251,10 @@ fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId
             Some(edge) => format!("it is lettered {}", edge.letter.code()),
             None => format!("edges go from 0 to {}", pattern.edges().len() - 1),
         };
-        CliError::Usage(format!(
-            "{option}: edge {edge}: expected a hinge between two faces, but {found}"
-        ))
+        CliError::Hinge {
+            text: format!("{option}: edge {edge}: expected a hinge between two faces, but {found}"),
+            hint: nearest_hinge(pattern, edge),
+        }
     })
 }
 
@@ -203,7 +265,12 @@ fn summary(
     json: &PlanJson<'_>,
     plan: &planner::Plan,
 ) -> String {
-    let mut text = format!("{}: {}\n", file.title, json.outcome);
+    let style = if plan.outcome == Outcome::Planned {
+        YES
+    } else {
+        NO
+    };
+    let mut text = format!("{}: {}\n", file.title, styled(style, json.outcome));
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }

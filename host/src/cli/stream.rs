@@ -1,15 +1,17 @@
 //! `foldpath stream`.
 
 use core::sync::atomic::{AtomicU8, Ordering};
-use core::time::Duration;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
 use foldpath_core::follower::State;
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::args::{Drives, LineFaults, Stream, Target};
+use super::progress::{self, PACE, PATIENCE};
+use super::report::{NO, YES, styled};
 use super::{Answer, CliError, check_output, print, print_json};
 use crate::folding::Rigidity;
 use crate::formats::fold::read_path;
@@ -18,9 +20,6 @@ use crate::stream::{
     self, Emulator, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry,
     Watcher, Wire, Wish, default_image, script,
 };
-
-/// Time between two lines of progress.
-const PACE: Duration = Duration::from_millis(100);
 
 #[derive(Serialize)]
 struct StreamJson<'a> {
@@ -161,14 +160,15 @@ fn logged(
         resume: args.resume,
         id,
     };
-    let quiet = args.report.quiet || args.report.json;
+    let shown = progress::shown(&args.report);
     let mut follow = |log: &mut dyn Write| {
         let mut watch = Watch {
             path,
             log,
             pressed: &pressed,
+            begun: Instant::now(),
             shown: None,
-            progress: !quiet && io::stderr().is_terminal(),
+            bar: shown.then(progress::hidden_bar),
         };
         watch.head()?;
         stream::run(link, path, options, &mut watch)
@@ -207,7 +207,13 @@ fn report(
     if args.report.json {
         return print_json(&json);
     }
-    let mut text = format!("{}: {}\n", args.path.display(), json.outcome);
+    let style = if summary.outcome == Outcome::Done {
+        YES
+    } else {
+        NO
+    };
+    let outcome = styled(style, json.outcome);
+    let mut text = format!("{}: {outcome}\n", args.path.display());
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }
@@ -242,8 +248,9 @@ struct Watch<'a> {
     path: &'a StreamPath,
     log: &'a mut dyn Write,
     pressed: &'a AtomicU8,
+    begun: Instant,
     shown: Option<Instant>,
-    progress: bool,
+    bar: Option<ProgressBar>,
 }
 
 impl Watch<'_> {
@@ -255,13 +262,13 @@ impl Watch<'_> {
         writeln!(self.log)
     }
 
-    /// A line over the one before.
-    fn show(&mut self, telemetry: &Telemetry) {
+    /// How far the motion is, once it lasts.
+    fn show(&mut self, bar: &ProgressBar, telemetry: &Telemetry) {
         let times = self.path.times();
         let time = |knot: usize| times.get(knot).copied().unwrap_or(0.0);
         let knot = usize::try_from(telemetry.place.knot).unwrap_or(usize::MAX);
         let end = time(times.len().saturating_sub(1)) - time(0);
-        let part = 100.0 * (time(knot) - time(0) + telemetry.place.into) / end;
+        let part = (time(knot) - time(0) + telemetry.place.into) / end;
         let angles = telemetry.angles.iter().take(4);
         let angles: String = angles.map(|a| format!(" {:.1}", a.to_degrees())).collect();
         let more = if telemetry.angles.len() > 4 {
@@ -270,11 +277,9 @@ impl Watch<'_> {
             ""
         };
         let state = state(telemetry.state);
-        let _gone = write!(
-            io::stderr(),
-            "\r\x1b[K{state}: {part:.0} %, knot {knot} of {}, groups at{angles}{more} degrees",
-            times.len().saturating_sub(1),
-        );
+        let last = times.len().saturating_sub(1);
+        let what = format!("{state}, knot {knot} of {last}, groups at{angles}{more} degrees");
+        progress::show(bar, &what, Some(part.into()));
     }
 }
 
@@ -289,9 +294,12 @@ impl Watcher for Watch<'_> {
             write!(self.log, ",{angle}")?;
         }
         writeln!(self.log)?;
-        if self.progress && self.shown.is_none_or(|shown| shown.elapsed() >= PACE) {
+        let due = self.begun.elapsed() >= PATIENCE
+            && self.shown.is_none_or(|shown| shown.elapsed() >= PACE);
+        if let Some(bar) = self.bar.take_if(|_| due) {
             self.shown = Some(Instant::now());
-            self.show(telemetry);
+            self.show(&bar, telemetry);
+            self.bar = Some(bar);
         }
         Ok(())
     }
@@ -307,8 +315,8 @@ impl Watcher for Watch<'_> {
 
 impl Drop for Watch<'_> {
     fn drop(&mut self) {
-        if self.shown.is_some() {
-            let _gone = writeln!(io::stderr());
+        if let Some(bar) = self.bar.take_if(|_| self.shown.is_some()) {
+            bar.finish_and_clear();
         }
     }
 }

@@ -1,10 +1,12 @@
 //! What can be wrong with a file: always with its path, the place in it and what was expected.
 
-use std::path::PathBuf;
+use core::ops::Range;
+use std::path::{Path, PathBuf};
 
 use foldpath_core::trajectory_file;
 use thiserror::Error;
 
+use super::locate;
 use crate::pattern::PatternError;
 
 /// Why a file could not be read or written.
@@ -60,4 +62,74 @@ pub enum FileError {
         /// What is wrong with it.
         source: PatternError,
     },
+}
+
+/// Bytes beyond which a file is not read again to show the place of an error.
+const LARGEST_SHOWN: u64 = 1 << 28;
+
+impl FileError {
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Io { path, .. }
+            | Self::Syntax { path, .. }
+            | Self::Expected { path, .. }
+            | Self::Trajectory { path, .. }
+            | Self::Pattern { path, .. } => path,
+        }
+    }
+
+    /// The text of the file and the bytes of it that the error is about, read again. `None` if it says no place in a
+    /// text, or the file cannot be read once more.
+    #[must_use]
+    pub fn locate(&self) -> Option<(String, Range<usize>)> {
+        let text = self.text_again()?;
+        let span = match self {
+            Self::Io { .. } | Self::Trajectory { .. } => None,
+            Self::Syntax { line, column, .. } => locate::at_position(&text, *line, *column),
+            Self::Expected { place, found, .. } => span_of(&text, place, found),
+            Self::Pattern { frame, source, .. } => {
+                let place = format!("{frame}{source}");
+                locate::in_json(&text, place.split(": ").next()?)
+            }
+        }?;
+        Some((text, span))
+    }
+
+    /// Not of pipes, from which nothing more comes.
+    fn text_again(&self) -> Option<String> {
+        let found = std::fs::metadata(self.path()).ok()?;
+        if !found.is_file() || found.len() > LARGEST_SHOWN {
+            return None;
+        }
+        let text = String::from_utf8(std::fs::read(self.path()).ok()?).ok()?;
+        Some(
+            text.strip_prefix('\u{feff}')
+                .map(String::from)
+                .unwrap_or(text),
+        )
+    }
+}
+
+/// The bytes of a place: `line N`, `line N, column M`, something with an `id="..."`, or a place in JSON.
+fn span_of(text: &str, place: &str, found: &str) -> Option<Range<usize>> {
+    if let Some(position) = place.strip_prefix("line ") {
+        let (line, column) = match position.split_once(", column ") {
+            Some((line, column)) => (line, column.parse().ok()),
+            None => (position, None),
+        };
+        let line = line.parse().ok()?;
+        return match column {
+            Some(column) => locate::at_position(text, line, column),
+            None => locate::in_line(text, line, found.trim_matches('"')),
+        };
+    }
+    if let Some(at) = place.find("id=\"") {
+        let id = &place[at..];
+        let end = id.match_indices('"').nth(1)?.0;
+        let start = text.find(&id[..=end])?;
+        return Some(start..start + end + 1);
+    }
+    locate::in_json(text, place)
 }

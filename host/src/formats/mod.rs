@@ -5,6 +5,7 @@ pub mod csv;
 mod error;
 pub mod fold;
 mod groups;
+mod locate;
 mod output;
 pub mod rust;
 mod segments;

@@ -5,6 +5,7 @@
 
 mod build;
 mod drawing;
+mod flat_folding;
 mod holes;
 mod ids;
 mod letter;
@@ -16,6 +17,7 @@ mod triangulate;
 
 pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
+pub use flat_folding::FlatFlaw;
 pub use holes::Passage;
 pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;

@@ -182,6 +182,7 @@ impl<'a> Route<'a> {
         Rules {
             signs: &self.signs,
             max_step: self.options.max_step,
+            progress: self.options.progress,
         }
     }
 

@@ -22,7 +22,7 @@ const FIRST_STEP: f64 = 0.1;
 /// Random first steps tried beside that straight towards the goal.
 const RANDOM_STEPS: usize = 8;
 /// Part of the largest angle below which a hinge has not turned.
-const UNTURNED: f64 = 1e-3;
+pub(super) const UNTURNED: f64 = 1e-3;
 /// Parts of the largest angle that every hinge has to turn at least, tried one after the other: without,
 /// the sheet lands on motions that turn only some of its hinges.
 const LEAST: [f64; 3] = [0.1, 0.01, 0.0];

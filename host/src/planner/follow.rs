@@ -129,9 +129,18 @@ pub(super) struct Rules<'a> {
     pub(super) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
     pub(super) max_step: f64,
+    /// Told how much of the way is behind.
+    pub(super) progress: Option<&'static crate::progress::Progress>,
 }
 
 impl Rules<'_> {
+    /// Tells that so much of `whole` is left of the way.
+    pub(super) fn tell(&self, left: f64, whole: f64) {
+        if let Some(progress) = self.progress {
+            progress.part(1.0 - left / whole);
+        }
+    }
+
     /// Whether each hinge turns its way at `next`, coming from `angles`.
     pub(super) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
         let mut triples = next.iter().zip(angles).zip(self.signs);
@@ -157,12 +166,15 @@ pub(super) fn follow(
     let mut came = came.map(<[f64]>::to_vec);
     let mut last_step: Option<f64> = None;
     let mut progress = Progress::default();
+    let whole = norm(&target.way(start));
     let stop = loop {
         if solver.is_late() {
             break Some(Stop::Timeout);
         }
         let way = target.way(&angles);
-        let there = norm(&way) <= NEAR;
+        let left = norm(&way);
+        let there = left <= NEAR;
+        rules.tell(left, whole);
         let heading = if there {
             Err(None)
         } else {

@@ -13,6 +13,7 @@ mod follow;
 mod goal;
 mod judge;
 mod knots;
+mod mobility;
 mod options;
 mod overshoot;
 mod place;
@@ -29,6 +30,7 @@ pub use depart::{Departure, leave_flat};
 pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Knot, Path};
+pub use mobility::{FirstStep, Mobility, first_step};
 pub use options::{
     HingeLimit, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices,
 };

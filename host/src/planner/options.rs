@@ -7,6 +7,7 @@ use foldpath_core::{Interpolation, Objective};
 use thiserror::Error;
 
 use crate::pattern::CreaseId;
+use crate::progress::{Progress, Stage};
 
 /// Whether to look for crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,6 +134,8 @@ pub struct PlanOptions {
     pub timeout: Option<Duration>,
     /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
     pub keep_vertices: bool,
+    /// Told how far planning is, if anybody looks on.
+    pub progress: Option<&'static Progress>,
 }
 
 impl Default for PlanOptions {
@@ -156,6 +159,7 @@ impl Default for PlanOptions {
             max_knots: None,
             timeout: None,
             keep_vertices: true,
+            progress: None,
         }
     }
 }
@@ -184,6 +188,13 @@ impl OptionsError {
 const SLOWEST: f64 = 1e-9;
 
 impl PlanOptions {
+    /// Tells that a stage begins.
+    pub(super) fn begin(&self, stage: Stage) {
+        if let Some(progress) = self.progress {
+            progress.begin(stage);
+        }
+    }
+
     /// Checks that each option is in its range.
     ///
     /// # Errors

@@ -14,6 +14,7 @@ use super::{Goal, PlanOptions, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
 
 /// The answer.
@@ -162,6 +163,7 @@ impl<'a> Planning<'a> {
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
         let start = Instant::now();
+        self.options.begin(Stage::Symmetry);
         let pattern = self.pattern;
         let symmetries = self.symmetries();
         if !symmetries.is_empty() {
@@ -173,6 +175,7 @@ impl<'a> Planning<'a> {
         let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
         for (groups, exactly) in symmetries.into_iter().chain(without) {
             let start = Instant::now();
+            self.options.begin(Stage::Symmetry);
             // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
             // one beside a goal that closes as it stands, all creases on their own.
             let shrinks = groups.len() < pattern.creases().len();
@@ -185,6 +188,7 @@ impl<'a> Planning<'a> {
             let (options, deadline) = (self.options, self.deadline);
             let reduction = Reduction::new(self.pattern, groups, options, deadline);
             self.plan.times.symmetry += start.elapsed();
+            self.options.begin(Stage::Following);
             let attempt = Attempt::new(
                 self.pattern,
                 reduction,

@@ -16,6 +16,7 @@ use super::reduction::{CLOSED, Reduction};
 use crate::certificate::SheetCertifier;
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::folding::Rigidity;
+use crate::progress::Stage;
 use crate::symmetry::Lattice;
 
 /// Knots of a path at most.
@@ -67,6 +68,7 @@ impl Planning<'_> {
             return self.unplaced();
         };
         self.certify(reduction, &placed);
+        self.options.begin(Stage::Folding);
         let mut judge = Judge::new(self.pattern, reduction, false);
         judge.keep_vertices = self.options.keep_vertices;
         for index in 0..placed.knots.len() {
@@ -78,6 +80,9 @@ impl Planning<'_> {
                     Outcome::Timeout,
                     format!("out of time while judging knot {index}"),
                 );
+            }
+            if let Some(progress) = self.options.progress {
+                progress.done(index, placed.knots.len());
             }
             judge.judge(&mut placed.knots[index]);
         }
@@ -103,6 +108,7 @@ impl Planning<'_> {
         course: &Course,
     ) -> Option<Placed> {
         let start = Instant::now();
+        self.options.begin(Stage::Placing);
         let (_, signs) = reduction.asked(self.goal);
         let limits = reduction.orthant(&signs);
         let mut solver = reduction.solver(self.options, found.accepted);
@@ -171,6 +177,7 @@ impl Planning<'_> {
             gap,
             tolerance: usual.tolerance * STRICTER,
             deadline: self.deadline,
+            progress: self.options.progress,
             // Who wants to look at everything may.
             max_looks: if skips == Skips::default() {
                 usual.max_looks
@@ -215,6 +222,7 @@ impl Planning<'_> {
     /// Looks for crossings anywhere on the motion, and ends the path before the first.
     fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
         let mut start = Instant::now();
+        self.options.begin(Stage::Crossings);
         let symmetric = self.options.skips.symmetry;
         let lattice = symmetric.then(|| reduction.lattice(self.pattern)).flatten();
         self.plan.times.symmetry += start.elapsed();

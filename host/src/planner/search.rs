@@ -39,10 +39,12 @@ pub(super) fn search(
     let mut knots = vec![vec![0.0; asked.len()]];
     let max_step = rules.max_step;
     let (mut radius, mut failures, mut restarts) = (max_step, 0, 0);
+    let whole = norm(&way_to(asked, &knots[0]));
     let stop = loop {
         let here = &knots[knots.len() - 1];
         let way = way_to(asked, here);
         let (far, longest) = (norm(&way), max_norm(&way));
+        rules.tell(far, whole);
         if far <= NEAR {
             break None;
         }

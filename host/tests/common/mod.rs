@@ -28,6 +28,32 @@ impl Answer {
         value
     }
 
+    /// Whether the error told is this, its line and column left out or not.
+    pub(crate) fn tells(&self, message: &str) -> bool {
+        self.told().iter().any(|told| told == message)
+    }
+
+    /// Whether the error told begins like this, its line and column left out or not.
+    pub(crate) fn begins(&self, message: &str) -> bool {
+        self.told().iter().any(|told| told.starts_with(message))
+    }
+
+    /// The error told, without the line of the file and the hint: as it is, and without line and column.
+    fn told(&self) -> [String; 2] {
+        let first = self.stderr.lines().next().unwrap_or_default();
+        let told = first.strip_prefix("foldpath: ").unwrap_or_default();
+        let parts: Vec<&str> = told.splitn(4, ':').collect();
+        let placeless = match parts[..] {
+            [file, line, column, rest]
+                if [line, column].iter().all(|n| n.parse::<u32>().is_ok()) =>
+            {
+                format!("{file}:{rest}")
+            }
+            _ => told.into(),
+        };
+        [told.into(), placeless]
+    }
+
     /// The same answer, which must have this status.
     #[track_caller]
     pub(crate) fn with_status(self, status: i32) -> Self {

@@ -226,6 +226,10 @@ impl<'a> Sweep<'a> {
                 break SweepVerdict::Free(self.clearance);
             };
             times += 1;
+            if let Some(progress) = self.options.progress {
+                #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
+                progress.part(time as f64 / motion.end() as f64);
+            }
             if let Some(verdict) = self.look_at_all(&motion, time, due) {
                 break verdict;
             }

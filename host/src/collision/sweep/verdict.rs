@@ -5,6 +5,7 @@ use std::time::Instant;
 use crate::collision::pieces::CROSSING;
 use crate::collision::scene::Crossing;
 use crate::pattern::FaceId;
+use crate::progress::Progress;
 
 /// Options of a [`Sweep`](super::Sweep).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub struct SweepOptions {
     pub max_looks: u64,
     /// When to give up likewise.
     pub deadline: Option<Instant>,
+    /// Told how much of the motion is free, if anybody looks on.
+    pub progress: Option<&'static Progress>,
 }
 
 impl SweepOptions {
@@ -48,6 +51,7 @@ impl Default for SweepOptions {
             skip_edges: true,
             max_looks: 10_000_000,
             deadline: None,
+            progress: None,
         }
     }
 }

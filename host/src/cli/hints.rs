@@ -1,0 +1,183 @@
+//! What helps, for mistakes that are often made.
+
+use core::f64::consts::PI;
+use std::io::Read;
+use std::path::Path;
+
+use super::CliError;
+use crate::formats::FileError;
+use crate::pattern::{CreasePattern, EdgeId, PatternError};
+use crate::planner::{GoalError, closure_of};
+
+/// A hint on what to do about an error.
+pub(super) fn hint(error: &CliError) -> Option<String> {
+    match error {
+        CliError::File(error) => of_file(error),
+        CliError::Goal { source, .. } => of_goal(source),
+        CliError::Hinge { hint, .. } => hint.clone(),
+        _ => None,
+    }
+}
+
+fn of_file(error: &FileError) -> Option<String> {
+    let path = error.path();
+    let text = match error {
+        FileError::Io { .. } => {
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty())?;
+            return (!folder.exists()).then(|| format!("there is no folder {}", folder.display()));
+        }
+        FileError::Trajectory { .. } if head(path)?.starts_with('{') => {
+            "it seems to be a FOLD file: `foldpath export PATH --to traj` makes what a controller follows of a path"
+        }
+        FileError::Syntax { .. } => return of_content(path),
+        FileError::Expected { place, .. } if place == "the file" => return of_content(path),
+        FileError::Expected { place, found, .. } if place == "file_frames" && found == "none" => {
+            let path = path.display();
+            return Some(format!(
+                "`foldpath plan {path} -o path.fold` makes a path of it, to use here"
+            ));
+        }
+        FileError::Expected { expected, .. } if expected.starts_with("a flat crease pattern") => {
+            "`foldpath unfold` makes a crease pattern of a folded shape"
+        }
+        FileError::Pattern { source, .. } => of_pattern(source)?,
+        _ => return None,
+    };
+    Some(text.into())
+}
+
+fn of_pattern(error: &PatternError) -> Option<&'static str> {
+    match error {
+        PatternError::Crossing { .. }
+        | PatternError::OnEdge { .. }
+        | PatternError::Duplicate { .. } => Some(
+            "a FOLD file is taken as it is; in drawings, SVG or CP files, such places are repaired",
+        ),
+        PatternError::GoalRange { .. } => {
+            Some("fold angles are degrees: 0 is flat, 180 folded flat on itself")
+        }
+        PatternError::GoalSign { .. } => {
+            Some("correct the angle or the letter; U lets a hinge turn either way")
+        }
+        _ => None,
+    }
+}
+
+fn of_goal(error: &GoalError) -> Option<String> {
+    let text = match error {
+        GoalError::NoDirection => {
+            "letter creases M or V, or say where to go: `--goal FILE`, or `--crease I=DEG` for one crease"
+        }
+        GoalError::Flat => {
+            "`--fold 0.5` folds along the letters; `--goal FILE` and `--crease I=DEG` name other goals"
+        }
+        _ => return None,
+    };
+    Some(text.into())
+}
+
+/// Bytes by which a file is recognised.
+const HEAD: u64 = 512;
+
+/// The first line of a file, as far as that is text, that says anything. Not of pipes.
+fn head(path: &Path) -> Option<String> {
+    if !std::fs::metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let mut head = Vec::new();
+    let file = std::fs::File::open(path).ok()?;
+    file.take(HEAD).read_to_end(&mut head).ok()?;
+    let text = String::from_utf8_lossy(&head);
+    let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    Some(first.into())
+}
+
+/// What a file that is no FOLD file seems to be.
+fn of_content(path: &Path) -> Option<String> {
+    let first = head(path)?;
+    let words = first.split_whitespace();
+    let numbers = words.filter(|word| word.parse::<f64>().is_ok()).count();
+    let ending = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    let text = if first.starts_with("FPTJ") {
+        "it is a path for a controller, made of a FOLD file: `foldpath stream` sends it"
+    } else if first.starts_with('<') {
+        "it seems to be an SVG drawing: its name has to end in .svg"
+    } else if first.starts_with("v ") && numbers >= 3 {
+        "it seems to be an OBJ file, a folded shape: `foldpath unfold` makes a crease pattern of one"
+    } else if numbers == 5 {
+        "it seems to be a CP drawing: its name has to end in .cp"
+    } else if !first.starts_with('{') && !matches!(ending.as_str(), "fold" | "json") {
+        "a name's ending says its format, .fold, .svg or .cp; all others are read as FOLD"
+    } else {
+        return None;
+    };
+    Some(text.into())
+}
+
+/// Radians: of goal angles none of which is beyond pi, the largest seems to be it.
+const SAME_ANGLE: f64 = 1e-3;
+/// Closure residual that a goal in rounded radians has at most.
+const NEARLY_CLOSED: f64 = 1e-3;
+/// Closure residual up to which a goal closes.
+const CLOSED: f64 = 1e-9;
+
+/// That the goal angles, which do not close, seem to be radians. They are taken as degrees.
+pub(super) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {
+    let goals = pattern
+        .creases()
+        .iter()
+        .map(|&edge| pattern.edge(edge).goal);
+    let goals: Vec<Option<f64>> = goals.collect();
+    let largest = goals
+        .iter()
+        .flatten()
+        .fold(0.0, |most: f64, goal| most.max(goal.to_degrees().abs()));
+    let closed = closure.is_none_or(|closure| closure <= CLOSED);
+    if closed || largest <= 0.0 || largest > PI + SAME_ANGLE {
+        return None;
+    }
+    let meant: Vec<Option<f64>> = goals.iter().map(|goal| goal.map(f64::to_degrees)).collect();
+    let closes = closure_of(pattern, &meant).is_some_and(|closure| closure <= NEARLY_CLOSED);
+    (closes || (largest - PI).abs() <= SAME_ANGLE).then(|| {
+        format!(
+            "no goal angle is beyond {largest:.4} degrees, and they do not close: if they are radians, convert them, \
+             as edges_foldAngle is in degrees"
+        )
+    })
+}
+
+/// The hinge nearest to an edge that is none, in words.
+pub(super) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<String> {
+    let middle = |edge: EdgeId| {
+        let [a, b] = pattern
+            .edge(edge)
+            .ends
+            .map(|end| pattern.vertices()[end.index()]);
+        (a + b) / 2.0
+    };
+    let known = edge < pattern.edges().len();
+    let here = known.then(|| middle(EdgeId::new(edge)));
+    let hinges = pattern
+        .creases()
+        .iter()
+        .filter(|hinge| pattern.edge(**hinge).letter.sign().abs() > 0.0);
+    let far = |hinge: &EdgeId| match here {
+        Some(here) => (middle(*hinge) - here).norm(),
+        None => 0.0,
+    };
+    let nearest = hinges.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let letter = pattern.edge(*nearest).letter.code();
+    let edge = format!("edge {} ({letter})", nearest.index());
+    Some(if known {
+        format!("the nearest hinge is {edge}")
+    } else {
+        format!("{edge} is a hinge")
+    })
+}

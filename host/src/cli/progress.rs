@@ -1,0 +1,80 @@
+//! Bars on a terminal, for work that lasts over a second.
+
+use core::time::Duration;
+use std::io::{IsTerminal, stderr};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::args::Report;
+use crate::progress::Progress;
+
+/// Work shorter than this has no bar.
+pub(super) const PATIENCE: Duration = Duration::from_secs(1);
+/// Time between two looks at the work.
+pub(super) const PACE: Duration = Duration::from_millis(100);
+/// What a full bar counts to.
+const FULL: u64 = 1000;
+
+static PROGRESS: Progress = Progress::new();
+
+/// Whether bars are drawn.
+pub(super) fn shown(report: &Report) -> bool {
+    !report.quiet && !report.json && stderr().is_terminal()
+}
+
+/// Does the work, which tells how far it is where that is shown.
+pub(super) fn watched<T>(report: &Report, work: impl FnOnce(Option<&'static Progress>) -> T) -> T {
+    if !shown(report) {
+        return work(None);
+    }
+    let (working, over) = channel();
+    thread::scope(|scope| {
+        scope.spawn(move || draw(&over));
+        let result = work(Some(&PROGRESS));
+        drop(working);
+        result
+    })
+}
+
+/// Draws a bar until the work is over.
+fn draw(over: &Receiver<()>) {
+    let goes_on = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
+    if !goes_on(PATIENCE) {
+        return;
+    }
+    let bar = hidden_bar();
+    loop {
+        let (stage, part) = PROGRESS.now();
+        show(&bar, stage.name(), part);
+        if !goes_on(PACE) {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+}
+
+/// A bar on stderr, of which nothing is seen yet.
+pub(super) fn hidden_bar() -> ProgressBar {
+    ProgressBar::new(FULL)
+}
+
+/// Draws what is done, and the part of it that is over if that is known.
+pub(super) fn show(bar: &ProgressBar, what: &str, part: Option<f64>) {
+    let template = match part {
+        Some(_) => "{spinner} {elapsed} [{bar:30}] {percent:>3} % {msg}",
+        None => "{spinner} {elapsed} {msg}",
+    };
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 to 1000"
+    )]
+    bar.set_position((1e3 * part.unwrap_or(0.0)) as u64);
+    bar.set_message(what.to_string());
+    bar.tick();
+}

@@ -1,0 +1,113 @@
+//! How an error is told: file, place and what was expected in one line, then the line of the file underlined, and a
+//! hint where one helps. Colours where stderr is a terminal that has them.
+
+use core::ops::Range;
+use std::io::Write;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use anstyle::{AnsiColor, Style};
+
+use super::{CliError, hints};
+
+/// Characters of a line that are shown.
+const SHOWN: usize = 72;
+/// Characters shown before the place of an error, where the line is longer.
+const BEFORE: usize = 30;
+/// What stands for characters that are not shown.
+const CUT: &str = "...";
+
+/// Red, for errors and answers that are a fault.
+pub(super) const BAD: Style = AnsiColor::Red.on_default().bold();
+/// Yellow, for answers that are no.
+pub(super) const NO: Style = AnsiColor::Yellow.on_default().bold();
+/// Green, for answers that are yes.
+pub(super) const YES: Style = AnsiColor::Green.on_default().bold();
+
+/// A text in a style, which is left out where there are no colours.
+pub(super) fn styled(style: Style, text: &str) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// Tells an error on stderr, if anybody reads it.
+pub(super) fn tell(error: &CliError) {
+    let text = text_of(error);
+    let _gone = writeln!(anstream::stderr(), "{text}");
+}
+
+/// An error in full, with colours and without the last newline.
+fn text_of(error: &CliError) -> String {
+    let mut message = error.to_string();
+    let excerpt = match error {
+        CliError::File(file) => file.locate().and_then(|(text, span)| {
+            let excerpt = Excerpt::of(&text, span)?;
+            let name = format!("{}: ", file.path().display());
+            // Of places that are no position yet: keys and numbers of a list.
+            if let Some(rest) = message
+                .strip_prefix(&name)
+                .filter(|rest| !rest.starts_with("line "))
+            {
+                let position = format!("{}:{}", excerpt.line, excerpt.column);
+                message = format!("{}:{position}: {rest}", file.path().display());
+            }
+            Some(excerpt)
+        }),
+        _ => None,
+    };
+    let mut group = Group::with_level(Level::ERROR);
+    if let Some(Excerpt {
+        line, shown, mark, ..
+    }) = excerpt
+    {
+        let snippet = Snippet::source(shown).line_start(line);
+        group = group.element(snippet.annotation(AnnotationKind::Primary.span(mark)));
+    }
+    if let Some(hint) = hints::hint(error) {
+        group = group.element(Level::NOTE.with_name("hint").message(hint));
+    }
+    let mut text = format!("{} {message}", styled(BAD, "foldpath:"));
+    if !group.is_empty() {
+        text += "\n";
+        text += &Renderer::styled().render(&[group]);
+    }
+    text
+}
+
+/// A place in a line of a file.
+#[derive(Debug, PartialEq)]
+struct Excerpt {
+    /// From 1, as the column, which counts characters.
+    line: usize,
+    column: usize,
+    /// The line, or the part of it round the place.
+    shown: String,
+    /// The bytes of that to underline.
+    mark: Range<usize>,
+}
+
+impl Excerpt {
+    /// The place at these bytes of a text, as far as its first line.
+    fn of(text: &str, span: Range<usize>) -> Option<Self> {
+        let (before, rest) = text.split_at_checked(span.start)?;
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let head = &before[start..];
+        let line_rest = rest.split('\n').next()?.trim_end_matches('\r');
+        let marked = line_rest.get(..span.len()).unwrap_or(line_rest);
+        // Cut from both ends, unless it is all shown.
+        let length = head.chars().count();
+        let whole = length + line_rest.chars().take(SHOWN).count() <= SHOWN;
+        let (head, cut) = match head.char_indices().rev().nth(BEFORE - 1) {
+            Some((at, _)) if at > 0 && !whole => (&head[at..], CUT),
+            _ => (head, ""),
+        };
+        let left = SHOWN - head.chars().count().min(SHOWN);
+        let end = line_rest.char_indices().nth(left).map(|(at, _)| at);
+        let tail = &line_rest[..end.unwrap_or(line_rest.len())];
+        let mark = cut.len() + head.len();
+        Some(Self {
+            line: before.matches('\n').count() + 1,
+            column: length + 1,
+            mark: mark..mark + marked.len().min(tail.len()),
+            shown: format!("{cut}{head}{tail}{}", if end.is_some() { CUT } else { "" }),
+        })
+    }
+}

@@ -1,0 +1,160 @@
+//! Where in the text of a file a place is that an error names. Parsers keep no places: this looks once more, at the
+//! cost of parsing.
+
+use core::fmt;
+use core::ops::Range;
+
+use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::value::RawValue;
+
+/// The bytes of `place` in a JSON text, such as `file_frames[3].edges_foldAngle[2]`. Where the end of it is missing,
+/// the first byte of what should have it, unless that is the whole text; `None` too if the text is no JSON.
+pub(super) fn in_json(text: &str, place: &str) -> Option<Range<usize>> {
+    let offset = |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
+    let mut here = text;
+    for step in place.split(['.', '[']).map(Step::of) {
+        let Some(inside) = step.enter(here) else {
+            let start = offset(here);
+            return (start > 0).then_some(start..start + 1);
+        };
+        here = inside;
+    }
+    Some(offset(here)..offset(here) + here.len())
+}
+
+/// The bytes of line and column, from 1; 0 for a column before the first. At the end of a line its last character.
+pub(super) fn at_position(text: &str, line: usize, column: usize) -> Option<Range<usize>> {
+    let line = line_of(text, line)?;
+    let content = text[line.clone()].trim_end();
+    let most = content.len().saturating_sub(1);
+    let start = content.floor_char_boundary(column.saturating_sub(1).min(most));
+    let length = content[start..].chars().next()?.len_utf8();
+    Some(line.start + start..line.start + start + length)
+}
+
+/// The bytes of `found` in a line, from 1, or else of all that is written there.
+pub(super) fn in_line(text: &str, line: usize, found: &str) -> Option<Range<usize>> {
+    let line = line_of(text, line)?;
+    let content = &text[line.clone()];
+    let found = match content.find(found) {
+        Some(at) if !found.is_empty() => at..at + found.len(),
+        _ => content.len() - content.trim_start().len()..content.trim_end().len(),
+    };
+    (!found.is_empty()).then_some(line.start + found.start..line.start + found.end)
+}
+
+fn line_of(text: &str, line: usize) -> Option<Range<usize>> {
+    let before = text.split_inclusive('\n').take(line.checked_sub(1)?);
+    let start = before.map(str::len).sum();
+    let length = text.get(start..)?.split('\n').next()?.len();
+    Some(start..start + length)
+}
+
+/// One step into a JSON value.
+#[derive(Clone, Copy)]
+enum Step<'s> {
+    Key(&'s str),
+    Index(usize),
+}
+
+impl<'s> Step<'s> {
+    fn of(part: &'s str) -> Self {
+        let index = part.strip_suffix(']').and_then(|index| index.parse().ok());
+        index.map_or(Self::Key(part), Self::Index)
+    }
+
+    /// The text of the value there.
+    fn enter(self, text: &str) -> Option<&str> {
+        let mut parser = serde_json::Deserializer::from_str(text);
+        Some(self.deserialize(&mut parser).ok()??.get())
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Step<'_> {
+    type Value = Option<&'de RawValue>;
+
+    fn deserialize<D: Deserializer<'de>>(self, parser: D) -> Result<Self::Value, D::Error> {
+        parser.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Step<'_> {
+    type Value = Option<&'de RawValue>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list or an object")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
+        let before = if let Self::Index(index) = self {
+            index
+        } else {
+            usize::MAX
+        };
+        for _ in 0..before {
+            if entries.next_element::<IgnoredAny>()?.is_none() {
+                return Ok(None);
+            }
+        }
+        let found = entries.next_element()?;
+        while entries.next_element::<IgnoredAny>()?.is_some() {}
+        Ok(found)
+    }
+
+    /// The last value of a key that is there more than once, as it is read.
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
+        let mut found = None;
+        while let Some(key) = entries.next_key::<String>()? {
+            if matches!(self, Self::Key(wanted) if wanted == key) {
+                found = Some(entries.next_value()?);
+            } else {
+                let _other: IgnoredAny = entries.next_value()?;
+            }
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"{ "a": [[1, 2], [3, "é"]],
+  "b:c": {"x": 7},
+  "frames": [ {}, {"x": [4 ,5.5]} ], "b:c": {"x": 8}}"#;
+
+    #[test]
+    fn places_in_json_are_found() {
+        for (place, found) in [
+            ("a", Some("[[1, 2], [3, \"é\"]]")),
+            ("a[1]", Some("[3, \"é\"]")),
+            ("a[1][1]", Some("\"é\"")),
+            ("b:c.x", Some("8")),
+            ("frames[1].x[1]", Some("5.5")),
+            // What is missing would be in there.
+            ("frames[0].x", Some("{")),
+            ("frames[1].x[2]", Some("[")),
+            ("frames[1].x[0].y", Some("4")),
+            ("c", None),
+            ("the file", None),
+        ] {
+            let span = in_json(TEXT, place);
+            assert_eq!(span.map(|span| &TEXT[span]), found, "{place}");
+        }
+        assert_eq!(in_json("[1, 2", "[1]"), None);
+    }
+
+    #[test]
+    fn positions_are_found_and_stay_within_the_text() {
+        let text = "ab é\ncd\r\n\nlast";
+        let at = |line, column| at_position(text, line, column).map(|span| &text[span]);
+        assert_eq!(at(1, 0), Some("a"));
+        assert_eq!([4, 5, 99].map(|column| at(1, column)), [Some("é"); 3]);
+        assert_eq!(at(2, 3), Some("d"));
+        assert_eq!([at(3, 1), at(5, 1), at(0, 1)], [None; 3]);
+        let within = |line, found| in_line(text, line, found).map(|span| &text[span]);
+        assert_eq!(within(4, "st"), Some("st"));
+        assert_eq!(within(2, "x"), Some("cd"));
+        assert_eq!(within(3, ""), None);
+    }
+}

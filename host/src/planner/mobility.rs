@@ -1,0 +1,218 @@
+//! What a sheet can do to first order, a small step from flat: whether it leaves flat along its letters, in how many
+//! independent ways it then moves, and which hinges are good to drive.
+//!
+//! Flat itself is singular and tells nothing. Infinitesimal motions are the null space of the closure Jacobian; its
+//! rank is that of Gaussian elimination with complete pivoting.
+
+use foldpath_core::least_squares::{Accumulate, ClosureProblem};
+use foldpath_core::{HalfAngle, Spoke};
+use nalgebra::{DMatrix, Vector3};
+
+use super::depart::{UNTURNED, departures};
+use super::follow::{largest, max_norm};
+use super::reduction::Reduction;
+use super::solver::Work;
+use super::{Goal, PlanOptions};
+use crate::pattern::CreasePattern;
+use crate::symmetry::{CreaseGroups, ReducedStars};
+
+/// Infinitesimal motions of a closed configuration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mobility {
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// Unknowns, as many as there are independent motions, whose rates determine those of all others; those that
+    /// turn most first.
+    pub drivers: Vec<usize>,
+    /// Unknowns that turn in some motion.
+    pub moving: Vec<usize>,
+}
+
+/// Part of the largest entry of the Jacobian below which a pivot is rounding.
+const RANK: f64 = 1e-8;
+/// Part of the largest rate below which an unknown does not turn.
+const STILL: f64 = 1e-9;
+/// Multiplications that elimination may take: a few hundredths of a second.
+const MOST_WORK: usize = 50_000_000;
+/// Unknowns up to which first steps from flat are tried.
+const MOST_UNKNOWNS: usize = 300;
+
+impl Mobility {
+    /// Motions at the configuration `x` (radians, an angle for each unknown), which has to close. `None` where that
+    /// would take long. Cost: rows of the Jacobian times the square of the unknowns.
+    #[must_use]
+    pub fn at(stars: &ReducedStars, x: &[f64]) -> Option<Self> {
+        let rows = 3 * stars.view().len() + 6 * stars.loops().len();
+        if rows.checked_mul(x.len() * x.len())? > MOST_WORK {
+            return None;
+        }
+        let basis = null_space(jacobian(stars, x)?);
+        let largest = basis.amax();
+        let turns = |row: usize| basis.row(row).amax() > STILL * largest;
+        Some(Self {
+            unknowns: x.len(),
+            moving: (0..x.len()).filter(|&row| turns(row)).collect(),
+            drivers: leaders(basis),
+        })
+    }
+}
+
+/// The entries of a Jacobian, three rows a block.
+#[derive(Default)]
+struct Entries {
+    blocks: usize,
+    /// Block, unknown and its column there.
+    columns: Vec<(usize, usize, Vector3<f64>)>,
+}
+
+impl Accumulate<f64> for Entries {
+    fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    fn add(&mut self, _: usize, spokes: &[Spoke<f64>], columns: &[Vector3<f64>], _: &Vector3<f64>) {
+        let entries = spokes.iter().zip(columns);
+        let entries = entries.map(|(spoke, column)| (self.blocks, spoke.group.index(), *column));
+        self.columns.extend(entries);
+        self.blocks += 1;
+    }
+}
+
+/// The Jacobian of all residuals at `x`.
+fn jacobian(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
+    let (view, loops) = (stars.view(), stars.loops());
+    let mut half_angles = vec![HalfAngle::default(); x.len()];
+    let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(view, loops)];
+    let mut problem = ClosureProblem::with_loops(view, loops, &mut half_angles, &mut columns)?;
+    let mut entries = Entries::default();
+    problem.linearise(x, &mut entries)?;
+    let mut jacobian = DMatrix::zeros(3 * entries.blocks, x.len());
+    for (block, unknown, column) in entries.columns {
+        let mut entry = jacobian.fixed_view_mut::<3, 1>(3 * block, unknown);
+        entry += column;
+    }
+    Some(jacobian)
+}
+
+/// A basis of the null space, one column for each motion.
+fn null_space(mut a: DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.ncols();
+    let mut order: Vec<usize> = (0..n).collect();
+    let least = RANK * a.amax();
+    let mut rank = 0;
+    while rank < n.min(a.nrows()) {
+        let rest = a.view((rank, rank), (a.nrows() - rank, n - rank));
+        let (row, column) = rest.iamax_full();
+        if rest[(row, column)].abs() <= least {
+            break;
+        }
+        a.swap_rows(rank, rank + row);
+        a.swap_columns(rank, rank + column);
+        order.swap(rank, rank + column);
+        eliminate(&mut a, rank);
+        rank += 1;
+    }
+    // What is left of the pivots' columns is the identity: each of them follows the free ones.
+    let mut basis = DMatrix::zeros(n, n - rank);
+    for (motion, free) in (rank..n).enumerate() {
+        basis[(order[free], motion)] = 1.0;
+        for pivot in 0..rank {
+            basis[(order[pivot], motion)] = -a[(pivot, free)];
+        }
+    }
+    basis
+}
+
+/// Makes the column of a pivot on the diagonal a unit vector, and takes all others along.
+fn eliminate(a: &mut DMatrix<f64>, pivot: usize) {
+    let column = a.column(pivot).clone_owned();
+    for mut other in a.column_iter_mut().skip(pivot) {
+        let part = other[pivot] / column[pivot];
+        if part.abs() > 0.0 {
+            other.axpy(-part, &column, 1.0);
+            other[pivot] = part;
+        }
+    }
+}
+
+/// Rows of the basis that determine all others: the largest first, those after without its part.
+fn leaders(mut basis: DMatrix<f64>) -> Vec<usize> {
+    let mut leaders = Vec::with_capacity(basis.ncols());
+    for motion in 0..basis.ncols() {
+        let rest = basis.columns(motion, basis.ncols() - motion);
+        let (row, column) = rest.iamax_full();
+        basis.swap_columns(motion, motion + column);
+        leaders.push(row);
+        let head = basis.column(motion) / basis[(row, motion)];
+        for mut other in basis.column_iter_mut().skip(motion + 1) {
+            let part = other[row];
+            other.axpy(-part, &head, 1.0);
+        }
+    }
+    leaders
+}
+
+/// What a sheet does a small step from flat, along the signs of a goal.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FirstStep {
+    /// It leaves flat.
+    Leaves {
+        /// Creases that the goal has turn and this step does not.
+        unturned: usize,
+        /// Motions that keep its symmetry, in crease groups.
+        symmetric: Option<Mobility>,
+        /// All its motions, in creases.
+        single: Option<Mobility>,
+    },
+    /// It does only as nearly as the default bound allows.
+    Bends,
+    /// No way to leave flat was found.
+    Stays,
+    /// There are too many unknowns for an answer at once.
+    Unknown,
+}
+
+/// Leaves flat the way of the goal, in crease groups, or else, where the sheet is small, crease by crease.
+#[must_use]
+pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -> FirstStep {
+    let options = PlanOptions::default();
+    let mut tried = FirstStep::Unknown;
+    for groups in [groups.clone(), CreaseGroups::trivial(pattern)] {
+        if groups.len() > MOST_UNKNOWNS {
+            continue;
+        }
+        let reduction = Reduction::new(pattern, groups, &options, None);
+        let (asked, signs) = reduction.asked(goal);
+        let most = largest(&asked);
+        let towards = asked.iter().zip(&signs);
+        let towards: Vec<f64> = towards
+            .map(|(asked, sign)| asked.unwrap_or(sign * most))
+            .collect();
+        let work = &mut Work::default();
+        let mut leave =
+            |accepted| departures(&reduction, &towards, &signs, accepted, &options, work);
+        if let Some(x) = leave(0.0).first() {
+            let creases = reduction.groups.expand(x);
+            let least = UNTURNED * max_norm(x);
+            let asked = goal.fold_angles.iter().zip(&goal.signs);
+            let asked = asked.map(|(angle, sign)| angle.unwrap_or(*sign));
+            let unturned = asked.zip(&creases);
+            let unturned = unturned.filter(|(asked, x)| asked.abs() > 0.0 && x.abs() < least);
+            return FirstStep::Leaves {
+                unturned: unturned.count(),
+                symmetric: Mobility::at(&reduction.essential, x),
+                single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
+            };
+        }
+        if leave(reduction.accepted(&options)).is_empty() {
+            tried = if tried == FirstStep::Bends {
+                tried
+            } else {
+                FirstStep::Stays
+            };
+        } else {
+            tried = FirstStep::Bends;
+        }
+    }
+    tried
+}
