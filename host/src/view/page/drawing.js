@@ -43,6 +43,8 @@ function hslToRgb(h, s, l) {
   return [part(0), part(8), part(4)];
 }
 
+const groupColours = Array.from({ length: groups }, (_, group) => hslToRgb(hue(group), 0.75, 0.4));
+
 /** Lines by FOLD letter. `dashes` a mean edge, so that the letters differ without colour too. */
 const LETTERS = [
   { letters: "M", name: "mountain", colour: "--mountain", width: 2, dashes: 0 },
@@ -68,7 +70,6 @@ const lineStyles = new Uint8Array(4 * edges); // red, green, blue, width in sixt
 function paintLines() {
   const palette = Object.fromEntries([...LETTERS.map(letter => letter.colour), "--selected", "--worst"].map(name => [name, rgb(name)]));
   const [cold, hot] = [rgb("--cold"), rgb("--hot")];
-  const groupColours = Array.from({ length: groups }, (_, group) => hslToRgb(hue(group), 0.75, 0.4));
   const set = (edge, [r, g, b], width) => {
     const i = 4 * edge;
     lineStyles[i] = 255 * r; lineStyles[i + 1] = 255 * g; lineStyles[i + 2] = 255 * b; lineStyles[i + 3] = 16 * width;

@@ -35,7 +35,7 @@ function writeLines() {
   const dash = letter => [null, "5 3", "2 2"][(letter.dashes > 0) + (letter.dashes > 6)];
   if (view.colours === "groups") {
     list.innerHTML = Array.from({ length: Math.min(groups, MOST_NAMED) }, (_, group) =>
-      `<li>${sample(`rgb(${hslToRgb(hue(group), 0.75, 0.4).map(x => Math.round(255 * x)).join(" ")})`, null, 2)}g${group} <span></span></li>`).join("")
+      `<li>${sample(`rgb(${groupColours[group].map(x => Math.round(255 * x)).join(" ")})`, null, 2)}g${group} <span></span></li>`).join("")
       + (groups > MOST_NAMED ? `<li>and ${groups - MOST_NAMED} more: click a hinge</li>` : "");
     list.querySelectorAll("span").forEach((node, group) => live.push({ node, say: () => `${(DEGREE * groupAngle(group, knotPlace)).toFixed(1)}°` }));
   } else if (view.colours === "deformation") {
@@ -300,6 +300,8 @@ window.foldpath = {
   playing: () => playingSince !== null,
   camera: () => structuredClone(camera),
   drawn: () => picture?.hash() ?? 0,
+  /** Fold angle of every edge, radians. */
+  angles: () => scene.turns.map(turn => turn && Math.sign(turn) * groupAngle(Math.abs(turn) - 1, knotPlace)),
   vertices: () => { foldAt(timeNow()); return Array.from(folded); },
   /** The middle of an edge in pixels of the canvas. */
   middleOf: edge => {
