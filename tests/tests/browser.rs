@@ -248,7 +248,7 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
     let scene = scene(&planned("miura-24x24"));
     let view = View::open(&scene, &[]);
     let hinges = || (0..scene.turns.len()).filter(|&edge| scene.turns[edge] != 0);
-    let (first, last) = (hinges().next().unwrap(), hinges().last().unwrap());
+    let (first, last) = (hinges().next().unwrap(), hinges().next_back().unwrap());
     for edge in [first, hinges().nth(500).unwrap(), last] {
         let plain = view.drawn();
         view.click_edge(edge);
@@ -294,6 +294,50 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
     assert_eq!(view.run("foldpath.view.selected"), json!(-1));
     assert_eq!(view.run("element('hinge').hidden"), json!(true));
     view.assert_quiet();
+}
+
+/// Rays from the hinges of a tube to the eye: where no face is in the way, and nowhere else, is a hinge picked.
+#[test]
+fn hinges_behind_faces_are_not_picked() {
+    let scene = scene(&planned("waterbomb-12x22"));
+    let view = View::open(&scene, &[]);
+    view.run("foldpath.setPosition(1)");
+    let points = view.points("foldpath.vertices()");
+    let eye = view.points("foldpath.eye()")[0];
+    let at = |v: u32| points[v as usize];
+    let (mut seen, mut hidden) = (0, 0);
+    for (edge, ends) in scene.edges.iter().enumerate().step_by(3) {
+        if scene.turns[edge] == 0 {
+            continue;
+        }
+        let middle = (at(ends[0]) + at(ends[1])) / 2.0;
+        let triangles = scene.faces.iter().flatten();
+        let others = triangles.filter(|t| !ends.iter().all(|end| t.contains(end)));
+        let before = others.map(|t| along_ray(middle, eye, t.map(at)));
+        // Of hinges with a face right before them, and no other, nothing is asked.
+        let distances: Vec<f64> = before.flatten().collect();
+        let script =
+            format!("(([x, y]) => foldpath.hingeAt(x, y))(foldpath.middleOf({edge})) === {edge}");
+        if distances.is_empty() {
+            seen += 1;
+            assert_eq!(view.run(&script), json!(true), "hinge {edge} is in sight");
+        } else if distances.iter().any(|&distance| distance > 0.2) {
+            hidden += 1;
+            assert_eq!(view.run(&script), json!(false), "hinge {edge} is hidden");
+        }
+    }
+    assert!(seen > 20 && hidden > 20, "{seen} in sight, {hidden} hidden");
+    view.assert_quiet();
+}
+
+/// How far from a point on the way to the eye a triangle is, if it is in the way.
+fn along_ray(from: Vector3<f64>, eye: Vector3<f64>, corners: [Vector3<f64>; 3]) -> Option<f64> {
+    let way = eye - from;
+    let [a, b, c] = corners;
+    // from + t way = a + u (b - a) + v (c - a)
+    let parts = Matrix3::from_columns(&[-way, b - a, c - a]).try_inverse()? * (from - a);
+    let inside = parts.y > 0.0 && parts.z > 0.0 && parts.y + parts.z < 1.0;
+    (inside && parts.x > 0.0).then(|| parts.x * way.norm())
 }
 
 #[test]
@@ -509,13 +553,19 @@ impl View {
         self.click_at(x, y);
     }
 
+    /// A list of coordinates on the page.
+    fn points(&self, script: &str) -> Vec<Vector3<f64>> {
+        let text = self.run(&format!("JSON.stringify({script})"));
+        let numbers: Vec<f64> = serde_json::from_str(text.as_str().unwrap()).unwrap();
+        let points = numbers.chunks(3).map(Vector3::from_column_slice);
+        points.collect()
+    }
+
     /// The sheet on the page has the expected shape at a time, wherever it lies: distances and volumes
     /// between vertices drawn at random are the same, to 1e-6 of its size.
     fn assert_shape(&self, time: f64, expected: &[Vector3<f64>]) {
-        let script = format!("foldpath.setTime({time}); JSON.stringify(foldpath.vertices())");
-        let text = self.run(&script);
-        let found: Vec<f64> = serde_json::from_str(text.as_str().unwrap()).unwrap();
-        let found: Vec<_> = (found.chunks(3).map(Vector3::from_column_slice)).collect();
+        self.run(&format!("foldpath.setTime({time})"));
+        let found = self.points("foldpath.vertices()");
         assert_eq!(found.len(), expected.len());
         let from = |shape: &[Vector3<f64>], [i, j]: [usize; 2]| shape[j] - shape[i];
         let size = expected.iter().map(|p| (p - expected[0]).norm());

@@ -11,8 +11,8 @@ use crate::symmetry::Lattice;
 
 /// Faces beyond which only sheets with a lattice are looked at, where one pair stands for many.
 const MANY_FACES: usize = 2000;
-/// Looks at pairs of faces for one shape; past these its clearance stays unknown.
-const ENOUGH_LOOKS: u64 = 1_000_000;
+/// Looks at pairs of faces for the motion, and for one shape; past these its clearance stays unknown.
+const ENOUGH_LOOKS: [u64; 2] = [1_000_000, 200_000];
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,20 +49,23 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
     };
     let motion = Motion::of(path);
     let members = motion.groups.memberships();
-    let options = SweepOptions {
-        gap: (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max),
-        max_looks: ENOUGH_LOOKS,
-        ..SweepOptions::default()
-    };
-    let torn = options.gap.is_nan() || options.gap > options.tolerance;
+    let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
+    let torn = gap.is_nan() || gap > SweepOptions::default().tolerance;
     let lattice = (!torn).then(|| Lattice::find(pattern, members)).flatten();
     if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {
         return unknown;
     }
-    let mut sweep = match &lattice {
-        Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
-        None => Sweep::new(pattern, members, options),
-    };
+    let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_looks| {
+        let options = SweepOptions {
+            gap,
+            max_looks,
+            ..SweepOptions::default()
+        };
+        match &lattice {
+            Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
+            None => Sweep::new(pattern, members, options),
+        }
+    });
     let mut found = Clearances {
         worst: worst(&sweep.sweep(&motion.segments), |at| time(path, at)),
         ..unknown
@@ -72,7 +75,7 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
         let angles = motion.leaders.iter().map(|l| knot.fold_angles[l.index()]);
         // A motion that stays where it is.
         let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
-        let pair = worst(&sweep.sweep(&[still]), |_| knot.time);
+        let pair = worst(&still_sweep.sweep(&[still]), |_| knot.time);
         *clearance = pair.filter(|p| !p.crosses).map(|p| p.distance);
         let worse = |pair: &WorstPair| {
             let rank = |p: &WorstPair| (!p.crosses, p.distance);

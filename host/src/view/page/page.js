@@ -300,6 +300,12 @@ window.foldpath = {
   playing: () => playingSince !== null,
   camera: () => structuredClone(camera),
   drawn: () => picture?.hash() ?? 0,
+  hingeAt: (x, y) => hingeAt(canvas, x, y),
+  /** Where the sheet is seen from. */
+  eye: () => {
+    const { low, high, part } = shapePlace, away = fit(canvas.clientWidth / canvas.clientHeight), towards = axesOf(camera)[2];
+    return middles[low].map((from, axis) => from + part * (middles[high][axis] - from) + away * towards[axis]);
+  },
   /** Fold angle of every edge, radians. */
   angles: () => scene.turns.map(turn => turn && Math.sign(turn) * groupAngle(Math.abs(turn) - 1, knotPlace)),
   vertices: () => { foldAt(timeNow()); return Array.from(folded); },
