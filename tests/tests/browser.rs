@@ -24,12 +24,15 @@ use headless_chrome::{
     browser::tab::ModifierKey,
     protocol::cdp::{
         Emulation::SetDeviceMetricsOverride, Input::DispatchMouseEvent, Log::LogEntryLevel,
-        Network, Page::CaptureScreenshotFormatOption::Png, types::Event,
+        Network, Page::CaptureScreenshotFormatOption::Png, Page::SetDownloadBehavior, types::Event,
     },
 };
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
+
+/// How long a busy machine may take for anything.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// What the page shows of a path: planned, written and read again.
 fn scene(planned: &Planned) -> Scene {
@@ -296,6 +299,26 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
     view.assert_quiet();
 }
 
+#[test]
+fn the_picture_is_saved_as_an_image() {
+    let view = View::open(&scene(&planned("miura-3x3")), &[]);
+    let folder = tempfile::tempdir().unwrap();
+    let to: SetDownloadBehavior = serde_json::from_value(json!({
+        "behavior": "allow", "downloadPath": folder.path(),
+    }))
+    .unwrap();
+    view.tab.call_method(to).unwrap();
+    view.click("#save");
+    let image = folder.path().join("Miura 3x3.png");
+    let start = Instant::now();
+    while !image.exists() {
+        assert!(start.elapsed() < PATIENCE, "no image");
+        sleep(Duration::from_millis(20));
+    }
+    let bytes = std::fs::read(image).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
+}
+
 /// Rays from the hinges of a tube to the eye: where no face is in the way, and nowhere else, is a hinge picked.
 #[test]
 fn hinges_behind_faces_are_not_picked() {
@@ -473,11 +496,13 @@ impl View {
             sandbox: false, // a container's root user cannot have one
             user_data_dir: Some(directory.path().join("profile")),
             args: switches,
+            idle_browser_timeout: PATIENCE,
             ..LaunchOptions::default()
         })
         .expect("Chromium starts");
 
         let tab = browser.new_tab().unwrap();
+        tab.set_default_timeout(PATIENCE);
         tab.enable_runtime().unwrap();
         tab.enable_log().unwrap();
         let network: Network::Enable = serde_json::from_value(json!({})).unwrap();
@@ -588,7 +613,7 @@ impl View {
         let start = Instant::now();
         while self.run(condition) != json!(true) {
             assert!(
-                start.elapsed() < Duration::from_secs(20),
+                start.elapsed() < PATIENCE,
                 "in vain: {condition}; {:?}",
                 self.complaints.lock().unwrap()
             );
