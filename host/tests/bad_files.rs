@@ -314,6 +314,10 @@ fn frames_that_are_no_knots() {
         /foldpath:interpolation = "spline" => \
             foldpath:interpolation: expected "linear", "hermite", "half-angle" or "homogeneous", found "spline"
         /foldpath:interpolation = 3 => foldpath:interpolation: expected a string, found 3
+        /foldpath:phases = 2 => foldpath:phases: expected a list, found 2
+        /foldpath:phases = [0] => foldpath:phases[0]: expected a knot after number 0 and before the last, found 0
+        /foldpath:phases = [2, 1] => foldpath:phases[1]: expected a knot after number 2 and before the last, found 1
+        /foldpath:phases = [99] => foldpath:phases[0]: expected a knot after number 0 and before the last, found 99
         "#,
     );
 }

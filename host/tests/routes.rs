@@ -34,6 +34,11 @@ fn angles_of(folder: &Folder, path: &str, edge: usize) -> Vec<f64> {
     frames.iter().map(angle).collect()
 }
 
+/// Knots where phases of a path begin.
+fn phases(path: &Value) -> Vec<usize> {
+    serde_json::from_value(path["foldpath:phases"].clone()).unwrap()
+}
+
 fn miura(folder: &Folder, size: usize, fold: f64, name: &str) {
     folder.done(&format!(
         "generate miura --rows {size} --cols {size} --fold {fold} -o {name}"
@@ -93,11 +98,35 @@ fn phases_are_passed_in_order_and_at_rest() {
     assert!(at(108.0) > 0 && angles[at(108.0)..].iter().any(|a| (a + 54.0).abs() < 1e-6));
     assert!((angles.last().unwrap() + 162.0).abs() < 1e-6);
     let path = folder.read_json("p.fold");
+    let turns: Vec<f64> = phases(&path).into_iter().map(|knot| angles[knot]).collect();
+    assert!(
+        turns.len() == 2 && (turns[0] + 108.0).abs() < 1e-6 && (turns[1] + 54.0).abs() < 1e-6,
+        "phases begin at {turns:?}"
+    );
     let rates = &path["file_frames"][at(108.0)]["foldpath:edges_foldAngleRate"];
     assert!(
         numbers(rates).iter().all(|rate| rate.abs() < 1e-12),
         "turns back at speed"
     );
+}
+
+#[test]
+fn a_phase_that_ends_on_a_straight_way_has_a_knot_and_no_rest() {
+    let folder = Folder::new();
+    for (fold, name) in [(0.9, "m.fold"), (0.3, "near.fold")] {
+        miura(&folder, 3, fold, name);
+    }
+    plan(&folder, "m.fold --via near.fold -o p.fold");
+    holds(&folder, "p.fold");
+    let path = folder.read_json("p.fold");
+    let [knot] = phases(&path)[..] else {
+        panic!("one phase before the goal's: {:?}", phases(&path))
+    };
+    assert!((angles_of(&folder, "p.fold", ZIGZAG)[knot] + 54.0).abs() < 1e-6);
+    let rates = numbers(&path["file_frames"][knot]["foldpath:edges_foldAngleRate"]);
+    assert!(rates[ZIGZAG].abs() > 1.0);
+    plan(&folder, "m.fold -o q.fold");
+    assert!(folder.read_json("q.fold").get("foldpath:phases").is_none());
 }
 
 #[test]

@@ -5,48 +5,60 @@
 use core::time::Duration;
 use std::{
     ffi::OsStr,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, Mutex},
     thread::sleep,
     time::Instant,
 };
 
-use foldpath::formats::fold::{PathWriter, PatternFile, read_path, read_pattern};
+use foldpath::check::{CheckOptions, check};
+use foldpath::formats::fold::PatternFile;
+use foldpath::generate::Miura;
+use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::view::{Scene, page};
+use foldpath_core::Interpolation;
+use foldpath_tests::{Animation, Planned, Random, path_file};
 use headless_chrome::{
     Browser, LaunchOptions, Tab,
+    browser::tab::ModifierKey,
     protocol::cdp::{
         Emulation::SetDeviceMetricsOverride, Input::DispatchMouseEvent, Log::LogEntryLevel,
-        Network, Page::CaptureScreenshotFormatOption::Png, types::Event,
+        Network, Page::CaptureScreenshotFormatOption::Png, Page::SetDownloadBehavior, types::Event,
     },
 };
+use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// The path that the page shows in these tests: the README's, planned, written and read again.
-fn scene() -> Scene {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../patterns/miura-11x11.fold");
-    let PatternFile { title, pattern } = read_pattern(Path::new(file)).unwrap();
-    let goal = Goal::of_pattern(&pattern).unwrap();
-    let plan = plan(&pattern, &goal, &PlanOptions::default());
-    let writer = PathWriter {
-        title: &title,
-        pattern: &pattern,
-        vertices: true,
-        seed: 0,
-        max_speed: PlanOptions::default().max_speed,
-        max_acceleration: None,
+/// How long a busy machine may take for anything.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// What the page shows of a path: planned, written and read again.
+fn scene(planned: &Planned) -> Scene {
+    Scene::of_path(&path_file(&planned.text()).unwrap())
+}
+
+fn planned(name: &str) -> Planned {
+    Planned::new(name, &PlanOptions::default())
+}
+
+fn miura(size: usize, fold: f64) -> PatternFile {
+    let drawing = Miura {
+        rows: size,
+        columns: size,
+        sector_angle: 60_f64.to_radians(),
+        fold,
     };
-    let directory = tempfile::tempdir().unwrap();
-    let written = directory.path().join("path.fold");
-    std::fs::write(&written, writer.text(&plan.path)).unwrap();
-    Scene::of_path(&read_path(&written).unwrap())
+    PatternFile {
+        title: format!("Miura {size}x{size}"),
+        pattern: CreasePattern::new(drawing.drawing().unwrap()).unwrap(),
+    }
 }
 
 #[test]
 fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
-    let scene = scene();
+    let scene = scene(&planned("miura-11x11"));
     let view = View::open(&scene, &[]);
 
     let states = ["0", "0.5", "1"].map(|fold| {
@@ -54,7 +66,7 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
             "fold.value = {fold}; fold.dispatchEvent(new Event('input'))"
         ));
         assert_eq!(view.run("String(foldpath.position())"), fold);
-        (view.run("foldpath.drawn()"), view.canvas())
+        (view.drawn(), view.canvas())
     });
     for (a, b) in [(0, 1), (1, 2), (2, 0)] {
         assert_ne!(states[a].0, states[b].0, "drawn() at {a} and {b}");
@@ -65,28 +77,25 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
     }
     view.run("foldpath.setPosition(0)");
     assert_eq!(
-        view.run("foldpath.drawn()"),
+        view.drawn(),
         states[0].0,
         "the same position gives the same pixels"
     );
 
-    view.tab.find_element("#play").unwrap().click().unwrap();
+    view.click("#play");
     view.wait_for("foldpath.position() > 0.02");
-    view.tab.press_key(" ").unwrap(); // pauses
+    view.key(" "); // pauses
     let paused = view.run("foldpath.position()");
     sleep(Duration::from_millis(200));
     assert_eq!(view.run("foldpath.position()"), paused);
 
-    view.run("foldpath.setPosition(0)");
-    view.tab.press_key("ArrowRight").unwrap();
-    let second = format!("readout.innerText.includes('2 of {}')", scene.knots.len());
-    assert_eq!(view.run(&second), json!(true));
-
     view.run("foldpath.setPosition(0.5)");
-    let before = (view.run("foldpath.drawn()"), view.canvas());
+    let before = (view.drawn(), view.canvas());
     view.drag("canvas", (60.0, -20.0));
-    assert_ne!(view.run("foldpath.drawn()"), before.0);
+    assert_ne!(view.drawn(), before.0);
     assert!(view.canvas() != before.1, "dragging left the picture alone");
+    view.click("#reset");
+    assert_eq!(view.drawn(), before.0);
 
     if let Some(path) = std::env::var_os("FOLDPATH_SCREENSHOT") {
         std::fs::write(path, view.screenshot()).unwrap();
@@ -94,39 +103,362 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
     view.assert_quiet();
 }
 
+/// The page folds the sheet by itself: angles between knots are the oracle's, shapes at knots the file's.
 #[test]
-fn path_without_positions_shows_the_flat_pattern_and_says_so() {
-    let mut scene = scene();
-    for knot in &mut scene.knots {
-        knot.vertices = None;
+fn panels_are_where_the_path_has_them() {
+    for interpolation in [
+        Interpolation::Linear,
+        Interpolation::Hermite,
+        Interpolation::HalfAngle,
+        Interpolation::Homogeneous,
+    ] {
+        let options = PlanOptions {
+            interpolation: Some(interpolation),
+            ..PlanOptions::default()
+        };
+        let planned = Planned::new("waterbomb-4x6", &options);
+        let view = View::open(&scene(&planned), &[]);
+        let Animation { frames, motion, .. } = Animation::parse(&planned.text()).unwrap();
+        for (segment, pair) in frames.windows(2).enumerate() {
+            view.assert_shape(pair[1].time, &pair[1].vertices);
+            let time = pair[0].time + 0.3 * (pair[1].time - pair[0].time);
+            let angles = view.run(&format!(
+                "foldpath.setTime({time}); JSON.stringify(foldpath.angles())"
+            ));
+            let angles: Vec<f64> = serde_json::from_str(angles.as_str().unwrap()).unwrap();
+            let expected = motion.angles(segment, 0.3);
+            for (edge, (a, b)) in angles.iter().zip(&expected).enumerate() {
+                assert!(
+                    (a - b).abs() < 1e-9,
+                    "{time}: edge {edge} is at {a}, not {b}"
+                );
+            }
+        }
+        assert!(frames.len() > 1, "{interpolation:?}");
+        view.assert_quiet();
     }
+}
+
+#[test]
+fn a_path_of_angles_alone_and_without_groups_folds_as_well() {
+    let planned = planned("miura-3x3");
+    let mut file: Value = serde_json::from_str(&planned.text()).unwrap();
+    let keys = file.as_object_mut().unwrap();
+    keys.remove("foldpath:edges_group");
+    keys.remove("foldpath:edges_sign");
+    for frame in file["file_frames"].as_array_mut().unwrap() {
+        frame.as_object_mut().unwrap().remove("vertices_coords");
+    }
+    let scene = Scene::of_path(&path_file(&file.to_string()).unwrap());
+    assert_eq!(scene.motion.groups, 2, "hinges that turn alike");
     let view = View::open(&scene, &[]);
-    let message = view.run("message.innerText");
-    assert!(
-        message
-            .as_str()
-            .unwrap()
-            .contains("without vertex positions"),
-        "{message}"
-    );
-    let flat = view.run("foldpath.drawn()");
-    view.run("foldpath.setPosition(1)");
-    assert_eq!(view.run("foldpath.drawn()"), flat);
+    let animation = Animation::parse(&planned.text()).unwrap();
+    for frame in &animation.frames {
+        view.assert_shape(frame.time, &frame.vertices);
+    }
+    view.assert_quiet();
+}
+
+#[test]
+fn keys_and_buttons_drive_576_faces() {
+    let scene = scene(&planned("miura-24x24"));
+    // Rhombi with sides of 1: those that share no vertex have a row of others between them.
+    let clearance = scene.shapes[0].clearance.unwrap();
+    assert!((clearance - 60_f64.to_radians().sin()).abs() < 1e-12);
+
+    let view = View::open(&scene, &[]);
+    view.key("End");
+    assert_eq!(view.run("foldpath.position()"), json!(1));
+    for (group, angle) in scene.motion.angles.iter().rev().take(2).rev().enumerate() {
+        let text = format!("g{group} {:.1}°", angle.to_degrees());
+        let legend = view.text("#angle-legend");
+        assert!(legend.contains(&text), "{text} in {legend}");
+    }
+    view.key("ArrowLeft");
+    assert_eq!(view.run("foldpath.position()"), json!(0.99));
+    view.key("Home");
+    view.key_with("ArrowRight", &[ModifierKey::Shift]);
+    let knots = scene.motion.times.len();
+    let readout = view.text("#readout");
+    assert!(readout.contains(&format!("2 of {knots}")), "{readout}");
+
+    view.run("foldpath.setPosition(0.5)");
+    let colours = ["1", "2", "3", "4"].map(|key| {
+        view.key(key);
+        (view.drawn(), view.text("#lines"))
+    });
+    for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+        assert_ne!(colours[a].0, colours[b].0, "colours {a} and {b}");
+    }
+    for (legend, text) in [(1, "g1"), (2, "valley"), (3, "worst: edge")] {
+        assert!(colours[legend].1.contains(text), "{}", colours[legend].1);
+    }
+    let before = view.drawn();
+    view.click("#pair input");
+    assert_ne!(view.drawn(), before, "the nearest faces stand out");
+
+    view.key("+");
+    assert_eq!(view.run("foldpath.camera().zoom"), json!(1.25));
+    view.key("-");
+    assert_eq!(view.run("foldpath.camera().zoom"), json!(1));
+    let start = view.run("JSON.stringify(foldpath.camera())");
+    view.drag("canvas", (30.0, 30.0));
+    assert_ne!(view.run("JSON.stringify(foldpath.camera())"), start);
+    view.key("r");
+    assert_eq!(view.run("JSON.stringify(foldpath.camera())"), start);
+
+    view.run("help.returnValue = ''");
+    view.key("?");
+    assert_eq!(view.run("help.open"), json!(true));
+    view.click("#help button");
+    assert_eq!(view.run("help.open"), json!(false));
+
     assert_eq!(
         view.run("document.querySelectorAll('.curve').length"),
-        json!(4)
+        json!(5)
+    );
+    view.click("#angles"); // its middle is a little before that of the path
+    let position = view.run("foldpath.position()").as_f64().unwrap();
+    assert!((0.4..0.5).contains(&position), "{position}");
+
+    // Four seconds and more for the path; a tenth of them at twice the speed is a fifth of the way.
+    let part = 0.1 * view.run("SECONDS").as_f64().unwrap();
+    view.run("speed.value = 2");
+    for (repeat, from, expected) in [
+        ("once", 0.5, [0.7, 1.0]),
+        ("once", 0.9, [1.0, 0.0]),
+        ("loop", 0.9, [0.1, 1.0]),
+        ("back and forth", 0.9, [0.9, -1.0]),
+    ] {
+        let script = format!(
+            "repeat.value = '{repeat}'; JSON.stringify(foldpath.advance({from}, {part}, 1))"
+        );
+        let found: [f64; 2] = serde_json::from_str(view.run(&script).as_str().unwrap()).unwrap();
+        assert!(
+            (found[0] - expected[0]).abs() < 1e-12,
+            "{repeat}: {found:?}"
+        );
+        assert!(
+            (found[1] - expected[1]).abs() < 1e-12,
+            "{repeat}: {found:?}"
+        );
+    }
+    view.assert_quiet();
+}
+
+#[test]
+fn a_click_picks_the_hinge_there_and_lights_its_group() {
+    let scene = scene(&planned("miura-24x24"));
+    let view = View::open(&scene, &[]);
+    let hinges = || (0..scene.turns.len()).filter(|&edge| scene.turns[edge] != 0);
+    let (first, last) = (hinges().next().unwrap(), hinges().next_back().unwrap());
+    for edge in [first, hinges().nth(500).unwrap(), last] {
+        let plain = view.drawn();
+        view.click_edge(edge);
+        assert_eq!(view.run("foldpath.view.selected"), json!(edge));
+        assert_ne!(view.drawn(), plain);
+        let text = view.text("#hinge");
+        let letter = scene.letters.chars().nth(edge).unwrap();
+        let group = scene.turns[edge].unsigned_abs() - 1;
+        let sign = if scene.turns[edge] < 0 {
+            "opposite"
+        } else {
+            "same"
+        };
+        for part in [
+            edge.to_string(),
+            format!("{letter}, "),
+            format!("g{group}, {sign} sign"),
+        ] {
+            assert!(text.contains(&part), "{part} in {text}");
+        }
+        view.key("Escape");
+        assert_eq!(view.drawn(), plain);
+    }
+
+    // What the first hinge of each group does at the goal, straight from the scene.
+    view.run("foldpath.setPosition(1)");
+    let last_row = scene.motion.angles.len() - scene.motion.groups;
+    for group in 0..scene.motion.groups {
+        let turn = i64::try_from(group).unwrap() + 1;
+        let edge = hinges().find(|&edge| scene.turns[edge].abs() == turn);
+        let edge = edge.unwrap();
+        view.run(&format!("select({edge})"));
+        let sign = if scene.turns[edge] < 0 { -1.0 } else { 1.0 };
+        let angle = sign * scene.motion.angles[last_row + group].to_degrees();
+        let text = view.text("#hinge");
+        assert!(text.contains(&format!("{angle:.2}°")), "{angle} in {text}");
+        let range = [angle.min(0.0), angle.max(0.0)].map(|a| format!("{:.1}°", a + 0.0));
+        assert!(text.contains(&range.join(" to ")), "{range:?} in {text}");
+    }
+
+    // Beside the sheet is no hinge.
+    view.click_at(5.0, 300.0);
+    assert_eq!(view.run("foldpath.view.selected"), json!(-1));
+    assert_eq!(view.run("element('hinge').hidden"), json!(true));
+    view.assert_quiet();
+}
+
+#[test]
+fn the_picture_is_saved_as_an_image() {
+    let view = View::open(&scene(&planned("miura-3x3")), &[]);
+    let folder = tempfile::tempdir().unwrap();
+    let to: SetDownloadBehavior = serde_json::from_value(json!({
+        "behavior": "allow", "downloadPath": folder.path(),
+    }))
+    .unwrap();
+    view.tab.call_method(to).unwrap();
+    view.click("#save");
+    let image = folder.path().join("Miura 3x3.png");
+    let start = Instant::now();
+    while !image.exists() {
+        assert!(start.elapsed() < PATIENCE, "no image");
+        sleep(Duration::from_millis(20));
+    }
+    let bytes = std::fs::read(image).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
+}
+
+/// Rays from the hinges of a tube to the eye: where no face is in the way, and nowhere else, is a hinge picked.
+#[test]
+fn hinges_behind_faces_are_not_picked() {
+    let scene = scene(&planned("waterbomb-12x22"));
+    let view = View::open(&scene, &[]);
+    view.run("foldpath.setPosition(1)");
+    let points = view.points("foldpath.vertices()");
+    let eye = view.points("foldpath.eye()")[0];
+    let at = |v: u32| points[v as usize];
+    let (mut seen, mut hidden) = (0, 0);
+    for (edge, ends) in scene.edges.iter().enumerate().step_by(3) {
+        if scene.turns[edge] == 0 {
+            continue;
+        }
+        let middle = (at(ends[0]) + at(ends[1])) / 2.0;
+        let triangles = scene.faces.iter().flatten();
+        let others = triangles.filter(|t| !ends.iter().all(|end| t.contains(end)));
+        let before = others.map(|t| along_ray(middle, eye, t.map(at)));
+        // Of hinges with a face right before them, and no other, nothing is asked.
+        let distances: Vec<f64> = before.flatten().collect();
+        let script =
+            format!("(([x, y]) => foldpath.hingeAt(x, y))(foldpath.middleOf({edge})) === {edge}");
+        if distances.is_empty() {
+            seen += 1;
+            assert_eq!(view.run(&script), json!(true), "hinge {edge} is in sight");
+        } else if distances.iter().any(|&distance| distance > 0.2) {
+            hidden += 1;
+            assert_eq!(view.run(&script), json!(false), "hinge {edge} is hidden");
+        }
+    }
+    assert!(seen > 20 && hidden > 20, "{seen} in sight, {hidden} hidden");
+    view.assert_quiet();
+}
+
+/// How far from a point on the way to the eye a triangle is, if it is in the way.
+fn along_ray(from: Vector3<f64>, eye: Vector3<f64>, corners: [Vector3<f64>; 3]) -> Option<f64> {
+    let way = eye - from;
+    let [a, b, c] = corners;
+    // from + t way = a + u (b - a) + v (c - a)
+    let parts = Matrix3::from_columns(&[-way, b - a, c - a]).try_inverse()? * (from - a);
+    let inside = parts.y > 0.0 && parts.z > 0.0 && parts.y + parts.z < 1.0;
+    (inside && parts.x > 0.0).then(|| parts.x * way.norm())
+}
+
+#[test]
+fn ten_thousand_faces_are_one_small_page_that_folds() {
+    let planned = Planned::of(miura(100, 0.8), &PlanOptions::default());
+    let scene = scene(&planned);
+    assert_eq!(scene.faces.len(), 10_000);
+    assert!(page(&scene).len() < 2_000_000);
+    let view = View::open(&scene, &[]);
+    let last = planned.plan.path.knots.last().unwrap();
+    view.assert_shape(last.time, &last.vertices);
+    let mut pictures = Vec::new();
+    for position in ["0", "0.25", "0.5", "0.75", "1"] {
+        view.run(&format!("foldpath.setPosition({position})"));
+        let picture = view.drawn();
+        assert!(!pictures.contains(&picture), "at {position} as before");
+        pictures.push(picture);
+    }
+    view.run("foldpath.setPosition(0)");
+    let middle = (0..scene.turns.len()).filter(|&edge| scene.turns[edge] != 0);
+    view.run("for (let i = 0; i < 12; i++) zoom(1.25)");
+    let edge = middle.min_by_key(|&edge| {
+        let at = scene.edges[edge].map(|v| scene.vertices[v as usize]);
+        let off = (at[0][0] - 50.0).abs() + (at[0][1] - 43.0).abs();
+        #[allow(clippy::cast_possible_truncation, reason = "a rough distance")]
+        let rough = (1e3 * off) as i64;
+        rough
+    });
+    view.click_edge(edge.unwrap());
+    assert_eq!(view.run("foldpath.view.selected"), json!(edge.unwrap()));
+    view.assert_quiet();
+}
+
+#[test]
+fn faces_that_pass_through_each_other_are_named_and_shown() {
+    let options = PlanOptions {
+        collision: false,
+        ..PlanOptions::default()
+    };
+    let planned = Planned::new("waterbomb-12x22-crossing", &options);
+    let path = path_file(&planned.text()).unwrap();
+    let verdict = check(&path, &CheckOptions::default());
+    let [a, b] = verdict.crossings[0].crossing.faces;
+    let view = View::open(&Scene::of_path(&path), &[]);
+    let text = view.text("#pair");
+    assert!(
+        text.contains(&format!("{a} and {b} pass through each other")),
+        "{text}"
+    );
+    view.click("#pair button");
+    let lit = view.drawn();
+    view.click("#pair input");
+    assert_ne!(view.drawn(), lit);
+    assert!(view.run("foldpath.position()").as_f64().unwrap() > 0.5);
+    view.assert_quiet();
+}
+
+#[test]
+fn phases_have_buttons_that_go_there() {
+    let file = miura(3, 0.9);
+    let mut goal = Goal::of_pattern(&file.pattern).unwrap();
+    goal.via = vec![Goal::of_pattern(&miura(3, 0.6).pattern).unwrap()];
+    let plan = plan(&file.pattern, &goal, &PlanOptions::default());
+    let scene = scene(&Planned { file, plan });
+    let [knot] = scene.phases[..] else {
+        panic!("phases {:?}", scene.phases)
+    };
+    let row = &scene.motion.angles[knot * scene.motion.groups..][..scene.motion.groups];
+    assert!(
+        row.iter()
+            .any(|angle| (angle.abs().to_degrees() - 108.0).abs() < 1e-6),
+        "{row:?}"
+    );
+    let view = View::open(&scene, &[]);
+    let buttons = view.run("document.querySelectorAll('#phases button').length");
+    assert_eq!(buttons, json!(2));
+    view.click("#phases button:last-of-type");
+    let readout = view.text("#readout");
+    let knots = scene.motion.times.len();
+    assert!(
+        readout.contains(&format!("{} of {knots}", knot + 1)),
+        "{readout}"
     );
     view.assert_quiet();
 }
 
 #[test]
 fn browser_without_webgl_is_told_and_still_gets_curves() {
-    let view = View::open(&scene(), &["--disable-3d-apis"]);
-    let message = view.run("message.innerText");
-    assert!(message.as_str().unwrap().contains("WebGL"), "{message}");
+    let view = View::open(&scene(&planned("miura-3x3")), &["--disable-3d-apis"]);
+    let message = view.text("#message");
+    assert!(message.contains("WebGL"), "{message}");
     assert_eq!(
         view.run("document.querySelectorAll('.curve').length"),
-        json!(4)
+        json!(5)
+    );
+    assert_eq!(
+        view.run("element('colours').checkVisibility()"),
+        json!(false)
     );
     view.assert_quiet();
 }
@@ -164,11 +496,13 @@ impl View {
             sandbox: false, // a container's root user cannot have one
             user_data_dir: Some(directory.path().join("profile")),
             args: switches,
+            idle_browser_timeout: PATIENCE,
             ..LaunchOptions::default()
         })
         .expect("Chromium starts");
 
         let tab = browser.new_tab().unwrap();
+        tab.set_default_timeout(PATIENCE);
         tab.enable_runtime().unwrap();
         tab.enable_log().unwrap();
         let network: Network::Enable = serde_json::from_value(json!({})).unwrap();
@@ -205,11 +539,81 @@ impl View {
         result.value.unwrap_or_default()
     }
 
+    fn text(&self, selector: &str) -> String {
+        let text = self.run(&format!("document.querySelector('{selector}').textContent"));
+        text.as_str().unwrap_or_default().to_owned()
+    }
+
+    /// The picture as one number.
+    fn drawn(&self) -> Value {
+        self.run("foldpath.drawn()")
+    }
+
+    fn click(&self, selector: &str) {
+        self.tab.find_element(selector).unwrap().click().unwrap();
+    }
+
+    fn key(&self, key: &str) {
+        self.tab.press_key(key).unwrap();
+    }
+
+    fn key_with(&self, key: &str, modifiers: &[ModifierKey]) {
+        let pressed = self.tab.press_key_with_modifiers(key, Some(modifiers));
+        pressed.unwrap();
+    }
+
+    /// Clicks at these pixels of the canvas.
+    fn click_at(&self, x: f64, y: f64) {
+        let script = "(r => JSON.stringify([r.left, r.top]))(canvas.getBoundingClientRect())";
+        let corner: [f64; 2] = serde_json::from_str(self.run(script).as_str().unwrap()).unwrap();
+        let (x, y) = (corner[0] + x, corner[1] + y);
+        let point = headless_chrome::browser::tab::point::Point { x, y };
+        self.tab.click_point(point).unwrap();
+    }
+
+    /// Clicks the middle of an edge.
+    fn click_edge(&self, edge: usize) {
+        let place = self.run(&format!("JSON.stringify(foldpath.middleOf({edge}))"));
+        let [x, y] = serde_json::from_str(place.as_str().unwrap()).unwrap();
+        self.click_at(x, y);
+    }
+
+    /// A list of coordinates on the page.
+    fn points(&self, script: &str) -> Vec<Vector3<f64>> {
+        let text = self.run(&format!("JSON.stringify({script})"));
+        let numbers: Vec<f64> = serde_json::from_str(text.as_str().unwrap()).unwrap();
+        let points = numbers.chunks(3).map(Vector3::from_column_slice);
+        points.collect()
+    }
+
+    /// The sheet on the page has the expected shape at a time, wherever it lies: distances and volumes
+    /// between vertices drawn at random are the same, to 1e-6 of its size.
+    fn assert_shape(&self, time: f64, expected: &[Vector3<f64>]) {
+        self.run(&format!("foldpath.setTime({time})"));
+        let found = self.points("foldpath.vertices()");
+        assert_eq!(found.len(), expected.len());
+        let from = |shape: &[Vector3<f64>], [i, j]: [usize; 2]| shape[j] - shape[i];
+        let size = expected.iter().map(|p| (p - expected[0]).norm());
+        let size = size.fold(0.0, f64::max);
+        let mut random = Random::new(1);
+        for _ in 0..500 {
+            let mut draw = || random.whole(0, found.len() - 1);
+            let [i, j, k, l] = [draw(), draw(), draw(), draw()];
+            let [a, b] = [&found[..], expected].map(|shape| {
+                let arms = [j, k, l].map(|other| from(shape, [i, other]));
+                (arms[0].norm(), Matrix3::from_columns(&arms).determinant())
+            });
+            assert!((a.0 - b.0).abs() < 1e-6 * size, "{time}: {i} and {j}");
+            let volume = 1e-6 * size.powi(3);
+            assert!((a.1 - b.1).abs() < volume, "{time}: {i}, {j}, {k}, {l}");
+        }
+    }
+
     fn wait_for(&self, condition: &str) {
         let start = Instant::now();
         while self.run(condition) != json!(true) {
             assert!(
-                start.elapsed() < Duration::from_secs(20),
+                start.elapsed() < PATIENCE,
                 "in vain: {condition}; {:?}",
                 self.complaints.lock().unwrap()
             );

@@ -52,7 +52,7 @@ pub fn positions(
     })
 }
 
-pub(super) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
+pub(crate) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
     let creases = pattern.creases().iter();
     creases.map(|edge| knot.fold_angles[edge.index()]).collect()
 }
@@ -122,7 +122,8 @@ pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
     }
 }
 
-pub(super) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
+/// Whether all hinges of a group turn alike; if not, says which do not.
+pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
     let leaders = path.leaders();
     for (index, knot) in path.knots.iter().enumerate() {
         for (edge, member) in path.members.iter().enumerate() {

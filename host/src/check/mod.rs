@@ -6,16 +6,18 @@
 //! it the deformation of the sheet; letters and half turns are kept everywhere; shapes are sampled.
 
 mod between;
+mod clearance;
 mod closure;
 mod knots;
 mod majorant;
 mod motion;
 mod turns;
 
+pub use clearance::{Clearances, WorstPair, clearances};
 pub use closure::{Place, SegmentClosure};
+pub(crate) use knots::{check_groups, crease_angles};
 pub use knots::{measure, positions};
-
-use motion::Motion;
+pub(crate) use motion::Motion;
 
 use crate::collision::Crossing;
 use crate::folding::Rigidity;

@@ -13,19 +13,19 @@ use crate::symmetry::CreaseGroups;
 const SAME_SECTOR: f64 = 1e-13;
 
 /// The motion of all creases between knots.
-pub(super) struct Motion {
+pub(crate) struct Motion {
     /// Creases whose numbers in the file are the same at all knots, or those with the other sign, bit by
     /// bit: what the file says of groups is not used.
-    pub(super) groups: CreaseGroups,
+    pub(crate) groups: CreaseGroups,
     /// For each group its first edge, whose sign is that of the group.
-    pub(super) leaders: Vec<EdgeId>,
+    pub(crate) leaders: Vec<EdgeId>,
     /// For each segment the motion of each group.
-    pub(super) segments: Vec<Vec<Curve<f64>>>,
+    pub(crate) segments: Vec<Vec<Curve<f64>>>,
 }
 
 impl Motion {
     /// Cost: O(knots · creases).
-    pub(super) fn of(path: &PathFile) -> Self {
+    pub(crate) fn of(path: &PathFile) -> Self {
         let mut leaders: Vec<(EdgeId, bool)> = Vec::new();
         let mut groups: HashMap<Vec<u64>, u32> = HashMap::new();
         let mut numbers = Vec::with_capacity(4 * path.knots.len());
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// Whether all numbers of all curves are finite.
-    pub(super) fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let finite = |cubic: &[f64; 4]| cubic.iter().all(|b| b.is_finite());
         self.segments.iter().flatten().all(|curve| match curve {
             Curve::Angle(angle) => finite(angle),

@@ -15,7 +15,7 @@ pub(super) fn run(args: &View) -> Answer {
         "{}: {} faces, {} knots, page written to {}\n",
         scene.title,
         scene.faces.len(),
-        scene.path_knots,
+        scene.motion.times.len(),
         args.output.display()
     ))?;
     Ok(true)

@@ -29,11 +29,19 @@ pub fn sheets_laid_on(
 }
 
 /// The points of `a` moved rigidly so that they lie on those of `b` as well as possible.
+#[must_use]
+pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let (r_ba, [a_center, b_center]) = fit(a, b);
+    a.iter().map(|a| r_ba * (a - a_center) + b_center).collect()
+}
+
+/// How the points of `a` move rigidly to lie on those of `b` as well as possible: a rotation, and the centres
+/// of both, of which it takes one to the other.
 ///
 /// Implements W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst.
 /// A32, 1976. Points without a partner count for nothing.
 #[must_use]
-pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f64>; 2]) {
     #[allow(clippy::cast_precision_loss, reason = "a mean")]
     let count = a.len().min(b.len()).max(1) as f64;
     let center =
@@ -53,7 +61,7 @@ pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         }
         _ => Matrix3::identity(),
     };
-    a.iter().map(|a| r_ba * (a - a_center) + b_center).collect()
+    (r_ba, [a_center, b_center])
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ mod screw;
 mod tree;
 
 pub use amplification::Amplification;
-pub use fit::{laid_on, sheets_laid_on};
+pub use fit::{fit, laid_on, sheets_laid_on};
 pub use holonomy::Holonomy;
 pub(crate) use lattice_course::Drift;
 pub use lattice_course::{Bend, LatticeCourse, Stretch};

@@ -237,7 +237,7 @@ impl<'a> Route<'a> {
     fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
         let whole = targets.len() == self.goal.via.len() + 1;
         let mut waypoints: Vec<Waypoint> = Vec::new();
-        for target in targets {
+        for (index, target) in targets.iter().enumerate() {
             let followed = match waypoints.last() {
                 None => self.reach_first(target, work),
                 Some(last) => {
@@ -248,6 +248,9 @@ impl<'a> Route<'a> {
             append(&mut waypoints, followed.waypoints);
             if let Some(stop) = followed.stop {
                 return (waypoints, End::Stopped(stop));
+            }
+            if let (Some(end), true) = (waypoints.last_mut(), index < self.goal.via.len()) {
+                end.ends_phase = true;
             }
         }
         if whole {
@@ -375,10 +378,10 @@ impl<'a> Route<'a> {
         *work += solver.work;
         if followed.stop.is_some() {
             // What does not begin flat is no part of a path.
-            followed.waypoints = vec![Waypoint {
-                angles: vec![0.0; target.angles.len()],
-                tangent: vec![0.0; target.angles.len()],
-            }];
+            followed.waypoints = vec![Waypoint::new(
+                vec![0.0; target.angles.len()],
+                vec![0.0; target.angles.len()],
+            )];
         }
         followed.reversed()
     }
@@ -435,10 +438,7 @@ impl<'a> Route<'a> {
         };
         let flat = vec![0.0; towards.len()];
         let mut solver = self.solver(accepted);
-        let at_flat = |tangent: Vec<f64>| Waypoint {
-            angles: flat.clone(),
-            tangent,
-        };
+        let at_flat = |tangent: Vec<f64>| Waypoint::new(flat.clone(), tangent);
         let mut best = Followed {
             waypoints: vec![at_flat(flat.clone())],
             stop: Some(Stop::Singular),

@@ -24,12 +24,19 @@ pub(super) struct Site {
     pub(super) angles: Vec<f64>,
     /// Derivative of the angles by the way.
     pub(super) tangent: Vec<f64>,
+    /// Whether one phase of the motion ends here and another begins.
+    pub(super) ends_phase: bool,
 }
 
 impl Site {
     /// Whether the motion rests here, as at a corner.
     pub(super) fn rests(&self) -> bool {
         max_norm(&self.tangent) <= 0.0
+    }
+
+    /// Whether there has to be a knot here.
+    pub(super) fn stays(&self) -> bool {
+        self.rests() || self.ends_phase
     }
 }
 
@@ -71,6 +78,7 @@ impl Course {
             way: self.ways[index],
             angles: self.waypoints[index].angles.clone(),
             tangent: self.waypoints[index].tangent.clone(),
+            ends_phase: self.waypoints[index].ends_phase,
         }
     }
 
@@ -152,10 +160,10 @@ impl Course {
         if waypoints.is_empty() || length <= 0.0 {
             return None;
         }
-        waypoints.push(Waypoint {
-            angles: end,
-            tangent: tangent.iter().map(|entry| entry / length).collect(),
-        });
+        waypoints.push(Waypoint::new(
+            end,
+            tangent.iter().map(|entry| entry / length).collect(),
+        ));
         Some(waypoints)
     }
 
@@ -222,21 +230,22 @@ impl Course {
                 way,
                 angles,
                 tangent,
+                ends_phase: false,
             }
         })
     }
 }
 
-/// The waypoints that are not too near to the one before. The ends and corners stay.
+/// The waypoints that are not too near to the one before. The ends, corners and ends of phases stay.
 fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     let pairs = waypoints.windows(2);
     let widest = pairs.map(|pair| arc_length(&pair[0], &pair[1]));
     let least = TOO_NEAR * widest.fold(0.0, f64::max);
     let mut kept: Vec<Waypoint> = Vec::with_capacity(waypoints.len());
     for (index, waypoint) in waypoints.iter().enumerate() {
-        let corner = max_norm(&waypoint.tangent) <= 0.0;
+        let stays = waypoint.ends_phase || max_norm(&waypoint.tangent) <= 0.0;
         let near = |last: &Waypoint| arc_length(last, waypoint) < least;
-        if index + 1 == waypoints.len() || corner || !kept.last().is_some_and(near) {
+        if index + 1 == waypoints.len() || stays || !kept.last().is_some_and(near) {
             kept.push(waypoint.clone());
         }
     }

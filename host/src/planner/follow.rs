@@ -15,6 +15,19 @@ pub(super) struct Waypoint {
     /// Derivative of the angles along the path, of Euclidean length 1; zero where the path turns a
     /// corner and has to rest.
     pub(super) tangent: Vec<f64>,
+    /// Whether this is a goal on the way, where one phase of the motion ends and another begins.
+    pub(super) ends_phase: bool,
+}
+
+impl Waypoint {
+    /// A waypoint within a phase.
+    pub(super) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
+        Self {
+            angles,
+            tangent,
+            ends_phase: false,
+        }
+    }
 }
 
 /// Where to go.
@@ -184,7 +197,7 @@ pub(super) fn follow(
             Ok(heading) => heading,
             Err(stop) => {
                 let tangent = came.unwrap_or_else(|| vec![0.0; angles.len()]);
-                waypoints.push(Waypoint { angles, tangent });
+                waypoints.push(Waypoint::new(angles, tangent));
                 break stop;
             }
         };
@@ -192,14 +205,14 @@ pub(super) fn follow(
         let corner = came
             .as_ref()
             .is_some_and(|came| cosine(came, &tangent) < CORNER);
-        waypoints.push(Waypoint {
-            angles: angles.clone(),
-            tangent: if corner {
+        waypoints.push(Waypoint::new(
+            angles.clone(),
+            if corner {
                 vec![0.0; angles.len()]
             } else {
                 tangent.clone()
             },
-        });
+        ));
         if max_norm(&way) <= max_step
             && let Some(last) = arrive(solver, &angles, &tangent, target, max_step)
         {
@@ -231,10 +244,7 @@ pub(super) fn follow(
                     let last = approach(solver, angles.clone(), asked);
                     let moved = max_difference(&last, &angles);
                     if moved > NEAR && moved <= max_step {
-                        waypoints.push(Waypoint {
-                            angles: last,
-                            tangent,
-                        });
+                        waypoints.push(Waypoint::new(last, tangent));
                     }
                     break Some(at_limit.unwrap_or(Stop::Nearest));
                 }
@@ -376,10 +386,10 @@ fn arrive(
     max_step: f64,
 ) -> Option<Waypoint> {
     match target {
-        Target::Flat(_) => Some(Waypoint {
-            angles: vec![0.0; angles.len()],
-            tangent: tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
-        }),
+        Target::Flat(_) => Some(Waypoint::new(
+            vec![0.0; angles.len()],
+            tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
+        )),
         Target::Closed(target) => {
             let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
             if cosine(&way, direction) < AHEAD {
@@ -389,10 +399,8 @@ fn arrive(
             let mut back: Vec<f64> = way.iter().map(|w| -w).collect();
             solver.project_on_motions(target, &mut back)?;
             let length = norm(&back);
-            (length > 0.0).then(|| Waypoint {
-                angles: target.to_vec(),
-                tangent: back.iter().map(|t| -t / length).collect(),
-            })
+            (length > 0.0)
+                .then(|| Waypoint::new(target.to_vec(), back.iter().map(|t| -t / length).collect()))
         }
         Target::Nearest(asked) => {
             let last = approach(solver, angles.to_vec(), asked);
@@ -403,10 +411,8 @@ fn arrive(
             let mut tangent = direction.to_vec();
             solver.project_on_motions(&last, &mut tangent)?;
             let length = norm(&tangent);
-            (length > IN_SIGHT).then(|| Waypoint {
-                angles: last,
-                tangent: tangent.iter().map(|t| t / length).collect(),
-            })
+            (length > IN_SIGHT)
+                .then(|| Waypoint::new(last, tangent.iter().map(|t| t / length).collect()))
         }
     }
 }

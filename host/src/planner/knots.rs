@@ -23,6 +23,8 @@ pub struct Knot {
     pub deformation: f64,
     /// Largest gap, over the median edge.
     pub gap: f64,
+    /// Whether one phase of the motion ends here and another begins.
+    pub ends_phase: bool,
 }
 
 /// A path of the whole sheet from flat to goal.

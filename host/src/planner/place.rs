@@ -270,13 +270,13 @@ impl Placer<'_, '_> {
             sites.extend(open.drain(..).rev());
             return self.knots(&maker, &sites);
         }
-        // Where the motion rests, and where accelerations jump, knots are needed first of all.
+        // Where the motion rests, where a phase ends, and where accelerations jump, knots are needed first of all.
         let mut needed: Vec<Site> = self
             .course
             .inner()
             .map(|index| self.waypoint(index))
             .collect();
-        needed.retain(Site::rests);
+        needed.retain(Site::stays);
         if let (Pace::Optimal(law), true) = (pace, self.terms.acceleration.is_finite()) {
             let switches = law.switches().iter().map(|k| law.parameters()[*k]);
             let (start, end) = (sites[0].way, open[0].way);
@@ -284,7 +284,11 @@ impl Placer<'_, '_> {
             needed.extend(inner.filter_map(|way| self.site_at(way)));
         }
         needed.sort_by(|a, b| b.way.total_cmp(&a.way).then(a.rests().cmp(&b.rests())));
-        needed.dedup_by(|a, b| a.way.to_bits() == b.way.to_bits());
+        needed.dedup_by(|a, b| {
+            let same = a.way.to_bits() == b.way.to_bits();
+            b.ends_phase |= same && a.ends_phase;
+            same
+        });
         open.extend(needed);
         while let (Some(from), Some(to)) = (sites.last(), open.last()) {
             let (from, to) = (from.clone(), to.clone());
@@ -311,7 +315,7 @@ impl Placer<'_, '_> {
     fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
         let mut index = 1;
         while index + 1 < sites.len() {
-            if !sites[index].rests() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
+            if !sites[index].stays() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
                 sites.remove(index);
             } else {
                 index += 1;
@@ -467,6 +471,7 @@ impl Placer<'_, '_> {
                 weights: weights
                     .map(|node| [node.weight[0], node.weight[1] / stretch])
                     .collect(),
+                ends_phase: site.ends_phase,
                 ..Knot::default()
             }
         });

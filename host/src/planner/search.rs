@@ -115,10 +115,7 @@ pub(super) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
         let (from, to) = (&knots[k.saturating_sub(1)], &knots[(k + 1).min(last)]);
         let chord: Vec<f64> = to.iter().zip(from).map(|(a, b)| a - b).collect();
         let length = norm(&chord).max(f64::MIN_POSITIVE);
-        Waypoint {
-            angles: knots[k].clone(),
-            tangent: chord.iter().map(|c| c / length).collect(),
-        }
+        Waypoint::new(knots[k].clone(), chord.iter().map(|c| c / length).collect())
     };
     (0..knots.len()).map(waypoint).collect()
 }

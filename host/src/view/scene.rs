@@ -1,73 +1,69 @@
 //! The scene of a path.
 
-use foldpath_core::Membership;
+use foldpath_core::{Membership, Node};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::{Scene, SceneEdge, SceneKnot};
-use crate::check::{measure, positions};
-use crate::folding::{SpanningTree, sheets_laid_on};
-use crate::formats::fold::PathFile;
-use crate::pattern::EdgeId;
+use super::{Scene, SceneMotion, ScenePair, SceneShape};
+use crate::check::{Motion, check_groups, clearances, crease_angles, measure};
+use crate::folding::{FoldingMap, SpanningTree, fit};
+use crate::formats::fold::{PathFile, interpolation_name};
+use crate::pattern::{CreasePattern, EdgeId, FaceId};
 
 impl Scene {
-    /// What there is to see of a path: its shapes, and what is measured on them now rather than what
-    /// the file claims.
+    /// What there is to see of a path: its motion, and what is measured on it now rather than what the file
+    /// claims. Cost: folding and measuring all shapes, and a sweep for the nearest faces.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
-        let path_knots = path.knots.len();
-        // Between shapes vertices are drawn on straight lines.
-        let path = &path.with_steps(STEP);
+        let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
-        let leaders = leaders(path);
-        let measured = measure(path);
+        let measured = measure(shapes);
+        let clearances = clearances(path, shapes, &measured);
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };
-        // Each shape is laid on the one before, from the flat sheet on, so that every sheet as a whole
-        // stays where it is while it folds.
-        let mut before: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
-        let mut knots = Vec::with_capacity(path.knots.len());
-        for (knot, measured) in path.knots.iter().zip(&measured) {
-            before = sheets_laid_on(pattern, &positions(pattern, &tree, knot), &before);
-            let group_angle = |&(edge, member): &(EdgeId, Option<Membership>)| {
-                let angle = knot.fold_angles[edge.index()];
-                member.map_or(angle, |m| m.apply(angle)).to_degrees()
-            };
-            knots.push(SceneKnot {
+        let over_edge = |length: f64| length / pattern.median_edge();
+        let places = places(shapes, &tree);
+        let numbers = shapes.knots.iter().zip(&measured).zip(&clearances.shapes);
+        let shapes = numbers
+            .zip(places)
+            .map(|(((knot, measured), clearance), places)| SceneShape {
                 time: knot.time,
-                vertices: Some(before.iter().map(|&p| p.into()).collect()),
-                group_angles: leaders.iter().map(group_angle).collect(),
+                places,
                 deformation: measured.rigidity.deformation,
                 gap: measured.rigidity.gap,
                 closure: measured.closure,
+                clearance: clearance.map(over_edge),
             });
-        }
+        let members = members(path);
         Self {
             title: path.title.clone(),
             vertices: pattern.vertices().iter().map(|&v| v.into()).collect(),
-            faces: pattern
-                .faces()
-                .iter()
-                .map(|f| f.iter().map(|v| v.0).collect())
+            vertex_faces: (pattern.corners().iter())
+                .map(|faces| Some(faces.first()?.0))
                 .collect(),
-            triangles: pattern
-                .triangles()
-                .items()
-                .iter()
-                .map(|t| t.map(|v| v.0))
+            faces: (pattern.triangles().iter())
+                .map(|face| face.iter().map(|t| t.map(|v| v.0)).collect())
                 .collect(),
             edges: pattern
                 .edges()
                 .iter()
-                .map(|edge| SceneEdge {
-                    ends: edge.ends.map(|v| v.0),
-                    letter: edge.letter.code().to_string(),
-                })
+                .map(|e| e.ends.map(|v| v.0))
                 .collect(),
-            knots,
-            path_knots,
+            letters: pattern.edges().iter().map(|e| e.letter.code()).collect(),
+            turns: members.iter().map(|member| turn(*member)).collect(),
+            roots: tree.roots().iter().map(|face| face.0).collect(),
+            tree: steps(pattern, &tree),
+            motion: motion(path, &members),
+            shapes: shapes.collect(),
+            worst_pair: clearances.worst.map(|pair| ScenePair {
+                faces: pair.faces.map(|face| face.0),
+                time: pair.time,
+                distance: over_edge(pair.distance),
+                crosses: pair.crosses,
+            }),
+            phases: path.phases.clone(),
             creases: pattern.creases().len(),
-            groups: leaders.len(),
             max_deformation: worst(|m| m.rigidity.deformation),
             max_gap: worst(|m| m.rigidity.gap),
             max_closure: worst(|m| m.closure),
@@ -78,13 +74,115 @@ impl Scene {
 /// Radians that a hinge turns from one shape to the next at most.
 const STEP: f64 = 0.1;
 
-/// For each curve an edge and its part in its crease group; every crease on its own where the file
-/// has no groups.
-fn leaders(path: &PathFile) -> Vec<(EdgeId, Option<Membership>)> {
-    if path.members.is_empty() {
-        let creases = path.pattern.creases().iter();
-        return creases.map(|&edge| (edge, None)).collect();
+/// For each edge its part in a crease group: of the groups that the file has, if its hinges turn as they say,
+/// or else of hinges that turn alike.
+fn members(path: &PathFile) -> Vec<Option<Membership>> {
+    let pattern = &path.pattern;
+    let mut failures = Vec::new();
+    check_groups(path, &mut failures);
+    let hinges = pattern.edges().iter().zip(&path.members);
+    let mut whole = hinges.map(|(edge, member)| edge.crease.is_some() == member.is_some());
+    if failures.is_empty() && !path.members.is_empty() && whole.all(|whole| whole) {
+        return path.members.clone();
     }
-    let leaders = path.leaders().into_iter().flatten();
-    leaders.map(|(edge, member)| (edge, Some(member))).collect()
+    let groups = Motion::of(path).groups;
+    let edges = pattern.edges().iter();
+    edges.map(|edge| Some(groups.of(edge.crease?))).collect()
+}
+
+/// A part in a group as one number.
+fn turn(member: Option<Membership>) -> i64 {
+    member.map_or(0, |m| {
+        let number = i64::from(m.group.0) + 1;
+        if m.negative { -number } else { number }
+    })
+}
+
+/// The groups at the knots of the path.
+fn motion(path: &PathFile, members: &[Option<Membership>]) -> SceneMotion {
+    let mut leaders: Vec<Option<(EdgeId, Membership)>> = Vec::new();
+    for (edge, member) in members.iter().enumerate() {
+        let Some(member) = *member else { continue };
+        let group = member.group.index();
+        leaders.resize(leaders.len().max(group + 1), None);
+        leaders[group].get_or_insert((EdgeId::new(edge), member));
+    }
+    let rest = Node {
+        angle: 0.0,
+        rate: 0.0,
+        weight: [1.0, 0.0],
+    };
+    let nodes = path.knots.iter().flat_map(|knot| {
+        leaders.iter().map(move |leader| {
+            leader.map_or(rest, |(edge, member)| {
+                let node = knot.node(edge);
+                Node {
+                    angle: member.apply(node.angle),
+                    rate: member.apply(node.rate),
+                    ..node
+                }
+            })
+        })
+    });
+    let weighted = path.knots.iter().any(|knot| knot.weights.is_some());
+    SceneMotion {
+        interpolation: interpolation_name(path.interpolation),
+        groups: leaders.len(),
+        times: path.knots.iter().map(|knot| knot.time).collect(),
+        angles: nodes.clone().map(|node| node.angle).collect(),
+        rates: nodes.clone().map(|node| node.rate).collect(),
+        weights: nodes.filter(|_| weighted).map(|node| node.weight).collect(),
+    }
+}
+
+/// The steps of the tree, as [`Scene::tree`] has them.
+fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
+    let start = |edge: EdgeId, face| u32::from(pattern.edge(edge).faces[0] != Some(face));
+    let steps = tree.steps().iter();
+    steps
+        .map(|step| {
+            [
+                step.face.0,
+                step.parent.0,
+                step.edge.0,
+                start(step.edge, step.face),
+            ]
+        })
+        .collect()
+}
+
+/// Where each sheet is in each shape. It is laid on the shape before, from the flat sheet on, so that every
+/// sheet as a whole stays where it is while it folds.
+fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
+    let pattern = &shapes.pattern;
+    let mut map = FoldingMap::flat(pattern);
+    let sheet_of = |face: &FaceId| pattern.sheet_of_faces()[face.index()];
+    let sheets = tree.roots().iter().map(|root| {
+        let faces = pattern.corners().iter().enumerate();
+        let of_sheet =
+            faces.filter(|(_, faces)| faces.first().map(sheet_of) == Some(sheet_of(root)));
+        (*root, of_sheet.map(|(vertex, _)| vertex).collect())
+    });
+    let sheets: Vec<(FaceId, Vec<usize>)> = sheets.collect();
+    let mut before = map.vertices().to_vec();
+    let knots = shapes.knots.iter().map(|knot| {
+        map.fold(pattern, tree, &crease_angles(pattern, knot));
+        let place = |(root, sheet): &(FaceId, Vec<usize>)| {
+            let of =
+                |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };
+            let (r_wf, [from, to]) = fit(&of(map.vertices()), &of(&before));
+            let laid = |point: &Vector3<f64>| r_wf * (point - from) + to;
+            for &vertex in sheet {
+                before[vertex] = laid(&map.vertices()[vertex]);
+            }
+            // The root is where it was drawn.
+            let first = pattern.triangles()[root.index()].first();
+            let pivot = first.map_or(Vector3::zeros(), |corners| pattern.point(corners[0]));
+            let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r_wf));
+            let p = laid(&pivot);
+            [q.w, q.i, q.j, q.k, p.x, p.y, p.z]
+        };
+        sheets.iter().map(place).collect()
+    });
+    knots.collect()
 }

@@ -27,6 +27,9 @@ pub struct PathFile {
     pub max_acceleration: Option<f64>,
     /// The knots from start to goal.
     pub knots: Vec<PathKnot>,
+    /// Numbers of the knots at which another phase of the motion begins, in order; neither the first nor the
+    /// last.
+    pub phases: Vec<usize>,
 }
 
 impl PathFile {
@@ -93,6 +96,7 @@ impl PathFile {
         }
         Self {
             knots,
+            phases: Vec::new(),
             ..self.clone()
         }
     }
@@ -185,8 +189,28 @@ fn path_of(document: &Document) -> Result<PathFile, FileError> {
         members,
         max_speed: rate_limit(&key, "foldpath:maxSpeed")?,
         max_acceleration: rate_limit(&key, "foldpath:maxAcceleration")?,
+        phases: phases(&key, knots.len())?,
         knots,
     })
+}
+
+/// Numbers of the knots at which another phase begins; none if the file does not say.
+fn phases(key: &Frame<'_>, knots: usize) -> Result<Vec<usize>, FileError> {
+    let Some(list) = key.own("foldpath:phases") else {
+        return Ok(Vec::new());
+    };
+    let mut before = 0;
+    let phases = list.entries()?.map(|entry| {
+        let knot = entry.index()?;
+        if knot <= before || knot + 1 >= knots {
+            return Err(
+                entry.expected(&format!("a knot after number {before} and before the last"))
+            );
+        }
+        before = knot;
+        Ok(knot)
+    });
+    phases.collect()
 }
 
 /// A limit on rates that the file has in degrees: infinite where it is null.
@@ -206,7 +230,7 @@ fn rate_limit(key: &Frame<'_>, name: &'static str) -> Result<Option<f64>, FileEr
 }
 
 /// The name of an interpolation in files.
-pub(super) fn interpolation_name(kind: Interpolation) -> &'static str {
+pub(crate) fn interpolation_name(kind: Interpolation) -> &'static str {
     match kind {
         Interpolation::Linear => "linear",
         Interpolation::Hermite => "hermite",

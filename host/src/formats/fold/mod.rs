@@ -10,6 +10,7 @@ mod pattern;
 mod plane;
 mod write;
 
+pub(crate) use animation::interpolation_name;
 pub use animation::{PathFile, PathKnot, parse_path, read_path};
 pub use pattern::{PatternFile, parse_goal, parse_pattern, read_goal, read_pattern};
 pub use write::{PathWriter, pattern_text, write_pattern};

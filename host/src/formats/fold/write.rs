@@ -157,6 +157,11 @@ impl PathWriter<'_> {
             file.set("foldpath:maxSpeed", &self.max_speed.to_degrees())?;
             let acceleration = self.max_acceleration.map(f64::to_degrees);
             file.set("foldpath:maxAcceleration", &acceleration)?;
+            let inner = 1..path.knots.len().saturating_sub(1);
+            let phases: Vec<_> = inner.filter(|&k| path.knots[k].ends_phase).collect();
+            if !phases.is_empty() {
+                file.list("foldpath:phases", phases)?;
+            }
             let out = file.key("file_frames")?;
             let mut before = "[\n{";
             for knot in &path.knots {

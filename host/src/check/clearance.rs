@@ -1,0 +1,114 @@
+//! How far apart faces are along a path, and which are nearest.
+
+use foldpath_core::Curve;
+
+use super::Measured;
+use super::motion::Motion;
+use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict};
+use crate::formats::fold::PathFile;
+use crate::pattern::FaceId;
+use crate::symmetry::Lattice;
+
+/// Faces beyond which only sheets with a lattice are looked at, where one pair stands for many.
+const MANY_FACES: usize = 2000;
+/// Looks at pairs of faces for the motion, and for one shape; past these its clearance stays unknown.
+const ENOUGH_LOOKS: [u64; 2] = [1_000_000, 200_000];
+
+/// The faces that come nearest to each other on a path, or the first that pass through each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorstPair {
+    /// The faces, the smaller first.
+    pub faces: [FaceId; 2],
+    /// When, in seconds of the path.
+    pub time: f64,
+    /// Their distance, or how deep they cross, in the units of the sheet.
+    pub distance: f64,
+    /// Whether they pass through each other.
+    pub crosses: bool,
+}
+
+/// How far apart faces that share no vertex are along a path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clearances {
+    /// For each shape the smallest distance, in the units of the sheet; `None` where faces cross, all share
+    /// vertices, or it would take too long to tell.
+    pub shapes: Vec<Option<f64>>,
+    /// The worst pair of the motion.
+    pub worst: Option<WorstPair>,
+}
+
+/// Clearance of `path` at the knots of `shapes`, which are configurations of its motion, as
+/// [`PathFile::with_steps`] has them, with what was measured there. Cost: a sweep of the motion, and one of
+/// each shape.
+#[must_use]
+pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> Clearances {
+    let pattern = &path.pattern;
+    let unknown = Clearances {
+        shapes: vec![None; shapes.knots.len()],
+        worst: None,
+    };
+    let motion = Motion::of(path);
+    let members = motion.groups.memberships();
+    let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
+    let torn = gap.is_nan() || gap > SweepOptions::default().tolerance;
+    let lattice = (!torn).then(|| Lattice::find(pattern, members)).flatten();
+    if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {
+        return unknown;
+    }
+    let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_looks| {
+        let options = SweepOptions {
+            gap,
+            max_looks,
+            ..SweepOptions::default()
+        };
+        match &lattice {
+            Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
+            None => Sweep::new(pattern, members, options),
+        }
+    });
+    let mut found = Clearances {
+        worst: worst(&sweep.sweep(&motion.segments), |at| time(path, at)),
+        ..unknown
+    };
+    let moving = found.worst.is_some();
+    for (knot, clearance) in shapes.knots.iter().zip(&mut found.shapes) {
+        let angles = motion.leaders.iter().map(|l| knot.fold_angles[l.index()]);
+        // A motion that stays where it is.
+        let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
+        let pair = worst(&still_sweep.sweep(&[still]), |_| knot.time);
+        *clearance = pair.filter(|p| !p.crosses).map(|p| p.distance);
+        let worse = |pair: &WorstPair| {
+            let rank = |p: &WorstPair| (!p.crosses, p.distance);
+            found.worst.is_none_or(|w| rank(pair) < rank(&w))
+        };
+        if !moving {
+            found.worst = pair.filter(worse).or(found.worst);
+        }
+    }
+    found
+}
+
+fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPair> {
+    match *verdict {
+        SweepVerdict::Free(clearance) => clearance.map(|clearance| WorstPair {
+            faces: clearance.faces,
+            time: time(clearance.place),
+            distance: clearance.distance,
+            crosses: false,
+        }),
+        SweepVerdict::Crossing { crossing, at, .. } => Some(WorstPair {
+            faces: crossing.faces,
+            time: time(at),
+            distance: crossing.depth,
+            crosses: true,
+        }),
+        SweepVerdict::Undecided { .. } => None,
+    }
+}
+
+/// Seconds of the path at a place of its motion.
+fn time(path: &PathFile, Place { segment, s }: Place) -> f64 {
+    let time = |knot: usize| path.knots.get(knot).map_or(0.0, |knot| knot.time);
+    let (from, to) = (time(segment), time((segment + 1).min(path.knots.len() - 1)));
+    from + s * (to - from)
+}
