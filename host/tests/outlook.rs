@@ -247,7 +247,7 @@ fn info_says_what_will_be() {
         folder.write("star.fold", &text);
         let said = info("star.fold");
         let expected = if letter == "V" {
-            "in part: "
+            "2 of 4 hinges do not turn at first"
         } else {
             "nothing says which way"
         };

@@ -54,16 +54,18 @@ fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Opti
             return format!("{no}: no first step was found that leaves flat along {way}");
         }
         FirstStep::Bends => {
-            let no = styled(NO, "hardly");
+            let perhaps = styled(NO, "perhaps");
             return format!(
-                "{no}: no first step along {way} closes, but within what the bound of `plan` allows, as panels that \
+                "{perhaps}: no first step along {way} closes, but within what the bound of `plan` allows, as panels that \
                  bend do, or rounded coordinates"
             );
         }
         FirstStep::Leaves { unturned: 0, .. } => {}
         FirstStep::Leaves { unturned, .. } => {
-            let (part, all) = (styled(NO, "in part"), pattern.creases().len());
-            return format!("{part}: {leaves}, but {unturned} of {all} hinges do not turn");
+            let (perhaps, all) = (styled(NO, "perhaps"), pattern.creases().len());
+            return format!(
+                "{perhaps}: {leaves}, but {unturned} of {all} hinges do not turn at first"
+            );
         }
     }
     let asked = goal.fold_angles.iter().flatten();

@@ -204,15 +204,12 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
                 single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
             };
         }
-        if leave(reduction.accepted(&options)).is_empty() {
-            tried = if tried == FirstStep::Bends {
-                tried
-            } else {
-                FirstStep::Stays
-            };
+        let bends = !leave(reduction.accepted(&options)).is_empty();
+        tried = if bends || tried == FirstStep::Bends {
+            FirstStep::Bends
         } else {
-            tried = FirstStep::Bends;
-        }
+            FirstStep::Stays
+        };
     }
     tried
 }
