@@ -59,16 +59,17 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
         let (_, count) = colours
             .entry(stroke.colour.clone())
             .or_insert((stroke.kind, 0));
-        *count += stroke.lines.len();
+        *count += stroke.lines.ends.len();
         let goal = (angles && says(stroke)).then(|| letter.sign() * stroke.opacity * PI);
         segments.extend(
             stroke
                 .lines
+                .ends
                 .iter()
                 .map(|&ends| Segment { ends, letter, goal }),
         );
     }
-    let straightened: usize = strokes.iter().map(|stroke| stroke.straightened).sum();
+    let straightened: usize = strokes.iter().map(|stroke| stroke.lines.straightened).sum();
     if straightened > 0 {
         notes.push(format!(
             "curves that run straight taken as lines: {straightened}"
@@ -94,7 +95,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     if angles {
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
-    let rounding = strokes.iter().map(|stroke| stroke.rounding);
+    let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
     pattern_file(path, segments, rounding.fold(0.0, f64::max), notes)
 }
 
@@ -229,8 +230,13 @@ struct Stroke {
     colour: String,
     /// 0 to 1.
     opacity: f64,
-    lines: Vec<[Vector2<f64>; 2]>,
-    /// Lines written as curves.
+    lines: Lines,
+}
+
+/// The straight lines of a path on the sheet, y pointing up.
+struct Lines {
+    ends: Vec<[Vector2<f64>; 2]>,
+    /// How many were written as curves.
     straightened: usize,
     /// How far single precision may have moved an end.
     rounding: f64,
@@ -268,10 +274,10 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, (String, String, String)> {
                     };
                     format!("stroked shape {number}{name}, stroke {colour}")
                 };
-                let Some((lines, straightened, rounding)) = lines(path) else {
+                let Some(lines) = lines(path) else {
                     return Err((place(), "straight lines alone".into(), "a curve".into()));
                 };
-                total += lines.len();
+                total += lines.ends.len();
                 if total > MOST {
                     return Err((place(), format!("at most {MOST} lines"), "more".into()));
                 }
@@ -280,8 +286,6 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, (String, String, String)> {
                     colour,
                     opacity: opacity * decimal(stroke.opacity().get()),
                     lines,
-                    straightened,
-                    rounding,
                 });
             }
             _ => {}
@@ -290,16 +294,15 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, (String, String, String)> {
     Ok(strokes)
 }
 
-/// The straight lines of a path on the sheet, y pointing up, how many of them were written as curves, and
-/// how far rounding may have moved an end; `None` if a curve is not straight.
-fn lines(path: &usvg::Path) -> Option<(Vec<[Vector2<f64>; 2]>, usize, f64)> {
+/// The lines of a path; `None` if a curve of it is not straight.
+fn lines(path: &usvg::Path) -> Option<Lines> {
     let t = path.abs_transform();
     let [sx, kx, tx, ky, sy, ty] = [t.sx, t.kx, t.tx, t.ky, t.sy, t.ty].map(decimal);
     let point = |p: usvg::tiny_skia_path::Point| {
         let [x, y] = [p.x, p.y].map(decimal);
         Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
     };
-    let (mut lines, mut straightened) = (Vec::new(), 0);
+    let (mut ends, mut straightened) = (Vec::new(), 0);
     let (mut start, mut at) = (Vector2::zeros(), Vector2::zeros());
     for segment in path.data().segments() {
         let (to, between) = match segment {
@@ -314,11 +317,13 @@ fn lines(path: &usvg::Path) -> Option<(Vec<[Vector2<f64>; 2]>, usize, f64)> {
             PathSegment::CubicTo(a, b, p) => (point(p), Some([a, b])),
         };
         if let Some(controls) = between {
-            straightened +=
-                usize::from(is_straight([at, to], controls.map(point)).then_some(true)?);
+            if !is_straight([at, to], controls.map(point)) {
+                return None;
+            }
+            straightened += 1;
         }
         if at != to {
-            lines.push([at, to]);
+            ends.push([at, to]);
         }
         at = to;
     }
@@ -333,7 +338,11 @@ fn lines(path: &usvg::Path) -> Option<(Vec<[Vector2<f64>; 2]>, usize, f64)> {
     let largest = parts
         .into_iter()
         .fold(0.0, |most, part: f64| part.abs().max(most));
-    Some((lines, straightened, largest * f64::from(f32::EPSILON)))
+    Some(Lines {
+        ends,
+        straightened,
+        rounding: largest * f64::from(f32::EPSILON),
+    })
 }
 
 /// Whether a curve with these control points is the line between its ends, to the rounding of single
