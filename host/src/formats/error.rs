@@ -6,6 +6,7 @@ use foldpath_core::trajectory_file;
 use thiserror::Error;
 
 use crate::pattern::PatternError;
+use crate::unfold::ShapeError;
 
 /// Why a file could not be read or written.
 #[derive(Debug, Error)]
@@ -59,5 +60,13 @@ pub enum FileError {
         frame: String,
         /// What is wrong with it.
         source: PatternError,
+    },
+    /// The shape in the file is no surface of flat faces.
+    #[error("{}: {source}", path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it; faces and vertices are counted from 0.
+        source: ShapeError,
     },
 }

@@ -8,8 +8,11 @@ mod document;
 mod json;
 mod pattern;
 mod plane;
+mod shape;
 mod write;
 
 pub use animation::{PathFile, PathKnot, read_path};
 pub use pattern::{PatternFile, read_goal, read_pattern};
+pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
+pub use shape::read_shape;
 pub use write::{PathWriter, pattern_text, write_pattern};

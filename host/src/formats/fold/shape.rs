@@ -1,0 +1,73 @@
+//! Reads the folded shape of a FOLD file.
+
+use std::path::Path;
+
+use super::document::{Document, Frame};
+use super::pattern::{edges, faces, goals, letters, points, title};
+use crate::formats::{FileError, ShapeFile};
+use crate::unfold::{FoldedShape, ShapeEdge};
+
+/// Reads the folded shape of frame number `frame`, of which the key frame is 0, or else of the last folded
+/// form in the file, or else of the key frame.
+///
+/// # Errors
+/// If the file cannot be read, or its frame has no faces in space.
+pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
+    let document = Document::read(path)?;
+    let frame = chosen(&document, frame)?;
+    let mut notes = Vec::new();
+    if frame.is_a("foldedForm") && frame.own("vertices_coords").is_none() {
+        let expected = "the folded positions of the vertices";
+        return Err(frame.missing("vertices_coords", expected));
+    }
+    let vertices = points(&frame)?;
+    let Some(faces) = faces(&frame)? else {
+        return Err(frame.missing("faces_vertices", "the faces of the shape"));
+    };
+    let ends = match frame.get("edges_vertices") {
+        Some(_) => edges(&document, &frame, None, &mut notes)?,
+        None => Vec::new(),
+    };
+    let lettered = frame.get("edges_assignment").is_some();
+    let letters = match lettered {
+        true => letters(&frame, ends.len(), &mut notes)?,
+        false => Vec::new(),
+    };
+    let goals = goals(&frame)?;
+    if let Some(goals) = &goals {
+        goals.check_count(&document, ends.len())?;
+    }
+    let edges = ends.into_iter().enumerate().map(|(index, ends)| ShapeEdge {
+        ends,
+        letter: letters.get(index).copied(),
+        angle: goals.as_ref().and_then(|goals| goals.angles[index]),
+    });
+    Ok(ShapeFile {
+        title: title(&document, &frame)?,
+        shape: FoldedShape {
+            vertices,
+            faces,
+            edges: edges.collect(),
+        },
+        notes,
+    })
+}
+
+/// The frame with the shape.
+fn chosen(document: &Document, number: Option<usize>) -> Result<Frame<'_>, FileError> {
+    let key = document.key_frame();
+    let frames = document.frames()?;
+    match number {
+        Some(0) => Ok(key),
+        Some(number) => frames.get(number - 1),
+        None => {
+            for index in (0..frames.len()).rev() {
+                let frame = frames.get(index)?;
+                if frame.is_a("foldedForm") {
+                    return Ok(frame);
+                }
+            }
+            Ok(key)
+        }
+    }
+}
