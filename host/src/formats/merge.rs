@@ -25,6 +25,7 @@ pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape
     let mut places = Places {
         near,
         cells: HashMap::new(),
+        exact: HashMap::new(),
         points: Vec::new(),
         widest: 0.0,
     };
@@ -73,6 +74,8 @@ pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape
 struct Places {
     near: f64,
     cells: HashMap<[i64; 3], Vec<usize>>,
+    /// Names by the bits of coordinates, which mostly are the same.
+    exact: HashMap<[u64; 3], usize>,
     points: Vec<Vector3<f64>>,
     /// Farthest that two points made one were apart.
     widest: f64,
@@ -81,6 +84,17 @@ struct Places {
 impl Places {
     /// The number of a place.
     fn name(&mut self, point: Vector3<f64>) -> usize {
+        let bits = point.map(f64::to_bits).into();
+        if let Some(&known) = self.exact.get(&bits) {
+            return known;
+        }
+        let name = self.near_name(point);
+        self.exact.insert(bits, name);
+        name
+    }
+
+    /// The number of a place whose very coordinates are new.
+    fn near_name(&mut self, point: Vector3<f64>) -> usize {
         #[allow(
             clippy::cast_possible_truncation,
             reason = "saturates: shared cells cost time alone"

@@ -58,7 +58,7 @@ impl Noise {
 
 /// For each edge of a surface what it becomes in the pattern.
 pub(super) struct Creases {
-    /// Fold angles in radians, valley positive; 0 for boundaries.
+    /// Fold angles in radians, valley positive; 0 where there is one face.
     pub(super) angles: Vec<f64>,
     pub(super) letters: Vec<Letter>,
 }
@@ -85,13 +85,18 @@ impl Creases {
         let mut assumed = Said::default();
         let mut other = Said::default();
         for edge in &surface.edges {
-            let Some(sides) = edge.joint() else {
+            let [Some(a), Some(b)] = edge.sides else {
                 angles.push(0.0);
                 letters.push(Letter::Boundary);
                 continue;
             };
-            let measured = fold_angle(shape, surface, edge, sides);
+            let measured = fold_angle(shape, surface, edge, [a, b]);
             let (angle, letter) = noise.settle(edge, measured);
+            angles.push(angle);
+            letters.push(letter);
+            if edge.joint().is_none() {
+                continue;
+            }
             if letter == Letter::Flat && edge.letter.is_none() {
                 flat.add(edge);
             }
@@ -104,8 +109,6 @@ impl Creases {
             {
                 other.add(edge);
             }
-            angles.push(angle);
-            letters.push(letter);
         }
         let zero = noise.zero.to_degrees();
         flat.say(
@@ -119,15 +122,16 @@ impl Creases {
             notes,
             "edges lettered otherwise than they are folded, lettered as folded",
         );
+        if angles.iter().all(|angle| angle.abs() <= 0.0) {
+            notes.push("no edge of the shape is folded: the goal is the flat sheet".into());
+        }
         Self { angles, letters }
     }
 
     /// Number of edges that are hinges.
-    pub(super) fn folded(&self) -> usize {
-        self.letters
-            .iter()
-            .filter(|letter| letter.is_hinge())
-            .count()
+    pub(super) fn hinges(&self) -> usize {
+        let hinge = |letter: &&Letter| letter.is_hinge();
+        self.letters.iter().filter(hinge).count()
     }
 }
 

@@ -32,8 +32,9 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Lays the faces, each across an edge, from a middle one of each part outwards. Other edges hold where
-    /// both faces have their ends in the same places, to within a slope times the size of the sheet; all do in
-    /// a disc.
+    /// both faces have their ends in the same places, to within a slope times the length of the edge in parts
+    /// without a boundary, where defects part them, or times the size of the sheet in parts with one, where
+    /// noise adds up round a ring; all do in a disc.
     pub(super) fn new(
         shape: &FoldedShape,
         surface: &Surface,
@@ -50,9 +51,14 @@ impl Layout {
                 return false;
             };
             let (a_ends, b_ends) = (surface.corners(a), surface.corners(b));
+            let part = surface.part_of_faces()[a.face];
+            let near = if surface.part_is_closed(part) {
+                slope * (laid[a_ends[1]] - laid[a_ends[0]]).norm()
+            } else {
+                near
+            };
             let mut ends = a_ends.into_iter().zip(b_ends);
-            surface.part_is_disc(surface.part_of_faces()[a.face])
-                || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
+            surface.part_is_disc(part) || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
         });
         let joined: Vec<bool> = joined.collect();
         let points = surface.points_where(&joined);

@@ -3,7 +3,10 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use crate::pattern::Letter;
+use crate::pattern::{LARGEST, Letter};
+
+/// Part of the square of its outline below which a face has no area.
+const NO_AREA: f64 = 1e-12;
 
 /// What is known of an edge of a folded shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,68 @@ impl FoldedShape {
             |(low, high): (Vector3<f64>, Vector3<f64>), p: &Vector3<f64>| (low.inf(p), high.sup(p));
         let (low, high) = self.vertices.iter().fold((*first, *first), box_of);
         (high - low).norm()
+    }
+
+    /// That it has faces, vertices that are numbers, and no reference to others.
+    pub(super) fn check(&self) -> Result<(), ShapeError> {
+        if self.faces.is_empty() {
+            return Err(ShapeError::NoFaces);
+        }
+        let infinite = |p: &Vector3<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
+        if let Some(vertex) = self.vertices.iter().position(infinite) {
+            return Err(ShapeError::NotFinite { vertex });
+        }
+        let count = self.vertices.len();
+        let known = |what, index, list: &[usize]| match list.iter().find(|v| **v >= count) {
+            Some(&vertex) => Err(ShapeError::NoVertex {
+                what,
+                index,
+                vertex,
+                last: count.saturating_sub(1),
+            }),
+            None => Ok(()),
+        };
+        for (index, edge) in self.edges.iter().enumerate() {
+            known("edge", index, &edge.ends)?;
+        }
+        for (face, cycle) in self.faces.iter().enumerate() {
+            known("face", face, cycle)?;
+            let mut sorted = cycle.clone();
+            sorted.sort_unstable();
+            if cycle.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+                return Err(ShapeError::NoArea { face });
+            }
+        }
+        Ok(())
+    }
+
+    /// Unit normal of a face in its order (M. Newell's), which is flat to within a slope.
+    pub(super) fn normal(&self, face: usize, slope: f64) -> Result<Vector3<f64>, ShapeError> {
+        let cycle = &self.faces[face];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let count = cycle.len() as f64;
+        let center = cycle
+            .iter()
+            .map(|&v| self.vertices[v] / count)
+            .sum::<Vector3<f64>>();
+        let arm = |k: usize| self.vertices[cycle[k % cycle.len()]] - center;
+        let corners = 0..cycle.len();
+        let twice_area: Vector3<f64> = corners.clone().map(|k| arm(k).cross(&arm(k + 1))).sum();
+        let extent = crate::numbers::largest(corners.clone().map(|k| arm(k).norm()));
+        let area = twice_area.norm();
+        if area <= NO_AREA * extent * extent {
+            return Err(ShapeError::NoArea { face });
+        }
+        let normal = twice_area / area;
+        let off = |k: usize| arm(k).dot(&normal).abs();
+        match corners.max_by(|&a, &b| off(a).total_cmp(&off(b))) {
+            Some(worst) if off(worst) > slope * extent => Err(ShapeError::NotFlat {
+                face,
+                vertex: cycle[worst],
+                off: off(worst),
+            }),
+            _ => Ok(normal),
+        }
     }
 }
 

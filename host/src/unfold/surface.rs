@@ -8,9 +8,6 @@ use nalgebra::{Vector2, Vector3};
 use super::{FoldedShape, ShapeError};
 use crate::pattern::{LARGEST, Letter};
 
-/// Part of the square of its outline below which a face has no area.
-const NO_AREA: f64 = 1e-12;
-
 /// A side of a face that is an edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
@@ -77,7 +74,7 @@ impl Surface {
         slope: f64,
         notes: &mut Vec<String>,
     ) -> Result<Self, ShapeError> {
-        check_lists(shape)?;
+        shape.check()?;
         let faces = shape.faces.clone();
         let mut corners = 0;
         let first = faces.iter().map(|cycle| {
@@ -85,7 +82,7 @@ impl Surface {
             corners - cycle.len()
         });
         let first = first.collect();
-        let normals = (0..faces.len()).map(|face| normal(shape, face, slope));
+        let normals = (0..faces.len()).map(|face| shape.normal(face, slope));
         let normals = normals.collect::<Result<Vec<_>, _>>()?;
         let edges = edges(shape, notes)?;
         let mut surface = Self {
@@ -330,6 +327,11 @@ impl Surface {
         self.discs[part]
     }
 
+    /// Whether a part has no boundary.
+    pub(super) fn part_is_closed(&self, part: usize) -> bool {
+        self.closed[part]
+    }
+
     /// Whether every part is a disc.
     pub(super) fn is_disc(&self) -> bool {
         self.discs.iter().all(|disc| *disc)
@@ -358,7 +360,8 @@ impl Surface {
         let corner_face = |corner: usize| self.first.partition_point(|first| *first <= corner) - 1;
         let bad = self.defects.iter().filter(|(corner, defect)| {
             // A broken number is no developable vertex either.
-            !(defect.abs() <= bound) && !self.closed[self.parts[corner_face(*corner)]]
+            (defect.abs() > bound || defect.is_nan())
+                && !self.closed[self.parts[corner_face(*corner)]]
         });
         let worst = bad.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         let vertex = self.corner_vertices().nth(worst.0)?;
@@ -374,67 +377,6 @@ fn root(roots: &mut [usize], corner: usize) -> usize {
         here = roots[here];
     }
     here
-}
-
-fn check_lists(shape: &FoldedShape) -> Result<(), ShapeError> {
-    if shape.faces.is_empty() {
-        return Err(ShapeError::NoFaces);
-    }
-    let infinite = |p: &Vector3<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
-    if let Some(vertex) = shape.vertices.iter().position(infinite) {
-        return Err(ShapeError::NotFinite { vertex });
-    }
-    let count = shape.vertices.len();
-    let known = |what, index, list: &[usize]| match list.iter().find(|v| **v >= count) {
-        Some(&vertex) => Err(ShapeError::NoVertex {
-            what,
-            index,
-            vertex,
-            last: count.saturating_sub(1),
-        }),
-        None => Ok(()),
-    };
-    for (index, edge) in shape.edges.iter().enumerate() {
-        known("edge", index, &edge.ends)?;
-    }
-    for (face, cycle) in shape.faces.iter().enumerate() {
-        known("face", face, cycle)?;
-        let mut sorted = cycle.clone();
-        sorted.sort_unstable();
-        if cycle.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-            return Err(ShapeError::NoArea { face });
-        }
-    }
-    Ok(())
-}
-
-/// Unit normal of a face in its order (M. Newell's), which is flat to within a slope.
-fn normal(shape: &FoldedShape, face: usize, slope: f64) -> Result<Vector3<f64>, ShapeError> {
-    let cycle = &shape.faces[face];
-    #[allow(clippy::cast_precision_loss, reason = "a mean")]
-    let count = cycle.len() as f64;
-    let center = cycle
-        .iter()
-        .map(|&v| shape.vertices[v] / count)
-        .sum::<Vector3<f64>>();
-    let arm = |k: usize| shape.vertices[cycle[k % cycle.len()]] - center;
-    let corners = 0..cycle.len();
-    let twice_area: Vector3<f64> = corners.clone().map(|k| arm(k).cross(&arm(k + 1))).sum();
-    let extent = crate::numbers::largest(corners.clone().map(|k| arm(k).norm()));
-    let area = twice_area.norm();
-    if !(area > NO_AREA * extent * extent) {
-        return Err(ShapeError::NoArea { face });
-    }
-    let normal = twice_area / area;
-    let off = |k: usize| arm(k).dot(&normal).abs();
-    match corners.max_by(|&a, &b| off(a).total_cmp(&off(b))) {
-        Some(worst) if off(worst) > slope * extent => Err(ShapeError::NotFlat {
-            face,
-            vertex: cycle[worst],
-            off: off(worst),
-        }),
-        _ => Ok(normal),
-    }
 }
 
 /// Edges that the shape names and faces have, in its order, then all others.
