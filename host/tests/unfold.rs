@@ -569,7 +569,7 @@ fn staircase(steps: usize) -> FoldedShape {
         )
     };
     let triangle = |k: usize| {
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             vec![k, k + 1, k + 2]
         } else {
             vec![k, k + 2, k + 1]
@@ -626,7 +626,7 @@ fn shapes_that_are_no_surface_are_refused() {
         let place = |k: usize| {
             let around = TAU * (k / 2) as f64 / count as f64;
             let lean = if twist { around / 2.0 } else { 0.0 };
-            let out = if k % 2 == 0 { 0.3 } else { -0.3 };
+            let out = if k.is_multiple_of(2) { 0.3 } else { -0.3 };
             let radius = 1.0 + out * lean.sin();
             Vector3::new(
                 radius * around.cos(),
@@ -644,7 +644,7 @@ fn shapes_that_are_no_surface_are_refused() {
         };
         let triangles = (0..2 * count).map(|k| {
             let face = [k, k + 1, k + 2].map(next);
-            if k % 2 == 0 {
+            if k.is_multiple_of(2) {
                 face.to_vec()
             } else {
                 vec![face[0], face[2], face[1]]

@@ -33,11 +33,12 @@ pub(super) enum Command {
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
     /// Faces are laid flat across their edges, all with the same side up: that of most faces as their vertices
-    /// run counter-clockwise, or the side that the file's letters are for. A sheet with a boundary is never
-    /// cut: where an inner vertex has not 360 degrees round it the answer is no. What has no boundary, or goes
-    /// round in a ring that no plane holds, is cut along edges. Folds of 180 degrees have no sign that could
-    /// be measured: they get that of the file's letters or angles, or else are valleys, which is said. Edges
-    /// without a letter that are flat to within 6e-6 degrees, or four times the largest angle defect, get F.
+    /// run counter-clockwise, or the side that the file's letters are for. A plain sheet is never cut. Where an
+    /// inner vertex of a shape with a boundary has not 360 degrees round it the answer is no. What has no
+    /// boundary, or goes round in a ring that no plane holds, is cut along edges. Folds of 180 degrees have no
+    /// sign that could be measured: they get that of the file's letters or angles, or else are valleys, which is
+    /// said. Edges without a letter that are flat to within 6e-6 degrees, or four times the largest angle defect
+    /// let pass, get F.
     Unfold(Unfold),
     /// Write one self-contained page that shows a path
     View(View),
