@@ -12,7 +12,8 @@
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
 //!    looks for faces that pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
-//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it; [`stream`] sends it to a
+//! 6. [`unfold`](mod@unfold) makes a crease pattern of a shape that is folded already.
+//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it; [`stream`] sends it to a
 //!    controller.
 //!
 //! ```
@@ -58,4 +59,5 @@ pub mod progress;
 pub mod ragged;
 pub mod stream;
 pub mod symmetry;
+pub mod unfold;
 pub mod view;

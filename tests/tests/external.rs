@@ -1,11 +1,15 @@
 //! Real patterns that nobody here wrote, where they are at hand: in the folder that the environment
 //! variable FOLDPATH_EXTERNAL_PATTERNS names.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use foldpath::formats::fold::read_pattern;
+use foldpath::folding::laid_on;
+use foldpath::formats::fold::{PatternFile, read_pattern};
+use foldpath::formats::{ShapeFile, read_shape};
+use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
-use foldpath_tests::Planned;
+use foldpath::unfold::{self, UnfoldOptions, Unfolding, unfold};
+use foldpath_tests::{Animation, Planned, worst};
 
 /// The folder, or `None` with a word that the test skips.
 fn folder() -> Option<PathBuf> {
@@ -107,4 +111,70 @@ fn files_of_other_programs_get_their_answers() {
     }
     let error = read_pattern(&folder.join("rtori/one_vertex.fold")).unwrap_err();
     assert!(error.to_string().contains("edges_vertices"), "{error}");
+}
+
+/// A folded shape and what it unfolds to.
+fn unfolded(file: &Path) -> (ShapeFile, Unfolding) {
+    let file = read_shape(file, None).unwrap();
+    let unfolding = unfold(&file.shape, &UnfoldOptions::default()).unwrap();
+    (file, unfolding)
+}
+
+/// The rigidly folded square twist, with coordinates of six digits, folds back to itself; a box folded of a
+/// square, whose layers touch and whose vertices coincide, unfolds to that square with all its letters kept,
+/// and no motion from flat has these signs.
+#[test]
+fn folded_shapes_unfold_and_fold_again() {
+    let Some(folder) = folder() else { return };
+    let (file, twist) = unfolded(&folder.join("fold/squaretwist.fold"));
+    assert_eq!(twist.outcome, unfold::Outcome::Unfolded);
+    assert_eq!((twist.creases, twist.cuts), (12, 0));
+    let defect = twist.max_angle_defect.to_degrees();
+    assert!(defect > 1.2e-4 && defect < 1.3e-4, "{defect}");
+    assert!(twist.max_closure.unwrap() < 2e-6, "{twist:?}");
+    let pattern = CreasePattern::new(twist.drawing.unwrap()).unwrap();
+    let title = file.title;
+    let options = PlanOptions {
+        keep_vertices: true,
+        ..PlanOptions::default()
+    };
+    let planned = Planned::of(PatternFile { title, pattern }, &options);
+    assert_eq!(planned.plan.outcome, Outcome::Planned);
+    // Where the oracle folds the goal to.
+    let path = Animation::parse(&planned.text()).unwrap();
+    let goal = path.frames.last().unwrap();
+    let folded = path.sheet.positions(&path.sheet.fold(&goal.angles));
+    let shape = &file.shape.vertices;
+    let apart = laid_on(&folded, shape);
+    let apart = worst(apart.iter().zip(shape).map(|(a, b)| (a - b).norm()));
+    assert!(apart < 1e-6 * file.shape.size(), "{apart}");
+
+    let (file, mut folded_box) = unfolded(&folder.join("fold/box.fold"));
+    assert_eq!(folded_box.outcome, unfold::Outcome::Unfolded);
+    let counts = [folded_box.vertices, folded_box.faces, folded_box.creases];
+    assert_eq!((counts, folded_box.cuts), ([39, 42, 58], 0));
+    assert!(folded_box.max_angle_defect.to_degrees() < 1e-12);
+    assert!(folded_box.max_closure.unwrap() < 1e-12);
+    assert!(folded_box.deviation.unwrap() < 1e-12);
+    let drawing = folded_box.drawing.take().unwrap();
+    for (edge, drawn) in file.shape.edges.iter().zip(&drawing.edges) {
+        assert_eq!((edge.ends, edge.letter), (drawn.ends, Some(drawn.letter)));
+    }
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let title = file.title;
+    let plan = Planned::of(PatternFile { title, pattern }, &PlanOptions::default()).plan;
+    assert_eq!(plan.outcome, Outcome::Partial);
+    let reason = plan.reason.unwrap();
+    assert!(
+        reason.contains("no motion leaves the flat sheet"),
+        "{reason}"
+    );
+
+    // The report's Yoshimura, as its authors folded it; their waterbomb is no folded sheet.
+    let (_, yoshimura) = unfolded(&folder.join("report-authors/yoshimura_12_12.fold"));
+    assert_eq!(yoshimura.outcome, unfold::Outcome::Unfolded);
+    assert!(yoshimura.deviation.unwrap() < 1e-4);
+    let (_, tube) = unfolded(&folder.join("report-authors/wb_12_6.fold"));
+    assert_eq!(tube.outcome, unfold::Outcome::NotDevelopable);
+    assert!(tube.reason.unwrap().starts_with("vertex 73 at"));
 }

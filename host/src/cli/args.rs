@@ -40,6 +40,16 @@ pub(super) enum Command {
     Plan(Box<Plan>),
     /// Judge a path afresh: rigidity, closure, signs and crossings, at its knots and between them
     Check(Check),
+    /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
+    ///
+    /// Faces are laid flat across their edges, all with the same side up: that of most faces as their vertices
+    /// run counter-clockwise, or the side that the file's letters are for. A plain sheet is never cut. Where an
+    /// inner vertex of a shape with a boundary has not 360 degrees round it the answer is no. What has no
+    /// boundary, or goes round in a ring that no plane holds, is cut along edges. Folds of 180 degrees have no
+    /// sign that could be measured: they get that of the file's letters or angles, or else are valleys, which is
+    /// said. Edges without a letter that are flat to within 6e-6 degrees, or four times the largest angle defect
+    /// let pass, get F.
+    Unfold(Unfold),
     /// Write one self-contained page that shows a path
     View(View),
     /// Write a path for a controller or a spreadsheet
@@ -215,8 +225,26 @@ Examples:
   foldpath info miura.fold
   foldpath info miura.fold --json")]
 pub(super) struct Info {
-    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
+    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
     pub(super) pattern: PathBuf,
+    #[command(flatten)]
+    pub(super) report: Report,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Unfold {
+    /// Folded shape: a FOLD file with faces in space, or by its ending .obj (with Freeform Origami's crease
+    /// comments) or .stl
+    pub(super) shape: PathBuf,
+    /// Crease pattern to write, a FOLD file; nothing is written unless the shape unfolds
+    #[arg(short, long)]
+    pub(super) output: PathBuf,
+    /// Frame of a FOLD file, of which the key frame is 0 [default: the last folded form, or the key frame]
+    #[arg(long, value_name = "N")]
+    pub(super) frame: Option<usize>,
+    /// Angle defect of an inner vertex, and slope of a face out of its plane, that is taken for noise, degrees
+    #[arg(long, default_value_t = 0.01, value_name = "DEG")]
+    pub(super) max_defect: f64,
     #[command(flatten)]
     pub(super) report: Report,
 }
@@ -240,7 +268,7 @@ Examples:
   foldpath plan miura.fold --crease 4=-45 -o driven.fold
   foldpath plan miura.fold --symmetry off --collision off --json")]
 pub(super) struct Plan {
-    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours) or .cp
+    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
     pub(super) pattern: PathBuf,
     /// FOLD file of the same sheet whose angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]

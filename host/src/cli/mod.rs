@@ -12,6 +12,7 @@ mod plan;
 mod progress;
 mod report;
 mod stream;
+mod unfold;
 mod view;
 
 use std::io::{ErrorKind, Write};
@@ -65,6 +66,7 @@ pub fn main() -> ExitCode {
         args::Command::Info(args) => info::run(&args),
         args::Command::Plan(args) => plan::run(&args),
         args::Command::Check(args) => check::run(&args),
+        args::Command::Unfold(args) => unfold::run(&args),
         args::Command::View(args) => view::run(&args),
         args::Command::Export(args) => export::run(&args),
         args::Command::Stream(args) => stream::run(&args),

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::locate;
 use crate::pattern::PatternError;
+use crate::unfold::ShapeError;
 
 /// Why a file could not be read or written.
 #[derive(Debug, Error)]
@@ -62,6 +63,14 @@ pub enum FileError {
         /// What is wrong with it.
         source: PatternError,
     },
+    /// The shape in the file is no surface of flat faces.
+    #[error("{}: {source}", path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it; faces and vertices are counted from 0.
+        source: ShapeError,
+    },
 }
 
 /// Bytes beyond which a file is not read again to show the place of an error.
@@ -76,7 +85,8 @@ impl FileError {
             | Self::Syntax { path, .. }
             | Self::Expected { path, .. }
             | Self::Trajectory { path, .. }
-            | Self::Pattern { path, .. } => path,
+            | Self::Pattern { path, .. }
+            | Self::Shape { path, .. } => path,
         }
     }
 
@@ -86,7 +96,7 @@ impl FileError {
     pub fn locate(&self) -> Option<(String, Range<usize>)> {
         let text = self.text_again()?;
         let span = match self {
-            Self::Io { .. } | Self::Trajectory { .. } => None,
+            Self::Io { .. } | Self::Trajectory { .. } | Self::Shape { .. } => None,
             Self::Syntax { line, column, .. } => locate::at_position(&text, *line, *column),
             Self::Expected { place, found, .. } => span_of(&text, place, found),
             Self::Pattern { frame, source, .. } => {

@@ -6,9 +6,12 @@ mod error;
 pub mod fold;
 mod groups;
 mod locate;
+mod merge;
+mod obj;
 mod output;
 pub mod rust;
 mod segments;
+mod stl;
 mod svg;
 pub mod traj;
 
@@ -19,8 +22,10 @@ use std::path::Path;
 pub use error::FileError;
 pub use output::{write_whole, write_whole_with};
 
-/// Reads a crease pattern of whatever format the name's ending says: `.svg`, `.cp`, and FOLD for all
-/// others.
+use crate::unfold::FoldedShape;
+
+/// Reads a crease pattern of whatever format the name's ending says: `.svg`, `.cp`, `.obj`, and FOLD
+/// for all others.
 ///
 /// # Errors
 /// If the file cannot be read, is too large, or holds no flat crease pattern.
@@ -28,6 +33,7 @@ pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
     let most = match ending(path).as_str() {
         "svg" => svg::LARGEST_FILE,
         "cp" => cp::LARGEST_FILE,
+        "obj" => obj::LARGEST_FILE,
         _ => fold::LARGEST_FILE,
     };
     parse_pattern(path, &read_bytes(path, most)?)
@@ -41,6 +47,7 @@ pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<fold::PatternFile, Fil
     match ending(path).as_str() {
         "svg" => svg::parse_pattern(path, text(path, bytes)?),
         "cp" => cp::parse_pattern(path, text(path, bytes)?),
+        "obj" => obj::parse_pattern(path, text(path, bytes)?),
         _ => fold::parse_pattern(path, bytes),
     }
 }
@@ -75,6 +82,60 @@ pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
         expected: format!("at most {} MiB", most >> 20),
         found: "more".into(),
     })
+}
+
+/// A folded shape as a file has it.
+#[derive(Clone, Debug)]
+pub struct ShapeFile {
+    /// The file's title, or else its name.
+    pub title: String,
+    /// The shape.
+    pub shape: FoldedShape,
+    /// What was assumed in reading, in words.
+    pub notes: Vec<String>,
+}
+
+/// Reads a folded shape of whatever format the name's ending says: `.obj`, `.stl`, and FOLD for all others,
+/// of which `frame` may choose a frame: the key frame is 0.
+///
+/// # Errors
+/// If the file cannot be read, is too large or holds no faces in space, or a frame is asked of a file that has none.
+pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
+    let most = match ending(path).as_str() {
+        "obj" => obj::LARGEST_FILE,
+        "stl" => stl::LARGEST_FILE,
+        _ => fold::LARGEST_FILE,
+    };
+    parse_shape(path, &read_bytes(path, most)?, frame)
+}
+
+/// A folded shape from the bytes of a file of that name, as [`read_shape`] reads it.
+///
+/// # Errors
+/// If they hold no faces in space, or a frame is asked of a file that has none.
+pub fn parse_shape(
+    path: &Path,
+    bytes: &[u8],
+    frame: Option<usize>,
+) -> Result<ShapeFile, FileError> {
+    let ending = ending(path);
+    match (ending.as_str(), frame) {
+        ("obj", None) => obj::parse_shape(path, text(path, bytes)?),
+        ("stl", None) => stl::parse_shape(path, bytes),
+        ("obj" | "stl", Some(frame)) => Err(FileError::Expected {
+            path: path.to_path_buf(),
+            place: format!("frame {frame}"),
+            expected: "a FOLD file, which has frames".into(),
+            found: format!("an {} file", ending.to_ascii_uppercase()),
+        }),
+        _ => fold::parse_shape(path, bytes, frame),
+    }
+}
+
+/// The name of a file without its ending.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
 }
 
 /// The text of a file, without a byte order mark.

@@ -8,11 +8,14 @@ mod document;
 mod json;
 mod pattern;
 mod plane;
+mod shape;
 mod write;
 
 pub(crate) use animation::interpolation_name;
 pub use animation::{PathFile, PathKnot, parse_path, read_path};
 pub use pattern::{PatternFile, parse_goal, parse_pattern, read_goal, read_pattern};
+pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
+pub use shape::{parse_shape, read_shape};
 pub use write::{PathWriter, pattern_text, write_pattern};
 
 /// Bytes of a file at most: paths of a million faces have about one gigabyte.

@@ -6,8 +6,8 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame, Frames, Located};
-use super::plane::flatten;
-use crate::formats::FileError;
+use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
+use crate::formats::{FileError, stem};
 use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
@@ -104,19 +104,21 @@ pub(super) fn pattern_of(
     for note in notes {
         pattern.assume(note);
     }
+    Ok(PatternFile {
+        title: title(document, frame)?,
+        pattern,
+    })
+}
+
+/// The title of a frame, or of its file, or else the file's name.
+pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, FileError> {
     let title = ["frame_title", "file_title"]
         .iter()
         .find_map(|key| frame.get(key));
-    let title = match title {
-        Some(title) => title.text()?.to_string(),
-        None => document
-            .path()
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
-    };
-    Ok(PatternFile { title, pattern })
+    match title {
+        Some(title) => Ok(title.text()?.to_string()),
+        None => Ok(stem(document.path())),
+    }
 }
 
 /// The frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
@@ -128,13 +130,13 @@ fn flat_frame<'a>(frames: &Frames<'a>) -> Frame<'a> {
 /// Goal angles of all edges.
 pub(super) struct Goals {
     /// Radians; `None` for null.
-    angles: Vec<Option<f64>>,
+    pub(super) angles: Vec<Option<f64>>,
     /// The frame they come from, as a prefix of its keys.
     frame: String,
 }
 
 impl Goals {
-    fn check_count(&self, document: &Document, edges: usize) -> Result<(), FileError> {
+    pub(super) fn check_count(&self, document: &Document, edges: usize) -> Result<(), FileError> {
         if self.angles.len() == edges {
             return Ok(());
         }
@@ -193,26 +195,10 @@ fn drawing(
     notes: &mut Vec<String>,
 ) -> Result<Drawing, FileError> {
     let points = points(frame)?;
-    let Some((mut vertices, level)) = flatten(&points) else {
-        let expected = "a flat crease pattern (a folded shape has to be unfolded first)";
-        let found = "vertices that lie in no common plane";
-        return Err(document.expected("vertices_coords".into(), expected, found));
-    };
-    if !level {
-        notes.push(
-            "the sheet stands in space: seen from its upper side, or where faces are given from where they run counter-clockwise".into(),
-        );
-    }
     let faces = faces(frame)?;
-    let clockwise = faces
-        .as_deref()
-        .is_some_and(|faces| winds_clockwise(&vertices, faces));
-    if clockwise && level {
-        notes
-            .push("faces_vertices run clockwise: the sheet is seen from above all the same".into());
-    } else if clockwise {
-        vertices.iter_mut().for_each(|v| v.x = -v.x);
-    }
+    let Some(vertices) = lay(&points, faces.as_deref(), notes) else {
+        return Err(document.expected("vertices_coords".into(), FLAT_PATTERN, NOT_FLAT));
+    };
     let edges = edges(document, frame, faces.as_deref(), notes)?;
     if let Some(goals) = goals {
         goals.check_count(document, edges.len())?;
@@ -232,20 +218,6 @@ fn drawing(
         edges: drawn.collect(),
         faces,
     })
-}
-
-/// Whether the faces, as far as their vertices exist, enclose a negative area.
-fn winds_clockwise(vertices: &[nalgebra::Vector2<f64>], faces: &[Vec<usize>]) -> bool {
-    let doubled = faces.iter().flat_map(|face| {
-        let shifted = face.iter().cycle().skip(1);
-        face.iter()
-            .zip(shifted)
-            .map(|(&a, &b)| match (vertices.get(a), vertices.get(b)) {
-                (Some(a), Some(b)) => a.perp(b),
-                _ => 0.0,
-            })
-    });
-    doubled.sum::<f64>() < 0.0
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
@@ -278,7 +250,7 @@ fn indices(entry: &Located<'_>) -> Result<Vec<usize>, FileError> {
     entry.entries()?.map(|index| index.index()).collect()
 }
 
-fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileError> {
+pub(super) fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileError> {
     let Some(faces) = frame.get("faces_vertices") else {
         return Ok(None);
     };
@@ -289,7 +261,7 @@ fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileError> {
     Ok((!faces.is_empty()).then_some(faces))
 }
 
-fn edges(
+pub(super) fn edges(
     document: &Document,
     frame: &Frame<'_>,
     faces: Option<&[Vec<usize>]>,
@@ -341,7 +313,7 @@ fn edges(
     Ok(edges.into_iter().map(|(ends, _)| ends).collect())
 }
 
-fn letters(
+pub(super) fn letters(
     frame: &Frame<'_>,
     edges: usize,
     notes: &mut Vec<String>,

@@ -5,9 +5,51 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 /// A sheet may leave its plane by this part of its size and still count as flat.
 const FLAT: f64 = 1e-6;
 
+/// What is expected where a sheet is not flat, and what was found.
+pub(in crate::formats) const FLAT_PATTERN: &str =
+    "a flat crease pattern (a folded shape has to be unfolded first)";
+pub(in crate::formats) const NOT_FLAT: &str = "vertices that lie in no common plane";
+
+/// The vertices of a flat sheet in its plane, seen from where its faces run counter-clockwise; `None` if it is
+/// not flat. What was assumed is said in `notes`.
+pub(in crate::formats) fn lay(
+    points: &[Vector3<f64>],
+    faces: Option<&[Vec<usize>]>,
+    notes: &mut Vec<String>,
+) -> Option<Vec<Vector2<f64>>> {
+    let (mut vertices, level) = flatten(points)?;
+    if !level {
+        notes.push(
+            "the sheet stands in space: seen from its upper side, or where faces are given from where they run counter-clockwise".into(),
+        );
+    }
+    let clockwise = faces.is_some_and(|faces| winds_clockwise(&vertices, faces));
+    if clockwise && level {
+        notes
+            .push("faces_vertices run clockwise: the sheet is seen from above all the same".into());
+    } else if clockwise {
+        vertices.iter_mut().for_each(|v| v.x = -v.x);
+    }
+    Some(vertices)
+}
+
+/// Whether the faces, as far as their vertices exist, enclose a negative area.
+fn winds_clockwise(vertices: &[Vector2<f64>], faces: &[Vec<usize>]) -> bool {
+    let doubled = faces.iter().flat_map(|face| {
+        let shifted = face.iter().cycle().skip(1);
+        face.iter()
+            .zip(shifted)
+            .map(|(&a, &b)| match (vertices.get(a), vertices.get(b)) {
+                (Some(a), Some(b)) => a.perp(b),
+                _ => 0.0,
+            })
+    });
+    doubled.sum::<f64>() < 0.0
+}
+
 /// The sheet in coordinates of its own plane, seen from +z (from +y, or else +x, if it stands
 /// upright), and whether it lay in the xy-plane; `None` if it is not flat.
-pub(super) fn flatten(points: &[Vector3<f64>]) -> Option<(Vec<Vector2<f64>>, bool)> {
+fn flatten(points: &[Vector3<f64>]) -> Option<(Vec<Vector2<f64>>, bool)> {
     let project = |p: &Vector3<f64>| Vector2::new(p.x, p.y);
     #[allow(clippy::float_cmp, reason = "the usual case, written exactly")]
     let level = points.iter().all(|p| p.z == points[0].z);

@@ -76,7 +76,7 @@ pub fn pattern_text(title: &str, drawing: &Drawing) -> String {
     text(|out| write_pattern(title, drawing, out))
 }
 
-/// Writes a crease pattern with its goal angles as a FOLD file.
+/// Writes a crease pattern with its goal angles, and its faces where they are known, as a FOLD file.
 ///
 /// # Errors
 /// Those of `out`.
@@ -89,7 +89,11 @@ pub fn write_pattern(title: &str, drawing: &Drawing, out: &mut impl Write) -> io
         file.list("vertices_coords", vertices)?;
         file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
-        file.list("edges_foldAngle", goals)
+        file.list("edges_foldAngle", goals)?;
+        match &drawing.faces {
+            Some(faces) => file.list("faces_vertices", faces),
+            None => Ok(()),
+        }
     })
 }
 

@@ -1,0 +1,88 @@
+//! `foldpath unfold`.
+
+use serde::Serialize;
+
+use super::args::Unfold;
+use super::{Answer, CliError, check_output, print, print_json, print_notes};
+use crate::formats::fold::write_pattern;
+use crate::formats::{FileError, read_shape, write_whole_with};
+use crate::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
+
+#[derive(Serialize)]
+struct UnfoldJson<'a> {
+    outcome: &'a str,
+    reason: Option<&'a str>,
+    vertices: usize,
+    faces: usize,
+    creases: usize,
+    cuts: usize,
+    max_angle_defect: f64,
+    max_closure: Option<f64>,
+}
+
+pub(super) fn run(args: &Unfold) -> Answer {
+    let degrees = args.max_defect;
+    if !(degrees > 0.0 && degrees <= 10.0) {
+        return Err(CliError::Usage(format!(
+            "--max-defect: expected degrees above 0 and at most 10, found {degrees}"
+        )));
+    }
+    check_output(&args.shape, &args.output)?;
+    let file = read_shape(&args.shape, args.frame)?;
+    let options = UnfoldOptions {
+        max_defect: degrees.to_radians(),
+        ..UnfoldOptions::default()
+    };
+    let unfolding = unfold(&file.shape, &options).map_err(|source| FileError::Shape {
+        path: args.shape.clone(),
+        source,
+    })?;
+    if let Some(drawing) = &unfolding.drawing {
+        write_whole_with(&args.output, |out| write_pattern(&file.title, drawing, out))?;
+    }
+    print_notes(args.report.quiet, &file.notes);
+    print_notes(args.report.quiet, &unfolding.notes);
+    if args.report.json {
+        print_json(&UnfoldJson {
+            outcome: unfolding.outcome.name(),
+            reason: unfolding.reason.as_deref(),
+            vertices: unfolding.vertices,
+            faces: unfolding.faces,
+            creases: unfolding.creases,
+            cuts: unfolding.cuts,
+            max_angle_defect: unfolding.max_angle_defect.to_degrees(),
+            max_closure: unfolding.max_closure,
+        })?;
+    } else {
+        print(&summary(args, &file.title, &unfolding))?;
+    }
+    Ok(unfolding.outcome == Outcome::Unfolded)
+}
+
+fn summary(args: &Unfold, title: &str, unfolding: &Unfolding) -> String {
+    let mut text = format!("{title}: {}\n", unfolding.outcome.name().replace('_', " "));
+    if let Some(reason) = &unfolding.reason {
+        text += &format!("  reason       {reason}\n");
+    }
+    text += &format!(
+        "  sheet        {} faces, {} vertices, {} creases, cut along {} edges\n  \
+         angle defect {:.1e} degrees at most\n",
+        unfolding.faces,
+        unfolding.vertices,
+        unfolding.creases,
+        unfolding.cuts,
+        unfolding.max_angle_defect.to_degrees(),
+    );
+    if let Some(closure) = unfolding.max_closure {
+        text += &format!("  closure      {closure:.1e} at the measured angles\n");
+    }
+    if let Some(deviation) = unfolding.deviation {
+        text += &format!(
+            "  folded back  {deviation:.1e} of its size from the shape, where it is farthest\n"
+        );
+    }
+    text + &match unfolding.outcome {
+        Outcome::Unfolded => format!("  written to   {}\n", args.output.display()),
+        _ => "  nothing written\n".into(),
+    }
+}

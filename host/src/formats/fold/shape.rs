@@ -1,0 +1,82 @@
+//! Reads the folded shape of a FOLD file.
+
+use std::path::Path;
+
+use super::LARGEST_FILE;
+use super::document::{Document, Frame};
+use super::pattern::{edges, faces, goals, letters, points, title};
+use crate::formats::{FileError, ShapeFile, read_bytes};
+use crate::unfold::{FoldedShape, ShapeEdge};
+
+/// Reads the folded shape of frame number `frame`, of which the key frame is 0, or else of the last folded
+/// form in the file, or else of the key frame.
+///
+/// # Errors
+/// If the file cannot be read, or its frame has no faces in space.
+pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
+    parse_shape(path, &read_bytes(path, LARGEST_FILE)?, frame)
+}
+
+/// A folded shape from the bytes of a file of that name, as [`read_shape`] reads it.
+///
+/// # Errors
+/// If they hold no faces in space in that frame.
+pub fn parse_shape(
+    path: &Path,
+    bytes: &[u8],
+    frame: Option<usize>,
+) -> Result<ShapeFile, FileError> {
+    let document = Document::parse(path, bytes)?;
+    let (frame, folded) = chosen(&document, frame)?;
+    let mut notes = Vec::new();
+    if folded && frame.own("vertices_coords").is_none() {
+        let expected = "the folded positions of the vertices";
+        return Err(frame.missing("vertices_coords", expected));
+    }
+    let vertices = points(&frame)?;
+    let Some(faces) = faces(&frame)? else {
+        return Err(frame.missing("faces_vertices", "the faces of the shape"));
+    };
+    let ends = match frame.get("edges_vertices") {
+        Some(_) => edges(&document, &frame, None, &mut notes)?,
+        None => Vec::new(),
+    };
+    let lettered = frame.get("edges_assignment").is_some();
+    let letters = match lettered {
+        true => letters(&frame, ends.len(), &mut notes)?,
+        false => Vec::new(),
+    };
+    let goals = goals(&frame)?;
+    if let Some(goals) = &goals {
+        goals.check_count(&document, ends.len())?;
+    }
+    let edges = ends.into_iter().enumerate().map(|(index, ends)| ShapeEdge {
+        ends,
+        letter: letters.get(index).copied(),
+        angle: goals.as_ref().and_then(|goals| goals.angles[index]),
+    });
+    Ok(ShapeFile {
+        title: title(&document, &frame)?,
+        shape: FoldedShape {
+            vertices,
+            faces,
+            edges: edges.collect(),
+        },
+        notes,
+    })
+}
+
+/// The frame with the shape, and whether it is a folded form.
+fn chosen(document: &Document, number: Option<usize>) -> Result<(Frame<'_>, bool), FileError> {
+    let frames = document.frames()?;
+    let folded = |number: &usize| frames.classes()[*number].folded_form;
+    let number = match number {
+        Some(number) if number > frames.len() => {
+            let expected = format!("frames from 0 to {}", frames.len());
+            return Err(document.expected("file_frames".into(), &expected, &number.to_string()));
+        }
+        Some(number) => number,
+        None => (1..=frames.len()).rev().find(folded).unwrap_or(0),
+    };
+    Ok((frames.get(number), folded(&number)))
+}

@@ -1,0 +1,119 @@
+//! Joins faces that come each with vertices of its own, as in STL files.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use crate::unfold::FoldedShape;
+
+/// Vertices nearer to each other than this part of the size of the shape are one: files of single precision
+/// have the same numbers for the same place, or others by 6e-8 at least, which are different places.
+const NEAR: f64 = 1e-9;
+
+/// Whether any vertex has two faces, or there is one face alone.
+pub(super) fn shares_vertices(faces: &[Vec<usize>]) -> bool {
+    let last = faces.iter().flatten().max().map_or(0, |last| last + 1);
+    let mut seen = vec![false; last];
+    let mut twice = |&vertex: &usize| core::mem::replace(&mut seen[vertex], true);
+    faces.len() < 2 || faces.iter().flatten().any(&mut twice)
+}
+
+/// The shape with vertices at the same place made one, in the order in which faces have them. Faces that lose
+/// a corner thereby have no area and are left out. What was done is said in `notes`.
+pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape {
+    let near = NEAR * shape.size();
+    let mut places = Places {
+        near,
+        cells: HashMap::new(),
+        exact: HashMap::new(),
+        points: Vec::new(),
+        widest: 0.0,
+    };
+    let mut names = vec![usize::MAX; shape.vertices.len()];
+    let mut corners = 0_usize;
+    let mut faces = Vec::with_capacity(shape.faces.len());
+    let mut lost = 0_usize;
+    for mut cycle in shape.faces {
+        for corner in &mut cycle {
+            let name = &mut names[*corner];
+            if *name == usize::MAX {
+                *name = places.name(shape.vertices[*corner]);
+                corners += 1;
+            }
+            *corner = *name;
+        }
+        let mut sorted = cycle.clone();
+        sorted.sort_unstable();
+        if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+            lost += 1;
+        } else {
+            faces.push(cycle);
+        }
+    }
+    let Places { points, widest, .. } = places;
+    if points.len() < corners {
+        notes.push(format!(
+            "vertices at the same place to within {near:.1e} made one: {corners} are {} (farthest apart \
+             {widest:.1e}); what merely touches is joined thereby",
+            points.len()
+        ));
+    }
+    if lost > 0 {
+        notes.push(format!(
+            "faces with two corners at the same place, left out: {lost}"
+        ));
+    }
+    FoldedShape {
+        vertices: points,
+        faces,
+        edges: Vec::new(),
+    }
+}
+
+/// Places in space, in a grid of cells as wide as what is near.
+struct Places {
+    near: f64,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+    /// Names by the bits of coordinates, which mostly are the same.
+    exact: HashMap<[u64; 3], usize>,
+    points: Vec<Vector3<f64>>,
+    /// Farthest that two points made one were apart.
+    widest: f64,
+}
+
+impl Places {
+    /// The number of a place.
+    fn name(&mut self, point: Vector3<f64>) -> usize {
+        let bits = point.map(f64::to_bits).into();
+        if let Some(&known) = self.exact.get(&bits) {
+            return known;
+        }
+        let name = self.near_name(point);
+        self.exact.insert(bits, name);
+        name
+    }
+
+    /// The number of a place whose very coordinates are new.
+    fn near_name(&mut self, point: Vector3<f64>) -> usize {
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "saturates: shared cells cost time alone"
+        )]
+        let cell = point.map(|c| (c / self.near.max(f64::MIN_POSITIVE)).floor() as i64);
+        for around in 0..27 {
+            let step = |k: u32| i64::from(around / 3_u32.pow(k) % 3) - 1;
+            let key = [0, 1, 2].map(|k| cell[k as usize].saturating_add(step(k)));
+            for &known in self.cells.get(&key).into_iter().flatten() {
+                let apart = (self.points[known] - point).norm();
+                if apart <= self.near {
+                    self.widest = self.widest.max(apart);
+                    return known;
+                }
+            }
+        }
+        self.points.push(point);
+        let name = self.points.len() - 1;
+        self.cells.entry(cell.into()).or_default().push(name);
+        name
+    }
+}

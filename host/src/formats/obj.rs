@@ -1,0 +1,259 @@
+//! OBJ files: surfaces in space, with the creases that Freeform Origami writes into comments.
+//!
+//! Read are `v` and `f`, and lines `#e a b type angle 0`, as T. Tachi's Freeform Origami writes one for each
+//! side of a face: types are 0 boundary, 1 a diagonal inside a face, 2 valley and 3 mountain; the angle is in
+//! degrees, valley positive, seen from where faces run counter-clockwise. All other lines say nothing of the
+//! shape.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::fold::{FLAT_PATTERN, NOT_FLAT, PatternFile, lay};
+use super::{FileError, ShapeFile, merge, stem};
+use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
+use crate::unfold::{FoldedShape, ShapeEdge};
+
+/// Bytes of a file at most.
+pub(super) const LARGEST_FILE: u64 = 1 << 28;
+
+/// Reads a folded shape. Faces that share no vertex at all are joined where vertices are at the same place.
+///
+/// # Errors
+/// If a line of it is not what its keyword asks for, or it has no faces.
+pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileError> {
+    let (shape, mut notes) = parse(path, text)?;
+    let shared = merge::shares_vertices(&shape.faces);
+    let shape = if shared {
+        shape
+    } else {
+        merge::merged(shape, &mut notes)
+    };
+    Ok(ShapeFile {
+        title: stem(path),
+        shape,
+        notes,
+    })
+}
+
+/// Reads a flat crease pattern: edges without a crease comment are free hinges.
+///
+/// # Errors
+/// Those of [`parse_shape`], or if the vertices lie in no plane or are no crease pattern.
+pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
+    let (shape, mut notes) = parse(path, text)?;
+    let Some(vertices) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
+        return Err(FileError::Expected {
+            path: path.to_path_buf(),
+            place: "the vertices".into(),
+            expected: FLAT_PATTERN.into(),
+            found: NOT_FLAT.into(),
+        });
+    };
+    let key = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let named = shape.edges.iter().map(|edge| (key(edge.ends), *edge));
+    let mut named: HashMap<[usize; 2], ShapeEdge> = named.collect();
+    let lettered = !named.is_empty();
+    let mut edges = Vec::new();
+    for cycle in &shape.faces {
+        for (corner, &a) in cycle.iter().enumerate() {
+            let ends = [a, cycle[(corner + 1) % cycle.len()]];
+            let edge = named.entry(key(ends)).or_insert(ShapeEdge {
+                ends,
+                letter: Some(Letter::Unassigned),
+                angle: None,
+            });
+            // Taken once.
+            if let Some(letter) = edge.letter.take() {
+                edges.push(DrawnEdge {
+                    ends,
+                    letter,
+                    goal: edge.angle.filter(|_| letter.is_hinge()),
+                });
+            }
+        }
+    }
+    if !lettered {
+        notes.push("no crease comments (#e): all inner edges taken as free hinges (U)".into());
+    }
+    let flat = edges.iter().all(|e| e.goal.is_none_or(|g| g.abs() <= 0.0));
+    if flat {
+        // A goal of zeros alone is the flat sheet, and no goal.
+        edges.iter_mut().for_each(|edge| edge.goal = None);
+    }
+    let drawing = Drawing {
+        vertices,
+        edges,
+        faces: Some(shape.faces),
+    };
+    let mut pattern = CreasePattern::new(drawing).map_err(|source| FileError::Pattern {
+        path: path.to_path_buf(),
+        frame: String::new(),
+        source,
+    })?;
+    notes.into_iter().for_each(|note| pattern.assume(note));
+    Ok(PatternFile {
+        title: stem(path),
+        pattern,
+    })
+}
+
+/// What a line says is not what it should.
+struct Wrong {
+    expected: String,
+    found: String,
+}
+
+fn wrong(expected: &str, found: &str) -> Wrong {
+    Wrong {
+        expected: expected.into(),
+        found: format!("\"{}\"", found.chars().take(40).collect::<String>()),
+    }
+}
+
+/// A surface in the making.
+#[derive(Default)]
+struct Reader {
+    shape: FoldedShape,
+    /// Lines of the faces, whose vertices may follow later.
+    lines: Vec<usize>,
+    /// Edges with a crease comment.
+    known: HashMap<[usize; 2], Letter>,
+    /// Crease comments that say otherwise than one before.
+    doubtful: usize,
+}
+
+fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileError> {
+    let mut reader = Reader::default();
+    let at = |line: usize, Wrong { expected, found }: Wrong| FileError::Expected {
+        path: path.to_path_buf(),
+        place: format!("line {}", line + 1),
+        expected,
+        found,
+    };
+    for (index, line) in text.lines().enumerate() {
+        reader.line(index, line).map_err(|error| at(index, error))?;
+    }
+    let Reader {
+        shape,
+        lines,
+        doubtful,
+        ..
+    } = reader;
+    let count = shape.vertices.len();
+    for (cycle, line) in shape.faces.iter().zip(lines) {
+        if let Some(vertex) = cycle.iter().find(|vertex| **vertex >= count) {
+            let expected = format!("vertices from 1 to {count}");
+            return Err(at(line, wrong(&expected, &(vertex + 1).to_string())));
+        }
+    }
+    if shape.faces.is_empty() {
+        return Err(FileError::Expected {
+            path: path.to_path_buf(),
+            place: "the file".into(),
+            expected: "an OBJ file with faces (f A B C ...)".into(),
+            found: "none".into(),
+        });
+    }
+    let doubt =
+        "crease comments (#e) that say otherwise than one before for the same edge, left out";
+    let notes = (doubtful > 0).then(|| format!("{doubt}: {doubtful}"));
+    Ok((shape, notes.into_iter().collect()))
+}
+
+impl Reader {
+    fn line(&mut self, index: usize, line: &str) -> Result<(), Wrong> {
+        let mut fields = line.split_whitespace();
+        match fields.next() {
+            Some("v") => {
+                let vertex = vertex(line, fields)?;
+                self.shape.vertices.push(vertex);
+            }
+            Some("f") => {
+                let cycle = fields.map(|field| self.reference(field));
+                let cycle = cycle.collect::<Result<Vec<_>, _>>()?;
+                if cycle.len() < 3 {
+                    return Err(wrong("a face, f and at least 3 vertices", line.trim()));
+                }
+                self.shape.faces.push(cycle);
+                self.lines.push(index);
+            }
+            Some("#e") => self.crease(line)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The vertex that `A`, `A/T`, `A//N` or `A/T/N` refers to, counted from 1, or from the last backwards.
+    fn reference(&self, field: &str) -> Result<usize, Wrong> {
+        let name = field.split('/').next().unwrap_or_default();
+        let count = self.shape.vertices.len();
+        let vertex = match name.parse::<i64>() {
+            Ok(back) if back < 0 => usize::try_from(back.unsigned_abs())
+                .ok()
+                .and_then(|back| count.checked_sub(back)),
+            Ok(number) => usize::try_from(number).ok().and_then(|n| n.checked_sub(1)),
+            Err(_) => None,
+        };
+        vertex.ok_or_else(|| {
+            let expected = format!("a vertex, counted from 1, or from -1 to -{count} backwards");
+            wrong(&expected, field)
+        })
+    }
+
+    /// Takes in a crease comment. Comments that look otherwise are somebody else's.
+    fn crease(&mut self, line: &str) -> Result<(), Wrong> {
+        let fields: Vec<&str> = line.split_whitespace().skip(1).take(5).collect();
+        let [a, b, kind, angle, ..] = fields.as_slice() else {
+            return Ok(());
+        };
+        let (Ok(a), Ok(b)) = (a.parse::<usize>(), b.parse::<usize>()) else {
+            return Ok(());
+        };
+        let count = self.shape.vertices.len();
+        if let Some(vertex) = [a, b].into_iter().find(|v| !(1..=count).contains(v)) {
+            return Err(wrong(
+                &format!("vertices from 1 to {count}"),
+                &vertex.to_string(),
+            ));
+        }
+        let letter = match *kind {
+            "0" => Letter::Boundary,
+            "1" => return Ok(()),
+            "2" => Letter::Valley,
+            "3" => Letter::Mountain,
+            _ => {
+                let types = "a type, 0 boundary, 1 diagonal, 2 valley or 3 mountain";
+                return Err(wrong(types, kind));
+            }
+        };
+        let degrees = angle.parse().ok().filter(|angle: &f64| angle.is_finite());
+        let degrees = degrees.ok_or_else(|| wrong("an angle in degrees", angle))?;
+        let ends = [a - 1, b - 1];
+        match self.known.insert([a.min(b), a.max(b)], letter) {
+            None => self.shape.edges.push(ShapeEdge {
+                ends,
+                letter: Some(letter),
+                angle: letter.is_hinge().then(|| degrees.to_radians()),
+            }),
+            Some(before) => self.doubtful += usize::from(before != letter),
+        }
+        Ok(())
+    }
+}
+
+/// The coordinates after a `v`; weight or colour may follow.
+fn vertex<'a>(line: &str, fields: impl Iterator<Item = &'a str>) -> Result<Vector3<f64>, Wrong> {
+    let mut coordinates = [0.0; 3];
+    let mut count = 0;
+    for (coordinate, field) in coordinates.iter_mut().zip(fields) {
+        let number = field.parse().ok().filter(|n: &f64| n.abs() <= LARGEST);
+        *coordinate = number.ok_or_else(|| wrong("a coordinate from -1e50 to 1e50", field))?;
+        count += 1;
+    }
+    match count {
+        3 => Ok(coordinates.into()),
+        _ => Err(wrong("a vertex, v and 3 coordinates", line.trim())),
+    }
+}

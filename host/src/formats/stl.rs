@@ -1,0 +1,128 @@
+//! STL files, text or binary: triangles in space, each with corners of its own.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::{FileError, ShapeFile, merge, stem};
+use crate::pattern::LARGEST;
+use crate::unfold::FoldedShape;
+
+/// Bytes before the number of triangles in a binary file.
+const HEADER: usize = 80;
+
+/// Bytes of a triangle: normal, three corners, attributes.
+const TRIANGLE: usize = 50;
+
+/// Bytes of a file at most.
+pub(super) const LARGEST_FILE: u64 = 1 << 28;
+
+/// Reads a folded shape. Triangles are joined where their corners are at the same place; their normals are
+/// not looked at.
+///
+/// # Errors
+/// If it is not STL, or has no triangles.
+pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileError> {
+    let expected = |place: String, expected: &str, found: String| FileError::Expected {
+        path: path.to_path_buf(),
+        place,
+        expected: expected.into(),
+        found,
+    };
+    let corners = match binary(bytes) {
+        Some(corners) => corners,
+        None => match core::str::from_utf8(bytes) {
+            Ok(text) if text.trim_start().starts_with("solid") => {
+                ascii(text).map_err(|(line, what, found)| {
+                    let found = found.chars().take(40).collect::<String>();
+                    expected(format!("line {line}"), what, format!("\"{found}\""))
+                })?
+            }
+            _ => {
+                let what = "an STL file: text that begins with \"solid\", or 84 bytes and 50 for each triangle";
+                return Err(expected(
+                    "the file".into(),
+                    what,
+                    format!("{} bytes", bytes.len()),
+                ));
+            }
+        },
+    };
+    let bad = |p: &Vector3<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
+    if let Some(corner) = corners.iter().position(bad) {
+        let place = format!("triangle {}", corner / 3);
+        let found = format!("{:?}", corners[corner].as_slice());
+        return Err(expected(place, "coordinates from -1e50 to 1e50", found));
+    }
+    if corners.is_empty() {
+        return Err(expected(
+            "the file".into(),
+            "at least one triangle",
+            "none".into(),
+        ));
+    }
+    let faces = (0..corners.len() / 3).map(|face| vec![3 * face, 3 * face + 1, 3 * face + 2]);
+    let soup = FoldedShape {
+        faces: faces.collect(),
+        vertices: corners,
+        edges: Vec::new(),
+    };
+    let mut notes = Vec::new();
+    Ok(ShapeFile {
+        title: stem(path),
+        shape: merge::merged(soup, &mut notes),
+        notes,
+    })
+}
+
+/// Corners of a binary file; `None` if its length is not that of its number of triangles.
+fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
+    let (count, triangles) = bytes.get(HEADER..)?.split_first_chunk()?;
+    let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;
+    if triangles.len() != count.checked_mul(TRIANGLE)? {
+        return None;
+    }
+    let number = |bytes: &[u8]| {
+        let bytes = bytes.first_chunk().copied().unwrap_or_default();
+        f64::from(f32::from_le_bytes(bytes))
+    };
+    let corner = |bytes: &[u8]| Vector3::from_iterator(bytes.chunks_exact(4).map(number));
+    let corners = triangles
+        .chunks_exact(TRIANGLE)
+        .flat_map(|triangle| triangle[12..48].chunks_exact(12).map(corner));
+    Some(corners.collect())
+}
+
+/// Corners of a file of text, or the line with what was expected and found there.
+fn ascii(text: &str) -> Result<Vec<Vector3<f64>>, (usize, &'static str, &str)> {
+    let mut corners = Vec::new();
+    let mut in_loop = 0;
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        let mut fields = line.split_whitespace();
+        match fields.next() {
+            Some("vertex") => {
+                let numbers = fields.map(|field| field.parse().ok());
+                let numbers: Option<Vec<f64>> = numbers.take(4).collect();
+                match numbers.as_deref() {
+                    Some(&[x, y, z]) => corners.push(Vector3::new(x, y, z)),
+                    _ => return Err((index + 1, "a corner, vertex and 3 numbers", line)),
+                }
+                in_loop += 1;
+            }
+            Some("outer") => in_loop = 0,
+            Some("endloop") if in_loop != 3 => {
+                return Err((index + 1, "3 corners (vertex) before endloop", line));
+            }
+            Some("solid" | "facet" | "endloop" | "endfacet" | "endsolid") | None => {}
+            Some(_) => {
+                let what = "solid, facet, outer loop, vertex, endloop, endfacet or endsolid";
+                return Err((index + 1, what, line));
+            }
+        }
+    }
+    if corners.len() % 3 != 0 {
+        return Err((text.lines().count(), "3 corners for each triangle", ""));
+    }
+    Ok(corners)
+}

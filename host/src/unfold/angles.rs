@@ -1,0 +1,202 @@
+//! Fold angles measured on the shape, and what edges are for.
+
+use core::f64::consts::PI;
+
+use super::surface::{Side, Surface, SurfaceEdge};
+use super::{FoldedShape, layout::edge_name};
+use crate::pattern::Letter;
+
+/// Angle (radians) below which a fold is none, and within which of half a turn its sign cannot be measured,
+/// on a shape without noise: well above what rounding leaves, well below what a hinge is driven to.
+const LEAST: f64 = 1e-7;
+
+/// How far noise may put angles off.
+struct Noise {
+    /// Radians; an edge without a letter is flat within this.
+    zero: f64,
+    /// Radians; within this of flat and of half a turn a letter says more than what is measured.
+    doubt: f64,
+}
+
+impl Noise {
+    /// Corners that are off in their plane show in the angle defects, of which a fold angle has some four.
+    /// Out of the plane of a flat-folded or a flat vertex it takes the square of a fold angle for that.
+    fn of(surface: &Surface, max_defect: f64) -> Self {
+        let defect = surface.noise(max_defect);
+        Self {
+            zero: LEAST.max(4.0 * defect),
+            doubt: LEAST.max(4.0 * defect).max(2.0 * defect.sqrt()),
+        }
+    }
+
+    /// The fold angle (radians) of an edge and its letter.
+    fn settle(&self, edge: &SurfaceEdge, measured: f64) -> (f64, Letter) {
+        let said = edge.letter.unwrap_or(Letter::Unassigned);
+        let flat = |letter| matches!(letter, Letter::Flat | Letter::Join);
+        let sign = said_sign(edge);
+        let against = sign.is_some_and(|sign| sign * measured < 0.0);
+        let size = measured.abs();
+        if size <= self.zero {
+            return (0.0, edge.letter.unwrap_or(Letter::Flat));
+        }
+        if size <= self.doubt && (flat(said) || against) {
+            return (0.0, said);
+        }
+        let angle = match sign {
+            Some(sign) if against && PI - size <= self.doubt => PI.copysign(sign),
+            None if PI - size <= self.zero => size,
+            _ => measured,
+        };
+        let letter = if angle > 0.0 {
+            Letter::Valley
+        } else {
+            Letter::Mountain
+        };
+        (angle, letter)
+    }
+}
+
+/// For each edge of a surface what it becomes in the pattern.
+pub(super) struct Creases {
+    /// Fold angles in radians, valley positive; 0 where there is one face.
+    pub(super) angles: Vec<f64>,
+    pub(super) letters: Vec<Letter>,
+}
+
+impl Creases {
+    /// Measures all edges between two faces. A part of the surface whose letters say the opposite of what is
+    /// measured is turned over first: they were written for its other side.
+    pub(super) fn measure(
+        shape: &FoldedShape,
+        surface: &mut Surface,
+        max_defect: f64,
+        notes: &mut Vec<String>,
+    ) -> Self {
+        let noise = Noise::of(surface, max_defect);
+        let over = against_letters(shape, surface, noise.doubt);
+        if over.contains(&true) {
+            notes.push(
+                "the letters are those of the other side of the faces: the sheet is seen from there".into(),
+            );
+            surface.turn_over(shape, &over);
+        }
+        let (mut angles, mut letters) = (Vec::new(), Vec::new());
+        let mut flat = Said::default();
+        let mut assumed = Said::default();
+        let mut other = Said::default();
+        for edge in &surface.edges {
+            let [Some(a), Some(b)] = edge.sides else {
+                angles.push(0.0);
+                letters.push(Letter::Boundary);
+                continue;
+            };
+            let measured = fold_angle(shape, surface, edge, [a, b]);
+            let (angle, letter) = noise.settle(edge, measured);
+            angles.push(angle);
+            letters.push(letter);
+            if edge.joint().is_none() {
+                continue;
+            }
+            if letter == Letter::Flat && edge.letter.is_none() {
+                flat.add(edge);
+            }
+            if PI - angle.abs() <= noise.zero && said_sign(edge).is_none() {
+                assumed.add(edge);
+            }
+            if edge
+                .letter
+                .is_some_and(|l| l != letter && l != Letter::Unassigned)
+            {
+                other.add(edge);
+            }
+        }
+        let zero = noise.zero.to_degrees();
+        flat.say(
+            notes,
+            &format!("edges flat to within {zero:.1e} degrees, lettered F"),
+        );
+        let unknown = "edges folded by 180 degrees, which has no sign that could be measured, and without a \
+                       letter, taken as valley";
+        assumed.say(notes, unknown);
+        other.say(
+            notes,
+            "edges lettered otherwise than they are folded, lettered as folded",
+        );
+        if angles.iter().all(|angle| angle.abs() <= 0.0) {
+            notes.push("no edge of the shape is folded: the goal is the flat sheet".into());
+        }
+        Self { angles, letters }
+    }
+
+    /// Number of edges that are hinges.
+    pub(super) fn hinges(&self) -> usize {
+        let hinge = |letter: &&Letter| letter.is_hinge();
+        self.letters.iter().filter(hinge).count()
+    }
+}
+
+/// Edges of which one thing is to be said.
+#[derive(Default)]
+struct Said {
+    count: usize,
+    first: Option<[usize; 2]>,
+}
+
+impl Said {
+    fn add(&mut self, edge: &SurfaceEdge) {
+        self.count += 1;
+        self.first.get_or_insert(edge.ends);
+    }
+
+    fn say(&self, notes: &mut Vec<String>, what: &str) {
+        if let Some(first) = self.first {
+            notes.push(format!(
+                "{what}: {} (first: {})",
+                self.count,
+                edge_name(first)
+            ));
+        }
+    }
+}
+
+/// The sign that the file gives an edge.
+fn said_sign(edge: &SurfaceEdge) -> Option<f64> {
+    let signs = [
+        edge.letter.map_or(0.0, Letter::sign),
+        edge.angle.unwrap_or(0.0),
+    ];
+    let sign = signs.into_iter().find(|sign| sign.abs() > 0.0);
+    sign.map(f64::signum)
+}
+
+/// For each part whether its signs, as far as they can be measured, are mostly against what the file says.
+fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bool> {
+    let mut votes = vec![0_i64; surface.parts()];
+    for edge in &surface.edges {
+        let (Some(sides), Some(said)) = (edge.joint(), said_sign(edge)) else {
+            continue;
+        };
+        let measured = fold_angle(shape, surface, edge, sides);
+        if measured.abs() > doubt && PI - measured.abs() > doubt {
+            let part = surface.part_of_faces()[sides[0].face];
+            votes[part] += if said * measured > 0.0 { 1 } else { -1 };
+        }
+    }
+    votes.into_iter().map(|votes| votes < 0).collect()
+}
+
+/// The fold angle between two faces, from -π to π, valley positive. By the sine and the cosine, so that
+/// neither near 0 nor near half a turn digits are lost.
+fn fold_angle(
+    shape: &FoldedShape,
+    surface: &Surface,
+    edge: &SurfaceEdge,
+    [a, b]: [Side; 2],
+) -> f64 {
+    let (left, right) = if surface.is_left(a) { (a, b) } else { (b, a) };
+    let [up_left, up_right] = [left, right].map(|side| surface.up(side.face));
+    let [start, end] = edge.ends.map(|end| shape.vertices[end]);
+    let along = (end - start).normalize();
+    let sine = up_right.cross(&up_left).dot(&along);
+    sine.atan2(up_right.dot(&up_left))
+}

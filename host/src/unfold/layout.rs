@@ -1,0 +1,413 @@
+//! Faces laid into the plane.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::FoldedShape;
+use super::angles::Creases;
+use super::cuts;
+use super::surface::{Side, Surface, SurfaceEdge};
+use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+/// Rounds of fitting faces to vertices and vertices to faces: each spreads what noise the shape has over one
+/// more ring of faces.
+const ROUNDS: usize = 200;
+
+/// Part of the size of the sheet that is no movement any more.
+const STILL: f64 = 1e-15;
+
+/// Part of the size of the sheet left free between parts.
+const SPACE: f64 = 0.1;
+
+/// Faces laid into the plane, and what holds there.
+pub(super) struct Layout {
+    /// For each edge whether the sheet is whole across it.
+    joined: Vec<bool>,
+    /// For each corner the first of those that are one vertex of the flat sheet.
+    points: Vec<usize>,
+    /// Positions of these vertices, at the numbers of their first corners.
+    places: Vec<Vector2<f64>>,
+}
+
+impl Layout {
+    /// Lays the faces, each across an edge, from a middle one of each part outwards. Other edges hold where
+    /// both faces have their ends in the same places, to within a slope times the length of the edge in parts
+    /// without a boundary, where defects part them, or times the size of the sheet in parts with one, where
+    /// noise adds up round a ring; all do in a disc.
+    pub(super) fn new(
+        shape: &FoldedShape,
+        surface: &Surface,
+        creases: &Creases,
+        attempt: usize,
+        slope: f64,
+    ) -> Self {
+        let (roots, levels) = levels(surface);
+        let order = cuts::order(shape, surface, creases, &levels, attempt);
+        let mut laid = lay(surface, &roots, &order);
+        let near = slope * extent(&laid);
+        let joined = surface.edges.iter().map(|edge| {
+            let Some([a, b]) = edge.joint() else {
+                return false;
+            };
+            let (a_ends, b_ends) = (surface.corners(a), surface.corners(b));
+            let part = surface.part_of_faces()[a.face];
+            let near = if surface.part_is_closed(part) {
+                slope * (laid[a_ends[1]] - laid[a_ends[0]]).norm()
+            } else {
+                near
+            };
+            let mut ends = a_ends.into_iter().zip(b_ends);
+            surface.part_is_disc(part) || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
+        });
+        let joined: Vec<bool> = joined.collect();
+        let points = surface.points_where(&joined);
+        settle(surface, &points, &mut laid);
+        set_side_by_side(surface, &mut laid);
+        Self {
+            joined,
+            points,
+            places: laid,
+        }
+    }
+
+    /// The flat sheet, and for each of its vertices that of the shape.
+    pub(super) fn drawing(&self, surface: &Surface, creases: &Creases) -> (Drawing, Vec<usize>) {
+        let (names, sources) = self.vertices(surface);
+        let name = |corner: usize| names[self.points[corner]];
+        let corners = sources.iter().map(|&(_, corner)| self.places[corner]);
+        let mut drawing = Drawing {
+            vertices: corners.collect(),
+            ..Drawing::default()
+        };
+        let mut second_sides = Vec::new();
+        for (index, edge) in surface.edges.iter().enumerate() {
+            let ends = |side: Side| surface.corners(side).map(name);
+            let mut sides = edge.sides.into_iter().flatten().map(ends);
+            let Some(ends) = sides.next() else { continue };
+            let other = sides.next().filter(|other| *other != ends);
+            let letter = match (edge.sides[1], other) {
+                // A cut between faces that hold each other at both its ends is a hinge.
+                (Some(_), None) if !self.joined[index] => Letter::Unassigned,
+                (Some(_), None) => creases.letters[index],
+                _ => Letter::Boundary,
+            };
+            drawing.edges.push(DrawnEdge {
+                ends,
+                letter,
+                goal: letter.is_hinge().then(|| creases.angles[index]),
+            });
+            second_sides.extend(other);
+        }
+        let boundary = |ends| DrawnEdge {
+            ends,
+            letter: Letter::Boundary,
+            goal: None,
+        };
+        drawing.edges.extend(second_sides.into_iter().map(boundary));
+        let faces = 0..surface.faces().len();
+        let cycle = |face| surface.cycle(face).into_iter().map(name).collect();
+        drawing.faces = Some(faces.map(cycle).collect());
+        (drawing, sources.into_iter().map(|(v, _)| v).collect())
+    }
+
+    /// Names of the flat vertices, at the numbers of their first corners, and for each the vertex of the shape
+    /// and that corner: first one of each vertex of the shape, in their order, then those that cuts add.
+    fn vertices(&self, surface: &Surface) -> (Vec<usize>, Vec<(usize, usize)>) {
+        let vertices = surface.corner_vertices().enumerate();
+        let firsts = vertices.filter(|(corner, _)| self.points[*corner] == *corner);
+        let mut sources: Vec<(usize, usize)> = firsts.map(|(corner, v)| (v, corner)).collect();
+        sources.sort_unstable();
+        let mut added = Vec::new();
+        let mut before = None;
+        sources.retain(|&(vertex, corner)| {
+            let new = before != Some(vertex);
+            before = Some(vertex);
+            if !new {
+                added.push((vertex, corner));
+            }
+            new
+        });
+        sources.append(&mut added);
+        let mut names = vec![usize::MAX; self.points.len()];
+        for (name, &(_, corner)) in sources.iter().enumerate() {
+            names[corner] = name;
+        }
+        (names, sources)
+    }
+
+    /// Number of edges along which a shape that the file has whole was cut.
+    pub(super) fn cuts(&self, surface: &Surface) -> usize {
+        self.cut_edges(surface).count()
+    }
+
+    fn cut_edges<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = &'a SurfaceEdge> {
+        let edges = surface.edges.iter().zip(&self.joined);
+        let cut = edges.filter(|(edge, joined)| edge.joint().is_some() && !**joined);
+        cut.map(|(edge, _)| edge)
+    }
+
+    /// What was done, in words.
+    pub(super) fn notes(&self, surface: &Surface) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(first) = self.cut_edges(surface).next() {
+            notes.push(format!(
+                "no plane holds the shape whole, so that it is cut along edges; their second sides come behind \
+                 all other edges: {} (first: {})",
+                self.cuts(surface),
+                edge_name(first.ends)
+            ));
+        }
+        if surface.parts() > 1 {
+            notes.push(format!(
+                "parts that no edge joins, laid side by side: {}",
+                surface.parts()
+            ));
+        }
+        notes
+    }
+}
+
+/// An edge in words.
+pub(super) fn edge_name([a, b]: [usize; 2]) -> String {
+    format!("from vertex {a} to {b}")
+}
+
+/// A middle face of each part, and for each face the number of edges on the way from there.
+fn levels(surface: &Surface) -> (Vec<usize>, Vec<usize>) {
+    let neighbours = neighbours(surface, |_| true);
+    let count = surface.faces().len();
+    let mut roots = Vec::new();
+    let mut levels = vec![usize::MAX; count];
+    let mut scratch = vec![usize::MAX; count];
+    for start in 0..count {
+        if levels[start] != usize::MAX {
+            continue;
+        }
+        // The middle of a longest way, or near that: from the face farthest from one that is farthest from
+        // the first.
+        let far = last(&breadth_first(&neighbours, start, &mut scratch));
+        let forth = breadth_first(&neighbours, far, &mut scratch);
+        let mut middle = last(&forth);
+        let depth = scratch[middle];
+        while scratch[middle] > depth / 2 {
+            let nearer = |face: &&usize| scratch[**face] < scratch[middle];
+            match neighbours[middle].iter().find(nearer) {
+                Some(&face) => middle = face,
+                None => break,
+            }
+        }
+        roots.push(middle);
+        for face in breadth_first(&neighbours, middle, &mut scratch) {
+            levels[face] = scratch[face];
+        }
+    }
+    (roots, levels)
+}
+
+fn last(order: &[usize]) -> usize {
+    order.last().copied().unwrap_or(0)
+}
+
+/// The faces of a part from one outwards, and in `distance` for each the number of steps.
+fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]) -> Vec<usize> {
+    let mut order = vec![start];
+    let mut next = 0;
+    // Of an earlier search of the same part.
+    let mut part = vec![start];
+    distance[start] = usize::MAX;
+    while let Some(face) = part.pop() {
+        for &other in &neighbours[face] {
+            if distance[other] != usize::MAX {
+                distance[other] = usize::MAX;
+                part.push(other);
+            }
+        }
+    }
+    distance[start] = 0;
+    while let Some(&face) = order.get(next) {
+        next += 1;
+        for &other in &neighbours[face] {
+            if distance[other] == usize::MAX {
+                distance[other] = distance[face] + 1;
+                order.push(other);
+            }
+        }
+    }
+    order
+}
+
+/// For each face those beyond the joints that are asked for.
+fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+    let mut neighbours = vec![Vec::new(); surface.faces().len()];
+    let edges = surface.edges.iter().enumerate();
+    for [a, b] in edges
+        .filter(|(index, _)| asked(*index))
+        .filter_map(|(_, edge)| edge.joint())
+    {
+        neighbours[a.face].push(b.face);
+        neighbours[b.face].push(a.face);
+    }
+    neighbours
+}
+
+/// Positions of all corners with each face laid across one edge. Edges hold in the given order, as long as
+/// they close no ring.
+fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
+    let count = surface.faces().len();
+    let mut groups: Vec<usize> = (0..count).collect();
+    let group = |groups: &mut Vec<usize>, mut face: usize| {
+        while groups[face] != face {
+            groups[face] = groups[groups[face]];
+            face = groups[face];
+        }
+        face
+    };
+    let mut beyond = vec![Vec::new(); count];
+    for &index in order {
+        let Some([a, b]) = surface.edges[index].joint() else {
+            continue;
+        };
+        let [first, second] = [a, b].map(|side| group(&mut groups, side.face));
+        if first != second {
+            groups[second] = first;
+            beyond[a.face].push((a, b));
+            beyond[b.face].push((b, a));
+        }
+    }
+    let mut laid = surface.local().to_vec();
+    let mut done = vec![false; count];
+    for &root in roots {
+        done[root] = true;
+        let mut open = VecDeque::from([root]);
+        while let Some(face) = open.pop_front() {
+            for &(here, there) in &beyond[face] {
+                if done[there.face] {
+                    continue;
+                }
+                done[there.face] = true;
+                open.push_back(there.face);
+                let places = surface.corners(here).map(|corner| laid[corner]);
+                let ends = surface.corners(there).map(|corner| surface.local()[corner]);
+                let motion = Motion::fit(ends.into_iter().zip(places));
+                for corner in surface.corner_range(there.face) {
+                    laid[corner] = motion.apply(surface.local()[corner]);
+                }
+            }
+        }
+    }
+    laid
+}
+
+/// Moves what are the same vertices together: each where its faces have it on the mean, each face as well as
+/// it fits to its vertices, and so on.
+fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
+    let still = STILL * extent(laid);
+    let mut counts = vec![0.0; points.len()];
+    for &point in points {
+        counts[point] += 1.0;
+    }
+    for _ in 0..ROUNDS {
+        let mut sums = vec![Vector2::zeros(); points.len()];
+        for (&point, place) in points.iter().zip(laid.iter()) {
+            sums[point] += place;
+        }
+        let mut moved = 0.0_f64;
+        for (corner, &point) in points.iter().enumerate() {
+            let mean = sums[point] / counts[point];
+            moved = moved.max((mean - laid[corner]).norm());
+            laid[corner] = mean;
+        }
+        if moved <= still {
+            return;
+        }
+        for face in 0..surface.faces().len() {
+            let range = surface.corner_range(face);
+            let local = &surface.local()[range.clone()];
+            let places = laid[range.clone()].iter().copied();
+            let motion = Motion::fit(local.iter().copied().zip(places));
+            for corner in range {
+                laid[corner] = motion.apply(surface.local()[corner]);
+            }
+        }
+    }
+    let mut sums = vec![Vector2::zeros(); points.len()];
+    for (&point, place) in points.iter().zip(laid.iter()) {
+        sums[point] += place;
+    }
+    for (corner, &point) in points.iter().enumerate() {
+        laid[corner] = sums[point] / counts[point];
+    }
+}
+
+/// Moves the parts beside each other along x; the first stays.
+fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
+    if surface.parts() < 2 {
+        return;
+    }
+    let space = SPACE * extent(laid);
+    let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; surface.parts()];
+    let part = |face: usize| surface.part_of_faces()[face];
+    for face in 0..surface.faces().len() {
+        for corner in surface.corner_range(face) {
+            let [low, high] = &mut bounds[part(face)];
+            *low = low.min(laid[corner].x);
+            *high = high.max(laid[corner].x);
+        }
+    }
+    let mut shifts = vec![0.0; bounds.len()];
+    let mut end = bounds[0][1];
+    for (shift, [low, high]) in shifts.iter_mut().zip(&bounds).skip(1) {
+        *shift = end + space - low;
+        end = high + *shift;
+    }
+    for face in 0..surface.faces().len() {
+        for corner in surface.corner_range(face) {
+            laid[corner].x += shifts[part(face)];
+        }
+    }
+}
+
+/// Diagonal of the box round the points.
+fn extent(points: &[Vector2<f64>]) -> f64 {
+    let Some(&first) = points.first() else {
+        return 0.0;
+    };
+    let grow =
+        |(low, high): (Vector2<f64>, Vector2<f64>), p: &Vector2<f64>| (low.inf(p), high.sup(p));
+    let (low, high) = points.iter().fold((first, first), grow);
+    (high - low).norm()
+}
+
+/// A rigid motion of the plane.
+struct Motion {
+    rotation: Matrix2<f64>,
+    from: Vector2<f64>,
+    to: Vector2<f64>,
+}
+
+impl Motion {
+    /// The motion that takes the first points of all pairs as near to the second as can be.
+    fn fit(pairs: impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + Clone) -> Self {
+        let count = pairs.clone().fold(0.0, |count, _| count + 1.0);
+        let sums = pairs.clone().fold(
+            (Vector2::zeros(), Vector2::zeros()),
+            |(from, to): (Vector2<f64>, Vector2<f64>), (a, b)| (from + a, to + b),
+        );
+        let (from, to) = (sums.0 / count, sums.1 / count);
+        let turn = pairs.fold(Vector2::zeros(), |turn: Vector2<f64>, (a, b)| {
+            let (a, b) = (a - from, b - to);
+            turn + Vector2::new(a.dot(&b), a.perp(&b))
+        });
+        let turn = turn.try_normalize(0.0).unwrap_or_else(Vector2::x);
+        Self {
+            rotation: Matrix2::new(turn.x, -turn.y, turn.y, turn.x),
+            from,
+            to,
+        }
+    }
+
+    fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
+        self.rotation * (point - self.from) + self.to
+    }
+}

@@ -1,0 +1,226 @@
+//! From a folded shape back to its crease pattern.
+//!
+//! Implements Algorithm 1 of [XiLien2015] (section 6): faces are laid into the plane one after the other,
+//! each across an edge of one that lies there. Differs from the source in that all faces are first turned
+//! to the same side of the paper: of the two ways to attach a face the one beyond the edge is then the
+//! right one, and nothing has to be tried; in that it takes polygons; and in that it cuts what has no
+//! boundary, or goes round in a ring that no plane can hold.
+//!
+//! Knows no file format and does no planning: [`unfold`] takes a [`FoldedShape`] and gives a
+//! [`Drawing`] whose goal is that shape.
+
+mod angles;
+mod cuts;
+mod layout;
+mod shape;
+mod surface;
+
+use nalgebra::Vector3;
+
+use crate::folding::{FoldingMap, SpanningTree, sheets_laid_on};
+use crate::pattern::{CreasePattern, Drawing, PatternError};
+use crate::planner::closure_of;
+use angles::Creases;
+use layout::Layout;
+pub use shape::{FoldedShape, ShapeEdge, ShapeError};
+use surface::Surface;
+
+/// What is asked of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnfoldOptions {
+    /// Largest angle defect (radians) of an interior vertex that still counts as none, and largest slope of a
+    /// face out of its plane.
+    ///
+    /// The default, 0.01 degrees, is what coordinates of six digits leave of a vertex on a sheet of some
+    /// ten edges across; a shape that was folded of paper by computation has some 1e-13.
+    pub max_defect: f64,
+    /// Ways to cut a closed shape that are tried until one does not overlap.
+    pub attempts: usize,
+}
+
+impl Default for UnfoldOptions {
+    fn default() -> Self {
+        Self {
+            max_defect: 0.01_f64.to_radians(),
+            attempts: 64,
+        }
+    }
+}
+
+/// How unfolding ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// There is a crease pattern.
+    Unfolded,
+    /// An interior vertex has not 360 degrees round it.
+    NotDevelopable,
+    /// The flat pattern would lie on itself.
+    Overlap,
+}
+
+impl Outcome {
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unfolded => "unfolded",
+            Self::NotDevelopable => "not_developable",
+            Self::Overlap => "overlap",
+        }
+    }
+}
+
+/// What became of a shape.
+#[derive(Clone, Debug)]
+pub struct Unfolding {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why there is no pattern.
+    pub reason: Option<String>,
+    /// The flat sheet with the measured fold angles as its goal, if unfolded.
+    pub drawing: Option<Drawing>,
+    /// Vertices of the flat sheet, or of the shape where there is none.
+    pub vertices: usize,
+    /// Faces.
+    pub faces: usize,
+    /// Hinges of the flat sheet, or folded edges of the shape where there is none.
+    pub creases: usize,
+    /// Edges between two faces along which the shape was cut.
+    pub cuts: usize,
+    /// Largest angle defect (radians, without sign) of an interior vertex of the shape.
+    pub max_angle_defect: f64,
+    /// Largest closure residual of the pattern at the measured angles.
+    pub max_closure: Option<f64>,
+    /// Largest distance of a vertex of the pattern, folded by these angles, from the shape, over the size of
+    /// the shape.
+    pub deviation: Option<f64>,
+    /// What was assumed or left out, in words.
+    pub notes: Vec<String>,
+}
+
+/// Unfolds a shape. Vertices keep their order where it is not cut, as do edges that it names. Cost: about
+/// linear, times the ways to cut that are tried.
+///
+/// # Errors
+/// If the shape is no surface with two sides, made of flat faces.
+pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding, ShapeError> {
+    let mut notes = Vec::new();
+    let mut surface = Surface::new(shape, options.max_defect, &mut notes)?;
+    let creases = Creases::measure(shape, &mut surface, options.max_defect, &mut notes);
+    let mut unfolding = Unfolding {
+        outcome: Outcome::NotDevelopable,
+        reason: None,
+        drawing: None,
+        vertices: surface.vertices(),
+        faces: surface.faces().len(),
+        creases: creases.hinges(),
+        cuts: 0,
+        max_angle_defect: surface.max_defect(),
+        max_closure: None,
+        deviation: None,
+        notes,
+    };
+    if let Some((vertex, defect)) = surface.not_developable(options.max_defect) {
+        let [x, y, z] = shape.vertices[vertex].into();
+        unfolding.reason = Some(format!(
+            "vertex {vertex} at ({x}, {y}, {z}): the angles round it sum to {:.6} degrees, angle defect \
+             {:.6} degrees; a sheet has 360 degrees there, to within {}",
+            360.0 - defect.to_degrees(),
+            defect.to_degrees(),
+            options.max_defect.to_degrees(),
+        ));
+        return Ok(unfolding);
+    }
+    let tries = if surface.is_disc() {
+        1
+    } else {
+        options.attempts.max(1)
+    };
+    for attempt in 0..tries {
+        let layout = Layout::new(shape, &surface, &creases, attempt, options.max_defect);
+        let (drawing, sources) = layout.drawing(&surface, &creases);
+        match CreasePattern::new(drawing.clone()) {
+            Ok(pattern) => {
+                measure(shape, &pattern, &sources, &mut unfolding);
+                unfolding.outcome = Outcome::Unfolded;
+                unfolding.reason = None;
+                unfolding.cuts = layout.cuts(&surface);
+                unfolding.notes.extend(layout.notes(&surface));
+                unfolding.drawing = Some(drawing);
+                return Ok(unfolding);
+            }
+            // The first way to cut is the plainest, and its overlap the one to tell.
+            Err(error) if unfolding.reason.is_none() => {
+                let faces = overlapping(&error, &drawing)
+                    .ok_or_else(|| ShapeError::Pattern(error.to_string()))?;
+                let [a, b] = faces;
+                let tried = match tries {
+                    1 => String::new(),
+                    _ => format!(", and others do in each of {tries} ways to cut the shape"),
+                };
+                unfolding.outcome = Outcome::Overlap;
+                unfolding.reason = Some(format!(
+                    "faces {a} and {b} overlap or touch in the flat pattern{tried}"
+                ));
+            }
+            Err(_) => {}
+        }
+    }
+    Ok(unfolding)
+}
+
+/// Notes what the pattern is, and how well its goal is the shape. `sources` has for each vertex of the
+/// drawing that of the shape.
+fn measure(
+    shape: &FoldedShape,
+    pattern: &CreasePattern,
+    sources: &[usize],
+    unfolding: &mut Unfolding,
+) {
+    let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
+    let goals: Vec<Option<f64>> = goals.collect();
+    unfolding.vertices = pattern.vertices().len();
+    unfolding.creases = goals.len();
+    unfolding.max_closure = closure_of(pattern, &goals);
+    let angles: Vec<f64> = goals.iter().map(|goal| goal.unwrap_or(0.0)).collect();
+    let tree = SpanningTree::from_central_face(pattern);
+    let folded = FoldingMap::new(pattern, &tree, &angles);
+    let target: Vec<Vector3<f64>> = sources.iter().map(|&v| shape.vertices[v]).collect();
+    let laid = sheets_laid_on(pattern, folded.vertices(), &target);
+    let off = laid.iter().zip(&target).map(|(a, b)| (a - b).norm());
+    unfolding.deviation = Some(crate::numbers::largest(off) / shape.size());
+}
+
+/// Two faces of a drawing that an error is about, if it is that they overlap.
+fn overlapping(error: &PatternError, drawing: &Drawing) -> Option<[usize; 2]> {
+    let faces = || drawing.faces.iter().flatten().enumerate();
+    let at_edge = |edge: usize| {
+        let [a, b] = drawing.edges[edge].ends;
+        let has = move |(_, cycle): &(usize, &Vec<usize>)| cycle.contains(&a) && cycle.contains(&b);
+        faces().filter(has).map(|(f, _)| f)
+    };
+    let at_vertex = |vertex: usize| {
+        let has = faces().filter(move |(_, cycle)| cycle.contains(&vertex));
+        has.map(|(face, _)| face)
+    };
+    let two = |a: Option<usize>, mut others: Box<dyn Iterator<Item = usize> + '_>| {
+        Some([a?, others.find(|other| Some(*other) != a)?])
+    };
+    match *error {
+        PatternError::Crossing { edge, other } => {
+            two(at_edge(edge).next(), Box::new(at_edge(other)))
+        }
+        PatternError::OnEdge { edge, vertex } => {
+            two(at_edge(edge).next(), Box::new(at_vertex(vertex)))
+        }
+        PatternError::Overlap { first, second, .. } => Some([first, second]),
+        PatternError::BrokenStar { vertex } => {
+            let mut round = at_vertex(vertex);
+            Some([round.next()?, round.next()?])
+        }
+        PatternError::Duplicate { edge, other } => {
+            two(at_edge(edge).next(), Box::new(at_edge(other)))
+        }
+        _ => None,
+    }
+}

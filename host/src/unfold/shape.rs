@@ -1,0 +1,181 @@
+//! A folded shape as a file has it, and what can be wrong with it.
+
+use nalgebra::Vector3;
+use thiserror::Error;
+
+use crate::pattern::{LARGEST, Letter};
+
+/// Part of the square of its outline below which a face has no area.
+const NO_AREA: f64 = 1e-12;
+
+/// What is known of an edge of a folded shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeEdge {
+    /// Its ends, as positions in the list of vertices.
+    pub ends: [usize; 2],
+    /// What it is for, if anything says so.
+    pub letter: Option<Letter>,
+    /// Its fold angle in radians, valley positive, if anything says so. Only its sign is used, where it
+    /// cannot be measured.
+    pub angle: Option<f64>,
+}
+
+/// A shape folded of flat faces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FoldedShape {
+    /// Vertices in space.
+    pub vertices: Vec<Vector3<f64>>,
+    /// Faces as cycles of vertices, counter-clockwise as most of them are seen from above.
+    pub faces: Vec<Vec<usize>>,
+    /// What is known of edges; those not named follow from the faces.
+    pub edges: Vec<ShapeEdge>,
+}
+
+impl FoldedShape {
+    /// Diagonal of the box round its vertices.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        let Some(first) = self.vertices.first() else {
+            return 0.0;
+        };
+        let box_of =
+            |(low, high): (Vector3<f64>, Vector3<f64>), p: &Vector3<f64>| (low.inf(p), high.sup(p));
+        let (low, high) = self.vertices.iter().fold((*first, *first), box_of);
+        (high - low).norm()
+    }
+
+    /// That it has faces, vertices that are numbers, and no reference to others.
+    pub(super) fn check(&self) -> Result<(), ShapeError> {
+        if self.faces.is_empty() {
+            return Err(ShapeError::NoFaces);
+        }
+        let infinite = |p: &Vector3<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
+        if let Some(vertex) = self.vertices.iter().position(infinite) {
+            return Err(ShapeError::NotFinite { vertex });
+        }
+        let count = self.vertices.len();
+        let known = |what, index, list: &[usize]| match list.iter().find(|v| **v >= count) {
+            Some(&vertex) => Err(ShapeError::NoVertex {
+                what,
+                index,
+                vertex,
+                last: count.saturating_sub(1),
+            }),
+            None => Ok(()),
+        };
+        for (index, edge) in self.edges.iter().enumerate() {
+            known("edge", index, &edge.ends)?;
+        }
+        for (face, cycle) in self.faces.iter().enumerate() {
+            known("face", face, cycle)?;
+            let mut sorted = cycle.clone();
+            sorted.sort_unstable();
+            if cycle.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+                return Err(ShapeError::NoArea { face });
+            }
+        }
+        Ok(())
+    }
+
+    /// Unit normal of a face in its order (M. Newell's), which is flat to within a slope.
+    pub(super) fn normal(&self, face: usize, slope: f64) -> Result<Vector3<f64>, ShapeError> {
+        let cycle = &self.faces[face];
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let count = cycle.len() as f64;
+        let center = cycle
+            .iter()
+            .map(|&v| self.vertices[v] / count)
+            .sum::<Vector3<f64>>();
+        let arm = |k: usize| self.vertices[cycle[k % cycle.len()]] - center;
+        let corners = 0..cycle.len();
+        let twice_area: Vector3<f64> = corners.clone().map(|k| arm(k).cross(&arm(k + 1))).sum();
+        let extent = crate::numbers::largest(corners.clone().map(|k| arm(k).norm()));
+        let area = twice_area.norm();
+        if area <= NO_AREA * extent * extent {
+            return Err(ShapeError::NoArea { face });
+        }
+        let normal = twice_area / area;
+        let off = |k: usize| arm(k).dot(&normal).abs();
+        match corners.max_by(|&a, &b| off(a).total_cmp(&off(b))) {
+            Some(worst) if off(worst) > slope * extent => Err(ShapeError::NotFlat {
+                face,
+                vertex: cycle[worst],
+                off: off(worst),
+            }),
+            _ => Ok(normal),
+        }
+    }
+}
+
+/// Why a shape cannot be unfolded at all. Faces, edges and vertices are counted from 0.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ShapeError {
+    /// There is nothing to unfold.
+    #[error("the shape: expected at least one face")]
+    NoFaces,
+    /// A coordinate is not a number, or too large to compute with.
+    #[error("vertex {vertex}: expected coordinates from -1e50 to 1e50")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A reference to a vertex that does not exist.
+    #[error("{what} {index}: vertex {vertex} does not exist, expected 0 to {last}")]
+    NoVertex {
+        /// What refers to it.
+        what: &'static str,
+        /// Which of them.
+        index: usize,
+        /// The vertex referred to.
+        vertex: usize,
+        /// The last vertex there is.
+        last: usize,
+    },
+    /// A face that is no polygon.
+    #[error("face {face}: expected at least 3 different vertices and an area")]
+    NoArea {
+        /// The face.
+        face: usize,
+    },
+    /// A face that is not flat.
+    #[error("face {face}: expected a flat face, found vertex {vertex} {off:.3e} out of its plane")]
+    NotFlat {
+        /// The face.
+        face: usize,
+        /// The vertex.
+        vertex: usize,
+        /// Its distance.
+        off: f64,
+    },
+    /// More than two faces at an edge.
+    #[error(
+        "the edge from vertex {} to {}: expected at most 2 faces, found {}, {} and {}",
+        ends[0], ends[1], faces[0], faces[1], faces[2]
+    )]
+    Branching {
+        /// Its ends.
+        ends: [usize; 2],
+        /// Three of its faces.
+        faces: [usize; 3],
+    },
+    /// A surface with one side.
+    #[error(
+        "faces {first} and {second}: expected a surface with two sides, but going round it from one to the \
+         other comes out on its back (a Möbius strip)"
+    )]
+    OneSided {
+        /// One face.
+        first: usize,
+        /// Its neighbour.
+        second: usize,
+    },
+    /// An edge without length.
+    #[error("the edge from vertex {} to {}: expected two different places", ends[0], ends[1])]
+    NoLength {
+        /// Its ends.
+        ends: [usize; 2],
+    },
+    /// What was laid flat is no crease pattern.
+    #[error("the flat pattern: {0}")]
+    Pattern(String),
+}

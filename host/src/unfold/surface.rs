@@ -1,0 +1,444 @@
+//! The surface that the faces of a shape make: what hangs together, which side is up, where it is curved.
+
+use core::f64::consts::TAU;
+use std::collections::HashMap;
+
+use nalgebra::{Vector2, Vector3};
+
+use super::{FoldedShape, ShapeError};
+use crate::pattern::{LARGEST, Letter};
+
+/// A side of a face that is an edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// The face.
+    pub(super) face: usize,
+    /// Corner of the face, from 0, where the side begins in the file's order.
+    corner: usize,
+    /// Whether it runs from the edge's first end to its second, in the file's order.
+    forward: bool,
+}
+
+/// An edge of the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceEdge {
+    /// Its ends.
+    pub(super) ends: [usize; 2],
+    /// What the file says it is for.
+    pub(super) letter: Option<Letter>,
+    /// Its fold angle (radians) as the file has it.
+    pub(super) angle: Option<f64>,
+    /// One side or two.
+    pub(super) sides: [Option<Side>; 2],
+}
+
+impl SurfaceEdge {
+    /// Both sides, unless it is a boundary or a cut.
+    pub(super) fn joint(&self) -> Option<[Side; 2]> {
+        let cut = matches!(self.letter, Some(Letter::Boundary | Letter::Cut));
+        match self.sides {
+            [Some(a), Some(b)] if !cut => Some([a, b]),
+            _ => None,
+        }
+    }
+}
+
+/// A surface of flat faces, all turned to the same side.
+pub(super) struct Surface {
+    faces: Vec<Vec<usize>>,
+    /// For each face the number of its first corner, counting the corners of all faces.
+    first: Vec<usize>,
+    pub(super) edges: Vec<SurfaceEdge>,
+    /// Whether the order of a face's vertices runs clockwise, seen from above.
+    turned: Vec<bool>,
+    /// For each face the number of its part: parts hang together in nothing but points.
+    parts: Vec<usize>,
+    /// Unit normals in the file's order.
+    normals: Vec<Vector3<f64>>,
+    /// Positions of the corners in the planes of their faces, seen from above.
+    local: Vec<Vector2<f64>>,
+    /// For each corner the first of those that meet it in one point of the paper.
+    points: Vec<usize>,
+    /// Interior points with their angle defects, radians.
+    defects: Vec<(usize, f64)>,
+    /// For each part whether it has no boundary, and whether it is a disc.
+    closed: Vec<bool>,
+    discs: Vec<bool>,
+}
+
+impl Surface {
+    /// # Errors
+    /// If the shape is no surface with two sides, made of faces that are flat to within a slope.
+    pub(super) fn new(
+        shape: &FoldedShape,
+        slope: f64,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, ShapeError> {
+        shape.check()?;
+        let faces = shape.faces.clone();
+        let mut corners = 0;
+        let first = faces.iter().map(|cycle| {
+            corners += cycle.len();
+            corners - cycle.len()
+        });
+        let first = first.collect();
+        let normals = (0..faces.len()).map(|face| shape.normal(face, slope));
+        let normals = normals.collect::<Result<Vec<_>, _>>()?;
+        let edges = edges(shape, notes)?;
+        let mut surface = Self {
+            turned: vec![false; faces.len()],
+            parts: vec![usize::MAX; faces.len()],
+            faces,
+            first,
+            edges,
+            normals,
+            local: Vec::new(),
+            points: Vec::new(),
+            defects: Vec::new(),
+            closed: Vec::new(),
+            discs: Vec::new(),
+        };
+        surface.turn_alike(notes)?;
+        surface.measure(shape);
+        Ok(surface)
+    }
+
+    /// Turns all faces of each part to the same side, that of most of them.
+    fn turn_alike(&mut self, notes: &mut Vec<String>) -> Result<(), ShapeError> {
+        let neighbours = self.neighbours();
+        let mut parts = 0;
+        let mut turned = 0_usize;
+        for start in 0..self.faces.len() {
+            if self.parts[start] != usize::MAX {
+                continue;
+            }
+            self.parts[start] = parts;
+            let mut part = vec![start];
+            let mut next = 0;
+            while let Some(&face) = part.get(next) {
+                next += 1;
+                for &(other, alike) in &neighbours[face] {
+                    let turn = self.turned[face] ^ !alike;
+                    if self.parts[other] == usize::MAX {
+                        self.parts[other] = parts;
+                        self.turned[other] = turn;
+                        part.push(other);
+                    } else if self.turned[other] != turn {
+                        return Err(ShapeError::OneSided {
+                            first: face.min(other),
+                            second: face.max(other),
+                        });
+                    }
+                }
+            }
+            let backs = part.iter().filter(|face| self.turned[**face]).count();
+            if 2 * backs > part.len() {
+                part.iter().for_each(|&face| self.turned[face] ^= true);
+            }
+            turned += backs.min(part.len() - backs);
+            parts += 1;
+        }
+        if turned > 0 {
+            notes.push(format!(
+                "faces that run the other way round than their neighbours, turned over: {turned}"
+            ));
+        }
+        self.closed = vec![true; parts];
+        self.discs = vec![false; parts];
+        Ok(())
+    }
+
+    /// For each face those beyond its edges, and whether their vertices run the same way round.
+    fn neighbours(&self) -> Vec<Vec<(usize, bool)>> {
+        let mut neighbours = vec![Vec::new(); self.faces.len()];
+        for [a, b] in self.edges.iter().filter_map(SurfaceEdge::joint) {
+            let alike = a.forward != b.forward;
+            neighbours[a.face].push((b.face, alike));
+            neighbours[b.face].push((a.face, alike));
+        }
+        neighbours
+    }
+
+    /// Turns whole parts over.
+    pub(super) fn turn_over(&mut self, shape: &FoldedShape, over: &[bool]) {
+        for (turned, &part) in self.turned.iter_mut().zip(&self.parts) {
+            *turned ^= over[part];
+        }
+        self.measure(shape);
+    }
+
+    /// Measures the faces in their planes, seen from above, and the angles round vertices.
+    fn measure(&mut self, shape: &FoldedShape) {
+        self.local = (0..self.faces.len())
+            .flat_map(|face| self.in_plane(shape, face))
+            .collect();
+        let joined = vec![true; self.edges.len()];
+        self.points = self.points_where(&joined);
+        let mut sums = vec![0.0; self.local.len()];
+        let mut inside = vec![true; self.local.len()];
+        for face in 0..self.faces.len() {
+            for corner in 0..self.faces[face].len() {
+                sums[self.points[self.first[face] + corner]] += self.sector(face, corner);
+            }
+        }
+        // Euler's characteristic of each part: points - edges + faces.
+        let mut euler = vec![0_isize; self.closed.len()];
+        for face in 0..self.faces.len() {
+            euler[self.parts[face]] += 1;
+            for corner in self.first[face]..self.first[face] + self.faces[face].len() {
+                euler[self.parts[face]] += isize::from(self.points[corner] == corner);
+            }
+        }
+        for edge in &self.edges {
+            if let Some([a, _]) = edge.joint() {
+                euler[self.parts[a.face]] -= 1;
+                continue;
+            }
+            for side in edge.sides.iter().flatten() {
+                let part = self.parts[side.face];
+                euler[part] -= 1;
+                self.closed[part] = false;
+                for end in self.corners(*side) {
+                    inside[self.points[end]] = false;
+                }
+            }
+        }
+        for (disc, (euler, closed)) in self.discs.iter_mut().zip(euler.iter().zip(&self.closed)) {
+            *disc = *euler == 1 && !closed;
+        }
+        let interior = (0..inside.len()).filter(|&c| inside[c] && self.points[c] == c);
+        self.defects = interior.map(|c| (c, TAU - sums[c])).collect();
+    }
+
+    /// Corners of a face in its plane, seen from above, x as near to the x of space as can be.
+    fn in_plane(&self, shape: &FoldedShape, face: usize) -> Vec<Vector2<f64>> {
+        let up = self.up(face);
+        let along = Vector3::x() - up * up.x;
+        let right = if along.norm() > 0.5 {
+            along.normalize()
+        } else {
+            (Vector3::y() - up * up.y).normalize()
+        };
+        let ahead = up.cross(&right);
+        let corners = self.faces[face].iter().map(|&v| shape.vertices[v]);
+        corners
+            .map(|p| Vector2::new(p.dot(&right), p.dot(&ahead)))
+            .collect()
+    }
+
+    /// Angle of a face at one of its corners, radians, from 0 to a whole turn.
+    fn sector(&self, face: usize, corner: usize) -> f64 {
+        let (first, count) = (self.first[face], self.faces[face].len());
+        let at = |corner: usize| self.local[first + corner % count];
+        let here = at(corner);
+        let (mut from, mut to) = (at(corner + 1) - here, at(corner + count - 1) - here);
+        if self.turned[face] {
+            core::mem::swap(&mut from, &mut to);
+        }
+        let angle = from.perp(&to).atan2(from.dot(&to));
+        if angle < 0.0 { angle + TAU } else { angle }
+    }
+
+    /// For each corner the first of those that meet it in one point, if the paper is whole along joints that
+    /// are `joined`.
+    pub(super) fn points_where(&self, joined: &[bool]) -> Vec<usize> {
+        let count = self.faces.iter().map(Vec::len).sum();
+        let mut roots: Vec<usize> = (0..count).collect();
+        let edges = self.edges.iter().zip(joined).filter(|(_, joined)| **joined);
+        for [a, b] in edges.filter_map(|(edge, _)| edge.joint()) {
+            for (a, b) in self.corners(a).into_iter().zip(self.corners(b)) {
+                let (a, b) = (root(&mut roots, a), root(&mut roots, b));
+                roots[a.max(b)] = a.min(b);
+            }
+        }
+        for corner in 0..count {
+            roots[corner] = root(&mut roots, corner);
+        }
+        roots
+    }
+
+    /// Corners of a side's face at the first and the second end of its edge.
+    pub(super) fn corners(&self, side: Side) -> [usize; 2] {
+        let first = self.first[side.face];
+        let start = first + side.corner;
+        let end = first + (side.corner + 1) % self.faces[side.face].len();
+        if side.forward {
+            [start, end]
+        } else {
+            [end, start]
+        }
+    }
+
+    /// Whether the face lies to the left of its edge, going from the first end to the second, seen from above.
+    pub(super) fn is_left(&self, side: Side) -> bool {
+        side.forward ^ self.turned[side.face]
+    }
+
+    /// Unit normal of a face on its upper side.
+    pub(super) fn up(&self, face: usize) -> Vector3<f64> {
+        if self.turned[face] {
+            -self.normals[face]
+        } else {
+            self.normals[face]
+        }
+    }
+
+    /// Faces as in the file.
+    pub(super) fn faces(&self) -> &[Vec<usize>] {
+        &self.faces
+    }
+
+    /// The numbers of a face's corners, counter-clockwise seen from above.
+    pub(super) fn cycle(&self, face: usize) -> Vec<usize> {
+        let mut cycle = self.corner_range(face).collect::<Vec<_>>();
+        if self.turned[face] {
+            cycle.reverse();
+        }
+        cycle
+    }
+
+    /// The numbers of a face's corners in the file's order.
+    pub(super) fn corner_range(&self, face: usize) -> core::ops::Range<usize> {
+        self.first[face]..self.first[face] + self.faces[face].len()
+    }
+
+    /// Vertex of the shape at each corner.
+    pub(super) fn corner_vertices(&self) -> impl Iterator<Item = usize> {
+        self.faces.iter().flatten().copied()
+    }
+
+    /// Positions of all corners in the planes of their faces.
+    pub(super) fn local(&self) -> &[Vector2<f64>] {
+        &self.local
+    }
+
+    /// Number of parts.
+    pub(super) fn parts(&self) -> usize {
+        self.closed.len()
+    }
+
+    /// For each face its part.
+    pub(super) fn part_of_faces(&self) -> &[usize] {
+        &self.parts
+    }
+
+    /// Whether a part is a disc, which is never cut.
+    pub(super) fn part_is_disc(&self, part: usize) -> bool {
+        self.discs[part]
+    }
+
+    /// Whether a part has no boundary.
+    pub(super) fn part_is_closed(&self, part: usize) -> bool {
+        self.closed[part]
+    }
+
+    /// Whether every part is a disc.
+    pub(super) fn is_disc(&self) -> bool {
+        self.discs.iter().all(|disc| *disc)
+    }
+
+    /// Vertices that faces have, counted once for each point of the paper that they are.
+    pub(super) fn vertices(&self) -> usize {
+        let corners = self.points.iter().enumerate();
+        corners.filter(|(corner, point)| corner == *point).count()
+    }
+
+    /// Largest angle defect of an interior vertex, radians, without sign.
+    pub(super) fn max_defect(&self) -> f64 {
+        crate::numbers::largest(self.defects.iter().map(|(_, defect)| defect.abs()))
+    }
+
+    /// Largest angle defect that is not above a bound: what the shape has of noise, radians.
+    pub(super) fn noise(&self, bound: f64) -> f64 {
+        let defects = self.defects.iter().map(|(_, defect)| defect.abs());
+        crate::numbers::largest(defects.filter(|defect| *defect <= bound))
+    }
+
+    /// The vertex whose angle defect is farthest above a bound, and that defect, in a part that has a
+    /// boundary and so may not be cut.
+    pub(super) fn not_developable(&self, bound: f64) -> Option<(usize, f64)> {
+        let corner_face = |corner: usize| self.first.partition_point(|first| *first <= corner) - 1;
+        let bad = self.defects.iter().filter(|(corner, defect)| {
+            // A broken number is no developable vertex either.
+            (defect.abs() > bound || defect.is_nan())
+                && !self.closed[self.parts[corner_face(*corner)]]
+        });
+        let worst = bad.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let vertex = self.corner_vertices().nth(worst.0)?;
+        Some((vertex, worst.1))
+    }
+}
+
+/// The first of the corners that a corner is joined to, with the way there made shorter.
+fn root(roots: &mut [usize], corner: usize) -> usize {
+    let mut here = corner;
+    while roots[here] != here {
+        roots[here] = roots[roots[here]];
+        here = roots[here];
+    }
+    here
+}
+
+/// Edges that the shape names and faces have, in its order, then all others.
+fn edges(shape: &FoldedShape, notes: &mut Vec<String>) -> Result<Vec<SurfaceEdge>, ShapeError> {
+    let key = |a: usize, b: usize| (a.min(b), a.max(b));
+    let mut index = HashMap::with_capacity(shape.edges.len());
+    let mut edges = Vec::with_capacity(shape.edges.len());
+    for named in &shape.edges {
+        let [a, b] = named.ends;
+        index.entry(key(a, b)).or_insert_with(|| {
+            edges.push(SurfaceEdge {
+                ends: named.ends,
+                letter: named.letter,
+                angle: named.angle,
+                sides: [None; 2],
+            });
+            edges.len() - 1
+        });
+    }
+    for (face, cycle) in shape.faces.iter().enumerate() {
+        for (corner, &a) in cycle.iter().enumerate() {
+            let b = cycle[(corner + 1) % cycle.len()];
+            let edge = *index.entry(key(a, b)).or_insert_with(|| {
+                edges.push(SurfaceEdge {
+                    ends: [a, b],
+                    letter: None,
+                    angle: None,
+                    sides: [None; 2],
+                });
+                edges.len() - 1
+            });
+            let edge = &mut edges[edge];
+            let side = Side {
+                face,
+                corner,
+                forward: edge.ends[0] == a,
+            };
+            match edge.sides {
+                [None, _] => edge.sides[0] = Some(side),
+                [Some(_), None] => edge.sides[1] = Some(side),
+                [Some(first), Some(second)] => {
+                    return Err(ShapeError::Branching {
+                        ends: edge.ends,
+                        faces: [first.face, second.face, face],
+                    });
+                }
+            }
+        }
+    }
+    let named = edges.len();
+    edges.retain(|edge| edge.sides[0].is_some());
+    if edges.len() < named {
+        notes.push(format!(
+            "edges without a face, left out: {}",
+            named - edges.len()
+        ));
+    }
+    for edge in &edges {
+        let [a, b] = edge.ends.map(|end| shape.vertices[end]);
+        if (b - a).norm() < 1.0 / LARGEST {
+            return Err(ShapeError::NoLength { ends: edge.ends });
+        }
+    }
+    Ok(edges)
+}
