@@ -10,6 +10,7 @@ use foldpath::formats::FileError;
 use foldpath::pattern::PatternError;
 use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, OptionsError};
+use foldpath::unfold::ShapeError;
 use foldpath_core::trajectory::TrajectoryError;
 use foldpath_core::trajectory_file;
 
@@ -271,6 +272,34 @@ fn errors_of_the_libraries() {
         source: std::io::ErrorKind::StorageFull.into(),
     };
     let mut said = format!("{pattern}\n{options}\n{io}\n{}\n", GoalError::Fraction(2.0));
+    for error in [
+        ShapeError::NoFaces,
+        ShapeError::NotFinite { vertex: 3 },
+        ShapeError::NoVertex {
+            what: "face",
+            index: 2,
+            vertex: 9,
+            last: 7,
+        },
+        ShapeError::NoArea { face: 2 },
+        ShapeError::NotFlat {
+            face: 2,
+            vertex: 3,
+            off: 0.25,
+        },
+        ShapeError::Branching {
+            ends: [1, 2],
+            faces: [0, 3, 5],
+        },
+        ShapeError::OneSided {
+            first: 1,
+            second: 2,
+        },
+        ShapeError::NoLength { ends: [1, 2] },
+        ShapeError::Pattern("vertex 3: expected finite coordinates".into()),
+    ] {
+        said += &format!("{error}\n");
+    }
     for error in [
         TimingError::Shape,
         TimingError::NotFinite(3),

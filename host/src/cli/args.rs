@@ -232,6 +232,10 @@ pub(super) struct Info {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath unfold path.fold -o unfolded.fold
+  foldpath unfold path.fold --frame 3 -o third.fold --json")]
 pub(super) struct Unfold {
     /// Folded shape: a FOLD file with faces in space, or by its ending .obj (with Freeform Origami's crease
     /// comments) or .stl

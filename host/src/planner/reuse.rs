@@ -30,9 +30,6 @@ pub(super) const FIRST_PART: f64 = 0.5;
 const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
 const NEARER: f64 = 0.01;
-/// Part of the depth at which a crossing counts that is looked for: a sweep is certain up to twice that, and what is
-/// written is rounded. So who judges the path afresh finds none.
-const STRICTER: f64 = 0.49;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
@@ -175,7 +172,6 @@ impl Planning<'_> {
         let usual = SweepOptions::default();
         SweepOptions {
             gap,
-            tolerance: usual.tolerance * STRICTER,
             deadline: self.deadline,
             progress: self.options.progress,
             // Who wants to look at everything may.
