@@ -12,7 +12,7 @@
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
 //!    looks for faces that pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
-//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it; [`stream`] sends it to a
+//! 6. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it, [`plot`](mod@plot) draws its curves; [`stream`] sends it to a
 //!    controller.
 //!
 //! ```
@@ -48,13 +48,16 @@ pub mod certificate;
 pub mod check;
 pub mod cli;
 pub mod collision;
+mod colours;
 pub mod folding;
 pub mod formats;
 pub mod generate;
 mod numbers;
 pub mod pattern;
 pub mod planner;
+pub mod plot;
 pub mod ragged;
+pub mod shapes;
 pub mod stream;
 pub mod symmetry;
 pub mod view;

@@ -6,6 +6,7 @@ mod export;
 mod generate;
 mod info;
 mod plan;
+mod plot;
 mod stream;
 mod view;
 
@@ -51,6 +52,7 @@ pub fn main() -> ExitCode {
         args::Command::Plan(args) => plan::run(&args),
         args::Command::Check(args) => check::run(&args),
         args::Command::View(args) => view::run(&args),
+        args::Command::Plot(args) => plot::run(&args),
         args::Command::Export(args) => export::run(&args),
         args::Command::Stream(args) => stream::run(&args),
     };

@@ -4,17 +4,20 @@ mod cp;
 pub mod csv;
 mod error;
 pub mod fold;
+pub mod glb;
 mod groups;
+pub mod obj_sequence;
 mod output;
 pub mod rust;
 mod segments;
 mod svg;
+pub mod svg_pattern;
 pub mod traj;
 
 use std::path::Path;
 
 pub use error::FileError;
-pub use output::{write_whole, write_whole_with};
+pub use output::{write_each_whole, write_whole, write_whole_with};
 
 /// Reads a crease pattern of whatever format the name's ending says: `.svg`, `.cp`, and FOLD for all
 /// others.

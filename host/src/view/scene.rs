@@ -3,10 +3,10 @@
 use foldpath_core::Membership;
 
 use super::{Scene, SceneEdge, SceneKnot};
-use crate::check::{measure, positions};
-use crate::folding::{SpanningTree, sheets_laid_on};
+use crate::check::measure;
 use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
+use crate::shapes::{STEP, shapes};
 
 impl Scene {
     /// What there is to see of a path: its shapes, and what is measured on them now rather than what
@@ -17,25 +17,20 @@ impl Scene {
         // Between shapes vertices are drawn on straight lines.
         let path = &path.with_steps(STEP);
         let pattern = &path.pattern;
-        let tree = SpanningTree::from_central_face(pattern);
-        let leaders = leaders(path);
+        let leaders = path.curves_shown();
         let measured = measure(path);
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };
-        // Each shape is laid on the one before, from the flat sheet on, so that every sheet as a whole
-        // stays where it is while it folds.
-        let mut before: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
         let mut knots = Vec::with_capacity(path.knots.len());
-        for (knot, measured) in path.knots.iter().zip(&measured) {
-            before = sheets_laid_on(pattern, &positions(pattern, &tree, knot), &before);
+        for ((knot, measured), shape) in path.knots.iter().zip(&measured).zip(shapes(path)) {
             let group_angle = |&(edge, member): &(EdgeId, Option<Membership>)| {
                 let angle = knot.fold_angles[edge.index()];
                 member.map_or(angle, |m| m.apply(angle)).to_degrees()
             };
             knots.push(SceneKnot {
                 time: knot.time,
-                vertices: Some(before.iter().map(|&p| p.into()).collect()),
+                vertices: Some(shape.iter().map(|&p| p.into()).collect()),
                 group_angles: leaders.iter().map(group_angle).collect(),
                 deformation: measured.rigidity.deformation,
                 gap: measured.rigidity.gap,
@@ -73,18 +68,4 @@ impl Scene {
             max_closure: worst(|m| m.closure),
         }
     }
-}
-
-/// Radians that a hinge turns from one shape to the next at most.
-const STEP: f64 = 0.1;
-
-/// For each curve an edge and its part in its crease group; every crease on its own where the file
-/// has no groups.
-fn leaders(path: &PathFile) -> Vec<(EdgeId, Option<Membership>)> {
-    if path.members.is_empty() {
-        let creases = path.pattern.creases().iter();
-        return creases.map(|&edge| (edge, None)).collect();
-    }
-    let leaders = path.leaders().into_iter().flatten();
-    leaders.map(|(edge, member)| (edge, Some(member))).collect()
 }
