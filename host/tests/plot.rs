@@ -155,9 +155,9 @@ fn absurd_paths_are_drawn_all_the_same() {
     let folder = Folder::with_path();
     let path = folder.read_json("path.fold");
     for edits in [
-        "/file_frames/1/edges_foldAngle/9 = 1e300",
+        "/file_frames/1/edges_foldAngle/9 = 1e300; /foldpath:interpolation = \"hermite\"",
         "/file_frames/1/foldpath:edges_foldAngleRate/9 = 1e300",
-        "/file_frames/1/vertices_coords/3/0 = 1e200; /file_title = \"a\\u0000<b\"",
+        "/file_frames/1/vertices_coords/3/0 = 1e49; /file_title = \"a\\u0000<b\"",
         "/file_frames/0/foldpath:time = -1e300",
         "/file_frames/0/foldpath:time = -1e-300; /foldpath:interpolation = \"linear\"",
     ] {

@@ -237,7 +237,12 @@ fn a_file_that_breaks_a_rule_is_refused() {
         (
             format!("/edges_assignment/{mountain}"),
             json!("B"),
-            "degrees of B",
+            "has 2 faces",
+        ),
+        (
+            format!("/edges_assignment/{mountain}"),
+            json!("F"),
+            "degrees of F",
         ),
         (
             format!("/edges_assignment/{border}"),

@@ -29,7 +29,7 @@ pub(super) fn run(args: &Plot) -> Answer {
     print(&format!(
         "{}: {} curves of angles, {} knots, picture written to {output}\n",
         path.title,
-        curves.angles.len(),
+        curves.count,
         curves.knots.len(),
     ))?;
     Ok(true)

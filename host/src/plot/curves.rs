@@ -9,8 +9,12 @@ use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
 use crate::shapes::shapes;
 
-/// Places along a path at which curves are taken, those at its knots not counted.
+/// Places along a path at which curves are taken, those at its knots not counted; of large sheets fewer, so
+/// that no more faces than this are folded.
 const PLACES: usize = 240;
+const FOLDED: usize = 20_000_000;
+/// Curves of angles that are taken: more are not told apart.
+const MOST_CURVES: usize = 200;
 /// Places at which the clearance is.
 const CLEARANCES: usize = 120;
 /// Sheets of more faces have none: each pair of faces near each other is measured.
@@ -26,8 +30,11 @@ pub struct Curves {
     pub title: String,
     /// Times of the knots.
     pub knots: Vec<f64>,
-    /// For each crease group, or each crease where the file has no groups, its fold angle in degrees.
+    /// For each crease group, or each crease where the file has no groups, its fold angle in degrees; the
+    /// first 200.
     pub angles: Vec<Vec<Point>>,
+    /// How many there are.
+    pub count: usize,
     /// Whether those are of groups.
     pub grouped: bool,
     /// Fold angles assigned and measured, degrees: at each knot one for each edge between two faces, and one
@@ -54,6 +61,7 @@ impl Curves {
             knots: path.knots.iter().map(|knot| knot.time).collect(),
             grouped: !path.members.is_empty(),
             angles: angles(path),
+            count: path.curves_shown().len(),
             measured: measured(path),
             clearance: clearance(path),
             ..Self::default()
@@ -65,8 +73,9 @@ impl Curves {
     /// Deformation, gap and what is known of the motion as a whole.
     fn judge(&mut self, path: &PathFile) {
         let segments = path.knots.len().saturating_sub(1);
+        let affordable = FOLDED / path.pattern.faces().len().max(1) / segments.max(1);
         let options = CheckOptions {
-            samples: places_of(segments),
+            samples: places_of(segments).min(affordable).max(1),
             ..CheckOptions::default()
         };
         let verdict = check(path, &options);
@@ -118,7 +127,11 @@ fn angles(path: &PathFile) -> Vec<Vec<Point>> {
         });
         first.into_iter().chain(rest.flatten()).collect()
     };
-    path.curves_shown().iter().map(curve).collect()
+    path.curves_shown()
+        .iter()
+        .take(MOST_CURVES)
+        .map(curve)
+        .collect()
 }
 
 /// Angles assigned and measured at the knots, degrees. Half a turn either way is the same shape: what is

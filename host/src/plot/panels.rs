@@ -18,8 +18,7 @@ type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 const WIDTH: u32 = 1600;
 const HEIGHT: u32 = 560;
 const FONT: &str = "sans-serif";
-/// Curves of angles drawn, those named in the legend, and knots marked.
-const MOST_CURVES: usize = 200;
+/// Curves of angles named in the legend, and knots marked.
 const NAMED: usize = 12;
 const MOST_KNOTS: usize = 200;
 /// Errors are drawn as powers of ten, from this one on: less is rounding.
@@ -49,20 +48,21 @@ fn draw(curves: &Curves, text: &mut String) -> Drawn {
 
 /// Fold angles of the groups.
 fn angles(curves: &Curves, area: &Area<'_>) -> Drawn {
-    let count = curves.angles.len();
+    let [drawn, count] = [curves.angles.len(), curves.count];
     let what = if curves.grouped {
         "crease groups"
     } else {
         "creases"
     };
     let title = curves.title.replace(char::is_control, " ");
-    let caption = match count.saturating_sub(MOST_CURVES) {
-        0 => format!("{title}: fold angles of {count} {what}"),
-        _ => format!("{title}: fold angles of {MOST_CURVES} of {count} {what}"),
+    let caption = if drawn < count {
+        format!("{title}: fold angles of {drawn} of {count} {what}")
+    } else {
+        format!("{title}: fold angles of {count} {what}")
     };
     let degrees = range(curves.angles.iter().flatten().map(|p| p.1));
     let mut chart = against_time(curves, area, &caption, "fold angle, degrees", degrees)?;
-    for (index, curve) in curves.angles.iter().enumerate().take(MOST_CURVES) {
+    for (index, curve) in curves.angles.iter().enumerate() {
         let name = (count > 1 && index < NAMED).then(|| index.to_string());
         line(&mut chart, curve, of_group(index), name)?;
     }
