@@ -66,7 +66,7 @@ fn angles(curves: &Curves, area: &Area<'_>) -> Drawn {
         let name = (count > 1 && index < NAMED).then(|| index.to_string());
         line(&mut chart, curve, of_group(index), name)?;
     }
-    legend(&mut chart)
+    legend(&mut chart, SeriesLabelPosition::UpperLeft)
 }
 
 /// Fold angles measured on folded shapes against those assigned.
@@ -139,7 +139,7 @@ fn errors(curves: &Curves, area: &Area<'_>) -> Drawn {
             Some("certified between knots".into()),
         )?;
     }
-    legend(&mut chart)
+    legend(&mut chart, SeriesLabelPosition::LowerRight)
 }
 
 /// Nothing between whole powers.
@@ -252,10 +252,10 @@ fn line(
     Ok(())
 }
 
-fn legend<'a: 'b, 'b>(chart: &mut Chart<'a, 'b>) -> Drawn {
+fn legend<'a: 'b, 'b>(chart: &mut Chart<'a, 'b>, position: SeriesLabelPosition) -> Drawn {
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(position)
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.3))
         .label_font((FONT, 22))

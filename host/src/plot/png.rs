@@ -24,8 +24,8 @@ pub fn system_fonts() -> Database {
     fonts
 }
 
-/// A PNG file with an SVG picture in its own size; texts are in the sans-serif of `fonts`, or else in any
-/// other of them.
+/// A PNG file with an SVG picture in its own size; texts are in the sans-serif of `fonts`, or else in one
+/// that is called so, or else in any.
 ///
 /// # Errors
 /// If there is no font, or the text is no picture.
@@ -35,10 +35,14 @@ pub fn png(svg: &str, mut fonts: Database) -> Result<Vec<u8>, PngError> {
         ..Query::default()
     };
     if fonts.query(&query).is_none() {
-        let any = fonts
-            .faces()
-            .find_map(|face| Some(face.families.first()?.0.clone()));
-        fonts.set_sans_serif_family(any.ok_or(PngError::NoFont)?);
+        let families = || {
+            fonts
+                .faces()
+                .filter_map(|face| Some(&face.families.first()?.0))
+        };
+        let sans = families().find(|family| family.contains("Sans"));
+        let any = sans.or(families().next()).ok_or(PngError::NoFont)?.clone();
+        fonts.set_sans_serif_family(any);
     }
     let options = Options {
         fontdb: fonts.into(),
