@@ -115,6 +115,7 @@ fn draw(
             (FONT, 28),
         )
         .margin(20)
+        .margin_right(80)
         .x_label_area_size(70)
         .y_label_area_size(110)
         .build_cartesian_2d((1e3..1e6).log_scale(), (1e-3..100.0).log_scale())?;
@@ -122,6 +123,7 @@ fn draw(
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .x_desc("faces")
+        .x_label_formatter(&|faces| format!("{faces:.0}"))
         .y_desc("seconds")
         .label_style((FONT, 24))
         .axis_desc_style((FONT, 26))

@@ -203,6 +203,7 @@ fn chart<'a, 'b>(
     let mut chart = ChartBuilder::on(area)
         .caption(caption, (FONT, 30))
         .margin(20)
+        .margin_right(50)
         .x_label_area_size(70)
         .y_label_area_size(130)
         .build_cartesian_2d(x, y)?;
