@@ -1,4 +1,4 @@
-//! Plots of a path: what the figures of [XiLien2015] show of theirs, and what is certified.
+//! Plots of a path: what the figures of [XiLien2015](crate#references) show of theirs, and what is certified.
 //!
 //! Four panels, one below the other, against the time of the path but for the second:
 //!
@@ -8,8 +8,6 @@
 //! 4. clearance, the smallest distance between faces that share no vertex.
 //!
 //! [`Curves`] has the numbers, [`svg`] draws them, and [`png()`] makes pixels of that.
-//!
-//! [XiLien2015]: crate#references
 
 mod curves;
 mod panels;
