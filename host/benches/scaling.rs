@@ -5,11 +5,10 @@
 //! `cargo bench -p foldpath --bench scaling` goes to 160,000 faces; `-- large` to a million. Prints a
 //! table and the exponent, and with `-- plot FILE.svg` draws both.
 
-use core::fmt::Write;
-
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
+use plotters::prelude::*;
 
 /// Faces and seconds.
 type Point = (f64, f64);
@@ -96,62 +95,46 @@ fn fit(points: &[Point]) -> (f64, f64) {
 
 /// Both logarithmic, with the line fitted.
 fn picture(points: &[Point], slope: f64, height: f64) -> String {
-    let place = |(faces, seconds): Point| {
-        let (x, y) = (faces.log10() - 3.0, seconds.log10() + 3.0);
-        (70.0 + 150.0 * x, 330.0 - 60.0 * y)
-    };
-    let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 560 390\" font-family=\"sans-serif\" \
-         font-size=\"13\">\n<rect width=\"560\" height=\"390\" fill=\"white\"/>\n",
-    );
-    let mut line = |from: (f64, f64), to: (f64, f64), colour: &str| {
-        let _infallible = writeln!(
-            svg,
-            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"{colour}\"/>",
-            from.0, from.1, to.0, to.1
-        );
-    };
-    for decade in 0..6 {
-        let y = 330.0 - 60.0 * f64::from(decade);
-        line((70.0, y), (520.0, y), "#ddd");
-    }
-    for decade in 0..4 {
-        let x = 70.0 + 150.0 * f64::from(decade);
-        line((x, 30.0), (x, 330.0), "#ddd");
-    }
-    let on_line = |faces: f64| place((faces, (height + slope * faces.ln()).exp()));
-    let ends = [points.first(), points.last()].map(|p| p.map_or(1.0, |p| p.0));
-    line(on_line(ends[0]), on_line(ends[1]), "#c33");
-    let mut text = |x: f64, y: f64, words: &str| {
-        let _infallible = writeln!(
-            svg,
-            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{words}</text>"
-        );
-    };
-    for (decade, words) in ["1,000", "10,000", "100,000", "1,000,000"]
-        .into_iter()
-        .enumerate()
-    {
-        text(70.0 + 150.0 * decade as f64, 350.0, words);
-    }
-    for (decade, words) in ["1 ms", "10 ms", "0.1 s", "1 s", "10 s", "100 s"]
-        .into_iter()
-        .enumerate()
-    {
-        text(40.0, 334.0 - 60.0 * decade as f64, words);
-    }
-    text(295.0, 375.0, "faces");
-    text(
-        295.0,
-        20.0,
-        &format!("whole plan of a Miura sheet: faces^{slope:.2}"),
-    );
-    for point in points {
-        let (x, y) = place(*point);
-        let _infallible = writeln!(
-            svg,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"#246\"/>"
-        );
-    }
-    svg + "</svg>\n"
+    let mut svg = String::new();
+    draw(&mut svg, points, slope, height).expect("room for a picture");
+    svg
+}
+
+fn draw(
+    svg: &mut String,
+    points: &[Point],
+    slope: f64,
+    height: f64,
+) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+    const FONT: &str = "sans-serif";
+    let area = SVGBackend::with_string(svg, (1120, 780)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .caption(
+            format!("whole plan of a Miura sheet: faces^{slope:.2}"),
+            (FONT, 28),
+        )
+        .margin(20)
+        .margin_right(80)
+        .x_label_area_size(70)
+        .y_label_area_size(110)
+        .build_cartesian_2d((1e3..1e6).log_scale(), (1e-3..100.0).log_scale())?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .x_desc("faces")
+        .x_label_formatter(&|faces| format!("{faces:.0}"))
+        .y_desc("seconds")
+        .label_style((FONT, 24))
+        .axis_desc_style((FONT, 26))
+        .draw()?;
+    let ends = [points.first(), points.last()].into_iter().flatten();
+    let fitted = ends.map(|(faces, _)| (*faces, (height + slope * faces.ln()).exp()));
+    chart.draw_series(LineSeries::new(fitted, RED.stroke_width(3)))?;
+    chart.draw_series(
+        points
+            .iter()
+            .map(|point| Circle::new(*point, 8, BLUE.filled())),
+    )?;
+    area.present()
 }

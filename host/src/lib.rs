@@ -13,7 +13,8 @@
 //!    looks for faces that pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
 //! 6. [`unfold`](mod@unfold) makes a crease pattern of a shape that is folded already.
-//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it; [`stream`] sends it to a
+//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it, [`plot`](mod@plot)
+//!    draws its curves; [`stream`] sends it to a
 //!    controller.
 //!
 //! ```
@@ -49,14 +50,17 @@ pub mod certificate;
 pub mod check;
 pub mod cli;
 pub mod collision;
+mod colours;
 pub mod folding;
 pub mod formats;
 pub mod generate;
 mod numbers;
 pub mod pattern;
 pub mod planner;
+pub mod plot;
 pub mod progress;
 pub mod ragged;
+pub mod shapes;
 pub mod stream;
 pub mod symmetry;
 pub mod unfold;

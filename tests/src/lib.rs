@@ -12,6 +12,7 @@ mod animation;
 pub mod campaign;
 pub mod closed_form;
 mod crossing;
+pub mod fold_spec;
 mod folding;
 mod hand_made;
 mod judge;

@@ -52,7 +52,9 @@ pub(super) enum Command {
     Unfold(Unfold),
     /// Write one self-contained page that shows a path
     View(View),
-    /// Write a path for a controller or a spreadsheet
+    /// Draw fold angles, errors and clearance along a path
+    Plot(Plot),
+    /// Write a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
     /// Send a path to a controller and follow what it does
     ///
@@ -620,18 +622,39 @@ pub(super) struct View {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  foldpath export path.fold --to traj -o path.traj
-  foldpath export path.fold --to csv -o path.csv
-  foldpath export path.fold --to rust -o path.rs")]
-pub(super) struct Export {
+  foldpath plot path.fold -o plots.svg
+  foldpath plot path.fold -o plots.png")]
+pub(super) struct Plot {
     /// Path, a FOLD animation
+    pub(super) path: PathBuf,
+    /// Picture to write: .svg or .png
+    #[arg(short, long)]
+    pub(super) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath export path.fold --to traj -o path.traj
+  foldpath export path.fold --to glb -o path.glb
+  foldpath export path.fold --to obj --frames 60 -o fold.obj
+  foldpath export path.fold --to svg --colour groups -o groups.svg")]
+pub(super) struct Export {
+    /// Path, a FOLD animation; for svg by letters or groups any crease pattern
     pub(super) path: PathBuf,
     /// Format to write
     #[arg(long, value_enum)]
     pub(super) to: ExportFormat,
-    /// File to write
+    /// File to write; for obj the name of the sequence, or a folder
     #[arg(short, long)]
     pub(super) output: PathBuf,
+    /// With obj or glb: number of frames, evenly in time [default: obj the knots; glb the knots and as many
+    /// between that no hinge turns by more than 6 degrees from one to the next]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=2000))]
+    pub(super) frames: Option<u16>,
+    /// With svg: what colours say [default: letters]
+    #[arg(long, value_enum)]
+    pub(super) colour: Option<Colour>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -642,6 +665,23 @@ pub(super) enum ExportFormat {
     Csv,
     /// What a .traj file holds as constants of Rust, which need foldpath-core and no std
     Rust,
+    /// A sequence of Wavefront OBJ files, one a frame
+    Obj,
+    /// Binary glTF 2.0 with the motion as an animation
+    Glb,
+    /// The crease pattern, coloured
+    Svg,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Colour {
+    /// Mountain red, valley blue and so on, opacity the goal angle: what Origami Simulator reads
+    #[default]
+    Letters,
+    /// Crease groups, with the angles they go through
+    Groups,
+    /// Largest deformation of each face along the path
+    Deformation,
 }
 
 #[derive(Debug, Args)]

@@ -1,13 +1,49 @@
 //! `foldpath export`.
 
-use super::args::{Export, ExportFormat};
-use super::{Answer, check_output, print};
-use crate::formats::fold::read_path;
+use foldpath_core::Membership;
+
+use super::args::{Colour, Export, ExportFormat};
+use super::{Answer, CliError, check_output, print};
+use crate::formats::fold::{PathFile, read_path};
 use crate::formats::traj::TrajFile;
-use crate::formats::{csv, rust, write_whole};
+use crate::formats::{
+    FileError, csv, glb, obj_sequence, read_pattern, rust, svg_pattern, write_each_whole,
+    write_whole,
+};
+use crate::pattern::{CreasePattern, EdgeId};
+use crate::shapes::{STEP, deformation_of_faces};
+use crate::symmetry::CreaseGroups;
 
 pub(super) fn run(args: &Export) -> Answer {
+    let has_frames = matches!(args.to, ExportFormat::Obj | ExportFormat::Glb);
+    let usage = |text: &str| Err(CliError::Usage(text.into()));
+    if args.frames.is_some() && !has_frames {
+        return usage("--frames: expected --to obj or --to glb, which have frames");
+    }
+    if args.colour.is_some() && args.to != ExportFormat::Svg {
+        return usage("--colour: expected --to svg, which has colours");
+    }
     check_output(&args.path, &args.output)?;
+    if args.to == ExportFormat::Obj {
+        return sequence(args);
+    }
+    let (title, bytes, content) = match args.to {
+        ExportFormat::Svg => drawing(args)?,
+        _ => path_file(args)?,
+    };
+    write_whole(&args.output, &bytes)?;
+    print(&format!(
+        "{title}: {content}, {} bytes written to {}\n",
+        bytes.len(),
+        args.output.display()
+    ))?;
+    Ok(true)
+}
+
+/// Title, bytes, and what they are.
+type Content = (String, Vec<u8>, String);
+
+fn path_file(args: &Export) -> Result<Content, FileError> {
     let path = read_path(&args.path)?;
     let (bytes, content) = match args.to {
         ExportFormat::Traj | ExportFormat::Rust => {
@@ -23,17 +59,140 @@ pub(super) fn run(args: &Export) -> Answer {
                 (file.bytes, content)
             }
         }
-        ExportFormat::Csv => {
+        ExportFormat::Glb => {
+            // Between frames a viewer moves vertices on straight lines.
+            let frames = resampled(args, &path).unwrap_or_else(|| path.with_steps(STEP));
+            let content = format!(
+                "{} frames, {} faces",
+                frames.knots.len(),
+                path.pattern.faces().len()
+            );
+            (glb::content(&frames, &args.path)?, content)
+        }
+        _ => {
             let text = csv::path_text(&path, &args.path)?;
             (text.into_bytes(), format!("{} knots", path.knots.len()))
         }
     };
-    write_whole(&args.output, &bytes)?;
+    Ok((path.title, bytes, content))
+}
+
+/// The path in as many frames as are asked for; `None` if none are.
+fn resampled(args: &Export, path: &PathFile) -> Option<PathFile> {
+    Some(path.resampled(args.frames?.into()))
+}
+
+/// Writes an OBJ file a frame.
+fn sequence(args: &Export) -> Answer {
+    let path = read_path(&args.path)?;
+    let path = resampled(args, &path).unwrap_or(path);
+    let output = &args.output;
+    let named_folder = output
+        .as_os_str()
+        .to_string_lossy()
+        .ends_with(std::path::MAIN_SEPARATOR);
+    let folder = named_folder || output.is_dir();
+    if folder {
+        std::fs::create_dir_all(output).map_err(|source| FileError::Io {
+            path: output.clone(),
+            source,
+        })?;
+    }
+    let names = [0, path.knots.len() - 1].map(|k| obj_sequence::frame_path(output, folder, k));
+    for index in 0..path.knots.len() {
+        check_output(&args.path, &obj_sequence::frame_path(output, folder, index))?;
+    }
+    write_each_whole(obj_sequence::files(&path, output, folder))?;
     print(&format!(
-        "{}: {content}, {} bytes written to {}\n",
+        "{}: {} frames, {} faces, written to {} to {}\n",
         path.title,
-        bytes.len(),
-        args.output.display()
+        path.knots.len(),
+        path.pattern.faces().len(),
+        names[0].display(),
+        names[1].display()
     ))?;
     Ok(true)
+}
+
+/// The crease pattern of a path, or of any file with one, coloured.
+fn drawing(args: &Export) -> Result<Content, FileError> {
+    let colour = args.colour.unwrap_or_default();
+    let (title, text, content) = match colour {
+        Colour::Letters => {
+            let file = read_pattern(&args.path)?;
+            let text = svg_pattern::by_letters(&file.title, &file.pattern);
+            (
+                file.title,
+                text,
+                format!("{} edges by letters", file.pattern.edges().len()),
+            )
+        }
+        Colour::Groups => match read_path(&args.path) {
+            Ok(path) if !path.members.is_empty() => {
+                let ranges = ranges(&path);
+                let text =
+                    svg_pattern::by_groups(&path.title, &path.pattern, &path.members, &ranges);
+                (
+                    path.title,
+                    text,
+                    format!("{} crease groups of the path", ranges.len()),
+                )
+            }
+            _ => {
+                let file = read_pattern(&args.path)?;
+                let (members, ranges) = found_groups(&file.pattern);
+                let text = svg_pattern::by_groups(&file.title, &file.pattern, &members, &ranges);
+                (
+                    file.title,
+                    text,
+                    format!("{} crease groups of the pattern", ranges.len()),
+                )
+            }
+        },
+        Colour::Deformation => {
+            let path = read_path(&args.path)?;
+            let faces = deformation_of_faces(&path);
+            let text = svg_pattern::by_deformation(&path.title, &path.pattern, &faces);
+            (
+                path.title,
+                text,
+                format!("{} faces by deformation", faces.len()),
+            )
+        }
+    };
+    Ok((title, text.into_bytes(), content))
+}
+
+/// For each crease group of a path the fold angles (radians) that it goes through.
+fn ranges(path: &PathFile) -> Vec<[f64; 2]> {
+    let steps = path.with_steps(STEP);
+    let leaders = path.leaders().into_iter();
+    let range = |leader: Option<(EdgeId, Membership)>| {
+        let angles = steps.knots.iter().filter_map(|knot| {
+            let (edge, member) = leader?;
+            Some(member.apply(knot.fold_angles[edge.index()]))
+        });
+        extent(angles)
+    };
+    leaders.map(range).collect()
+}
+
+/// Crease groups found in a pattern, for each edge its part in one, and for each group the way to its goal.
+fn found_groups(pattern: &CreasePattern) -> (Vec<Option<Membership>>, Vec<[f64; 2]>) {
+    let groups = CreaseGroups::find(pattern);
+    let edges = pattern.edges().iter();
+    let members = edges.map(|edge| edge.crease.map(|crease| groups.of(crease)));
+    let creases = pattern.creases().iter();
+    let goals: Vec<_> = creases.map(|&edge| pattern.edge(edge).goal).collect();
+    let goals = groups.reduce(&goals).into_iter();
+    let ranges = goals.map(|goal| extent([0.0].into_iter().chain(goal)));
+    (members.collect(), ranges.collect())
+}
+
+/// The least and the greatest.
+fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    let ends = numbers
+        .map(|x| [x; 2])
+        .reduce(|[low, high], [x, _]| [low.min(x), high.max(x)]);
+    ends.unwrap_or_default()
 }

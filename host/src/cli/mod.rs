@@ -9,6 +9,7 @@ mod hints;
 mod info;
 mod outlook;
 mod plan;
+mod plot;
 mod progress;
 mod report;
 mod stream;
@@ -68,6 +69,7 @@ pub fn main() -> ExitCode {
         args::Command::Check(args) => check::run(&args),
         args::Command::Unfold(args) => unfold::run(&args),
         args::Command::View(args) => view::run(&args),
+        args::Command::Plot(args) => plot::run(&args),
         args::Command::Export(args) => export::run(&args),
         args::Command::Stream(args) => stream::run(&args),
         args::Command::Completions(args) => complete::completions(&args),

@@ -6,6 +6,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{CROSSING, Pieces, Placed};
+use super::separation::distance;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -58,6 +59,8 @@ pub struct CollisionScene {
     hierarchy: Bvh,
     workspace: BvhWorkspace,
     median_edge: f64,
+    /// How far apart faces may be to be compared when a clearance is asked for.
+    reach: f64,
     counts: CollisionCounts,
 }
 
@@ -73,6 +76,7 @@ impl CollisionScene {
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
             median_edge: pattern.median_edge(),
+            reach: 0.1 * pattern.median_edge(),
             counts: CollisionCounts::default(),
             pairs: alike - joined,
             pieces,
@@ -83,7 +87,7 @@ impl CollisionScene {
     /// (over the median edge), faces that meet in a vertex may lie across each other by as much: of
     /// those only what is deeper counts. Cost: about O(faces log faces) while few bounding boxes meet.
     pub fn deepest_crossing(&mut self, map: &FoldingMap, gap: f64) -> Option<Crossing> {
-        self.place(map);
+        self.place(map, 0.0);
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
         let tolerance = CROSSING * self.median_edge;
@@ -118,14 +122,52 @@ impl CollisionScene {
         deepest
     }
 
+    /// The smallest distance between faces of a sheet that share no place of it, in its units; `None` if all
+    /// do. Cost: as above, twice or three times, while few faces are as near to each other as the nearest.
+    pub fn clearance(&mut self, map: &FoldingMap) -> Option<f64> {
+        let pieces = self.pieces.list.len() as u64;
+        let all = pieces * pieces.saturating_sub(1) / 2;
+        let mut reach = self.reach;
+        loop {
+            self.place(map, 0.5 * reach);
+            let (mut nearest, mut seen) = (f64::INFINITY, 0);
+            let pieces = &self.pieces;
+            let placed = Placed {
+                pieces,
+                folded: &self.folded,
+                normals: &self.normals,
+            };
+            let judge = &mut |a: u32, b: u32| {
+                seen += 1;
+                let [first, second] = [a, b].map(|index| pieces.list[index as usize]);
+                let alike = first.sheet == second.sheet && first.face != second.face;
+                if alike && !pieces.meet(a, b) {
+                    nearest = nearest.min(distance(&placed.piece(a), &placed.piece(b)));
+                }
+            };
+            self.hierarchy
+                .traverse_bvtt_single_tree::<false>(&mut self.workspace, judge);
+            let found = nearest.is_finite();
+            if seen >= all || nearest <= reach || !reach.is_finite() {
+                // The next configuration is a little different.
+                let next = if found { 1.1 * nearest } else { 0.0 };
+                self.reach = next.max(1e-3 * self.median_edge);
+                return found.then_some(nearest);
+            }
+            // What is not within this reach, is no nearer.
+            reach = if found { nearest } else { 4.0 * reach };
+        }
+    }
+
     /// What was looked at since the scene was made.
     #[must_use]
     pub fn counts(&self) -> CollisionCounts {
         self.counts
     }
 
-    /// Moves the pieces to their places and the hierarchy with them.
-    fn place(&mut self, map: &FoldingMap) {
+    /// Moves the pieces to their places and the hierarchy with them, its boxes wider by `margin` all round.
+    fn place(&mut self, map: &FoldingMap, margin: f64) {
+        let margin = Vector3::repeat(margin);
         let boxes = self
             .pieces
             .list
@@ -143,6 +185,7 @@ impl CollisionScene {
                     low = low.inf(folded);
                     high = high.sup(folded);
                 }
+                let (low, high) = (low - margin, high + margin);
                 Aabb::new(
                     Vector::new(low.x, low.y, low.z),
                     Vector::new(high.x, high.y, high.z),

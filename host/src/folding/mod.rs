@@ -1,6 +1,7 @@
 //! The folding map: the rigid motion of every face, and what it does to the sheet.
 
 mod amplification;
+mod dihedral;
 mod fit;
 mod holonomy;
 mod lattice_course;
@@ -11,6 +12,7 @@ mod screw;
 mod tree;
 
 pub use amplification::Amplification;
+pub use dihedral::Dihedral;
 pub use fit::{fit, laid_on, sheets_laid_on};
 pub use holonomy::Holonomy;
 pub(crate) use lattice_course::Drift;

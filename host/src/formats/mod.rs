@@ -4,15 +4,18 @@ mod cp;
 pub mod csv;
 mod error;
 pub mod fold;
+pub mod glb;
 mod groups;
 mod locate;
 mod merge;
 mod obj;
+pub mod obj_sequence;
 mod output;
 pub mod rust;
 mod segments;
 mod stl;
 mod svg;
+pub mod svg_pattern;
 pub mod traj;
 
 use std::fs::File;
@@ -20,7 +23,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
-pub use output::{write_whole, write_whole_with};
+pub use output::{write_each_whole, write_whole, write_whole_with};
 
 use crate::unfold::FoldedShape;
 

@@ -2,7 +2,9 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
 
 use super::FileError;
 
@@ -27,36 +29,63 @@ pub fn write_whole_with(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    let failed = |error: io::Error| FileError::Io {
-        path: path.to_path_buf(),
-        // The kind alone: the error itself names the temporary file.
-        source: error.kind().into(),
-    };
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     if std::fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
         let write = || fill(&File::create(&target)?, content);
-        return write().map_err(failed);
+        return write().map_err(|error| failed(path, &error));
     }
+    let write = || Ok(beside(&target, content)?.persist(&target)?);
+    write().map_err(|error| failed(path, &error))
+}
+
+/// Writes several files, each whole; none is put in its place before all have been written.
+///
+/// # Errors
+/// If the system refuses.
+pub fn write_each_whole(
+    files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
+) -> Result<(), FileError> {
+    let written = files.into_iter().map(|(path, content)| {
+        let file = beside(&path, |out| out.write_all(&content));
+        Ok((file.map_err(|error| failed(&path, &error))?, path))
+    });
+    let written: Vec<_> = written.collect::<Result<_, FileError>>()?;
+    for (file, path) in written {
+        let placed = file.persist(&path);
+        placed.map_err(|error| failed(&path, &error.error))?;
+    }
+    Ok(())
+}
+
+fn failed(path: &Path, error: &io::Error) -> FileError {
+    FileError::Io {
+        path: path.to_path_buf(),
+        // The kind alone: the error itself names the temporary file.
+        source: error.kind().into(),
+    }
+}
+
+/// A file with this content beside `target`, under another name; gone when dropped.
+fn beside(
+    target: &Path,
+    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<TempPath> {
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let write = || {
-        let file = tempfile::Builder::new()
-            .prefix(".foldpath-")
-            .tempfile_in(folder)?;
-        fill(file.as_file(), content)?;
-        #[cfg(unix)]
-        {
-            // A temporary file is private to its owner; a result is as public as any other file.
-            use std::os::unix::fs::PermissionsExt;
-            let public = std::fs::Permissions::from_mode(0o644);
-            file.as_file().set_permissions(public)?;
-        }
-        file.persist(&target)?;
-        Ok(())
-    };
-    write().map_err(failed)
+    let file = tempfile::Builder::new()
+        .prefix(".foldpath-")
+        .tempfile_in(folder)?;
+    fill(file.as_file(), content)?;
+    #[cfg(unix)]
+    {
+        // A temporary file is private to its owner; a result is as public as any other file.
+        use std::os::unix::fs::PermissionsExt;
+        let public = std::fs::Permissions::from_mode(0o644);
+        file.as_file().set_permissions(public)?;
+    }
+    Ok(file.into_temp_path())
 }
 
 fn fill(
@@ -71,6 +100,25 @@ fn fill(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_several_files_all_are_written_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, missing] = ["a.obj", "none/b.obj"].map(|name| folder.path().join(name));
+        let files = |second: &Path| {
+            [
+                (first.clone(), b"a".to_vec()),
+                (second.to_path_buf(), vec![]),
+            ]
+        };
+        let refused = write_each_whole(files(&missing)).unwrap_err().to_string();
+        let expected = format!("{}: entity not found", missing.display());
+        assert_eq!(refused, expected);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        write_each_whole(files(&folder.path().join("b.obj"))).unwrap();
+        assert_eq!(std::fs::read(&first).unwrap(), b"a");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
 
     #[test]
     fn content_that_fails_on_the_way_leaves_what_was_there() {

@@ -8,6 +8,7 @@ use crate::check::{Motion, check_groups, clearances, crease_angles, measure};
 use crate::folding::{FoldingMap, SpanningTree, fit};
 use crate::formats::fold::{PathFile, interpolation_name};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
+use crate::shapes::STEP;
 
 impl Scene {
     /// What there is to see of a path: its motion, and what is measured on it now rather than what the file
@@ -70,9 +71,6 @@ impl Scene {
         }
     }
 }
-
-/// Radians that a hinge turns from one shape to the next at most.
-const STEP: f64 = 0.1;
 
 /// For each edge its part in a crease group: of the groups that the file has, if its hinges turn as they say,
 /// or else of hinges that turn alike.

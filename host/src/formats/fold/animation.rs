@@ -46,6 +46,18 @@ impl PathFile {
         leaders
     }
 
+    /// For each curve that shows how the sheet moves, an edge and its part in its crease group; every crease
+    /// on its own where the file has no groups.
+    #[must_use]
+    pub fn curves_shown(&self) -> Vec<(EdgeId, Option<Membership>)> {
+        if self.members.is_empty() {
+            let creases = self.pattern.creases().iter();
+            return creases.map(|&edge| (edge, None)).collect();
+        }
+        let leaders = self.leaders().into_iter().flatten();
+        leaders.map(|(edge, member)| (edge, Some(member))).collect()
+    }
+
     /// Whether the motion between knots depends on rates.
     #[must_use]
     pub fn uses_rates(&self) -> bool {
@@ -62,34 +74,73 @@ impl PathFile {
         Some(Curve::between(self.interpolation, span, nodes[0], nodes[1]))
     }
 
+    /// The motion of every edge in a segment, as [`curve`](Self::curve) has it.
+    fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
+        let edges = (0..self.pattern.edges().len()).map(EdgeId::new);
+        edges.filter_map(move |edge| self.curve(segment, edge))
+    }
+
+    /// The configuration at `s`, 0 to 1, of a segment, without rates and positions.
+    fn between(&self, segment: usize, s: f64) -> PathKnot {
+        let [from, to] = [segment, segment + 1].map(|index| self.knots[index].time);
+        PathKnot {
+            time: from + s * (to - from),
+            fold_angles: self.curves(segment).map(|curve| curve.angle(s)).collect(),
+            rates: None,
+            weights: None,
+            vertices: None,
+            claims: [None; 3],
+        }
+    }
+
+    /// The same path with `count` configurations of its motion in place of its knots, at least two, evenly in
+    /// time from its first knot to its last. One that falls on a knot is that knot. A path of one knot is left
+    /// as it is.
+    #[must_use]
+    pub fn resampled(&self, count: usize) -> Self {
+        let mut resampled = self.clone();
+        let [first, .., last] = self.knots.as_slice() else {
+            return resampled;
+        };
+        let count = count.max(2);
+        #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
+        let place = |index: usize| index as f64 / (count - 1) as f64;
+        let configuration = |index: usize| {
+            let time = first.time + place(index) * (last.time - first.time);
+            let after = self.knots.partition_point(|knot| knot.time <= time);
+            let after = after.clamp(1, self.knots.len() - 1);
+            let [a, b] = [&self.knots[after - 1], &self.knots[after]];
+            let s = (time - a.time) / (b.time - a.time);
+            if s <= 0.0 {
+                a.clone()
+            } else if s >= 1.0 {
+                b.clone()
+            } else {
+                self.between(after - 1, s)
+            }
+        };
+        resampled.knots = (0..count).map(configuration).collect();
+        resampled
+    }
+
     /// The same path with configurations of its motion between its knots, without rates and positions, so
     /// that no hinge turns by much more than `step` (radians) from one to the next.
     #[must_use]
     pub fn with_steps(&self, step: f64) -> Self {
         let mut knots: Vec<PathKnot> = self.knots.iter().take(1).cloned().collect();
         for (segment, pair) in self.knots.windows(2).enumerate() {
-            let edges = (0..self.pattern.edges().len()).map(EdgeId::new);
-            let curves: Vec<_> = edges.filter_map(|edge| self.curve(segment, edge)).collect();
-            let turned = |curve: &Curve<f64>| {
+            let turned = |curve: Curve<f64>| {
                 let parts = [0.0, 0.25, 0.5, 0.75, 1.0].map(|s| curve.angle(s));
                 parts
                     .windows(2)
                     .map(|ends| (ends[1] - ends[0]).abs())
                     .sum::<f64>()
             };
-            let most = curves.iter().map(turned).fold(0.0, f64::max);
+            let most = self.curves(segment).map(turned).fold(0.0, f64::max);
             let parts = (most / step).ceil().clamp(1.0, MOST_STEPS);
             let mut part = 1.0;
             while part < parts {
-                let s = part / parts;
-                knots.push(PathKnot {
-                    time: pair[0].time + s * (pair[1].time - pair[0].time),
-                    fold_angles: curves.iter().map(|curve| curve.angle(s)).collect(),
-                    rates: None,
-                    weights: None,
-                    vertices: None,
-                    claims: [None; 3],
-                });
+                knots.push(self.between(segment, part / parts));
                 part += 1.0;
             }
             knots.push(pair[1].clone());

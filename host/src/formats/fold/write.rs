@@ -188,11 +188,12 @@ impl PathWriter<'_> {
         frame: &mut Object<'_, impl Write>,
     ) -> io::Result<()> {
         frame.set("frame_classes", &["foldedForm"])?;
-        frame.set("frame_attributes", &["3D"])?;
         frame.set("frame_parent", &0)?;
         frame.set("frame_inherit", &true)?;
         frame.set("foldpath:time", &knot.time)?;
         if self.vertices {
+            // Without positions a frame has those of the flat sheet, and its attribute.
+            frame.set("frame_attributes", &["3D"])?;
             let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
             frame.list("vertices_coords", vertices)?;
         }

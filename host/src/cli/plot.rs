@@ -1,0 +1,36 @@
+//! `foldpath plot`.
+
+use super::args::Plot;
+use super::{Answer, CliError, check_output, print};
+use crate::formats::fold::read_path;
+use crate::formats::write_whole;
+use crate::plot::{Curves, png, svg, system_fonts};
+
+pub(super) fn run(args: &Plot) -> Answer {
+    let output = args.output.display();
+    let ending = args.output.extension().unwrap_or_default();
+    let pixels = ending.eq_ignore_ascii_case("png");
+    if !pixels && !ending.eq_ignore_ascii_case("svg") {
+        return Err(CliError::Usage(format!(
+            "-o: expected a name that ends in .svg or .png, found {output}"
+        )));
+    }
+    check_output(&args.path, &args.output)?;
+    let path = read_path(&args.path)?;
+    let curves = Curves::of_path(&path);
+    let text = svg(&curves);
+    let picture = if pixels {
+        let pixels = png(&text, system_fonts());
+        pixels.map_err(|error| CliError::Usage(format!("-o: {error}")))?
+    } else {
+        text.into_bytes()
+    };
+    write_whole(&args.output, &picture)?;
+    print(&format!(
+        "{}: {} curves of angles, {} knots, picture written to {output}\n",
+        path.title,
+        curves.count,
+        curves.knots.len(),
+    ))?;
+    Ok(true)
+}

@@ -1,0 +1,106 @@
+//! Fold angles measured on folded positions, whatever angles the sheet was folded by.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use crate::pattern::{CreasePattern, EdgeId, VertexId};
+
+/// Two triangles of the sheet with a side in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dihedral {
+    /// The side, from its first end to its second.
+    pub ends: [VertexId; 2],
+    /// The corners left and right of it.
+    pub corners: [VertexId; 2],
+    /// The edge of the pattern that the side is; `None` for a diagonal, which a rigid panel keeps flat.
+    pub edge: Option<EdgeId>,
+}
+
+impl Dihedral {
+    /// Those at all edges between two faces, in their order, then those at diagonals.
+    #[must_use]
+    pub fn all(pattern: &CreasePattern) -> Vec<Self> {
+        let triangles = pattern.triangles().items().iter();
+        let sides = triangles.flat_map(|&[a, b, c]| [([a, b], c), ([b, c], a), ([c, a], b)]);
+        let beyond: HashMap<_, _> = sides.collect();
+        let at = |ends: [VertexId; 2], edge| {
+            let [a, b] = ends;
+            let corners = [*beyond.get(&[a, b])?, *beyond.get(&[b, a])?];
+            Some(Self {
+                ends,
+                corners,
+                edge,
+            })
+        };
+        let edges = (0..).map(EdgeId).zip(pattern.edges());
+        let edges = edges.filter_map(|(id, edge)| at(edge.ends, Some(id)));
+        let diagonals = pattern.diagonals().iter();
+        edges
+            .chain(diagonals.filter_map(|&ends| at(ends, None)))
+            .collect()
+    }
+
+    /// The fold angle between the triangles where the vertices are at these places: radians from -π to π,
+    /// valley positive; 0 where a triangle has no area.
+    ///
+    /// # Panics
+    /// If there is no place for a vertex.
+    #[must_use]
+    pub fn fold_angle(&self, vertices: &[Vector3<f64>]) -> f64 {
+        let [a, b] = self.ends.map(|end| vertices[end.index()]);
+        let [left, right] = self.corners.map(|corner| vertices[corner.index()] - a);
+        let side = b - a;
+        let [left, right] = [side.cross(&left), right.cross(&side)];
+        let sine = right.cross(&left).dot(&side) / side.norm();
+        let angle = sine.atan2(right.dot(&left));
+        if angle.is_nan() { 0.0 } else { angle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folding::{FoldingMap, SpanningTree};
+    use crate::generate::Miura;
+
+    /// Angles go into the folding map as half angles and come out of cross products.
+    #[test]
+    fn a_closed_sheet_shows_the_angles_that_it_was_folded_by() {
+        let miura = Miura {
+            rows: 3,
+            columns: 4,
+            sector_angle: 1.1,
+            fold: 0.7,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let goal = |edge: &EdgeId| pattern.edge(*edge).goal.unwrap();
+        let goals: Vec<f64> = pattern.creases().iter().map(goal).collect();
+        let tree = SpanningTree::from_central_face(&pattern);
+        let map = FoldingMap::new(&pattern, &tree, &goals);
+        let all = Dihedral::all(&pattern);
+        assert_eq!(
+            all.len(),
+            pattern.creases().len() + pattern.diagonals().len()
+        );
+        for dihedral in all {
+            let assigned = dihedral.edge.map_or(0.0, |edge| goal(&edge));
+            let measured = dihedral.fold_angle(map.vertices());
+            assert!(
+                (measured - assigned).abs() < 1e-12,
+                "{dihedral:?}: {measured}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_triangle_without_area_has_no_angle() {
+        let dihedral = Dihedral {
+            ends: [VertexId(0), VertexId(0)],
+            corners: [VertexId(1), VertexId(1)],
+            edge: None,
+        };
+        let places = [Vector3::zeros(), Vector3::x()];
+        assert!(dihedral.fold_angle(&places).abs() <= 0.0);
+    }
+}

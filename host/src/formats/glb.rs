@@ -1,0 +1,260 @@
+//! Binary glTF 2.0: a path as an animation that any glTF viewer plays.
+//!
+//! The sheet is one mesh whose vertices move on straight lines from shape to shape: the first shape is the
+//! mesh, each other one a morph target, and the animation blends from one to the next. Panels could be nodes
+//! or bones instead, which turn without any error; but viewers draw thousands of nodes slowly, many allow a
+//! mesh no more than 256 bones, and panels that turn evenly part along their edges between keys. A shape
+//! costs twelve bytes a vertex. No normals are written: a viewer then has to shade each panel flat.
+//!
+//! The front of the paper, its back and its edges are primitives of the same vertices, so that each has a
+//! colour of its own. The sheet lies in x and y and is seen from its front, as viewers look along -z.
+//!
+//! Source: Khronos Group, "glTF 2.0 Specification", sections 3.7.2 (morph targets), 3.11 (animations) and
+//! 4.4 (binary files). The JSON is written as such: the types of a crate would take more lines.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+use super::FileError;
+use super::fold::PathFile;
+use crate::shapes::shapes;
+
+/// Base colours, linear, opaque.
+const FRONT: [f32; 4] = [0.95, 0.92, 0.85, 1.0];
+const BACK: [f32; 4] = [0.35, 0.45, 0.62, 1.0];
+const EDGES: [f32; 4] = [0.02, 0.02, 0.02, 1.0];
+
+/// Numbers of the specification.
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+const LINES: u32 = 1;
+const TRIANGLES: u32 = 4;
+
+/// The bytes of a .glb file with the shapes of a path at its knots.
+///
+/// # Errors
+/// If the file would be 4 GiB or longer, or a coordinate does not fit single precision.
+pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
+    let pattern = &path.pattern;
+    let triangles = pattern.triangles().items().iter();
+    let front: Vec<u32> = triangles.flatten().map(|v| v.0).collect();
+    let back: Vec<u32> = front.chunks(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
+    let edges: Vec<u32> = pattern
+        .edges()
+        .iter()
+        .flat_map(|e| e.ends.map(|v| v.0))
+        .collect();
+    let [knots, points] = [path.knots.len(), pattern.vertices().len()].map(|n| n as u64);
+    let indices = 2 * front.len() as u64 + edges.len() as u64;
+    fits(4 * (knots * (3 * points + knots) + indices), file)?;
+
+    let mut buffer = Buffer::default();
+    let [front, back, edges] = [front, back, edges].map(|indices| buffer.indices(&indices));
+    let mut times: Vec<f32> = Vec::new();
+    let mut positions = Vec::new();
+    let mut base = vec![Vector3::zeros(); pattern.vertices().len()];
+    for (knot, shape) in path.knots.iter().zip(shapes(path)) {
+        let time = single(knot.time - path.knots[0].time);
+        // Times that single precision does not tell apart would be one key twice.
+        if times.last().is_some_and(|last| time <= *last) {
+            continue;
+        }
+        positions.push(buffer.points(&moves(&base, &shape, file)?));
+        times.push(time);
+        if times.len() == 1 {
+            base = shape;
+        }
+    }
+    let (base, targets) = positions.split_first().unwrap_or((&0, &[]));
+    let targets: Vec<Value> = targets
+        .iter()
+        .map(|target| json!({"POSITION": target}))
+        .collect();
+    let primitive = |(material, (mode, indices)): (usize, (u32, usize))| {
+        let mut primitive = json!({
+            "mode": mode, "indices": indices, "material": material, "attributes": {"POSITION": base},
+        });
+        if !targets.is_empty() {
+            primitive["targets"] = json!(targets);
+        }
+        primitive
+    };
+    let primitives = [(TRIANGLES, front), (TRIANGLES, back), (LINES, edges)];
+    let material = |(name, colour): (&str, [f32; 4])| {
+        json!({"name": name, "pbrMetallicRoughness": {
+            "baseColorFactor": colour, "metallicFactor": 0.0, "roughnessFactor": 0.9,
+        }})
+    };
+    let materials = [("front", FRONT), ("back", BACK), ("edges", EDGES)].map(material);
+    let mut root = json!({
+        "asset": {"version": "2.0", "generator": concat!("foldpath ", env!("CARGO_PKG_VERSION"))},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": path.title}],
+        "materials": materials,
+        "meshes": [{"name": path.title, "primitives": (0..).zip(primitives).map(primitive).collect::<Vec<_>>()}],
+    });
+    if !targets.is_empty() {
+        let weights = buffer.steps(times.len());
+        root["animations"] = json!([{
+            "name": "fold",
+            "samplers": [{"input": buffer.times(&times), "output": weights, "interpolation": "LINEAR"}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+        }]);
+    }
+    root["buffers"] = json!([{"byteLength": buffer.bytes.len()}]);
+    root["bufferViews"] = json!(buffer.views);
+    root["accessors"] = json!(buffer.accessors);
+    let mut text = root.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    packed(&text, &buffer.bytes, file)
+}
+
+/// How far each vertex moves from one shape to another.
+fn moves(
+    from: &[Vector3<f64>],
+    to: &[Vector3<f64>],
+    file: &Path,
+) -> Result<Vec<[f32; 3]>, FileError> {
+    let moves = to
+        .iter()
+        .zip(from)
+        .map(|(to, from)| (to - from).map(single).into());
+    let moves: Vec<[f32; 3]> = moves.collect();
+    match moves.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        None => Ok(moves),
+        Some(vertex) => Err(FileError::Expected {
+            path: file.to_path_buf(),
+            place: format!("vertices_coords[{vertex}]"),
+            expected: "coordinates that single precision holds, for .glb".into(),
+            found: "larger ones".into(),
+        }),
+    }
+}
+
+/// The nearest number of single precision.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+fn single(number: f64) -> f32 {
+    number as f32
+}
+
+/// The length of a file, which its head has as 32 bits.
+fn fits(length: u64, file: &Path) -> Result<u32, FileError> {
+    u32::try_from(length).map_err(|_| FileError::Expected {
+        path: file.to_path_buf(),
+        place: "vertices_coords".into(),
+        expected: "vertices times frames that fit the 4 GiB of .glb (--frames N takes fewer)"
+            .into(),
+        found: format!("{length} bytes"),
+    })
+}
+
+/// Head, JSON and buffer, each of them a multiple of four bytes.
+fn packed(text: &[u8], buffer: &[u8], file: &Path) -> Result<Vec<u8>, FileError> {
+    let length = |bytes: usize| fits(bytes as u64, file).map(u32::to_le_bytes);
+    let whole = 12 + 8 + text.len() + 8 + buffer.len();
+    let mut bytes = Vec::with_capacity(whole);
+    bytes.extend(b"glTF");
+    bytes.extend(2_u32.to_le_bytes());
+    bytes.extend(length(whole)?);
+    for (kind, chunk) in [(b"JSON", text), (b"BIN\0", buffer)] {
+        bytes.extend(length(chunk.len())?);
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    Ok(bytes)
+}
+
+/// The binary buffer, and what the JSON says of it.
+#[derive(Default)]
+struct Buffer {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Buffer {
+    /// Adds numbers as a view with an accessor, whose position this gives.
+    fn add(
+        &mut self,
+        numbers: impl Iterator<Item = [u8; 4]>,
+        target: Option<u32>,
+        mut accessor: Value,
+    ) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(numbers.flatten());
+        let length = self.bytes.len() - start;
+        let mut view = json!({"buffer": 0, "byteOffset": start, "byteLength": length});
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        accessor["bufferView"] = json!(self.views.len());
+        self.views.push(view);
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    fn indices(&mut self, indices: &[u32]) -> usize {
+        self.add(
+            indices.iter().map(|index| index.to_le_bytes()),
+            Some(INDICES),
+            json!({"componentType": UNSIGNED_INT, "type": "SCALAR", "count": indices.len()}),
+        )
+    }
+
+    fn points(&mut self, points: &[[f32; 3]]) -> usize {
+        let extreme = |pick: fn(f32, f32) -> f32| {
+            let points = points.iter().copied();
+            points.reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis])))
+        };
+        self.add(
+            points.as_flattened().iter().map(|x| x.to_le_bytes()),
+            Some(VERTICES),
+            json!({
+                "componentType": FLOAT, "type": "VEC3", "count": points.len(),
+                "min": extreme(f32::min), "max": extreme(f32::max),
+            }),
+        )
+    }
+
+    fn times(&mut self, times: &[f32]) -> usize {
+        self.add(
+            times.iter().map(|time| time.to_le_bytes()),
+            None,
+            json!({
+                "componentType": FLOAT, "type": "SCALAR", "count": times.len(),
+                "min": [times.first()], "max": [times.last()],
+            }),
+        )
+    }
+
+    /// Weights of the morph targets at each of so many shapes: none at the first, then one after the other.
+    fn steps(&mut self, shapes: usize) -> usize {
+        let weight = move |shape, target| if shape == target { 1.0_f32 } else { 0.0 };
+        let rows = (0..shapes).flat_map(|s| (1..shapes).map(move |t| weight(s, t).to_le_bytes()));
+        self.add(
+            rows,
+            None,
+            json!({"componentType": FLOAT, "type": "SCALAR", "count": shapes * (shapes - 1)}),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_4_gib_is_refused() {
+        assert_eq!(fits(u64::from(u32::MAX), Path::new("a")).unwrap(), u32::MAX);
+        assert_eq!(
+            fits(1 << 32, Path::new("a.fold")).unwrap_err().to_string(),
+            "a.fold: vertices_coords: expected vertices times frames that fit the 4 GiB of .glb \
+             (--frames N takes fewer), found 4294967296 bytes"
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! Wavefront OBJ: a file for each shape of a path, to be rendered one after the other.
+
+use core::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+
+use super::fold::PathFile;
+use crate::shapes::shapes;
+
+/// Frame `index` of a sequence called `output`: `fold.obj` has `fold-0000.obj`, `fold-0001.obj` and so on
+/// beside it, and a folder has `frame-0000.obj` and so on in it.
+#[must_use]
+pub fn frame_path(output: &Path, folder: bool, index: usize) -> PathBuf {
+    if folder {
+        return output.join(format!("frame-{index:04}.obj"));
+    }
+    let is_obj = |ending: &std::ffi::OsStr| ending.eq_ignore_ascii_case("obj");
+    let stem = if output.extension().is_some_and(is_obj) {
+        output.file_stem()
+    } else {
+        output.file_name()
+    };
+    let mut name = stem.unwrap_or_default().to_os_string();
+    name.push(format!("-{index:04}.obj"));
+    output.with_file_name(name)
+}
+
+/// The files of a sequence with the shapes of a path at its knots, one after the other.
+pub fn files(
+    path: &PathFile,
+    output: &Path,
+    folder: bool,
+) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
+    let frames = path.knots.iter().zip(shapes(path)).enumerate();
+    frames.map(move |(index, (knot, shape))| {
+        let text = frame_text(path, knot.time, &shape);
+        (frame_path(output, folder, index), text.into_bytes())
+    })
+}
+
+/// A shape of the sheet: its vertices in their order, in the units of the pattern, and its faces as
+/// polygons, counter-clockwise seen from the front of the paper.
+fn frame_text(path: &PathFile, time: f64, shape: &[Vector3<f64>]) -> String {
+    // A title may hold anything, a comment all but a line's end.
+    let mut text = format!("# {}, {time} s\n", path.title.escape_debug());
+    // Memory refuses nothing.
+    for p in shape {
+        let _complete = writeln!(text, "v {} {} {}", p.x + 0.0, p.y + 0.0, p.z + 0.0);
+    }
+    for face in path.pattern.faces().iter() {
+        text.push('f');
+        for vertex in face {
+            let _complete = write!(text, " {}", vertex.index() + 1);
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,256 @@
+//! SVG: the crease pattern, coloured by its letters, by crease groups or by deformation.
+//!
+//! Coloured by letters it is a crease pattern that Origami Simulator and [`read_pattern`](super::read_pattern)
+//! read: the colour of a line is its letter, its opacity the goal fold angle over 180 degrees. Unassigned
+//! hinges have a colour, and no angle. Drawings are to scale, about a thousand units wide, as such programs
+//! join what is a few units apart; the file says how long a unit of the sheet is.
+
+use core::f64::consts::PI;
+use core::fmt::Write;
+
+use foldpath_core::Membership;
+use nalgebra::Vector2;
+
+use crate::colours::{hex, of_group, ramp};
+use crate::pattern::{CreasePattern, Edge, Letter};
+
+/// Most that a drawing is wide or high, its margin not counted.
+const SIZE: f64 = 1000.0;
+const MARGIN: f64 = 20.0;
+/// Width of a legend, and height of its rows.
+const LEGEND: f64 = 260.0;
+const ROW: f64 = 20.0;
+/// Groups that a legend names.
+const NAMED: usize = 40;
+/// Steps of a colour bar.
+const STEPS: u32 = 50;
+
+/// The pattern coloured by its letters, with its goal angles.
+#[must_use]
+pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
+    let mut sheet = Sheet::new(title, pattern, 0.0);
+    for edge in pattern.edges() {
+        let colour = match edge.letter {
+            Letter::Mountain => "#ff0000",
+            Letter::Valley => "#0000ff",
+            Letter::Boundary => "#000000",
+            Letter::Cut => "#00ff00",
+            Letter::Flat | Letter::Join => "#ffff00",
+            Letter::Unassigned => "#ff00ff",
+        };
+        let folds = edge.letter.sign().abs() > 0.0;
+        let goal = edge.goal.filter(|_| folds).map(|goal| goal.abs() / PI);
+        let opacity = goal.map_or_else(String::new, |part| {
+            format!(" stroke-opacity=\"{}\"", single(part))
+        });
+        sheet.line(edge, colour, &opacity);
+    }
+    sheet.end()
+}
+
+/// The pattern with a colour for each crease group, dashed where a crease turns against its group, and a
+/// legend with the fold angles (radians) that each group goes through. For each edge its part in a group.
+#[must_use]
+pub fn by_groups(
+    title: &str,
+    pattern: &CreasePattern,
+    members: &[Option<Membership>],
+    ranges: &[[f64; 2]],
+) -> String {
+    let mut sheet = Sheet::new(title, pattern, LEGEND);
+    let dashes = " stroke-dasharray=\"6 4\"";
+    for (edge, member) in pattern.edges().iter().zip(members) {
+        match member {
+            Some(of) => {
+                let dashed = if of.negative { dashes } else { "" };
+                sheet.line(edge, &hex(of_group(of.group.index())), dashed);
+            }
+            None => sheet.line(edge, "#999999", ""),
+        }
+    }
+    sheet.say("crease groups, fold angles in degrees");
+    sheet.say("dashed: turns against its group");
+    for (group, range) in ranges.iter().enumerate().take(NAMED) {
+        let [low, high] = range.map(|angle| angle.to_degrees() + 0.0);
+        sheet.swatch(&hex(of_group(group)));
+        sheet.say(&format!("      {group}: {low:.1} to {high:.1}"));
+    }
+    if ranges.len() > NAMED {
+        sheet.say(&format!("and {} more", ranges.len() - NAMED));
+    }
+    sheet.end()
+}
+
+/// The pattern with each face coloured by a number from 0, its deformation, and a bar of colours.
+#[must_use]
+pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) -> String {
+    let mut sheet = Sheet::new(title, pattern, LEGEND);
+    let most = of_faces.iter().copied().fold(0.0, f64::max);
+    let part = |value: f64| if most > 0.0 { value / most } else { 0.0 };
+    for (face, &value) in pattern.faces().iter().zip(of_faces) {
+        let corners = face
+            .iter()
+            .map(|v| sheet.place(pattern.vertices()[v.index()]));
+        let corners = corners.collect::<Vec<_>>().join(" ");
+        let colour = hex(ramp(part(value)));
+        sheet.add(&format!(
+            "<polygon points=\"{corners}\" fill=\"{colour}\"/>"
+        ));
+    }
+    for edge in pattern.edges() {
+        sheet.line(edge, "#ffffff", "");
+    }
+    sheet.say("largest deformation of an edge or");
+    sheet.say("diagonal: change of length over length");
+    sheet.bar();
+    sheet.say(&format!("from 0 to {most:.2e}"));
+    sheet.end()
+}
+
+/// A drawing that is being made.
+struct Sheet<'a> {
+    pattern: &'a CreasePattern,
+    /// What is left and above of all vertices.
+    corner: Vector2<f64>,
+    /// Units of the drawing per unit of the sheet.
+    scale: f64,
+    /// Width and height of the sheet as drawn, and what is beside it.
+    size: Vector2<f64>,
+    legend: f64,
+    /// Where the legend goes on.
+    row: f64,
+    /// Elements that are lines or areas, and those that are texts.
+    shapes: String,
+    texts: String,
+    title: String,
+}
+
+impl<'a> Sheet<'a> {
+    fn new(title: &str, pattern: &'a CreasePattern, legend: f64) -> Self {
+        let vertices = pattern.vertices();
+        let first = vertices.first().copied().unwrap_or_default();
+        let low = vertices.iter().fold(first, |low, v| low.inf(v));
+        let high = vertices.iter().fold(first, |high, v| high.sup(v));
+        let scale = round_scale(SIZE / (high - low).max());
+        Self {
+            pattern,
+            corner: Vector2::new(low.x, high.y),
+            scale,
+            size: scale * (high - low),
+            legend,
+            row: 0.0,
+            shapes: String::new(),
+            texts: String::new(),
+            title: escaped(title),
+        }
+    }
+
+    /// Where a point of the sheet is drawn: y points down.
+    fn place(&self, point: Vector2<f64>) -> String {
+        let at = self.scale * (point - self.corner);
+        format!("{},{}", single(at.x), single(0.0 - at.y))
+    }
+
+    fn add(&mut self, element: &str) {
+        self.shapes += element;
+        self.shapes.push('\n');
+    }
+
+    fn line(&mut self, edge: &Edge, colour: &str, more: &str) {
+        let ends = edge
+            .ends
+            .map(|end| self.place(self.pattern.vertices()[end.index()]));
+        let [from, to] = ends;
+        self.add(&format!(
+            "<path d=\"M{from}L{to}\" stroke=\"{colour}\"{more}/>"
+        ));
+    }
+
+    /// Adds a row to the legend.
+    fn say(&mut self, text: &str) {
+        self.row += ROW;
+        let (x, y) = (self.size.x + MARGIN, self.row - 5.0);
+        // Memory refuses nothing.
+        let _complete = writeln!(
+            self.texts,
+            "<text x=\"{x}\" y=\"{y}\" xml:space=\"preserve\">{text}</text>"
+        );
+    }
+
+    /// Begins the next row with a line of this colour.
+    fn swatch(&mut self, colour: &str) {
+        let (from, to, y) = (
+            self.size.x + MARGIN,
+            self.size.x + MARGIN + 20.0,
+            self.row + 10.0,
+        );
+        self.add(&format!(
+            "<path d=\"M{from},{y}L{to},{y}\" stroke=\"{colour}\" stroke-width=\"4\"/>"
+        ));
+    }
+
+    /// Adds a row with all colours.
+    fn bar(&mut self) {
+        let width = (LEGEND - 3.0 * MARGIN) / f64::from(STEPS);
+        for step in 0..STEPS {
+            let colour = hex(ramp(f64::from(step) / f64::from(STEPS - 1)));
+            let (x, y) = (self.size.x + MARGIN + width * f64::from(step), self.row);
+            // A little wider, so that no gap shows.
+            let width = width + 0.5;
+            self.add(&format!(
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{ROW}\" fill=\"{colour}\"/>"
+            ));
+        }
+        self.row += ROW;
+    }
+
+    fn end(self) -> String {
+        let width = self.size.x + 2.0 * MARGIN + self.legend;
+        let height = self.size.y.max(self.row) + 2.0 * MARGIN;
+        // Of a fine sheet, lines are no wider than a tenth of a median edge.
+        let stroke = single((0.1 * self.scale * self.pattern.median_edge()).min(2.0));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"{left} {left} {width} {height}\">\n<title>{title}</title>\n\
+             <desc>A unit of the sheet is {scale} units long.</desc>\n\
+             <g fill=\"none\" stroke-width=\"{stroke}\" stroke-linecap=\"round\">\n{shapes}</g>\n\
+             <g font-family=\"sans-serif\" font-size=\"13\" fill=\"#333333\">\n{texts}</g>\n</svg>\n",
+            left = -MARGIN,
+            title = self.title,
+            scale = self.scale,
+            shapes = self.shapes,
+            texts = self.texts,
+        )
+    }
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is no larger than a scale.
+fn round_scale(scale: f64) -> f64 {
+    let power = 10_f64.powf(scale.log10().floor());
+    let digits = [5.0, 2.0, 1.0].into_iter();
+    let digit = digits
+        .map(|digit| digit * power)
+        .find(|round| *round <= scale);
+    digit.unwrap_or(power)
+}
+
+/// The nearest number of single precision, in which programs read drawings.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+fn single(number: f64) -> f32 {
+    number as f32
+}
+
+/// A text without what means something in XML, or may not be in it.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => escaped += "&lt;",
+            '&' => escaped += "&amp;",
+            '\u{fffe}' | '\u{ffff}' => {}
+            c if c.is_control() => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}

@@ -1,0 +1,178 @@
+//! What is plotted of a path.
+
+use foldpath_core::Membership;
+
+use crate::check::{CheckOptions, check};
+use crate::collision::CollisionScene;
+use crate::folding::{Dihedral, FoldingMap, SpanningTree};
+use crate::formats::fold::PathFile;
+use crate::pattern::EdgeId;
+use crate::shapes::shapes;
+
+/// Places along a path at which curves are taken, those at its knots not counted; of large sheets fewer, so
+/// that no more faces than this are folded.
+const PLACES: usize = 240;
+const FOLDED: usize = 20_000_000;
+/// Curves of angles that are taken: more are not told apart.
+const MOST_CURVES: usize = 200;
+/// Places at which the clearance is.
+const CLEARANCES: usize = 120;
+/// Sheets of more faces have none: each pair of faces near each other is measured.
+const MANY_FACES: usize = 4000;
+
+/// Time in seconds, and a number.
+pub type Point = (f64, f64);
+
+/// The curves of a path.
+#[derive(Clone, Debug, Default)]
+pub struct Curves {
+    /// Name of the path.
+    pub title: String,
+    /// Times of the knots.
+    pub knots: Vec<f64>,
+    /// For each crease group, or each crease where the file has no groups, its fold angle in degrees; the
+    /// first 200.
+    pub angles: Vec<Vec<Point>>,
+    /// How many there are.
+    pub count: usize,
+    /// Whether those are of groups.
+    pub grouped: bool,
+    /// Fold angles assigned and measured, degrees: at each knot one for each edge between two faces, and one
+    /// for each diagonal, to which 0 is assigned.
+    pub measured: Vec<Point>,
+    /// Largest relative change of length.
+    pub deformation: Vec<Point>,
+    /// Largest gap over the median edge.
+    pub gap: Vec<Point>,
+    /// What neither exceeds between two knots: from, to, bound.
+    pub certified: Vec<(f64, f64, f64)>,
+    /// Smallest distance between faces that share no vertex; empty if there are none, or too many faces.
+    pub clearance: Vec<Point>,
+    /// The smallest distance met on all of the motion, where no faces pass through each other.
+    pub min_clearance: Option<f64>,
+}
+
+impl Curves {
+    /// Takes a path's curves. Cost: that of a [`check`](crate::check), and some hundred shapes.
+    #[must_use]
+    pub fn of_path(path: &PathFile) -> Self {
+        let mut curves = Self {
+            title: path.title.clone(),
+            knots: path.knots.iter().map(|knot| knot.time).collect(),
+            grouped: !path.members.is_empty(),
+            angles: angles(path),
+            count: path.curves_shown().len(),
+            measured: measured(path),
+            clearance: clearance(path),
+            ..Self::default()
+        };
+        curves.judge(path);
+        curves
+    }
+
+    /// Deformation, gap and what is known of the motion as a whole.
+    fn judge(&mut self, path: &PathFile) {
+        let segments = path.knots.len().saturating_sub(1);
+        let affordable = FOLDED / path.pattern.faces().len().max(1) / segments.max(1);
+        let options = CheckOptions {
+            samples: places_of(segments).min(affordable).max(1),
+            ..CheckOptions::default()
+        };
+        let verdict = check(path, &options);
+        let samples = verdict.samples.iter().map(|sample| {
+            let [from, to] = [sample.segment, sample.segment + 1].map(|knot| self.knots[knot]);
+            (from + sample.at * (to - from), sample.rigidity)
+        });
+        let knots = self.knots.iter().copied().zip(&verdict.knots);
+        let knots = knots.map(|(time, knot)| (time, knot.rigidity));
+        let mut shapes: Vec<_> = knots.chain(samples).collect();
+        shapes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.deformation = shapes
+            .iter()
+            .map(|(time, r)| (*time, r.deformation))
+            .collect();
+        self.gap = shapes.iter().map(|(time, r)| (*time, r.gap)).collect();
+        let bounds = self.knots.windows(2).zip(&verdict.segments);
+        let bounds = bounds.filter_map(|(ends, segment)| {
+            let most = segment.rigidity?;
+            Some((ends[0], ends[1], most.deformation.max(most.gap)))
+        });
+        self.certified = bounds.collect();
+        self.min_clearance = verdict.min_clearance;
+    }
+}
+
+/// Places inside each of so many segments.
+fn places_of(segments: usize) -> usize {
+    PLACES.checked_div(segments).unwrap_or(0).clamp(1, PLACES)
+}
+
+/// The angle of each curve at the knots and between them, degrees.
+fn angles(path: &PathFile) -> Vec<Vec<Point>> {
+    let segments = path.knots.len().saturating_sub(1);
+    let steps = places_of(segments) + 1;
+    #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
+    let place = |step: usize| step as f64 / steps as f64;
+    let curve = |&(edge, member): &(EdgeId, Option<Membership>)| {
+        let signed = |angle: f64| member.map_or(angle, |m| m.apply(angle)).to_degrees();
+        let first = path
+            .knots
+            .first()
+            .map(|knot| (knot.time, signed(knot.node(edge).angle)));
+        let rest = (0..segments).filter_map(|segment| {
+            let curve = path.curve(segment, edge)?;
+            let [from, to] = [segment, segment + 1].map(|knot| path.knots[knot].time);
+            let point = move |s: f64| (from + s * (to - from), signed(curve.angle(s)));
+            Some((1..=steps).map(move |step| point(place(step))))
+        });
+        first.into_iter().chain(rest.flatten()).collect()
+    };
+    path.curves_shown()
+        .iter()
+        .take(MOST_CURVES)
+        .map(curve)
+        .collect()
+}
+
+/// Angles assigned and measured at the knots, degrees. Half a turn either way is the same shape: what is
+/// nearer to the angle assigned counts.
+fn measured(path: &PathFile) -> Vec<Point> {
+    let dihedrals = Dihedral::all(&path.pattern);
+    let mut points = Vec::new();
+    for (knot, shape) in path.knots.iter().zip(shapes(path)) {
+        points.extend(dihedrals.iter().map(|dihedral| {
+            let assigned = dihedral
+                .edge
+                .map_or(0.0, |edge| knot.fold_angles[edge.index()]);
+            let (assigned, measured) = (
+                assigned.to_degrees(),
+                dihedral.fold_angle(&shape).to_degrees(),
+            );
+            let turns = ((assigned - measured) / 360.0).round();
+            (assigned, measured + 360.0 * turns)
+        }));
+    }
+    points
+}
+
+/// The clearance evenly in time.
+fn clearance(path: &PathFile) -> Vec<Point> {
+    let pattern = &path.pattern;
+    if pattern.faces().len() > MANY_FACES {
+        return Vec::new();
+    }
+    let tree = SpanningTree::from_central_face(pattern);
+    let mut map = FoldingMap::flat(pattern);
+    let mut scene = CollisionScene::new(pattern);
+    let path = path.resampled(CLEARANCES);
+    let points = path.knots.iter().filter_map(|knot| {
+        let creases = pattern.creases().iter();
+        let angles: Vec<f64> = creases.map(|edge| knot.fold_angles[edge.index()]).collect();
+        if !angles.iter().all(|angle| angle.is_finite()) {
+            return None;
+        }
+        map.fold(pattern, &tree, &angles);
+        Some((knot.time, scene.clearance(&map)?))
+    });
+    points.collect()
+}
