@@ -10,6 +10,7 @@ use foldpath::formats::FileError;
 use foldpath::pattern::PatternError;
 use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, OptionsError};
+use foldpath::plot::PngError;
 use foldpath::unfold::ShapeError;
 use foldpath_core::trajectory::TrajectoryError;
 use foldpath_core::trajectory_file;
@@ -272,6 +273,17 @@ fn errors_of_the_libraries() {
         source: std::io::ErrorKind::StorageFull.into(),
     };
     let mut said = format!("{pattern}\n{options}\n{io}\n{}\n", GoalError::Fraction(2.0));
+    let crowded = PatternError::Crowded { edge: 3 };
+    let corners = PatternError::Corners {
+        face: 2,
+        corners: 70_000,
+    };
+    let shape = FileError::Shape {
+        path: PathBuf::from("a.obj"),
+        source: ShapeError::NoFaces,
+    };
+    said += &format!("{crowded}\n{corners}\n{shape}\n");
+    said += &format!("{}\n{}\n", PngError::NoFont, PngError::NoPicture);
     for error in [
         ShapeError::NoFaces,
         ShapeError::NotFinite { vertex: 3 },
@@ -388,7 +400,7 @@ fn sources(folder: &Path, found: &mut String) {
 }
 
 /// Errors whose format has no words of its own, and a part of what some snapshot says of them.
-const WORDLESS: [(&str, &str); 10] = [
+const WORDLESS: [(&str, &str); 11] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
@@ -396,6 +408,7 @@ const WORDLESS: [(&str, &str); 10] = [
         "Pattern",
         "edges_vertices[3]: joins the same vertices as edge",
     ),
+    ("Shape", "a.obj: the shape: expected at least one face"),
     ("Goal", "bad.fold: edges_assignment: no crease is lettered"),
     ("Usage", "-o: miura.fold is the input file"),
     ("Hinge", "expected a hinge between two faces"),

@@ -339,33 +339,33 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
     for (arguments, expected) in [
         (
             "path.fold --to csv -o a --frames 9",
-            "foldpath: --frames: expected --to obj or --to glb, which have frames\n",
+            "--frames: expected --to obj or --to glb, which have frames",
         ),
         (
             "path.fold --to glb -o a --colour groups",
-            "foldpath: --colour: expected --to svg, which has colours\n",
+            "--colour: expected --to svg, which has colours",
         ),
         (
             "far.fold --to glb -o a",
-            "foldpath: far.fold: vertices_coords[3]: expected coordinates that single precision holds, for \
-             .glb, found larger ones\n",
+            "far.fold: vertices_coords[3]: expected coordinates that single precision holds, for \
+             .glb, found larger ones",
         ),
         (
             "miura.fold --to svg --colour deformation -o a",
-            "foldpath: miura.fold: file_frames: expected at least one knot (of a path; `foldpath plan` makes \
-             one of a crease pattern), found none\n",
+            "miura.fold: file_frames: expected at least one knot (of a path; `foldpath plan` makes \
+             one of a crease pattern), found none",
         ),
         (
             "path.fold --to obj -o none/a.obj",
-            "foldpath: none/a-0000.obj: entity not found\n",
+            "none/a-0000.obj: entity not found",
         ),
         (
             "path.fold --to obj -o plain/",
-            "foldpath: plain/: File exists (os error 17)\n",
+            "plain/: File exists (os error 17)",
         ),
     ] {
         let answer = folder.run(&format!("export {arguments}")).with_status(2);
-        assert_eq!(answer.stderr, expected, "{arguments}");
+        assert!(answer.tells(expected), "{}", answer.stderr);
         assert_eq!(folder.names(), before, "{arguments}");
     }
     let answer = folder
@@ -380,6 +380,6 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
     let answer = folder
         .run("export a-0001.obj --to obj -o a.obj")
         .with_status(2);
-    let expected = "foldpath: -o: a-0001.obj is the input file, expected another\n";
-    assert_eq!(answer.stderr, expected);
+    let expected = "-o: a-0001.obj is the input file, expected another";
+    assert!(answer.tells(expected), "{}", answer.stderr);
 }

@@ -10,10 +10,11 @@ use foldpath::check::{CheckOptions, check};
 use foldpath::formats::fold::{
     PathWriter, parse_goal, parse_path, pattern_text, read_path, read_pattern,
 };
-use foldpath::formats::{FileError, parse_pattern};
+use foldpath::formats::{FileError, parse_pattern, parse_shape};
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::unfold::{UnfoldOptions, unfold};
 use foldpath::view::{Scene, page};
 use serde_json::{Value, json};
 
@@ -330,6 +331,13 @@ const PIECES: [&str; 16] = [
 fn mutated_seeds_are_read_or_refused() {
     for folder in ["fold", "svg", "cp"] {
         for_mutated_seeds(folder, parse_pattern);
+    }
+    for folder in ["obj", "stl", "shape"] {
+        for_mutated_seeds(folder, |path, bytes| {
+            let file = parse_shape(path, bytes, None)?;
+            drop(unfold(&file.shape, &UnfoldOptions::default()).map_err(|error| error.to_string()));
+            Ok(())
+        });
     }
     for_mutated_seeds("path", parse_path);
     let square = Path::new(SEEDS_OF_READERS).join("fold/square.fold");

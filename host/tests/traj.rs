@@ -364,10 +364,12 @@ fn what_cannot_be_exported_is_said() {
         assert!(!folder.names().contains(&"out.traj".to_string()));
     }
     let answer = folder
-        .run("export path.fold --to obj -o out.obj")
+        .run("export path.fold --to step -o out.step")
         .with_status(2);
     assert!(
-        answer.stderr.contains("[possible values: traj, csv, rust]"),
+        answer
+            .stderr
+            .contains("[possible values: traj, csv, rust, "),
         "{answer:?}"
     );
 }

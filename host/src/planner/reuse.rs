@@ -233,9 +233,7 @@ impl Planning<'_> {
             let faces = self.pattern.faces().len();
             let torn = options.gap > SweepOptions::default().tolerance;
             if lattice.is_some() && torn && faces > FEW_FACES {
-                let decided =
-                    |plan: &Plan| matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_));
-                if let Some(plan) = self.nearer(reduction, found).filter(decided) {
+                if let Some(plan) = self.nearer(reduction, found) {
                     return plan;
                 }
             }
@@ -274,8 +272,7 @@ impl Planning<'_> {
                 last_free,
                 ..
             } => {
-                let nearer = self.nearer(reduction, found);
-                if let Some(plan) = nearer.filter(|plan| plan.outcome == Outcome::Planned) {
+                if let Some(plan) = self.nearer(reduction, found) {
                     return plan;
                 }
                 let curves = self.plan.path.curves();
@@ -329,8 +326,8 @@ impl Planning<'_> {
         self.end(Outcome::Crossing(crossing), reason)
     }
 
-    /// The plan with the motion nearer to the course, unless it is as near as it gets: where layers touch, what
-    /// is off the course by what the bound allows may cross.
+    /// The plan with the motion nearer to the course, unless it is as near as it gets or that decides nothing: where
+    /// layers touch, what is off the course by what the bound allows may cross.
     fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
         if found.part <= LEAST_PART || found.retreats {
             return None;
@@ -345,7 +342,8 @@ impl Planning<'_> {
             part: found.part * NEARER,
             ..*found
         };
-        Some(planning.judge(reduction, &nearer))
+        let plan = planning.judge(reduction, &nearer);
+        matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_)).then_some(plan)
     }
 
     /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says

@@ -4,8 +4,9 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use foldpath::formats::{FileError, fold, parse_pattern};
+use foldpath::formats::{FileError, fold, parse_pattern, parse_shape};
 use foldpath::pattern::CreasePattern;
+use foldpath::unfold::{UnfoldOptions, unfold};
 use libfuzzer_sys::fuzz_target;
 
 /// Feeds bytes to a reader; an error is put in words.
@@ -19,6 +20,12 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
         "path" => |bytes| drop(said(fold::parse_path(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
         "cp" => |bytes| drop(said(parse_pattern(Path::new("a.cp"), bytes))),
+        "obj" => |bytes| {
+            said(parse_pattern(Path::new("a.obj"), bytes));
+            unfolded("a.obj", bytes);
+        },
+        "stl" => |bytes| unfolded("a.stl", bytes),
+        "shape" => |bytes| unfolded("a.fold", bytes),
         _ => panic!("READER names none: {name}"),
     }
 });
@@ -32,6 +39,14 @@ static SHEET: LazyLock<CreasePattern> = LazyLock::new(|| {
 
 fn said<T>(read: Result<T, FileError>) -> Option<T> {
     read.map_err(|error| error.to_string()).ok()
+}
+
+/// Reads a folded shape and lays it flat.
+fn unfolded(name: &str, bytes: &[u8]) {
+    if let Some(file) = said(parse_shape(Path::new(name), bytes, None)) {
+        let laid = unfold(&file.shape, &UnfoldOptions::default());
+        drop(laid.map_err(|error| error.to_string()));
+    }
 }
 
 fuzz_target!(|bytes: &[u8]| READER(bytes));

@@ -72,8 +72,8 @@ fn chosen(document: &Document, number: Option<usize>) -> Result<(Frame<'_>, bool
     let folded = |number: &usize| frames.classes()[*number].folded_form;
     let number = match number {
         Some(number) if number > frames.len() => {
-            let expected = format!("frames from 0 to {}", frames.len());
-            return Err(document.expected("file_frames".into(), &expected, &number.to_string()));
+            let place = format!("file_frames[{}]", number - 1);
+            return Err(document.expected(place, "a frame", "none"));
         }
         Some(number) => number,
         None => (1..=frames.len()).rev().find(folded).unwrap_or(0),
