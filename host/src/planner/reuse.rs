@@ -232,10 +232,12 @@ impl Planning<'_> {
             self.plan.times.collision += start.elapsed();
             let faces = self.pattern.faces().len();
             let torn = options.gap > SweepOptions::default().tolerance;
-            if lattice.is_some() && torn && faces > FEW_FACES {
-                if let Some(plan) = self.nearer(reduction, found) {
-                    return plan;
-                }
+            if lattice.is_some()
+                && torn
+                && faces > FEW_FACES
+                && let Some(plan) = self.nearer(reduction, found)
+            {
+                return plan;
             }
             if faces > MOST_FACES {
                 return self.sweep_knots(reduction);

@@ -1,8 +1,8 @@
 //! From a folded shape back to its crease pattern.
 //!
-//! Implements Algorithm 1 of [XiLien2015] (section 6): faces are laid into the plane one after the other,
-//! each across an edge of one that lies there. Differs from the source in that all faces are first turned
-//! to the same side of the paper: of the two ways to attach a face the one beyond the edge is then the
+//! Implements Algorithm 1 of [XiLien2015](crate#references) (section 6): faces are laid into the plane one
+//! after the other, each across an edge of one that lies there. Differs from the source in that all faces are
+//! first turned to the same side of the paper: of the two ways to attach a face the one beyond the edge is then the
 //! right one, and nothing has to be tried; in that it takes polygons; and in that it cuts what has no
 //! boundary, or goes round in a ring that no plane can hold.
 //!
