@@ -274,7 +274,10 @@ impl Planning<'_> {
                 last_free,
                 ..
             } => {
-                if let Some(plan) = self.nearer(reduction, found) {
+                // A sheet that is torn by more crosses elsewhere than its course does.
+                let torn = options.gap > SweepOptions::default().tolerance;
+                let nearer = self.nearer(reduction, found);
+                if let Some(plan) = nearer.filter(|plan| torn || plan.outcome == Outcome::Planned) {
                     return plan;
                 }
                 let curves = self.plan.path.curves();
