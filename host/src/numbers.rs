@@ -1,10 +1,22 @@
 //! Numbers measured on the whole sheet.
 
+use nalgebra::SVector;
+
 /// The largest of numbers that are not negative, 0 for none; NaN if one is, so that a broken map never
 /// passes for a good one. Their bits are in the same order, those of NaN last.
 pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let bits = numbers.into_iter().map(f64::to_bits);
     f64::from_bits(bits.fold(0, u64::max))
+}
+
+/// Diagonal of the box round points, 0 for none.
+pub(crate) fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
+    let Some(&first) = points.first() else {
+        return 0.0;
+    };
+    let grow = |(low, high): (SVector<f64, D>, SVector<f64, D>), p| (low.inf(p), high.sup(p));
+    let (low, high) = points.iter().fold((first, first), grow);
+    (high - low).norm()
 }
 
 #[cfg(test)]

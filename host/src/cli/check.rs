@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::args::Check;
 use super::progress::watched;
-use super::report::{NO, YES, styled};
+use super::report::outcome;
 use super::{Answer, CliError, print, print_json, print_notes};
 use crate::check::{CheckOptions, check};
 use crate::formats::fold::read_path;
@@ -73,8 +73,8 @@ pub(super) fn run(args: &Check) -> Answer {
         return Ok(holds);
     }
     print_notes(args.report.quiet, path.pattern.assumptions());
-    let style = if holds { YES } else { NO };
-    let mut text = format!("{}: {}\n", path.title, styled(style, json.outcome));
+    let outcome = outcome(holds, json.outcome);
+    let mut text = format!("{}: {outcome}\n", path.title);
     for failure in &verdict.failures {
         text += &format!("  fails: {failure}\n");
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::CliError;
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId, PatternError};
-use crate::planner::{GoalError, closure_of};
+use crate::planner::{CLOSED, GoalError, closure_of};
 
 /// A hint on what to do about an error.
 pub(super) fn hint(error: &CliError) -> Option<String> {
@@ -125,8 +125,6 @@ fn of_content(path: &Path) -> Option<String> {
 const SAME_ANGLE: f64 = 1e-3;
 /// Closure residual that a goal in rounded radians has at most.
 const NEARLY_CLOSED: f64 = 1e-3;
-/// Closure residual up to which a goal closes.
-const CLOSED: f64 = 1e-9;
 
 /// That the goal angles, which do not close, seem to be radians. They are taken as degrees.
 pub(super) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {

@@ -9,7 +9,7 @@ use super::hints::radians;
 use super::{Answer, outlook, print, print_json, print_notes};
 use crate::folding::{Amplification, SpanningTree};
 use crate::formats::read_pattern;
-use crate::planner::closure_of;
+use crate::planner::{CLOSED, closure_of};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 #[derive(Serialize)]
@@ -89,7 +89,7 @@ fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
                 .to_string()
         }
         None => "none, and no letters that say a way".to_string(),
-        Some(closure) if closure <= 1e-9 => format!("closes (residual {closure:.1e})"),
+        Some(closure) if closure <= CLOSED => format!("closes (residual {closure:.1e})"),
         Some(closure) => format!("does not close (residual {closure:.1e})"),
     };
     let count =

@@ -5,13 +5,11 @@ use std::path::Path;
 
 use super::report::{NO, YES, styled};
 use crate::pattern::{CreasePattern, FlatFlaw, VertexId};
-use crate::planner::{FirstStep, Goal, GoalKind, first_step};
+use crate::planner::{CLOSED, FirstStep, Goal, GoalKind, first_step};
 use crate::symmetry::CreaseGroups;
 
 /// Vertices and hinges that are named.
 const NAMED: usize = 5;
-/// Closure residual up to which a goal closes.
-const CLOSED: f64 = 1e-9;
 /// Radians: hinges this near half a turn are folded flat.
 const FLAT: f64 = 1e-6;
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::args::{Frames, Plan, Switch};
 use super::hints::{nearest_hinge, radians};
 use super::progress::watched;
-use super::report::{NO, YES, styled};
+use super::report::outcome;
 use super::{Answer, CliError, check_output, print, print_json, print_notes};
 use crate::formats::fold::{PathWriter, PatternFile, read_goal};
 use crate::formats::{read_pattern, write_whole_with};
@@ -159,13 +159,7 @@ struct Planned {
 
 /// Reads, plans, and writes a path that reaches its goal.
 fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
-    let progress = options.progress;
-    let begin = |stage| {
-        progress
-            .into_iter()
-            .for_each(|progress| progress.begin(stage))
-    };
-    begin(Stage::Reading);
+    options.begin(Stage::Reading);
     let start = Instant::now();
     let file = read_pattern(&args.pattern)?;
     let goal = goal(args, &file)?;
@@ -177,7 +171,7 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
     let plan = planner::plan(&file.pattern, &goal, &options);
-    begin(Stage::Writing);
+    options.begin(Stage::Writing);
     let start = Instant::now();
     if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
         let writer = PathWriter {
@@ -265,12 +259,8 @@ fn summary(
     json: &PlanJson<'_>,
     plan: &planner::Plan,
 ) -> String {
-    let style = if plan.outcome == Outcome::Planned {
-        YES
-    } else {
-        NO
-    };
-    let mut text = format!("{}: {}\n", file.title, styled(style, json.outcome));
+    let outcome = outcome(plan.outcome == Outcome::Planned, json.outcome);
+    let mut text = format!("{}: {outcome}\n", file.title);
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }

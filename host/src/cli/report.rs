@@ -28,6 +28,11 @@ pub(super) fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
+/// An outcome in the style of a yes or a no.
+pub(super) fn outcome(good: bool, text: &str) -> String {
+    styled(if good { YES } else { NO }, text)
+}
+
 /// Tells an error on stderr, if anybody reads it.
 pub(super) fn tell(error: &CliError) {
     let text = text_of(error);

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::args::{Drives, LineFaults, Stream, Target};
 use super::progress::{self, PACE, PATIENCE};
-use super::report::{NO, YES, styled};
+use super::report::outcome;
 use super::{Answer, CliError, check_output, print, print_json};
 use crate::folding::Rigidity;
 use crate::formats::fold::read_path;
@@ -207,12 +207,7 @@ fn report(
     if args.report.json {
         return print_json(&json);
     }
-    let style = if summary.outcome == Outcome::Done {
-        YES
-    } else {
-        NO
-    };
-    let outcome = styled(style, json.outcome);
+    let outcome = outcome(summary.outcome == Outcome::Done, json.outcome);
     let mut text = format!("{}: {outcome}\n", args.path.display());
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
@@ -263,7 +258,7 @@ impl Watch<'_> {
     }
 
     /// How far the motion is, once it lasts.
-    fn show(&mut self, bar: &ProgressBar, telemetry: &Telemetry) {
+    fn show(&self, bar: &ProgressBar, telemetry: &Telemetry) {
         let times = self.path.times();
         let time = |knot: usize| times.get(knot).copied().unwrap_or(0.0);
         let knot = usize::try_from(telemetry.place.knot).unwrap_or(usize::MAX);
@@ -296,10 +291,9 @@ impl Watcher for Watch<'_> {
         writeln!(self.log)?;
         let due = self.begun.elapsed() >= PATIENCE
             && self.shown.is_none_or(|shown| shown.elapsed() >= PACE);
-        if let Some(bar) = self.bar.take_if(|_| due) {
+        if let Some(bar) = self.bar.as_ref().filter(|_| due) {
+            self.show(bar, telemetry);
             self.shown = Some(Instant::now());
-            self.show(&bar, telemetry);
-            self.bar = Some(bar);
         }
         Ok(())
     }

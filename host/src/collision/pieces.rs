@@ -61,6 +61,12 @@ impl Pieces {
         pieces
     }
 
+    /// The faces of two pieces, if they are different ones of the same sheet.
+    pub(super) fn comparable(&self, a: u32, b: u32) -> Option<[FaceId; 2]> {
+        let [a, b] = [a, b].map(|piece| self.list[piece as usize]);
+        (a.sheet == b.sheet && a.face != b.face).then_some([a.face, b.face])
+    }
+
     /// Those of no face yet.
     pub(super) fn none(pattern: &CreasePattern) -> Self {
         Self {

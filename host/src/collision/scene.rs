@@ -99,17 +99,15 @@ impl CollisionScene {
             normals: &self.normals,
         };
         let judge = &mut |a: u32, b: u32| {
-            let [first, second] = [a, b].map(|index| pieces.list[index as usize]);
-            let alike = first.sheet == second.sheet && first.face != second.face;
-            if !alike || pieces.joined(a, b) {
+            let Some(faces) = pieces.comparable(a, b).filter(|_| !pieces.joined(a, b)) else {
                 return;
-            }
+            };
             tested += 1;
             let depth = placed.depth(a, b, tolerance);
             if depth <= 0.0 || depth <= torn && pieces.meet(a, b) {
                 return;
             }
-            let crossing = Crossing::new([first.face, second.face], depth);
+            let crossing = Crossing::new(faces, depth);
             if deepest.is_none_or(|deepest| crossing.exceeds(&deepest)) {
                 deepest = Some(crossing);
             }
@@ -139,9 +137,7 @@ impl CollisionScene {
             };
             let judge = &mut |a: u32, b: u32| {
                 seen += 1;
-                let [first, second] = [a, b].map(|index| pieces.list[index as usize]);
-                let alike = first.sheet == second.sheet && first.face != second.face;
-                if alike && !pieces.meet(a, b) {
+                if pieces.comparable(a, b).is_some() && !pieces.meet(a, b) {
                     nearest = nearest.min(distance(&placed.piece(a), &placed.piece(b)));
                 }
             };

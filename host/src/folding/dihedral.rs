@@ -51,11 +51,16 @@ impl Dihedral {
         let [a, b] = self.ends.map(|end| vertices[end.index()]);
         let [left, right] = self.corners.map(|corner| vertices[corner.index()] - a);
         let side = b - a;
-        let [left, right] = [side.cross(&left), right.cross(&side)];
-        let sine = right.cross(&left).dot(&side) / side.norm();
-        let angle = sine.atan2(right.dot(&left));
+        let angle = fold_angle(&side.cross(&left), &right.cross(&side), &side);
         if angle.is_nan() { 0.0 } else { angle }
     }
+}
+
+/// The fold angle at a side from the normals left and right of it, of any length: radians from -π to π, valley
+/// positive. By the sine and the cosine, so that neither near 0 nor near half a turn digits are lost.
+pub(crate) fn fold_angle(left: &Vector3<f64>, right: &Vector3<f64>, side: &Vector3<f64>) -> f64 {
+    let sine = right.cross(left).dot(side) / side.norm();
+    sine.atan2(right.dot(left))
 }
 
 #[cfg(test)]

@@ -12,20 +12,25 @@ pub fn sheets_laid_on(
     a: &[Vector3<f64>],
     b: &[Vector3<f64>],
 ) -> Vec<Vector3<f64>> {
-    let mut sheets = vec![Vec::new(); pattern.sheets()];
-    for (vertex, faces) in pattern.corners().iter().enumerate() {
-        if let Some(face) = faces.first() {
-            sheets[pattern.sheet_of_faces()[face.index()] as usize].push(vertex);
-        }
-    }
     let mut laid = a.to_vec();
-    for sheet in sheets {
+    for sheet in vertices_of_sheets(pattern) {
         let of = |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };
         for (&vertex, point) in sheet.iter().zip(laid_on(&of(a), &of(b))) {
             laid[vertex] = point;
         }
     }
     laid
+}
+
+/// For each sheet its vertices, as positions in the list of all. Those without a face are of none.
+pub(crate) fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
+    let mut sheets = vec![Vec::new(); pattern.sheets()];
+    for (vertex, faces) in pattern.corners().iter().enumerate() {
+        if let Some(face) = faces.first() {
+            sheets[pattern.sheet_of_faces()[face.index()] as usize].push(vertex);
+        }
+    }
+    sheets
 }
 
 /// The points of `a` moved rigidly so that they lie on those of `b` as well as possible.

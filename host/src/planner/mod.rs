@@ -36,4 +36,4 @@ pub use options::{
 };
 pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};
-pub use reduction::closure_of;
+pub use reduction::{CLOSED, closure_of};

@@ -189,7 +189,7 @@ const SLOWEST: f64 = 1e-9;
 
 impl PlanOptions {
     /// Tells that a stage begins.
-    pub(super) fn begin(&self, stage: Stage) {
+    pub(crate) fn begin(&self, stage: Stage) {
         if let Some(progress) = self.progress {
             progress.begin(stage);
         }

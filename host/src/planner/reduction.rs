@@ -283,7 +283,7 @@ fn nearest_closed(
 }
 
 /// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
-pub(super) const CLOSED: f64 = 1e-9;
+pub const CLOSED: f64 = 1e-9;
 /// Radians: angles this near are the same, but for rounding.
 pub(super) const SAME: f64 = 1e-7;
 

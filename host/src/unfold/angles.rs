@@ -4,6 +4,7 @@ use core::f64::consts::PI;
 
 use super::surface::{Side, Surface, SurfaceEdge};
 use super::{FoldedShape, layout::edge_name};
+use crate::folding::fold_angle;
 use crate::pattern::Letter;
 
 /// Angle (radians) below which a fold is none, and within which of half a turn its sign cannot be measured,
@@ -90,7 +91,7 @@ impl Creases {
                 letters.push(Letter::Boundary);
                 continue;
             };
-            let measured = fold_angle(shape, surface, edge, [a, b]);
+            let measured = measured(shape, surface, edge, [a, b]);
             let (angle, letter) = noise.settle(edge, measured);
             angles.push(angle);
             letters.push(letter);
@@ -176,7 +177,7 @@ fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bo
         let (Some(sides), Some(said)) = (edge.joint(), said_sign(edge)) else {
             continue;
         };
-        let measured = fold_angle(shape, surface, edge, sides);
+        let measured = measured(shape, surface, edge, sides);
         if measured.abs() > doubt && PI - measured.abs() > doubt {
             let part = surface.part_of_faces()[sides[0].face];
             votes[part] += if said * measured > 0.0 { 1 } else { -1 };
@@ -185,18 +186,13 @@ fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bo
     votes.into_iter().map(|votes| votes < 0).collect()
 }
 
-/// The fold angle between two faces, from -π to π, valley positive. By the sine and the cosine, so that
-/// neither near 0 nor near half a turn digits are lost.
-fn fold_angle(
-    shape: &FoldedShape,
-    surface: &Surface,
-    edge: &SurfaceEdge,
-    [a, b]: [Side; 2],
-) -> f64 {
+/// The fold angle between two faces, radians.
+fn measured(shape: &FoldedShape, surface: &Surface, edge: &SurfaceEdge, [a, b]: [Side; 2]) -> f64 {
     let (left, right) = if surface.is_left(a) { (a, b) } else { (b, a) };
-    let [up_left, up_right] = [left, right].map(|side| surface.up(side.face));
     let [start, end] = edge.ends.map(|end| shape.vertices[end]);
-    let along = (end - start).normalize();
-    let sine = up_right.cross(&up_left).dot(&along);
-    sine.atan2(up_right.dot(&up_left))
+    fold_angle(
+        &surface.up(left.face),
+        &surface.up(right.face),
+        &(end - start),
+    )
 }

@@ -7,7 +7,8 @@ use nalgebra::{Matrix2, Vector2};
 use super::FoldedShape;
 use super::angles::Creases;
 use super::cuts;
-use super::surface::{Side, Surface, SurfaceEdge};
+use super::surface::{Side, Surface, SurfaceEdge, root};
+use crate::numbers::diagonal;
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
 /// Rounds of fitting faces to vertices and vertices to faces: each spreads what noise the shape has over one
@@ -45,7 +46,7 @@ impl Layout {
         let (roots, levels) = levels(surface);
         let order = cuts::order(shape, surface, creases, &levels, attempt);
         let mut laid = lay(surface, &roots, &order);
-        let near = slope * extent(&laid);
+        let near = slope * diagonal(&laid);
         let joined = surface.edges.iter().map(|edge| {
             let Some([a, b]) = edge.joint() else {
                 return false;
@@ -256,19 +257,12 @@ fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize
 fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
     let count = surface.faces().len();
     let mut groups: Vec<usize> = (0..count).collect();
-    let group = |groups: &mut Vec<usize>, mut face: usize| {
-        while groups[face] != face {
-            groups[face] = groups[groups[face]];
-            face = groups[face];
-        }
-        face
-    };
     let mut beyond = vec![Vec::new(); count];
     for &index in order {
         let Some([a, b]) = surface.edges[index].joint() else {
             continue;
         };
-        let [first, second] = [a, b].map(|side| group(&mut groups, side.face));
+        let [first, second] = [a, b].map(|side| root(&mut groups, side.face));
         if first != second {
             groups[second] = first;
             beyond[a.face].push((a, b));
@@ -302,12 +296,12 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
 /// Moves what are the same vertices together: each where its faces have it on the mean, each face as well as
 /// it fits to its vertices, and so on.
 fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
-    let still = STILL * extent(laid);
+    let still = STILL * diagonal(laid);
     let mut counts = vec![0.0; points.len()];
     for &point in points {
         counts[point] += 1.0;
     }
-    for _ in 0..ROUNDS {
+    for round in 0..=ROUNDS {
         let mut sums = vec![Vector2::zeros(); points.len()];
         for (&point, place) in points.iter().zip(laid.iter()) {
             sums[point] += place;
@@ -318,7 +312,7 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
             moved = moved.max((mean - laid[corner]).norm());
             laid[corner] = mean;
         }
-        if moved <= still {
+        if moved <= still || round == ROUNDS {
             return;
         }
         for face in 0..surface.faces().len() {
@@ -331,13 +325,6 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
             }
         }
     }
-    let mut sums = vec![Vector2::zeros(); points.len()];
-    for (&point, place) in points.iter().zip(laid.iter()) {
-        sums[point] += place;
-    }
-    for (corner, &point) in points.iter().enumerate() {
-        laid[corner] = sums[point] / counts[point];
-    }
 }
 
 /// Moves the parts beside each other along x; the first stays.
@@ -345,7 +332,7 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
     if surface.parts() < 2 {
         return;
     }
-    let space = SPACE * extent(laid);
+    let space = SPACE * diagonal(laid);
     let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; surface.parts()];
     let part = |face: usize| surface.part_of_faces()[face];
     for face in 0..surface.faces().len() {
@@ -366,17 +353,6 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
             laid[corner].x += shifts[part(face)];
         }
     }
-}
-
-/// Diagonal of the box round the points.
-fn extent(points: &[Vector2<f64>]) -> f64 {
-    let Some(&first) = points.first() else {
-        return 0.0;
-    };
-    let grow =
-        |(low, high): (Vector2<f64>, Vector2<f64>), p: &Vector2<f64>| (low.inf(p), high.sup(p));
-    let (low, high) = points.iter().fold((first, first), grow);
-    (high - low).norm()
 }
 
 /// A rigid motion of the plane.

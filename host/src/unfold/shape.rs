@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use crate::numbers::{diagonal, largest};
 use crate::pattern::{LARGEST, Letter};
 
 /// Part of the square of its outline below which a face has no area.
@@ -35,13 +36,7 @@ impl FoldedShape {
     /// Diagonal of the box round its vertices.
     #[must_use]
     pub fn size(&self) -> f64 {
-        let Some(first) = self.vertices.first() else {
-            return 0.0;
-        };
-        let box_of =
-            |(low, high): (Vector3<f64>, Vector3<f64>), p: &Vector3<f64>| (low.inf(p), high.sup(p));
-        let (low, high) = self.vertices.iter().fold((*first, *first), box_of);
-        (high - low).norm()
+        diagonal(&self.vertices)
     }
 
     /// That it has faces, vertices that are numbers, and no reference to others.
@@ -89,7 +84,7 @@ impl FoldedShape {
         let arm = |k: usize| self.vertices[cycle[k % cycle.len()]] - center;
         let corners = 0..cycle.len();
         let twice_area: Vector3<f64> = corners.clone().map(|k| arm(k).cross(&arm(k + 1))).sum();
-        let extent = crate::numbers::largest(corners.clone().map(|k| arm(k).norm()));
+        let extent = largest(corners.clone().map(|k| arm(k).norm()));
         let area = twice_area.norm();
         if area <= NO_AREA * extent * extent {
             return Err(ShapeError::NoArea { face });

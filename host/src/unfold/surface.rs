@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use nalgebra::{Vector2, Vector3};
 
 use super::{FoldedShape, ShapeError};
+use crate::folding::in_plane;
 use crate::pattern::{LARGEST, Letter};
 
 /// A side of a face that is an edge.
@@ -170,7 +171,10 @@ impl Surface {
     /// Measures the faces in their planes, seen from above, and the angles round vertices.
     fn measure(&mut self, shape: &FoldedShape) {
         self.local = (0..self.faces.len())
-            .flat_map(|face| self.in_plane(shape, face))
+            .flat_map(|face| {
+                let corners = self.faces[face].iter().map(|&v| &shape.vertices[v]);
+                in_plane(corners, &self.up(face))
+            })
             .collect();
         let joined = vec![true; self.edges.len()];
         self.points = self.points_where(&joined);
@@ -208,22 +212,6 @@ impl Surface {
         }
         let interior = (0..inside.len()).filter(|&c| inside[c] && self.points[c] == c);
         self.defects = interior.map(|c| (c, TAU - sums[c])).collect();
-    }
-
-    /// Corners of a face in its plane, seen from above, x as near to the x of space as can be.
-    fn in_plane(&self, shape: &FoldedShape, face: usize) -> Vec<Vector2<f64>> {
-        let up = self.up(face);
-        let along = Vector3::x() - up * up.x;
-        let right = if along.norm() > 0.5 {
-            along.normalize()
-        } else {
-            (Vector3::y() - up * up.y).normalize()
-        };
-        let ahead = up.cross(&right);
-        let corners = self.faces[face].iter().map(|&v| shape.vertices[v]);
-        corners
-            .map(|p| Vector2::new(p.dot(&right), p.dot(&ahead)))
-            .collect()
     }
 
     /// Angle of a face at one of its corners, radians, from 0 to a whole turn.
@@ -369,9 +357,9 @@ impl Surface {
     }
 }
 
-/// The first of the corners that a corner is joined to, with the way there made shorter.
-fn root(roots: &mut [usize], corner: usize) -> usize {
-    let mut here = corner;
+/// The first of those that one is joined to, with the way there made shorter.
+pub(super) fn root(roots: &mut [usize], one: usize) -> usize {
+    let mut here = one;
     while roots[here] != here {
         roots[here] = roots[roots[here]];
         here = roots[here];

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneMotion, ScenePair, SceneShape};
 use crate::check::{Motion, check_groups, clearances, crease_angles, measure};
-use crate::folding::{FoldingMap, SpanningTree, fit};
+use crate::folding::{FoldingMap, SpanningTree, fit, vertices_of_sheets};
 use crate::formats::fold::{PathFile, interpolation_name};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use crate::shapes::STEP;
@@ -154,12 +154,10 @@ fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
 fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
     let pattern = &shapes.pattern;
     let mut map = FoldingMap::flat(pattern);
-    let sheet_of = |face: &FaceId| pattern.sheet_of_faces()[face.index()];
+    let mut of_sheets = vertices_of_sheets(pattern);
     let sheets = tree.roots().iter().map(|root| {
-        let faces = pattern.corners().iter().enumerate();
-        let of_sheet =
-            faces.filter(|(_, faces)| faces.first().map(sheet_of) == Some(sheet_of(root)));
-        (*root, of_sheet.map(|(vertex, _)| vertex).collect())
+        let sheet = pattern.sheet_of_faces()[root.index()] as usize;
+        (*root, core::mem::take(&mut of_sheets[sheet]))
     });
     let sheets: Vec<(FaceId, Vec<usize>)> = sheets.collect();
     let mut before = map.vertices().to_vec();

@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+use crate::folding::in_plane;
+
 /// A sheet may leave its plane by this part of its size and still count as flat.
 const FLAT: f64 = 1e-6;
 
@@ -72,14 +74,5 @@ fn flatten(points: &[Vector3<f64>]) -> Option<(Vec<Vector2<f64>>, bool)> {
     if centered().any(|p| p.dot(&up).abs() > FLAT * size) {
         return None;
     }
-    // Keeps x where it was as far as the plane allows, so that standing sheets stay recognisable.
-    let along = Vector3::x() - up * up.x;
-    let right = if along.norm() > 0.5 {
-        along.normalize()
-    } else {
-        (Vector3::y() - up * up.y).normalize()
-    };
-    let ahead = up.cross(&right);
-    let place = |p: &Vector3<f64>| Vector2::new(p.dot(&right), p.dot(&ahead));
-    Some((points.iter().map(place).collect(), false))
+    Some((in_plane(points, &up), false))
 }
