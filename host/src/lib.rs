@@ -31,6 +31,121 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # A path, and what is made of it
+//!
+//! A path is a FOLD file that others can read. [`check`](check::check) judges it from that file alone, and all that
+//! shows or drives it is made of the same:
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use foldpath::check::{CheckOptions, check};
+//! use foldpath::formats::{fold, glb, traj::TrajFile};
+//! use foldpath::generate::Miura;
+//! use foldpath::pattern::CreasePattern;
+//! use foldpath::planner::{Goal, PlanOptions, plan};
+//! use foldpath::{plot, view};
+//!
+//! # let miura = Miura { rows: 4, columns: 4, sector_angle: 60_f64.to_radians(), fold: 0.9 };
+//! # let pattern = CreasePattern::new(miura.drawing()?)?;
+//! let options = PlanOptions { keep_vertices: true, ..PlanOptions::default() };
+//! let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &options);
+//! let writer = fold::PathWriter {
+//!     title: "Miura",
+//!     pattern: &pattern,
+//!     vertices: true,
+//!     seed: 0,
+//!     max_speed: options.max_speed,
+//!     max_acceleration: None,
+//! };
+//! let text = writer.text(&plan.path);
+//!
+//! // Names of files are for messages: nothing is read or written here.
+//! let name = Path::new("path.fold");
+//! let path = fold::parse_path(name, text.as_bytes())?;
+//! let verdict = check(&path, &CheckOptions::default());
+//! assert!(verdict.failures.is_empty(), "{:?}", verdict.failures);
+//!
+//! let page: String = view::page(&view::Scene::of_path(&path));
+//! let curves: String = plot::svg(&plot::Curves::of_path(&path));
+//! let animation: Vec<u8> = glb::content(&path, name)?;
+//! let for_controllers: Vec<u8> = TrajFile::of(&path, name)?.bytes;
+//! assert!(for_controllers.len() < 1000);
+//! # assert!(page.contains("Miura") && curves.starts_with("<svg") && animation.starts_with(b"glTF"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # To a controller
+//!
+//! [`stream::run`] sends a path over a [`stream::Link`]: to a device, to an emulated one, or to
+//! [`stream::Sim`], the same controller in this process, whose time is virtual:
+//!
+//! ```
+//! use std::io;
+//! use std::path::Path;
+//!
+//! use foldpath::stream::{self, Options, Outcome, Sim, StreamPath, Telemetry, Wish};
+//!
+//! /// Looks on, and stops nothing.
+//! struct Watch;
+//!
+//! impl stream::Watcher for Watch {
+//!     fn telemetry(&mut self, told: &Telemetry) -> io::Result<()> {
+//!         assert!(told.angles.iter().all(|angle| angle.abs() <= core::f32::consts::PI));
+//!         Ok(())
+//!     }
+//!     fn wish(&mut self) -> Wish {
+//!         Wish::Run
+//!     }
+//! }
+//!
+//! # use foldpath::formats::{fold, traj::TrajFile};
+//! # use foldpath::{generate::Miura, pattern::CreasePattern, planner::{Goal, PlanOptions, plan}};
+//! # let miura = Miura { rows: 3, columns: 3, sector_angle: 60_f64.to_radians(), fold: 0.9 };
+//! # let pattern = CreasePattern::new(miura.drawing()?)?;
+//! # let options = PlanOptions::default();
+//! # let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &options);
+//! # let writer = fold::PathWriter {
+//! #     title: "Miura", pattern: &pattern, vertices: false, seed: 0,
+//! #     max_speed: options.max_speed, max_acceleration: None,
+//! # };
+//! # let text = writer.text(&plan.path);
+//! # let name = Path::new("path.traj");
+//! # let bytes = TrajFile::of(&fold::parse_path(name, text.as_bytes())?, name)?.bytes;
+//! let path = StreamPath::read(&bytes, name)?;
+//! let options = Options { resume: false, id: 1 };
+//! let summary = stream::run(&mut Sim::new(), &path, options, &mut Watch)?;
+//! assert_eq!(summary.outcome, Outcome::Done);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # And back
+//!
+//! [`unfold`](unfold::unfold) makes the pattern of a folded shape, with the angles that are measured on it:
+//!
+//! ```
+//! use foldpath::folding::{FoldingMap, SpanningTree};
+//! use foldpath::generate::Miura;
+//! use foldpath::pattern::CreasePattern;
+//! use foldpath::unfold::{FoldedShape, Outcome, UnfoldOptions, unfold};
+//!
+//! let miura = Miura { rows: 4, columns: 4, sector_angle: 60_f64.to_radians(), fold: 0.9 };
+//! let pattern = CreasePattern::new(miura.drawing()?)?;
+//! let angles: Vec<f64> = pattern.creases().iter().filter_map(|edge| pattern.edge(*edge).goal).collect();
+//! let tree = SpanningTree::from_central_face(&pattern);
+//! let folded = FoldingMap::new(&pattern, &tree, &angles);
+//!
+//! let shape = FoldedShape {
+//!     vertices: folded.vertices().to_vec(),
+//!     faces: pattern.faces().iter().map(|face| face.iter().map(|v| v.index()).collect()).collect(),
+//!     edges: Vec::new(),
+//! };
+//! let unfolding = unfold(&shape, &UnfoldOptions::default())?;
+//! assert_eq!(unfolding.outcome, Outcome::Unfolded);
+//! assert!(unfolding.max_angle_defect < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Guaranteed
 //!
 //! A path called planned is closed, within the bound on deformation and gap, and free of crossings

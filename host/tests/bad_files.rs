@@ -225,6 +225,11 @@ fn frames_that_cannot_be_read() {
         /file_frames = [{"frame_inherit":true}] => \
             file_frames[0].frame_parent: expected the number of an earlier frame, found none
         /file_frames = [3] => file_frames[0]: expected a frame, found 3
+        /frame_classes = ; /file_frames = [{"frame_classes":["creasePattern"],"frame_inherit":true,\
+            "frame_parent":0,"faces_vertices":[[4,0,2,5]]}] => \
+            file_frames[0].faces_vertices[0]: no edge joins its vertices 0 and 2
+        /frame_classes = ; /file_frames = [{"frame_classes":["creasePattern"],"frame_inherit":true,\
+            "frame_parent":0}]; /edges_vertices/3 = [2,2] => edges_vertices[3]: expected two vertices at different places
         "#,
     );
 }

@@ -2,6 +2,7 @@
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use nalgebra::Vector2;
@@ -71,4 +72,30 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         "{}",
         seen.reached
     );
+}
+
+/// Twelve squares round close to a tube, edge on edge, where boundary and middle lines turn by 60 degrees more than
+/// one another. What is beyond by next to nothing is beyond, however much the certificate leaves open.
+#[test]
+fn a_tube_closes_and_no_further() {
+    let turn = 15_f64.to_radians().tan();
+    let t = (1.0 - (1.0 - 8.0 * turn * turn).sqrt()) / (4.0 * turn);
+    let closed = 2.0 * (3.0 * t + 4.0 * t.powi(3)).atan() / core::f64::consts::PI;
+    let outcome = |beyond: f64| {
+        let tube = Waterbomb {
+            rows: 12,
+            columns: 22,
+            fold: closed * (1.0 + beyond),
+        };
+        let pattern = CreasePattern::new(tube.drawing().unwrap()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        plan(&pattern, &goal, &PlanOptions::default()).outcome
+    };
+    assert_eq!(outcome(-1e-6), Outcome::Planned);
+    for beyond in [1e-6, 1e-5, 1e-4] {
+        assert!(
+            matches!(outcome(beyond), Outcome::Crossing(_)),
+            "{beyond:e}"
+        );
+    }
 }

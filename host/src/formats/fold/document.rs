@@ -224,6 +224,14 @@ impl<'a> Frame<'a> {
         self.document.expected(place, expected, "nothing")
     }
 
+    /// What stands before a place that begins with one of the frame's keys, which may be inherited.
+    pub(super) fn prefix_of(&self, place: &str) -> String {
+        let keys = ["vertices_coords", "edges_vertices", "faces_vertices"];
+        let key = keys.into_iter().find(|key| place.starts_with(key));
+        let value = key.and_then(|key| self.get(key));
+        value.map_or(String::new(), |value| prefix(value.frame))
+    }
+
     /// What stands before the frame's keys in places.
     pub(super) fn prefix(&self) -> String {
         self.layers

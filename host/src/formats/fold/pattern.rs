@@ -97,7 +97,7 @@ pub(super) fn pattern_of(
         }
         _ => FileError::Pattern {
             path: document.path().to_path_buf(),
-            frame: String::new(),
+            frame: frame.prefix_of(&source.to_string()),
             source,
         },
     })?;
