@@ -14,7 +14,7 @@ fn main() {
         return;
     }
     let large = std::env::args().any(|argument| argument == "large");
-    println!("medians of whole plans without reading and writing, one core\n");
+    println!("Medians of whole plans without reading and writing, one core.\n");
     println!(
         "| sheet | unknowns | configurations | knots | plan | each | of it solve | closure | runs |"
     );
@@ -30,7 +30,7 @@ fn main() {
         .map(|&(size, runs)| run(&format!("miura {size}x{size}"), runs, miura(size)))
         .collect();
     println!(
-        "\ntime per configuration from 24x24 on grows as unknowns^{:.2}",
+        "\nTime per configuration from 24x24 on grows as unknowns^{:.2}.",
         exponent(&growth)
     );
 }

@@ -25,7 +25,7 @@ fn main() {
     ];
     for (name, pace) in [("sparse", Timing::Sparse), ("optimal", Timing::Optimal)] {
         println!(
-            "\nknots at {BOUND:.0e} certified deformation, pace {name} (certificate, seconds)\n"
+            "\nKnots at {BOUND:.0e} certified deformation, `--pace {name}` (certificate, seconds):\n"
         );
         println!("| sheet | {} |", kinds.map(|(name, _)| name).join(" | "));
         println!("|---|---|---|---|---|");

@@ -25,7 +25,7 @@ fn the_image_is_small() {
     let bytes = fs::read(image("foldpath-controller")).unwrap();
     let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
     let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
-    println!("flash {flash} bytes, RAM without the stack {ram} bytes");
+    println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
     assert!((1..=32 * 1024).contains(&flash));
     assert!((1..=8 * 1024).contains(&ram));
 }
@@ -38,7 +38,7 @@ fn work_is_done_in_time() {
         let prefix = format!("cost {what} ");
         let line = output.lines().find_map(|line| line.strip_prefix(&prefix));
         let cost = line.unwrap_or_else(|| panic!("no {what}")).parse().unwrap();
-        println!("{what}: {cost} instructions");
+        println!("| {} | {cost} instructions |", what.replace('-', " "));
         cost
     };
     assert!((100..=300).contains(&cost("closure-of-degree-4")));
@@ -49,7 +49,7 @@ fn work_is_done_in_time() {
     assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
     assert!(all <= PACE / 1000);
     let frames = PACE / cost("setpoint-from-its-frame-to-the-answer");
-    println!("setpoints that are received, checked and answered: {frames} a second");
+    println!("| setpoints received, checked and answered at 25 MHz | {frames} a second |");
     assert!(frames >= 2000);
 }
 
@@ -79,7 +79,7 @@ fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
         latest = latest.max(still - i64::try_from(drawn).unwrap());
     }
     println!(
-        "from the stop line to the last motion: at most {} us",
+        "| from the stop line to the last motion | at most {} us |",
         latest.max(0)
     );
     assert!((-2000..=1000).contains(&latest));
@@ -91,6 +91,6 @@ fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
         .iter()
         .take_while(|word| u32::from_le_bytes(**word) == PAINT);
     let used = STACK_SIZE - 4 * clean.count();
-    println!("stack: {used} bytes at the most");
+    println!("| stack | {used} bytes |");
     assert!((256..=8 * 1024).contains(&used));
 }
