@@ -85,8 +85,14 @@ fn the_objective_is_that_of_a_turn_done_by_hand() {
     let sheet = miura(2, Freedom::Full);
     let mut objective = ClosureObjective::new(&sheet.stars);
     let vertex = sheet.pattern.real_vertices().next().unwrap();
-    let creases = sheet.pattern.creases().iter();
-    let directions = creases.map(|&edge| sheet.pattern.direction(edge, vertex));
+    let creases = sheet
+        .pattern
+        .creases()
+        .iter()
+        .zip(sheet.groups.memberships());
+    // An unknown counts the way of its crease's letter.
+    let directions =
+        creases.map(|(&edge, of)| of.apply(1.0) * sheet.pattern.direction(edge, vertex));
     let directions: Vec<_> = directions.collect();
     assert_eq!(directions.len(), 4);
     for crease in 0..4 {

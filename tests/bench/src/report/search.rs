@@ -108,8 +108,10 @@ pub struct Settings {
 pub enum End {
     /// At the goal.
     Reached,
-    /// The goal itself is refused.
-    GoalRefused,
+    /// The goal itself deforms too much.
+    GoalDeforms,
+    /// At the goal faces pass through each other.
+    GoalCrosses,
     /// No sample was accepted for long.
     Stuck,
     /// Out of time.
@@ -170,11 +172,12 @@ pub fn search(sheet: &Sheet, settings: &Settings) -> Run {
         let longest = goal.iter().zip(&here).map(|(g, h)| (g - h).abs());
         let longest = longest.fold(0.0, f64::max);
         if longest <= STEP {
-            if judge.allows(goal, None) {
-                knots.push(goal.clone());
-                break End::Reached;
+            match judge.judge(goal, None) {
+                Verdict::Good => knots.push(goal.clone()),
+                Verdict::Deformed => break End::GoalDeforms,
+                Verdict::Crossed => break End::GoalCrosses,
             }
-            break End::GoalRefused;
+            break End::Reached;
         }
         let Some(left) = settings.limit.checked_sub(start.elapsed()) else {
             break End::Timeout;
@@ -194,7 +197,7 @@ pub fn search(sheet: &Sheet, settings: &Settings) -> Run {
             Err((state, _)) => panic!("NLopt: {state:?}"),
         };
         let far = distance(goal, &here);
-        if distance(goal, &sample) < far && judge.allows(&sample, value) {
+        if distance(goal, &sample) < far && judge.judge(&sample, value) == Verdict::Good {
             here.copy_from_slice(&sample);
             knots.push(here.clone());
             radius = (radius * WIDER).min(STEP);
@@ -255,6 +258,14 @@ fn pusher(
     pusher
 }
 
+/// Whether a configuration may be a knot.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Good,
+    Deformed,
+    Crossed,
+}
+
 /// Judges configurations on the whole sheet.
 struct Judge<'a> {
     sheet: &'a Sheet,
@@ -288,36 +299,33 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether a configuration is rigid enough and free of crossings; `value` is F there, if it is known.
-    fn allows(&mut self, angles: &[f64], value: Option<f64>) -> bool {
+    fn judge(&mut self, angles: &[f64], value: Option<f64>) -> Verdict {
         if let (Accept::Objective(bound), Some(objective)) = (self.accept, &mut self.objective) {
             let value = value.unwrap_or_else(|| objective.value(angles));
             if value >= bound {
-                return false;
+                return Verdict::Deformed;
             }
         }
         let sheet = self.sheet;
-        if sheet.groups.len() == sheet.pattern.creases().len() {
-            // Signs are of letters: none for each crease on its own.
-            let creases = sheet.groups.expand(angles);
-            self.map.fold(&sheet.pattern, &sheet.tree, &creases);
-        } else {
-            let memberships = sheet.groups.memberships();
-            self.map
-                .fold_groups(&sheet.pattern, &sheet.tree, memberships, angles);
-        }
+        let memberships = sheet.groups.memberships();
+        self.map
+            .fold_groups(&sheet.pattern, &sheet.tree, memberships, angles);
         if let Accept::Deformation(bound) = self.accept
             && self.deformation().is_none_or(|worst| worst > bound)
         {
-            return false;
+            return Verdict::Deformed;
         }
         let Some(scene) = &mut self.scene else {
-            return true;
+            return Verdict::Good;
         };
         let gap = self.map.rigidity(&sheet.pattern, &sheet.tree).gap;
         let start = Instant::now();
         let crossing = scene.deepest_crossing(&self.map, gap);
         self.collision += start.elapsed();
-        crossing.is_none()
+        match crossing {
+            Some(_) => Verdict::Crossed,
+            None => Verdict::Good,
+        }
     }
 
     /// Largest relative change of a length; `None` where it is no number.
