@@ -46,6 +46,9 @@ const SUCCESS: f64 = 0.9;
 const LOOKS: [f64; 3] = [0.25, 1.0, 5.0];
 /// Part of them that is looked at longer.
 const KEPT: usize = 3;
+/// NLopt looks at the clock between evaluations only. An algorithm that took so many times a look's time, as the
+/// linear algebra of a step in 1104 unknowns does, is not looked at again.
+const TOO_SLOW: u32 = 8;
 /// The first run of what is compared in full may take this much longer than the fastest.
 const SLOWER: f64 = 5.0;
 /// A run has failed after this many times the best median.
@@ -107,15 +110,23 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
     }
     let whole = tuning.limit.as_secs_f64();
     let mut open: Vec<usize> = (0..trials.len()).collect();
+    // Algorithms of which one step takes far longer than a look.
+    let mut too_slow = Vec::new();
     for look in LOOKS.into_iter().chain([whole]) {
         let limit = Duration::from_secs_f64(look.min(whole));
         for &index in &open {
             let trial = &mut trials[index];
+            if too_slow.contains(&trial.algorithm.name()) {
+                continue;
+            }
             let run = |seed| {
                 let settings = settings(trial.algorithm, trial.max_evaluations, seed, limit);
                 search(sheet, &settings)
             };
             let first = run(0);
+            if first.end == End::Timeout && first.time > TOO_SLOW * limit {
+                too_slow.push(trial.algorithm.name());
+            }
             // One failure in ten is allowed, and may be the first.
             trial.runs = if first.end == End::Stuck && first.time < limit / 2 {
                 vec![first, run(1)]
