@@ -111,7 +111,7 @@ pub(super) fn drawing(kind: Kind, [rows, columns]: [usize; 2]) -> Result<Drawing
 /// Seconds that a run of the report's method may take.
 pub(super) const LIMIT: f64 = 60.0;
 /// The same where it is asked for what it hardly can.
-const SHORT_LIMIT: f64 = 20.0;
+pub(super) const SHORT_LIMIT: f64 = 10.0;
 /// The bound of Table 2.
 const BOUND: f64 = 0.05;
 

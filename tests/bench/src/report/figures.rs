@@ -1,6 +1,6 @@
 //! The report's figures 3, 4, 6 and 8: data and pictures, foldpath beside the report's method.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use foldpath::folding::{Dihedral, FoldingMap};
 use foldpath::planner::{PlanOptions, plan};
 use foldpath_core::Membership;
 
-use super::cases::{self, Case, Extent, Kind};
+use super::cases::{self, Case, Extent, Kind, SHORT_LIMIT};
 use super::ours::places;
 use super::picture::{Curve, Panel, svg};
 use super::search::{Accept, search};
@@ -196,7 +196,7 @@ fn miura(size: usize, freedom: Freedom, bound: f64) -> Case {
         size: [size, size],
         freedom,
         bound,
-        limit: 20.0,
+        limit: SHORT_LIMIT,
     }
 }
 
@@ -406,7 +406,7 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
         size: [size, size],
         freedom: Freedom::Essential,
         bound: 1e-3,
-        limit: 20.0,
+        limit: SHORT_LIMIT,
     };
     let (small, large) = (quad(3), quad(24));
     eprintln!("figure 8");

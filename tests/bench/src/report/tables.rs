@@ -1,12 +1,12 @@
 //! The report's tables, foldpath beside the report's method.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
 use foldpath::planner::Outcome;
 
-use super::cases::{self, Case, Extent, LIMIT};
+use super::cases::{self, Case, Extent, LIMIT, SHORT_LIMIT};
 use super::measure::{Deviation, between_knots, motion_between, straight_between};
 use super::ours::{Ours, ours};
 use super::search::{End, Run};
@@ -40,7 +40,7 @@ pub(super) fn print(extent: Extent, out: &mut impl Write, folder: &Path) -> io::
          motion. *Knots only* are those of its stages that the report's method has, too: following the path, and \
          judging the configurations closed on the way; groups are given, and between knots nothing is known. Times \
          are medians, in milliseconds; a ratio is the report's time over foldpath's. A run of the report's method has \
-         {LIMIT} s in Table 2 and 20 s elsewhere; where none reaches the goal, the table says how far the best came.\n",
+         {LIMIT} s in Table 2 and {SHORT_LIMIT} s elsewhere; where none reaches the goal, the table says how far the best came.\n",
         version()
     )?;
     for (title, cases) in [
