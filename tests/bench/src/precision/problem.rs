@@ -206,7 +206,7 @@ impl Family {
             Self::Quad => Quad {
                 rows,
                 columns,
-                fold: 0.5,
+                fold: 0.0675,
             }
             .drawing(),
         };
