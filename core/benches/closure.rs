@@ -16,7 +16,8 @@ fn main() {
 
 /// A star of four creases, each its own unknown, as in full-DOF planning.
 fn star<T: Scalar>() -> [Spoke<T>; 4] {
-    let directions = [[1.0, 0.0], [0.5, 0.866], [-1.0, 0.0], [0.5, -0.866]];
+    let (sin, cos) = 60_f64.to_radians().sin_cos();
+    let directions = [[1.0, 0.0], [cos, sin], [-1.0, 0.0], [cos, -sin]];
     array::from_fn(|k| Spoke {
         group: GroupId([0, 1, 2, 3][k]),
         negative: false,

@@ -26,7 +26,7 @@ pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]
     let mut product = Rotation::identity();
     for spoke in star.spokes {
         if let Some(half) = half_angles.get(spoke.group.index()) {
-            product = product.across_crease(half.signed(spoke.negative), spoke.direction);
+            product = product.across_crease(*half, spoke.axis());
         }
     }
     product
@@ -60,20 +60,24 @@ pub fn residual_and_jacobian<T: Scalar>(
     if columns.len() != star.spokes.len() {
         return None;
     }
+    let mut spokes = star.spokes.iter().zip(columns.iter_mut());
     let mut product = Rotation::identity();
-    for (spoke, column) in star.spokes.iter().zip(columns.iter_mut()) {
-        let half = half_angles.get(spoke.group.index())?.signed(spoke.negative);
-        *column = product.rotate_in_sheet(spoke.direction);
-        product = product.across_crease(half, spoke.direction);
+    // Before the first crease nothing is turned.
+    if let Some((spoke, column)) = spokes.next() {
+        let half = *half_angles.get(spoke.group.index())?;
+        let [x, y] = spoke.axis();
+        *column = Vector3::new(x, y, T::zero());
+        product = Rotation::about_crease(half, [x, y]);
+    }
+    for (spoke, column) in spokes {
+        let half = *half_angles.get(spoke.group.index())?;
+        let axis = spoke.axis();
+        *column = product.rotate_in_sheet(axis);
+        product = product.across_crease(half, axis);
     }
     let Rotation { w, v } = positive(product);
-    for (spoke, column) in star.spokes.iter().zip(columns) {
-        let derivative = derivative(Rotation { w, v }, column);
-        *column = if spoke.negative {
-            -derivative
-        } else {
-            derivative
-        };
+    for column in columns {
+        *column = derivative(Rotation { w, v }, column);
     }
     Some(v * T::TWO)
 }
@@ -89,9 +93,7 @@ pub(crate) fn derivative<T: Scalar>(product: Rotation<T>, axis: &Vector3<T>) -> 
 /// Done once for each evaluation, so that a crease group costs one sine and cosine, however many
 /// creases it has.
 pub fn half_angles<T: Scalar>(unknowns: &[T], out: &mut [HalfAngle<T>]) {
-    for (half, &rho) in out.iter_mut().zip(unknowns) {
-        *half = HalfAngle::of(rho);
-    }
+    T::half_angles(unknowns, out);
 }
 
 /// Of the two quaternions of a rotation, the one with w >= 0.

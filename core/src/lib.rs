@@ -91,6 +91,7 @@ mod folding_matrix;
 pub mod follower;
 pub mod gradient;
 mod group;
+mod half_angles;
 pub mod hole;
 mod ldl;
 pub mod least_squares;

@@ -12,6 +12,8 @@ use num_traits::NumAssign;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::{HalfAngle, half_angles};
+
 mod sealed {
     pub trait Sealed {}
 }
@@ -70,6 +72,8 @@ pub trait Scalar:
     /// radians.
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
+    /// Fills `out` with the half angles of `angles` (radians), as far as both reach: the same as one by one.
+    fn half_angles(angles: &[Self], out: &mut [HalfAngle<Self>]);
     /// Angle of the point (`x`, `self`) in radians.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
@@ -84,7 +88,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($type:ident, $sqrt:ident, $sincos:path, $atan2:ident, $closure:literal) => {
+    ($type:ident, $sqrt:ident, $sincos:path, $half_angles:path, $atan2:ident, $closure:literal) => {
         impl sealed::Sealed for $type {}
 
         impl Scalar for $type {
@@ -129,6 +133,10 @@ macro_rules! scalar {
                 $sincos(self)
             }
             #[inline]
+            fn half_angles(angles: &[Self], out: &mut [HalfAngle<Self>]) {
+                $half_angles(angles, out);
+            }
+            #[inline]
             fn atan2(self, x: Self) -> Self {
                 libm::$atan2(self, x)
             }
@@ -156,5 +164,12 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, sqrtf, crate::sine::sine_cosine, atan2f, 5e-6);
-scalar!(f64, sqrt, libm::sincos, atan2, 1e-14);
+scalar!(
+    f32,
+    sqrtf,
+    crate::sine::sine_cosine,
+    half_angles::one_by_one,
+    atan2f,
+    5e-6
+);
+scalar!(f64, sqrt, libm::sincos, half_angles::of_f64, atan2, 1e-14);

@@ -23,6 +23,15 @@ impl<T: Scalar> Spoke<T> {
         if self.negative { -value } else { value }
     }
 
+    /// The axis about which its unknown turns what follows: its direction, or the opposite one where its fold angle
+    /// is minus the unknown.
+    #[inline]
+    pub(crate) fn axis(&self) -> [T; 2] {
+        // A product with a sign is exact, and takes fewer instructions than a choice between two axes.
+        let sign = if self.negative { -T::one() } else { T::one() };
+        self.direction.map(|coordinate| coordinate * sign)
+    }
+
     /// Whether its direction is of length one, but for rounding.
     pub(crate) fn is_unit(&self) -> bool {
         let [x, y] = self.direction;

@@ -37,3 +37,4 @@ pub use options::{
 pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};
 pub use reduction::{CLOSED, closure_of};
+pub use sparse::SparseNormalEquations;

@@ -24,7 +24,7 @@ use crate::ragged::{Ragged, group_by_key};
 const ABOVE: u32 = u32::MAX;
 
 /// JᵀJ as the lower triangle of a sparse matrix by columns, with its Cholesky factor.
-pub(super) struct SparseNormalEquations {
+pub struct SparseNormalEquations {
     column_ends: Vec<u32>,
     rows: Vec<u32>,
     values: Vec<f64>,
@@ -46,7 +46,8 @@ pub(super) struct SparseNormalEquations {
 
 impl SparseNormalEquations {
     /// Finds the places and the elimination order. `None` if memory does not suffice.
-    pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
+    #[must_use]
+    pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
         let stars = stars.iter().map(|star| star.spokes);
         let cycles = stars.chain(loops.iter().map(|l| l.spokes));

@@ -2,4 +2,5 @@
 //!
 //! Every bench prints its section of `BENCHMARKS.md` as Markdown on stdout; `tests/bench/run` puts it there.
 
+pub mod precision;
 pub mod report;

@@ -1,0 +1,171 @@
+//! Sines and cosines of half the fold angles, of `f64` several at once.
+//!
+//! A hinge turns by at most half a turn, so that half its angle stays within a quarter. There libm's sine and cosine
+//! are two polynomials and one step of argument reduction, which have no branch that cannot be a choice between two
+//! results: compilers then take several angles at once, in about half the time. The operations are libm's, one by one,
+//! and so are the results, each bit of them. Angles at which libm reduces in another way, as at half a turn itself,
+//! are left to libm.
+//!
+//! The polynomials and the parts of π/2 are those of fdlibm (Sun Microsystems, 1993), as in libm.
+
+use crate::HalfAngle;
+
+/// What is smaller has its sine and cosine here: π/2 but for its last 33 bits.
+const LARGEST: f64 = f64::from_bits(0x3ff9_21fb_0000_0000);
+/// What is smaller needs no reduction: the first number above π/4 with no bits in the last 32.
+const REDUCED: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
+/// π/2 in parts, the first of 33 bits.
+const QUARTER: [f64; 2] = [
+    f64::from_bits(0x3ff9_21fb_5440_0000),
+    f64::from_bits(0x3dd0_b461_1a62_6331),
+];
+
+/// Of sin r as a polynomial of r.
+const SINE: [f64; 6] = [
+    f64::from_bits(0xbfc5_5555_5555_5549),
+    f64::from_bits(0x3f81_1111_1110_f8a6),
+    f64::from_bits(0xbf2a_01a0_19c1_61d5),
+    f64::from_bits(0x3ec7_1de3_57b1_fe7d),
+    f64::from_bits(0xbe5a_e5e6_8a2b_9ceb),
+    f64::from_bits(0x3de5_d93a_5acf_d57c),
+];
+/// Of cos r from r⁴ on.
+const COSINE: [f64; 6] = [
+    f64::from_bits(0x3fa5_5555_5555_554c),
+    f64::from_bits(0xbf56_c16c_16c1_5177),
+    f64::from_bits(0x3efa_01a0_19cb_1590),
+    f64::from_bits(0xbe92_7e4f_809c_52ad),
+    f64::from_bits(0x3e21_ee9e_bdb4_b1c4),
+    f64::from_bits(0xbda8_fae9_be88_38d4),
+];
+
+/// Fills `out` with the half angles of `angles` (radians), as far as both reach.
+pub(crate) fn of_f64(angles: &[f64], out: &mut [HalfAngle<f64>]) {
+    let mut all_near = true;
+    for (half, rho) in out.iter_mut().zip(angles) {
+        let angle = 0.5 * rho;
+        all_near &= angle.abs() < LARGEST;
+        *half = within_quarter(angle);
+    }
+    if !all_near {
+        far_ones(angles, out);
+    }
+}
+
+/// Leaves to libm what is not below [`LARGEST`]. A loop of its own, so that the other has no branch.
+#[cold]
+#[inline(never)]
+fn far_ones(angles: &[f64], out: &mut [HalfAngle<f64>]) {
+    for (half, &rho) in out.iter_mut().zip(angles) {
+        let near = (0.5 * rho).abs() < LARGEST;
+        if !near {
+            *half = HalfAngle::of(rho);
+        }
+    }
+}
+
+/// The same in any precision, by the sine and cosine of its type.
+pub(crate) fn one_by_one<T: crate::Scalar>(angles: &[T], out: &mut [HalfAngle<T>]) {
+    for (half, &rho) in out.iter_mut().zip(angles) {
+        *half = HalfAngle::of(rho);
+    }
+}
+
+/// Cosine and sine of an angle below [`LARGEST`] in size; of another, some number.
+#[inline(always)]
+fn within_quarter(angle: f64) -> HalfAngle<f64> {
+    let size = angle.abs();
+    let far = size >= REDUCED;
+    let [high, low] = QUARTER;
+    let reduced = (size - high) - low;
+    let rest = ((size - high) - reduced) - low;
+    // The angle is r + t, with t below the precision of r.
+    let (r, t) = if far { (reduced, rest) } else { (size, 0.0) };
+    let z = r * r;
+    let w = z * z;
+
+    let [s1, s2, s3, s4, s5, s6] = SINE;
+    let p = s2 + z * (s3 + z * s4) + z * w * (s5 + z * s6);
+    let v = z * r;
+    let sine = r + v * (s1 + z * p);
+    let sine_of_sum = r - ((z * (0.5 * t - v * p) - t) - v * s1);
+
+    let [c1, c2, c3, c4, c5, c6] = COSINE;
+    let q = z * (c1 + z * (c2 + z * c3)) + w * w * (c4 + z * (c5 + z * c6));
+    let half_square = 0.5 * z;
+    let most = 1.0 - half_square;
+    let cosine = most + (((1.0 - most) - half_square) + (z * q - r * t));
+
+    let (sin, cos) = if far {
+        (cosine, -sine_of_sum)
+    } else {
+        (sine, cosine)
+    };
+    HalfAngle {
+        cos,
+        sin: sin.copysign(angle),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::PI;
+
+    use rand_core::Rng;
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    fn same_bits(angles: &[f64]) {
+        let mut halves = [HalfAngle::default(); 100];
+        let halves = &mut halves[..angles.len()];
+        of_f64(angles, halves);
+        for (rho, half) in angles.iter().zip(halves) {
+            let HalfAngle { cos, sin } = HalfAngle::of(*rho);
+            assert_eq!(half.sin.to_bits(), sin.to_bits(), "sine of half {rho:e}");
+            assert_eq!(half.cos.to_bits(), cos.to_bits(), "cosine of half {rho:e}");
+        }
+    }
+
+    #[test]
+    fn a_million_angles_have_the_bits_of_libm() {
+        let mut rng = Pcg64::new(83, 0);
+        let mut draw =
+            |most: f64| (f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0) * most;
+        // Beyond half a turn, too: there libm does it.
+        for most in [1e-300, 1e-9, 1e-3, 1.0, PI, 3.3, 100.0] {
+            for _ in 0..2_000 {
+                same_bits(&core::array::from_fn::<f64, 77, _>(|_| draw(most)));
+            }
+        }
+    }
+
+    #[test]
+    fn where_the_way_changes_the_bits_are_those_of_libm() {
+        for edge in [
+            0.0,
+            2.0 * REDUCED,
+            2.0 * LARGEST,
+            PI / 2.0,
+            PI,
+            f64::MIN_POSITIVE,
+        ] {
+            let (mut below, mut above) = (edge, edge);
+            for _ in 0..1_000 {
+                same_bits(&[below, -below]);
+                same_bits(&[above, -above, below]);
+                (below, above) = (below.next_down(), above.next_up());
+            }
+        }
+        same_bits(&[-0.0, 0.0, 5e-324]);
+    }
+
+    #[test]
+    fn what_is_no_number_has_none_and_spoils_no_other() {
+        let mut halves = [HalfAngle::default(); 3];
+        of_f64(&[1.0, f64::NAN, f64::INFINITY], &mut halves);
+        let [good, bad, infinite] = halves;
+        assert_eq!(good, HalfAngle::of(1.0));
+        assert!(bad.sin.is_nan() && infinite.cos.is_nan());
+    }
+}

@@ -1,0 +1,32 @@
+//! Run time against error: foldpath's solvers and peers side by side, and whole paths.
+//!
+//! `cargo bench -p foldpath-bench --bench work_precision` takes minutes, `-- short` seconds on small sheets. Prints
+//! the section `work-precision` of BENCHMARKS.md, and writes CSV and plots to `tests/bench/results`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use foldpath_bench::precision::{Form, write};
+
+fn main() -> ExitCode {
+    let has = |word| std::env::args().any(|argument| argument == word);
+    if !has("--bench") {
+        return ExitCode::SUCCESS;
+    }
+    let form = if has("short") {
+        Form::Short
+    } else {
+        Form::Full
+    };
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+    match write(form, &results, "tests/bench/results") {
+        Ok(markdown) => {
+            print!("{markdown}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{}: {error}", results.display());
+            ExitCode::FAILURE
+        }
+    }
+}

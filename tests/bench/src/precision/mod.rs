@@ -1,0 +1,26 @@
+//! Run time against error, of projections to closure and of whole paths.
+//!
+//! A *projection* moves a configuration a seeded step off a closed one back to closure. foldpath's solvers and
+//! general ones, as a user would reach for them, get the same starts and the same objective, ½‖r‖² over the same
+//! stars; all of them stop at the first configuration whose largest ‖r(v)‖ is within the tolerance. What peers
+//! evaluate, they evaluate by foldpath's own kernels.
+
+mod argmin_peers;
+mod evaluator;
+mod measure;
+mod method;
+mod minpack_peer;
+mod nlopt_peers;
+mod ours;
+mod path;
+mod picture;
+mod problem;
+mod section;
+mod tables;
+
+pub use measure::{Cell, Effort, measure, tolerances};
+pub use method::{Method, Run, Solver};
+pub use ours::residuals_by_iteration;
+pub use path::{PathCell, PathEffort, Route, bounds, measure_paths};
+pub use problem::{Family, Problem, STEP};
+pub use section::{Form, write};

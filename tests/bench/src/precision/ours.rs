@@ -1,0 +1,308 @@
+//! foldpath's solvers with memory from the heap, as the planner calls them, and the random search.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use foldpath::planner::SparseNormalEquations;
+use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::sampling::random_near;
+use foldpath_core::{
+    DenseNormalEquations, HalfAngle, LoopsView, Scalar, Spoke, StarsView, gradient,
+    levenberg_marquardt,
+};
+use nalgebra::Vector3;
+use rand_pcg::Pcg64;
+
+use super::evaluator::Evaluator;
+use super::method::{Run, Solver};
+
+/// Unknowns up to which the planner takes dense matrices.
+const DENSE: usize = 40;
+/// Steps of the gradient solver between two looks at the clock, as in the planner.
+const SLICE: u32 = 500;
+/// Samples in a row without success after which they are taken nearer by, and by how much: the planner's.
+const PATIENCE: u32 = 5;
+const NARROWER: f64 = 0.6;
+const WIDER: f64 = 1.3;
+/// Radians: how far samples are at first, and at least.
+const FIRST_RADIUS: f64 = 0.1;
+const LEAST_RADIUS: f64 = 1e-17;
+
+/// Stars in any precision, with the memory of a solver.
+struct Memory<T> {
+    spokes: Vec<Spoke<T>>,
+    ends: Vec<u32>,
+    unknowns: usize,
+    half: Vec<HalfAngle<T>>,
+    columns: Vec<Vector3<T>>,
+    workspace: Vec<T>,
+}
+
+impl<T: Scalar> Memory<T> {
+    fn new(stars: StarsView<'_, f64>) -> Self {
+        let mut spokes = Vec::new();
+        let mut ends = Vec::new();
+        for star in stars.iter() {
+            spokes.extend(star.spokes.iter().map(|spoke| Spoke {
+                group: spoke.group,
+                negative: spoke.negative,
+                direction: spoke.direction.map(T::lit),
+            }));
+            ends.push(u32::try_from(spokes.len()).expect("fewer spokes than that"));
+        }
+        let unknowns = stars.unknowns();
+        Self {
+            spokes,
+            ends,
+            unknowns,
+            half: vec![HalfAngle::default(); unknowns],
+            columns: vec![Vector3::repeat(T::zero()); stars.max_degree()],
+            workspace: vec![T::zero(); 3 * unknowns],
+        }
+    }
+
+    /// The problem, and the workspace.
+    fn problem(&mut self) -> (ClosureProblem<'_, T>, &mut [T]) {
+        let stars = StarsView::new(&self.spokes, &self.ends, self.unknowns).expect("stars");
+        let problem = ClosureProblem::new(stars, &mut self.half, &mut self.columns);
+        (problem.expect("memory enough"), &mut self.workspace)
+    }
+}
+
+fn options<T: Scalar>(tolerance: f64) -> Options<T> {
+    Options {
+        tolerance: T::lit(tolerance),
+        // Below the tolerance: it is on or off with it.
+        acceptable: T::zero(),
+        ..Options::default()
+    }
+}
+
+/// Levenberg-Marquardt with the linear algebra that the planner takes for so many unknowns.
+struct Lm<T> {
+    memory: Memory<T>,
+    equations: Equations<T>,
+}
+
+enum Equations<T> {
+    Dense(Vec<T>),
+    /// In f64 alone.
+    Sparse(Box<SparseNormalEquations>),
+}
+
+impl<T: Scalar> Lm<T> {
+    fn dense(stars: StarsView<'_, f64>) -> Self {
+        let memory = DenseNormalEquations::<T>::memory(stars.unknowns());
+        Self {
+            memory: Memory::new(stars),
+            equations: Equations::Dense(vec![T::zero(); memory]),
+        }
+    }
+}
+
+/// Solves in some precision.
+trait Solve<T> {
+    fn solve(&mut self, x: &mut [T], options: &Options<T>) -> Report<T>;
+}
+
+impl Lm<f64> {
+    fn new(stars: StarsView<'_, f64>) -> Self {
+        let sparse = (stars.unknowns() > DENSE)
+            .then(|| SparseNormalEquations::new(stars, LoopsView::none()))
+            .flatten();
+        match sparse {
+            None => Self::dense(stars),
+            Some(sparse) => Self {
+                memory: Memory::new(stars),
+                equations: Equations::Sparse(Box::new(sparse)),
+            },
+        }
+    }
+}
+
+impl Solve<f64> for Lm<f64> {
+    fn solve(&mut self, x: &mut [f64], options: &Options<f64>) -> Report<f64> {
+        match &mut self.equations {
+            Equations::Dense(dense) => dense_step(&mut self.memory, dense, x, options),
+            Equations::Sparse(sparse) => {
+                let (mut problem, work) = self.memory.problem();
+                let (limits, equations) = (Limits::HalfTurn, sparse.as_mut());
+                levenberg_marquardt::solve(&mut problem, equations, limits, options, x, work)
+            }
+        }
+    }
+}
+
+impl Solve<f32> for Lm<f32> {
+    fn solve(&mut self, x: &mut [f32], options: &Options<f32>) -> Report<f32> {
+        match &mut self.equations {
+            Equations::Dense(dense) => dense_step(&mut self.memory, dense, x, options),
+            Equations::Sparse(_) => unreachable!("made for f64 alone"),
+        }
+    }
+}
+
+fn dense_step<T: Scalar>(
+    memory: &mut Memory<T>,
+    dense: &mut [T],
+    x: &mut [T],
+    options: &Options<T>,
+) -> Report<T> {
+    let equations = DenseNormalEquations::new(x.len(), dense);
+    let (mut problem, work) = memory.problem();
+    let mut equations = equations.expect("memory for all unknowns");
+    let limits = Limits::HalfTurn;
+    levenberg_marquardt::solve(&mut problem, &mut equations, limits, options, x, work)
+}
+
+/// The gradient solver.
+struct GradientSolver<T> {
+    memory: Memory<T>,
+    deadline: Instant,
+}
+
+impl<T: Scalar> Solve<T> for GradientSolver<T> {
+    fn solve(&mut self, x: &mut [T], options: &Options<T>) -> Report<T> {
+        let options = Options {
+            max_iterations: SLICE,
+            ..*options
+        };
+        let (mut problem, work) = self.memory.problem();
+        let mut report = gradient::solve(&mut problem, Limits::HalfTurn, &options, x, work);
+        while report.outcome == Outcome::IterationLimit && Instant::now() < self.deadline {
+            let next = gradient::solve(&mut problem, Limits::HalfTurn, &options, x, work);
+            report = Report {
+                iterations: report.iterations + next.iterations,
+                evaluations: report.evaluations + next.evaluations,
+                ..next
+            };
+        }
+        report
+    }
+}
+
+/// Moves `x` to closure to rounding, as far as possible; whether that is reached.
+pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
+    let report = Lm::<f64>::new(stars).solve(x, &Options::default());
+    report.outcome == Outcome::Converged
+}
+
+/// Largest closure residual at `start`, and after each iteration of Levenberg-Marquardt in f64 from there, down to
+/// rounding.
+///
+/// # Panics
+/// If it takes more than 2^32 iterations.
+#[must_use]
+pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
+    let mut solver = Lm::<f64>::new(stars);
+    let mut residuals = Vec::new();
+    loop {
+        let options = Options {
+            max_iterations: u32::try_from(residuals.len()).expect("a few"),
+            ..options(f64::CLOSURE_TOLERANCE)
+        };
+        let report = solver.solve(&mut start.to_vec(), &options);
+        residuals.push(report.residual);
+        if report.outcome != Outcome::IterationLimit {
+            return residuals;
+        }
+    }
+}
+
+/// A solver that runs in precision T from starts in f64.
+struct InPrecision<T, S> {
+    solver: S,
+    x: Vec<T>,
+    set_deadline: fn(&mut S, Instant),
+}
+
+impl<T: Scalar, S: Solve<T>> Solver for InPrecision<T, S> {
+    fn run(&mut self, start: &[f64], tolerance: f64, limit: Duration) -> Run {
+        self.x.clear();
+        self.x.extend(start.iter().map(|&x| T::lit(x)));
+        let options = options(tolerance);
+        let began = Instant::now();
+        (self.set_deadline)(&mut self.solver, began + limit);
+        let report = self.solver.solve(&mut self.x, &options);
+        Run {
+            time: began.elapsed(),
+            x: self.x.iter().map(|x| x.to_f64()).collect(),
+            values: 0,
+            derivatives: report.evaluations.into(),
+        }
+    }
+}
+
+fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(
+    solver: S,
+    set_deadline: fn(&mut S, Instant),
+) -> Box<dyn Solver + 'a> {
+    Box::new(InPrecision {
+        solver,
+        x: Vec::new(),
+        set_deadline,
+    })
+}
+
+/// Levenberg-Marquardt in f64.
+pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
+    // A hundred iterations are its own limit.
+    boxed::<f64, _>(Lm::<f64>::new(stars), |_, _| {})
+}
+
+/// Levenberg-Marquardt in f32, dense as on the controller.
+pub(super) fn levenberg_marquardt_f32(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
+    boxed::<f32, _>(Lm::<f32>::dense(stars), |_, _| {})
+}
+
+/// The gradient solver in either precision.
+pub(super) fn gradient<T: Scalar>(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
+    let solver = GradientSolver::<T> {
+        memory: Memory::new(stars),
+        deadline: Instant::now(),
+    };
+    boxed::<T, _>(solver, |solver, deadline| solver.deadline = deadline)
+}
+
+/// The planner's randomised search has Levenberg-Marquardt close its samples. This has none: samples round the best
+/// one replace it where they close better, nearer by after failures and farther after successes.
+struct RandomSearch<'a>(StarsView<'a, f64>);
+
+/// The random search.
+pub(super) fn random_search(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
+    Box::new(RandomSearch(stars))
+}
+
+impl Solver for RandomSearch<'_> {
+    fn run(&mut self, start: &[f64], tolerance: f64, limit: Duration) -> Run {
+        let mut evaluator = Evaluator::new(self.0, tolerance);
+        let mut rng = Pcg64::new(2015, 4);
+        let (mut here, mut sample) = (start.to_vec(), start.to_vec());
+        let began = evaluator.start(limit);
+        let (mut radius, mut failures) = (FIRST_RADIUS, 0);
+        let mut best = evaluator.value(&here);
+        while let (Ok(least), true) = (best, radius >= LEAST_RADIUS) {
+            random_near(&mut rng, &here, radius, Limits::HalfTurn, &mut sample);
+            match evaluator.value(&sample) {
+                Ok(value) if value < least => {
+                    here.copy_from_slice(&sample);
+                    (best, failures) = (Ok(value), 0);
+                    radius = (radius * WIDER).min(FIRST_RADIUS);
+                }
+                Ok(_) => {
+                    failures += 1;
+                    if failures == PATIENCE {
+                        (radius, failures) = (radius * NARROWER, 0);
+                    }
+                }
+                Err(stopped) => best = Err(stopped),
+            }
+        }
+        Run {
+            time: began.elapsed(),
+            values: evaluator.values,
+            derivatives: evaluator.derivatives,
+            x: evaluator.best,
+        }
+    }
+}

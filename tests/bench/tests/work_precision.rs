@@ -1,0 +1,81 @@
+//! The short form of the benchmark runs, and what it says holds.
+
+use std::fs;
+
+use foldpath_bench::precision::{
+    Family, Form, Method, Problem, residuals_by_iteration, tolerances, write,
+};
+
+#[test]
+fn the_short_form_writes_its_section_and_files() {
+    let results = tempfile::tempdir().unwrap();
+    let markdown = write(Form::Short, results.path(), "results").unwrap();
+    for method in Method::ALL {
+        assert!(
+            markdown.contains(&format!("| {} |", method.name())),
+            "{}",
+            method.name()
+        );
+    }
+    // Every file that is linked to is there.
+    let links = markdown.split("](results/").skip(1);
+    let files: Vec<&str> = links.filter_map(|link| link.split(')').next()).collect();
+    assert!(files.len() >= 6, "{files:?}");
+    for file in files {
+        assert!(results.path().join(file).is_file(), "{file}");
+    }
+    let csv = fs::read_to_string(results.path().join("work-precision.csv")).unwrap();
+    let ours = csv
+        .lines()
+        .filter(|line| line.contains(Method::LmF64.name()));
+    let ours: Vec<Vec<&str>> = ours.map(|line| line.split(',').collect()).collect();
+    // Four problems, all tolerances, no failure, and a time.
+    assert_eq!(ours.len(), 4 * tolerances().len());
+    for cells in ours {
+        assert_eq!(cells[6], "0", "{cells:?}");
+        assert!(cells[7].parse::<f64>().unwrap() > 0.0);
+        let [asked, reached] = [4, 8].map(|cell| cells[cell].parse::<f64>().unwrap());
+        assert!(reached <= asked, "{cells:?}");
+    }
+}
+
+/// Quadratic: over a constant below 1, a residual is at most the square of the one before, down to rounding.
+#[test]
+fn levenberg_marquardt_converges_quadratically() {
+    for (family, rows, columns, symmetric) in [
+        (Family::Miura, 3, 3, true),
+        (Family::Miura, 3, 3, false),
+        (Family::Miura, 11, 11, false),
+        (Family::Waterbomb, 4, 6, true),
+    ] {
+        let problem = Problem::new(family, rows, columns, symmetric);
+        for start in problem.starts(10) {
+            let residuals = residuals_by_iteration(problem.stars(), &start);
+            assert!(residuals.last().unwrap() <= &1e-14, "{residuals:?}");
+            for pair in residuals.windows(2).filter(|pair| pair[0] <= 1e-2) {
+                assert!(
+                    pair[1] <= (5.0 * pair[0] * pair[0]).max(1e-14),
+                    "{residuals:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Peers and our solvers see the same objective: all that reach a tolerance are judged by one closure, and what
+/// they return closes as they say.
+#[test]
+fn what_a_method_returns_closes() {
+    let problem = Problem::new(Family::Miura, 3, 3, false);
+    let limit = core::time::Duration::from_millis(500);
+    let start = &problem.starts(1)[0];
+    assert!(problem.closure(start) > 0.05);
+    let mut reached = 0;
+    for method in Method::ALL {
+        let run = method.solver(&problem).run(start, 1e-1, limit);
+        assert!(run.values + run.derivatives > 0, "{}", method.name());
+        assert!(run.x.len() == problem.unknowns());
+        reached += usize::from(problem.closure(&run.x) <= 1e-1);
+    }
+    assert!(reached >= 12, "{reached} of {}", Method::ALL.len());
+}
