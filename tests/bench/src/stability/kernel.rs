@@ -120,7 +120,7 @@ impl<T: Scalar> Star<T> {
         let zigzag = T::lit(zigzag.to_f64());
         // Largest numbers of the type that are no more than half a turn.
         let zigzag = zigzag.min(T::PI);
-        let mut x = [zigzag, zigzag * T::HALF];
+        let mut x = [zigzag, zigzag];
         let limits = [(zigzag, zigzag), (T::zero(), T::PI)];
         self.solve(&limits, &mut x);
         x

@@ -56,8 +56,8 @@ pub fn section(short: bool) -> Section {
         };
     let mut wrong = Vec::new();
     part(BREAKS, "stability-breaks.csv", &mut |csv| {
-        let ladders = ladder::ladders(if short { &[24] } else { sizes });
-        let (table, found) = ladder::table(&ladders, csv);
+        let ladders = ladder::ladders(sizes, short);
+        let (table, found) = ladder::table(&ladders, short, csv);
         wrong = found;
         table
     });
