@@ -66,6 +66,13 @@
 //!
 //! A closed configuration may still pass panels through each other: that is the host's to check.
 //!
+//! # How exact
+//!
+//! A residual is within 3e-15 of the truth in `f64` and 1.2e-6 in `f32` for stars of up to 64 creases, whatever the
+//! angles, and a few roundings for four. Solvers stop at 1e-14 and 5e-6, so that angles below that are closed as they
+//! stand. A 24x24 Miura folded by such angles deforms by 3e-14 and 3e-5. Angles that are no numbers make residuals that
+//! are none; an `f32` beyond 12,866 radians has no sine.
+//!
 //! # References
 //!
 //! - **XiLien2015**: Z. Xi, J.-M. Lien, "Folding and unfolding origami tessellation by reusing

@@ -6,6 +6,7 @@
 
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Report};
 use crate::levenberg_marquardt;
+use crate::objective::larger;
 use crate::{Membership, Scalar};
 
 /// Steps tried at most: from a tenth of a radian off, four suffice where the sheet is not flat.
@@ -24,7 +25,7 @@ pub struct Projection<T> {
 /// hinge from its mean.
 ///
 /// `counts` is scratch of the length of `angles`. Returns `None` if it has another, or if a group has no hinge or
-/// a hinge no group. A measurement that is no number makes the mean of its group none.
+/// a hinge no group. A measurement that is no number makes the mean of its group none, and the distance.
 pub fn means<T: Scalar>(
     hinges: impl Iterator<Item = (Membership, T)> + Clone,
     angles: &mut [T],
@@ -50,7 +51,7 @@ pub fn means<T: Scalar>(
         .into_iter()
         .try_fold(T::zero(), |worst: T, (membership, measured)| {
             let mean = membership.apply(*angles.get(membership.group.index())?);
-            Some(worst.max((measured - mean).abs()))
+            Some(larger(worst, (measured - mean).abs()))
         })
 }
 

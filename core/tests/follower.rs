@@ -777,6 +777,24 @@ fn a_place_that_is_not_on_the_first_segment_is_no_beginning() {
     }
 }
 
+#[test]
+fn a_group_that_is_measured_at_no_number_is_not_moved() {
+    for nowhere in [f64::NAN, f64::INFINITY] {
+        let mut run = Run::<f64>::ready(Options::default());
+        let begin = setpoint::<f64>(0).nodes[0].angle;
+        run.follower = Follower::new(Options::default());
+        run.follower
+            .stand(&[begin, nowhere], Place::default())
+            .unwrap();
+        run.follower
+            .load(&run.sheet.view(), Place::default())
+            .unwrap();
+        run.feed();
+        assert_eq!(run.follower.start(), Err(Denial::Jump(1)));
+        assert_eq!(run.follower.state(), State::Ready);
+    }
+}
+
 /// Braking each hinge on its own, from the same moment and with each hinge's own acceleration, tears the
 /// sheet; holding along the path does not.
 #[test]

@@ -153,6 +153,12 @@
 //! a bound with roundings included, the second stands where the search for crossings came to its end.
 //! No hinge is faster, or accelerates more, than it may.
 //!
+//! # Limits
+//!
+//! Errors are those of `f64` times the way: a 24x24 Miura deforms by 3e-14, a sheet 10⁹ edges from the origin by
+//! 3e-7, as far as rounded coordinates allow. Beyond what can be certified `plan` notes it. Angles below 10⁻⁹ radians
+//! are flat, coordinates beyond 10⁵⁰ refused. `host/FORMAT.md` has all limits, `BENCHMARKS.md` how they were found.
+//!
 //! # References
 //!
 //! - **EhlichZeller1964**: H. Ehlich, K. Zeller, "Schwankung von Polynomen zwischen Gitterpunkten", Math.

@@ -280,9 +280,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::Place);
         }
         let begin = self.queue.angles(self.angles);
-        let jumps = |(from, to): (&T, &T)| (*from - *to).abs() > self.options.jump;
+        // What stands at no number stands nowhere.
+        let near = |(from, to): (&T, &T)| (*from - *to).abs() <= self.options.jump;
         let mut groups = (0..=u16::MAX).zip(self.angles().iter().zip(&begin));
-        if let Some((group, _)) = groups.find(|(_, ends)| jumps(*ends)) {
+        if let Some((group, _)) = groups.find(|(_, ends)| !near(*ends)) {
             return Err(Denial::Jump(group));
         }
         self.angles = begin;

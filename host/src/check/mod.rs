@@ -172,6 +172,10 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
         knots: measure(path),
         ..Verdict::default()
     };
+    if options.bound.is_nan() {
+        let failure = "bound: expected a number, found NaN, which nothing exceeds";
+        verdict.failures.push(failure.into());
+    }
     knots::check_angles(path, &mut verdict.failures);
     knots::check_groups(path, &mut verdict.failures);
     knots::check_rigidity(path, options, &mut verdict);

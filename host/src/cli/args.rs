@@ -295,7 +295,8 @@ pub(super) struct Plan {
     /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
     #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
     pub(super) limit: Vec<LimitedEdge>,
-    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
+    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
+    /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
     #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
     pub(super) bound: f64,
     /// Find creases that turn alike and give them one unknown; off gives every crease its own
@@ -599,7 +600,8 @@ Examples:
 pub(super) struct Check {
     /// Path, a FOLD animation
     pub(super) path: PathBuf,
-    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure
+    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
+    /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
     #[arg(long, default_value_t = 1e-3)]
     pub(super) bound: f64,
     #[command(flatten)]

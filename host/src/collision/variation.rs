@@ -33,6 +33,9 @@ enum Kind {
     Rate(f64),
 }
 
+/// Largest coefficient of a curve: squares of sums of squares are numbers too.
+const LARGEST: f64 = 1e75;
+
 /// The variation of one fold angle over one segment, or a little more than that.
 #[derive(Clone, Debug)]
 pub(super) struct Variation {
@@ -50,9 +53,9 @@ impl Variation {
         variation
     }
 
-    /// Whether the curve is made of numbers.
+    /// Whether the curve is made of numbers, and so are their squares.
     pub(super) fn is_finite(&self) -> bool {
-        let finite = |b: &[f64; 4]| b.iter().all(|b| b.is_finite());
+        let finite = |b: &[f64; 4]| b.iter().all(|b| b.abs() <= LARGEST);
         match &self.curve {
             Curve::Angle(angle) => finite(angle),
             Curve::HalfAngle { cos, sin } => finite(cos) && finite(sin),

@@ -22,3 +22,4 @@ pub use holes::Passage;
 pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;
 pub use model::{CreasePattern, Edge};
+pub(crate) use trace::twice_area;

@@ -1,5 +1,7 @@
 //! Faces from edges: walks round the left side of each directed edge.
 
+use nalgebra::Vector2;
+
 use super::{Drawing, EdgeId, Letter, VertexId};
 use crate::ragged::Ragged;
 
@@ -59,10 +61,17 @@ pub(super) fn faces(drawing: &Drawing, stars: &Ragged<EdgeId>) -> Ragged<VertexI
 
 /// Signed area of a cycle of vertices, positive counter-clockwise.
 pub(super) fn area(drawing: &Drawing, cycle: impl Iterator<Item = VertexId> + Clone) -> f64 {
-    let shifted = cycle.clone().skip(1).chain(cycle.clone().take(1));
-    let twice: f64 = cycle
-        .zip(shifted)
-        .map(|(a, b)| drawing.vertices[a.index()].perp(&drawing.vertices[b.index()]))
-        .sum();
-    twice / 2.0
+    let places = cycle.map(|vertex| drawing.vertices[vertex.index()]);
+    twice_area(places) / 2.0
+}
+
+/// Twice the signed area of a polygon, from its first corner: far from the origin, products of coordinates would
+/// leave nothing of it.
+pub(crate) fn twice_area(corners: impl Iterator<Item = Vector2<f64>> + Clone) -> f64 {
+    let Some(first) = corners.clone().next() else {
+        return 0.0;
+    };
+    let from_first = corners.map(|corner| corner - first);
+    let next = from_first.clone().skip(1);
+    from_first.zip(next).map(|(a, b)| a.perp(&b)).sum()
 }

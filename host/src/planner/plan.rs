@@ -125,7 +125,18 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    Planning::new(pattern, goal, options).run()
+    let mut plan = Planning::new(pattern, goal, options).run();
+    let over = |certified: &f64| *certified > options.bound || certified.is_nan();
+    if plan.outcome == Outcome::Planned
+        && let Some(certified) = plan.certified_deformation.filter(over)
+    {
+        plan.notes.push(format!(
+            "the sheet keeps the bound at the knots, but between them it is certified only to {certified:.1e}, over \
+             the bound of {:.1e}",
+            options.bound
+        ));
+    }
+    plan
 }
 
 pub(super) struct Planning<'a> {

@@ -4,3 +4,6 @@
 
 pub mod precision;
 pub mod report;
+pub mod results;
+pub mod scaling;
+pub mod stability;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::folding::in_plane;
+use crate::pattern::twice_area;
 
 /// A sheet may leave its plane by this part of its size and still count as flat.
 const FLAT: f64 = 1e-6;
@@ -37,16 +38,11 @@ pub(in crate::formats) fn lay(
 
 /// Whether the faces, as far as their vertices exist, enclose a negative area.
 fn winds_clockwise(vertices: &[Vector2<f64>], faces: &[Vec<usize>]) -> bool {
-    let doubled = faces.iter().flat_map(|face| {
-        let shifted = face.iter().cycle().skip(1);
-        face.iter()
-            .zip(shifted)
-            .map(|(&a, &b)| match (vertices.get(a), vertices.get(b)) {
-                (Some(a), Some(b)) => a.perp(b),
-                _ => 0.0,
-            })
+    let areas = faces.iter().map(|face| {
+        let corners = face.iter().filter_map(|&vertex| vertices.get(vertex));
+        twice_area(corners.copied())
     });
-    doubled.sum::<f64>() < 0.0
+    areas.sum::<f64>() < 0.0
 }
 
 /// The sheet in coordinates of its own plane, seen from +z (from +y, or else +x, if it stands

@@ -1,0 +1,27 @@
+//! Errors of core and planner where sheets are extreme, against a reference of 192 bits, and what breaks first.
+//!
+//! `cargo bench -p foldpath-bench --bench stability`, minutes; `-- short`, seconds. Writes tables to
+//! `tests/bench/results/stability-*.csv`.
+
+use std::process::ExitCode;
+
+use foldpath_bench::{results, stability};
+
+fn main() -> ExitCode {
+    if let Some(status) = stability::command::as_command() {
+        return status;
+    }
+    let arguments: Vec<String> = std::env::args().collect();
+    if !arguments.iter().any(|argument| argument == "--bench") {
+        return ExitCode::SUCCESS;
+    }
+    let section = stability::section(arguments.iter().any(|argument| argument == "short"));
+    for (name, text) in &section.files {
+        results::write(name, text);
+    }
+    print!("{}", section.text);
+    for wrong in &section.wrong {
+        eprintln!("wrong: {wrong}");
+    }
+    ExitCode::from(u8::from(!section.wrong.is_empty()))
+}

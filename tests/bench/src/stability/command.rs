@@ -1,0 +1,99 @@
+//! The `foldpath` command as a user runs it: this program is started again as it.
+
+use std::path::Path;
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+/// Set for the program that is to be the command.
+const ENV: &str = "FOLDPATH_BENCH_COMMAND";
+/// What its complaints begin with.
+const NAME: &str = "foldpath:";
+
+/// Runs the command if this process was started as it.
+#[must_use]
+pub fn as_command() -> Option<ExitCode> {
+    std::env::var_os(ENV).map(|_| foldpath::cli::main())
+}
+
+/// What the command answered.
+#[derive(Clone, Debug, Default)]
+pub struct Answer {
+    /// Exit status; `None` if it was ended.
+    pub status: Option<i32>,
+    /// The JSON object on stdout, if there is one.
+    pub json: Option<serde_json::Value>,
+    /// The line on stderr that tells what is wrong.
+    pub complaint: String,
+    /// What it noted on stderr.
+    pub notes: Vec<String>,
+}
+
+impl Answer {
+    /// A number of the answer.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.json.as_ref()?.get(key)?.as_f64()
+    }
+
+    /// A text of the answer.
+    #[must_use]
+    pub fn text(&self, key: &str) -> Option<&str> {
+        self.json.as_ref()?.get(key)?.as_str()
+    }
+
+    /// Outcome and reason, or what was wrong.
+    #[must_use]
+    pub fn told(&self) -> String {
+        match (self.text("outcome"), self.text("reason")) {
+            (Some(outcome), Some(reason)) => format!("{outcome}: {reason}"),
+            (Some(outcome), None) => outcome.into(),
+            _ if self.status.is_none() => "no answer in time".into(),
+            _ => self.complaint.clone(),
+        }
+    }
+}
+
+/// Runs the command in a folder, at most for so many seconds.
+///
+/// # Panics
+/// If this program cannot be started again.
+#[must_use]
+pub fn run(folder: &Path, arguments: &[&str], seconds: u64) -> Answer {
+    let program = std::env::current_exe().expect("the path of this program");
+    let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
+    let file = |path: &Path| std::fs::File::create(path).expect("a file to write");
+    let mut child = Command::new(program)
+        .current_dir(folder)
+        .env(ENV, "1")
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(file(&out))
+        .stderr(file(&err))
+        .spawn()
+        .expect("this program once more");
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().expect("a child of ours") {
+            break status.code();
+        }
+        if start.elapsed() > Duration::from_secs(seconds) {
+            let _gone = child.kill();
+            let _gone = child.wait();
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    let read = |path: &Path| std::fs::read(path).unwrap_or_default();
+    let complaints = String::from_utf8_lossy(&read(&err)).into_owned();
+    let wrong = |line: &&str| line.starts_with(NAME) || line.contains("panicked");
+    let complaint = complaints.lines().find(wrong).unwrap_or_default();
+    let notes = complaints
+        .lines()
+        .filter_map(|line| line.strip_prefix("note: "));
+    Answer {
+        status,
+        json: serde_json::from_slice(&read(&out)).ok(),
+        complaint: complaint.trim_start_matches(NAME).trim().into(),
+        notes: notes.map(String::from).collect(),
+    }
+}
