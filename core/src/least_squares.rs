@@ -292,7 +292,7 @@ pub enum Outcome {
     IterationLimit,
     /// The workspace, or the start, has not the length of the problem.
     Capacity,
-    /// The residual at the start is not a number.
+    /// The start holds a NaN or an infinity, or the residual there is one.
     NotFinite,
 }
 

@@ -51,7 +51,8 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         return report;
     };
     report.evaluations += 1;
-    if !cost.is_finite() {
+    // An unknown that no star has does not show in the cost.
+    if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
         report.outcome = Outcome::NotFinite;
         return report;
     }

@@ -439,6 +439,11 @@ fn a_start_that_is_no_number_is_an_outcome<T: Scalar, S: Storage>() {
             assert_ne!(outcome, Outcome::NotFinite);
             assert_within(&[(-T::PI, T::PI); 2], &x);
         }
+        // Unknown 2 turns no crease of a star, so that everything closes whatever it is.
+        let flat = Stars::new(3, &[&[(0.0, 0, false), (90.0, 1, false)]]);
+        let mut x = [T::zero(), T::zero(), nan];
+        let report = method.solve::<T, S>(&flat, Limits::HalfTurn, &options, &mut x);
+        assert_eq!(report.outcome, Outcome::NotFinite);
     }
 }
 

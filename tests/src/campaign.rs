@@ -1,5 +1,9 @@
-//! Campaigns: many seeded sheets of the [`meshes`], each planned and then judged by the
-//! oracle.
+//! Campaigns: many seeded sheets of the [`meshes`], each planned and then judged by `check` and by the oracle;
+//! random [`stars`]; random [`paths`].
+
+mod follow;
+pub mod paths;
+pub mod stars;
 
 use core::fmt;
 use core::panic::AssertUnwindSafe;
@@ -15,6 +19,8 @@ use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
 
 use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
 
+/// Disputes of a family that are shown.
+const SHOWN: usize = 20;
 /// How long beyond its deadline a plan may take before it counts as late.
 const GRACE: Duration = Duration::from_secs(1);
 
@@ -26,6 +32,8 @@ pub struct Family {
     draw: fn(&mut Random) -> Drawing,
     /// Draws the same sheet otherwise, which must fare alike.
     varied: bool,
+    /// Whether they are patterns of files, of which some cannot be folded and some close only nearly.
+    pub real: bool,
 }
 
 impl Family {
@@ -42,6 +50,13 @@ impl Family {
             name: "variants",
             draw: any,
             varied: true,
+            real: false,
+        },
+        Self {
+            name: "files",
+            draw: meshes::file,
+            varied: false,
+            real: true,
         },
     ];
 
@@ -50,6 +65,7 @@ impl Family {
             name,
             draw,
             varied: false,
+            real: false,
         }
     }
 
@@ -62,7 +78,8 @@ impl Family {
 
 /// A sheet of any of the other families.
 fn any(random: &mut Random) -> Drawing {
-    let plain = Family::ALL.iter().filter(|family| !family.varied).count();
+    let others = |family: &&Family| !family.varied && !family.real;
+    let plain = Family::ALL.iter().filter(others).count();
     (Family::ALL[random.whole(0, plain - 1)].draw)(random)
 }
 
@@ -204,11 +221,7 @@ fn judge(
         max_acceleration: options.max_acceleration,
     };
     let text = writer.text(&plan.path);
-    let goal: Vec<f64> = drawing
-        .edges
-        .iter()
-        .map(|e| e.goal.unwrap_or(0.0))
-        .collect();
+    let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
     if !planned && plan.path.knots.is_empty() {
         let sheet = serde_json::from_str(&text).and_then(|file| Sheet::of(&file));
@@ -230,14 +243,29 @@ fn judge(
     (!planned && crosses(&path.sheet, &goal), verdict)
 }
 
-/// Whether the sheet passes through itself at these fold angles of the edges.
-fn crosses(sheet: &Sheet, angles: &[f64]) -> bool {
+/// Whether the sheet passes through itself at these fold angles of the edges, those without one flat.
+fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
+    let mut angles = vec![0.0; sheet.edges.len()];
+    let known = angles.iter_mut().zip(goal);
+    known.for_each(|(angle, goal)| *angle = goal.unwrap_or(0.0));
+    let angles = &angles;
     let positions = sheet.positions(&sheet.fold(angles));
     !sheet.crossings(&positions).is_empty()
 }
 
 /// Rows of the table, one a family, and what there is to tell below.
 pub struct Report(pub Vec<(Family, Tally)>);
+
+impl Report {
+    /// Whether nothing panicked, all answers were in time and with a reason, and no path is in dispute.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        self.0.iter().all(|(_, tally)| {
+            let faults = tally.disagreements.len() + tally.panics.len();
+            faults + tally.silent.len() + tally.late.len() == 0
+        })
+    }
+}
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -279,7 +307,7 @@ impl fmt::Display for Report {
                 )?;
             }
             let faults = tally.disagreements.iter().chain(&tally.panics);
-            for (seed, words) in faults {
+            for (seed, words) in faults.take(SHOWN) {
                 writeln!(f, "{}, seed {seed}: {words}", family.name)?;
             }
             for (what, seeds) in [("inexact", &tally.inexact), ("late", &tally.late)] {

@@ -4,7 +4,8 @@ use core::f64::consts::PI;
 
 use foldpath::planner::{Outcome, Plan};
 
-use crate::{Animation, worst};
+use crate::second::Shape;
+use crate::{Animation, Random, worst};
 
 /// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of
 /// faces, in both.
@@ -37,10 +38,16 @@ fn places(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
 }
 
-/// Judges the path of `plan`, written as `path`, from flat towards a goal of the edges that closes to
-/// rounding (radians; its signs are the letters). `bound` is that on deformation and gap.
+/// The way an edge turns by its goal.
+fn sign(goal: Option<f64>) -> f64 {
+    goal.filter(|goal| goal.abs() > 0.0)
+        .map_or(0.0, f64::signum)
+}
+
+/// Judges the path of `plan`, written as `path`, from flat towards a goal of the edges (radians; its signs are
+/// the letters; `None` where there is none). `bound` is that on deformation and gap.
 #[must_use]
-pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict {
+pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) -> Verdict {
     let sheet = &path.sheet;
     let mut disagreements = Vec::new();
     let mut limit = |what: &str, value: f64, limit: f64| {
@@ -56,12 +63,13 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         worst(first.angles.iter().map(|a| a.abs())),
         0.0,
     );
-    let missed = last.angles.iter().zip(goal).map(|(a, b)| (a - b).abs());
-    let missed = worst(missed);
+    let goals = last.angles.iter().zip(goal);
+    let missed = worst(goals.filter_map(|(a, b)| Some((a - (*b)?).abs())));
     let arrives = plan.outcome == Outcome::Planned;
     if arrives {
         limit("off the goal by", missed, plan.goal_error + ROUNDING);
     }
+    let (stars, mut random) = (sheet.stars(), Random::new(path.frames.len() as u64));
     let mut closure = 0.0_f64;
     for (knot, frame) in path.frames.iter().enumerate() {
         let poses = sheet.fold(&frame.angles);
@@ -95,13 +103,18 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
             sheet.angle_error(&frame.vertices, &frame.angles),
             SAME_ANGLE + OTHER_TREE * plan.rigidity.gap,
         );
-        let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * b.signum());
+        let shape = Shape {
+            sheet,
+            stars: &stars,
+            angles: &frame.angles,
+        };
+        shape.compare(&placed, sheet.gap(&poses), &mut random, &mut limit);
+        let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
         limit("a crease against its letter by", worst(against), AGAINST);
         #[allow(clippy::cast_precision_loss, reason = "a small count")]
         let crossings = sheet.crossings(&frame.vertices).len() as f64;
         limit("crossings", crossings, 0.0);
     }
-    let stars = sheet.stars();
     let certified = |value: Option<f64>, other: f64| {
         value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
     };
@@ -120,7 +133,7 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
         );
         let against = |angles: Vec<f64>| {
             let turns = angles.into_iter().zip(goal);
-            worst(turns.map(|(a, b)| (-a * b.signum()).max(a.abs() - PI)))
+            worst(turns.map(|(a, b)| (-a * sign(*b)).max(a.abs() - PI)))
         };
         let against = worst(shapes(CLOSURES).map(against));
         limit("against a letter or beyond half a turn", against, AGAINST);
@@ -130,6 +143,12 @@ pub fn judge(path: &Animation, goal: &[f64], plan: &Plan, bound: f64) -> Verdict
             let most = certified(plan.certified_deformation, OTHER_TREE);
             limit("gap", gap, most);
             limit("deformation", sheet.deformation(&placed), most);
+            let shape = Shape {
+                sheet,
+                stars: &stars,
+                angles: &angles,
+            };
+            shape.compare(&placed, gap, &mut random, &mut limit);
             // Torn, a sheet may seem to cross where it touches.
             if gap <= CLOSED {
                 #[allow(clippy::cast_precision_loss, reason = "a small count")]

@@ -5,8 +5,11 @@
 //! serde_json, turns faces by rotation matrices from face 0 outwards, takes closure by products of
 //! the same matrices, and compares all pairs of faces for crossings.
 //!
-//! [`campaign`] plans seeded sheets of the [`meshes`] by the thousand and has the oracle judge them:
-//! `cargo run --release -p foldpath-tests --example campaign -- --count 1000 --seed 1`.
+//! It has a second opinion on each shape: 4x4 [`matrices`] round vertices and along another tree, and vertices alone by
+//! least squares ([`Sheet::solved`]).
+//!
+//! [`campaign`] judges random stars, plans of seeded sheets of the [`meshes`] and spoilt paths by the thousand:
+//! `cargo run --release -p foldpath-tests --example campaign -- plans --count 1000 --seed 1`.
 
 mod animation;
 pub mod campaign;
@@ -16,11 +19,14 @@ pub mod fold_spec;
 mod folding;
 mod hand_made;
 mod judge;
+mod lengths;
+pub mod matrices;
 pub mod meshes;
 mod motion;
 mod newton;
 mod planning;
 mod random;
+mod second;
 mod shape;
 mod sheet;
 
@@ -28,6 +34,7 @@ pub use animation::{Animation, Frame};
 pub use folding::Pose;
 pub use hand_made::{HandKnot, HandMade};
 pub use judge::{Verdict, judge};
+pub use lengths::Solved;
 pub use motion::Motion;
 pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
@@ -41,4 +48,9 @@ pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
         0.0,
         |worst, x| if x > worst || x.is_nan() { x } else { worst },
     )
+}
+
+/// Whether `value` is above `most`, or no number at all.
+fn exceeds(value: f64, most: f64) -> bool {
+    value > most || value.is_nan()
 }

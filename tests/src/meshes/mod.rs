@@ -1,6 +1,7 @@
 //! Seeded crease patterns that fold although they have little or no symmetry, each with letters and a
 //! goal that closes to rounding: by a closed form, or by the Newton's method of this package.
 
+mod file;
 mod flat_foldable;
 mod moved;
 mod strips;
@@ -11,6 +12,7 @@ mod vertex;
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
 
+pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use strips::strips;

@@ -1,0 +1,88 @@
+//! A second opinion on a folded shape, by other formulas than [`Sheet::fold`]'s: 4x4 matrices round vertices and
+//! along another tree, and vertices alone by least squares.
+
+use nalgebra::Vector3;
+
+use crate::{Random, Sheet, worst};
+
+/// Rounding, over the median edge: of matrices, and of least squares, whose equations are as good but whose
+/// solution loses what the sheet magnifies.
+const ROUNDING: f64 = 1e-9;
+const LEAST_SQUARES: f64 = 1e-6;
+/// How often two ways from face to face may wind round a vertex.
+const WINDINGS: f64 = 2.0;
+/// By how much gaps add up along other ways.
+const OTHER_TREE: f64 = 10.0;
+/// Vertices beyond which least squares take too long.
+const VERTICES: usize = 120;
+
+/// A shape given by the fold angles of the edges, radians.
+pub(crate) struct Shape<'a> {
+    pub(crate) sheet: &'a Sheet,
+    pub(crate) stars: &'a [(usize, Vec<usize>)],
+    pub(crate) angles: &'a [f64],
+}
+
+impl Shape<'_> {
+    /// Tells `limit` by how much these `positions`, whose gap is given, differ from what the other formulas have.
+    pub(crate) fn compare(
+        &self,
+        positions: &[Vector3<f64>],
+        gap: f64,
+        random: &mut Random,
+        limit: &mut impl FnMut(&str, f64, f64),
+    ) {
+        let Self {
+            sheet,
+            stars,
+            angles,
+        } = *self;
+        let apart = |others: &[Vector3<f64>]| {
+            let ways = positions.iter().zip(others).map(|(a, b)| (a - b).norm());
+            worst(ways) / sheet.median_edge()
+        };
+        let [turn, shift] = sheet.closure_by_matrices(stars, angles);
+        let closure = sheet.closure_round(stars, angles);
+        limit(
+            "closure by 4x4 matrices off by",
+            (turn - closure).abs(),
+            ROUNDING,
+        );
+        limit("a vertex moved on the way round it by", shift, ROUNDING);
+        // Ways to the same face that enclose a vertex differ by its residual times a lever arm; those round a hole
+        // by a gap.
+        let residuals = stars.iter();
+        let residuals =
+            residuals.map(|star| sheet.closure_round(core::slice::from_ref(star), angles));
+        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + OTHER_TREE * gap;
+        let others = sheet.positions_by_matrices(angles);
+        limit(
+            "positions off those of another tree by",
+            apart(&others),
+            torn + ROUNDING,
+        );
+        if sheet.flat.len() > VERTICES {
+            return;
+        }
+        match sheet.solved(angles, positions, random) {
+            Some(solved) => {
+                limit("left of least squares", solved.left, torn + ROUNDING);
+                let most = torn + LEAST_SQUARES;
+                limit(
+                    "positions off least squares by",
+                    apart(&solved.positions),
+                    most,
+                );
+            }
+            None => limit("least squares without a solution", f64::NAN, 0.0),
+        }
+    }
+
+    /// From one corner of the flat sheet's box to the other, over the median edge.
+    fn span(&self) -> f64 {
+        let flat = &self.sheet.flat;
+        let low = flat.iter().fold(flat[0], |low, p| low.inf(p));
+        let high = flat.iter().fold(flat[0], |high, p| high.sup(p));
+        (high - low).norm() / self.sheet.median_edge()
+    }
+}
