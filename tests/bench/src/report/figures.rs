@@ -17,7 +17,7 @@ use super::tables::percent;
 use super::tune::{Trial, tune};
 
 /// Configurations drawn of foldpath's motion.
-const PLACES: usize = 121;
+const PLACES: usize = 61;
 /// Configurations taken between two knots of the report's path.
 const BETWEEN: usize = 8;
 /// Creases drawn of a sheet at most: more are not told apart.
@@ -221,7 +221,7 @@ fn figure_3(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
         if let Some(ours) = Traced::foldpath(&case) {
             ours.write_errors(&case.name(), &mut data);
             curves.push(ours.curve(1, "foldpath".into(), |s| s.deformation));
-            said.push(format!("(foldpath {})", percent(ours.worst())));
+            said.push(format!("foldpath's path of it {}", percent(ours.worst())));
         }
         panels.push(Panel {
             title: format!("{}: largest deformation of an edge", case.name()),
@@ -449,7 +449,7 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
                 traced.curve(0, "deformation".into(), |s| s.deformation),
                 traced.curve(1, "gap".into(), |s| s.gap),
             ],
-            powers: true,
+            powers: false,
         });
     }
     write(folder, 8, &data, &panels, 3)?;

@@ -153,7 +153,10 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
     let mut order: Vec<usize> = (0..trials.len()).collect();
     order.sort_by(|&a, &b| trials[a].seconds().total_cmp(&trials[b].seconds()));
     let fastest = trials[order[0]].seconds();
-    order.retain(|&index| trials[index].seconds() <= SLOWER * fastest.min(f64::MAX));
+    if fastest.is_infinite() {
+        return Tuned { best: None, trials };
+    }
+    order.retain(|&index| trials[index].seconds() <= SLOWER * fastest);
     let seeds = if fastest > SLOW {
         tuning.seeds.min(FEW_SEEDS)
     } else {
