@@ -139,6 +139,8 @@ pub struct FoldingMap {
     /// Largest distance between two positions that faces give the same vertex.
     gap: f64,
     struts: Vec<Strut>,
+    /// Scratch: positions that faces give one vertex.
+    positions: Vec<Vector3<f64>>,
 }
 
 impl FoldingMap {
@@ -161,6 +163,7 @@ impl FoldingMap {
             vertices: pattern.vertices().iter().map(|v| v.push(0.0)).collect(),
             gap: 0.0,
             struts: struts.collect(),
+            positions: Vec::new(),
         }
     }
 
@@ -242,7 +245,7 @@ impl FoldingMap {
     /// Places the vertices, each by the first of its faces, and measures how far the others have it from
     /// there.
     fn place_vertices(&mut self, pattern: &CreasePattern) {
-        let mut positions = Vec::new();
+        let mut positions = core::mem::take(&mut self.positions);
         // The square of the widest distance so far.
         let mut widest = 0.0;
         let vertices = self.vertices.iter_mut().zip(pattern.vertices());
@@ -272,6 +275,7 @@ impl FoldingMap {
             }
         }
         self.gap = widest.sqrt();
+        self.positions = positions;
     }
 
     /// Rotation of the face that a step reaches, by that of its parent and the step's fold angle.

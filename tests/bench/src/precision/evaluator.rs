@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use foldpath_core::{HalfAngle, Rotation, StarsView, closure};
+use foldpath_core::{HalfAngle, StarsView, closure};
 use nalgebra::Vector3;
 
 /// Radians between two evaluations of a forward difference: the square root of the precision.
@@ -26,7 +26,9 @@ pub(super) struct Evaluator<'a> {
     probe: Vec<f64>,
     square_of_tolerance: f64,
     deadline: Instant,
-    evaluations_per_look: u64,
+    evaluations_per_look: u32,
+    /// Evaluations since the last look at the clock.
+    unlooked: u32,
     stopped: bool,
     best_square: f64,
     /// The configuration with the smallest closure seen.
@@ -48,7 +50,8 @@ impl<'a> Evaluator<'a> {
             probe: vec![0.0; n],
             square_of_tolerance: tolerance * tolerance,
             deadline: Instant::now(),
-            evaluations_per_look: (SPOKES_PER_LOOK / spokes.max(1)).max(1) as u64,
+            evaluations_per_look: u32::try_from(SPOKES_PER_LOOK / spokes.max(1)).unwrap_or(1),
+            unlooked: 0,
             stopped: false,
             best_square: f64::INFINITY,
             best: vec![0.0; n],
@@ -93,7 +96,7 @@ impl<'a> Evaluator<'a> {
             }
             let square = residual.dot(&residual);
             sum += square;
-            largest = largest.max(square);
+            largest = larger(largest, square);
         }
         self.see(x, largest)?;
         Ok(0.5 * sum)
@@ -131,7 +134,7 @@ impl<'a> Evaluator<'a> {
         for (star, out) in self.stars.iter().zip(out.chunks_exact_mut(3)) {
             let residual = closure::residual(star, &self.half);
             out.copy_from_slice(residual.as_slice());
-            largest = largest.max(residual.dot(&residual));
+            largest = larger(largest, residual.dot(&residual));
         }
         self.see(x, largest)
     }
@@ -158,17 +161,11 @@ impl<'a> Evaluator<'a> {
     fn squares(&mut self, x: &[f64]) -> (f64, f64) {
         closure::half_angles(x, &mut self.half);
         let squares = self.stars.iter().map(|star| {
-            let Rotation { w, v } = closure::misclosure(star, &self.half);
-            let square = 4.0 * v.dot(&v);
-            // What is no number must not pass for closed.
-            if w.is_finite() && square.is_finite() {
-                square
-            } else {
-                f64::INFINITY
-            }
+            let residual = closure::residual(star, &self.half);
+            residual.dot(&residual)
         });
         squares.fold((0.0, 0.0), |(sum, most), square| {
-            (sum + square, square.max(most))
+            (sum + square, larger(most, square))
         })
     }
 
@@ -184,8 +181,21 @@ impl<'a> Evaluator<'a> {
         if self.stopped { Err(Stopped) } else { Ok(()) }
     }
 
-    fn is_late(&self) -> bool {
-        (self.values + self.derivatives) % self.evaluations_per_look == 0
-            && Instant::now() >= self.deadline
+    fn is_late(&mut self) -> bool {
+        self.unlooked += 1;
+        if self.unlooked < self.evaluations_per_look {
+            return false;
+        }
+        self.unlooked = 0;
+        Instant::now() >= self.deadline
+    }
+}
+
+/// The larger square; infinite if either is no number, which must not pass for closed.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_finite() && b.is_finite() {
+        a.max(b)
+    } else {
+        f64::INFINITY
     }
 }
