@@ -70,8 +70,9 @@
 //!
 //! A residual is within 3e-15 of the truth in `f64` and 1.2e-6 in `f32` for stars of up to 64 creases, whatever the
 //! angles, and a few roundings for four. Solvers stop at 1e-14 and 5e-6, so that angles below that are closed as they
-//! stand. A 24x24 Miura folded by such angles deforms by 3e-14 and 3e-5. Angles that are no numbers make residuals that
-//! are none; an `f32` beyond 12,866 radians has no sine.
+//! stand: in `f32` fold angles below 1e-6 radians are as good as flat. A 24x24 Miura folded by such angles deforms by at
+//! most 5e-14 and 3e-5, one of 1,000x1,000 by 9e-11 and 7e-2. Angles that are no numbers make residuals that are none; an
+//! `f32` beyond 12,866 radians has no sine.
 //!
 //! # References
 //!

@@ -1,8 +1,9 @@
 //! The `foldpath` command as a user runs it: this program is started again as it.
 
+use core::time::Duration;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Set for the program that is to be the command.
 const ENV: &str = "FOLDPATH_BENCH_COMMAND";

@@ -124,7 +124,7 @@ impl Folded {
             [Big::new(p.x), Big::new(p.y), Big::new(0.0)]
         };
         while let Some(parent) = open.pop() {
-            let (r, t) = poses[parent].clone().expect("a face that was reached");
+            let (r, t) = poses[parent].clone()?;
             for &(face, edge) in &pattern.neighbours()[parent] {
                 if poses[face.index()].is_some() {
                     continue;
