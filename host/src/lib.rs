@@ -155,9 +155,10 @@
 //!
 //! # Limits
 //!
-//! Errors are those of `f64` times the way: a 24x24 Miura deforms by 5e-14, one of 1,000x1,000 by 9e-11, a sheet 10⁹ edges from the origin by
-//! 3e-7, as far as rounded coordinates allow. Beyond what can be certified `plan` notes it. Angles below 10⁻⁹ radians
-//! are flat, coordinates beyond 10⁵⁰ refused. `host/FORMAT.md` has all limits, `BENCHMARKS.md` how they were found.
+//! Errors are those of `f64` times the way: a 24x24 Miura deforms by 5e-14, one of 1,000x1,000 by 9e-11, a sheet 10⁹
+//! edges from the origin by 3e-7, as far as rounded coordinates allow. What cannot be certified, `plan` notes. Angles
+//! below 10⁻⁹ radians are flat, coordinates beyond 10⁵⁰ refused. `host/FORMAT.md` has all limits, `BENCHMARKS.md` how
+//! they were found.
 //!
 //! # References
 //!
