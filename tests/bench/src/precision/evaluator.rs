@@ -3,7 +3,8 @@
 //! A peer is stopped at the first configuration whose closure is within the tolerance, or when its time is over,
 //! whatever its own stopping tests say: no peer pays for a step that it does not need.
 
-use std::time::{Duration, Instant};
+use core::time::Duration;
+use std::time::Instant;
 
 use foldpath_core::{HalfAngle, StarsView, closure};
 use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! Every method on every problem at every tolerance.
 
-use std::time::{Duration, Instant};
+use core::time::Duration;
+use std::time::Instant;
 
 use super::{Method, Problem, Run};
 

@@ -1,6 +1,6 @@
 //! The solvers that are compared, ours and peers.
 
-use std::time::Duration;
+use core::time::Duration;
 
 use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 

@@ -7,7 +7,7 @@ const SHOWN: [i32; 6] = [1, 2, 4, 6, 9, 12];
 /// Iterations shown.
 const ITERATIONS: usize = 10;
 
-fn find<'a>(cells: &'a [Cell], problem: usize, method: Method, tolerance: f64) -> Option<&'a Cell> {
+fn find(cells: &[Cell], problem: usize, method: Method, tolerance: f64) -> Option<&Cell> {
     let same = |c: &&Cell| {
         c.problem == problem && c.method == method && c.tolerance.total_cmp(&tolerance).is_eq()
     };
@@ -126,11 +126,15 @@ pub(super) fn behind(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
             };
             let ours = seconds(cells, index, Method::LmF64, tolerance);
             if ours.is_none_or(|ours| ours >= theirs) {
-                let ours = ours.map_or("does not reach it".into(), time);
-                let (name, theirs) = (problem.name(), time(theirs));
-                let peer = peer.name();
+                let words = |ours: Option<f64>| ours.map_or("does not reach it".into(), time);
+                let gradient = seconds(cells, index, Method::GradientF64, tolerance);
                 places.push(format!(
-                    "- {name} at {tolerance:.0e}: {peer} {theirs}, foldpath {ours}"
+                    "- {} at {tolerance:.0e}: {} {}, foldpath {}, its gradient solver {}",
+                    problem.name(),
+                    peer.name(),
+                    time(theirs),
+                    words(ours),
+                    words(gradient),
                 ));
             }
         }
