@@ -115,12 +115,12 @@ pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tall
     let mut tally = Tally::default();
     for seed in seed..seed + count {
         let drawing = family.sheet(seed);
-        let first = tally.one(seed, &drawing, options);
+        let first = tally.one(seed, &drawing, options, family.real);
         if !family.varied {
             continue;
         }
         let other = meshes::variant(&drawing, &mut Random::new(seed));
-        let second = tally.one(seed, &other, options);
+        let second = tally.one(seed, &other, options, family.real);
         if first != second {
             let difference = format!("drawn otherwise {second:?}, at first {first:?}");
             tally.disagreements.push((seed, difference));
@@ -131,7 +131,13 @@ pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tall
 
 impl Tally {
     /// Plans and judges a sheet; the name of its outcome.
-    fn one(&mut self, seed: u64, drawing: &Drawing, options: &PlanOptions) -> Option<&'static str> {
+    fn one(
+        &mut self,
+        seed: u64,
+        drawing: &Drawing,
+        options: &PlanOptions,
+        rough: bool,
+    ) -> Option<&'static str> {
         let start = Instant::now();
         let planned = catch_unwind(AssertUnwindSafe(|| {
             let pattern = CreasePattern::new(drawing.clone()).expect("a pattern");
@@ -157,7 +163,7 @@ impl Tally {
         };
         self.creases.push(pattern.creases().len());
         let judged = catch_unwind(AssertUnwindSafe(|| {
-            judge(drawing, &pattern, &plan, options)
+            judge(drawing, &pattern, &plan, options, rough)
         }));
         match judged {
             Ok((crosses, verdict)) => {
@@ -205,12 +211,14 @@ impl Tally {
     }
 }
 
-/// Whether the goal crosses although the plan does not reach it, and what the oracle finds in the path.
+/// Whether the goal crosses although the plan does not reach it, and what the oracle finds in the path; `rough` goals
+/// close only nearly.
 fn judge(
     drawing: &Drawing,
     pattern: &CreasePattern,
     plan: &Plan,
     options: &PlanOptions,
+    rough: bool,
 ) -> (bool, Verdict) {
     let writer = PathWriter {
         title: "",
@@ -233,7 +241,12 @@ fn judge(
     if planned {
         let found = &mut verdict.disagreements;
         match path_file(&text) {
-            Ok(file) => found.extend(check(&file, &CheckOptions::default()).failures),
+            Ok(file) => {
+                // What is drawn by hand closes no better than it is drawn.
+                let usual = CheckOptions::default();
+                let bound = if rough { options.bound } else { usual.bound };
+                found.extend(check(&file, &CheckOptions { bound, ..usual }).failures);
+            }
             Err(error) => found.push(error.to_string()),
         }
         if path.frames.is_empty() {

@@ -58,6 +58,10 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
     let (Some(first), Some(last)) = (path.frames.first(), path.frames.last()) else {
         return Verdict::default();
     };
+    // What tears the sheet, or was not looked at to its end, is told of and not vouched for.
+    if matches!(plan.outcome, Outcome::NotRigidlyFoldable | Outcome::Timeout) {
+        return Verdict::default();
+    }
     limit(
         "start off flat by",
         worst(first.angles.iter().map(|a| a.abs())),
@@ -101,7 +105,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         limit(
             "angles off positions by",
             sheet.angle_error(&frame.vertices, &frame.angles),
-            SAME_ANGLE + OTHER_TREE * plan.rigidity.gap,
+            SAME_ANGLE + OTHER_TREE * plan.rigidity.gap / sheet.narrowest(),
         );
         let shape = Shape {
             sheet,

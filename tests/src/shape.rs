@@ -36,6 +36,22 @@ impl Sheet {
         worst(self.faces.iter().map(height)) / self.median_edge()
     }
 
+    /// Height of the lowest face over one of its sides, over the median edge: by a gap over it, fold angles are
+    /// off.
+    #[must_use]
+    pub fn narrowest(&self) -> f64 {
+        let height = |face: &Vec<usize>, [a, b]: [usize; 2]| {
+            let way = (self.flat[b] - self.flat[a]).normalize();
+            let over = |&v: &usize| way.cross(&(self.flat[v] - self.flat[a])).norm();
+            face.iter().map(over).fold(0.0, f64::max)
+        };
+        let heights = self
+            .faces
+            .iter()
+            .flat_map(|face| sides(face).map(move |side| height(face, side)));
+        heights.fold(f64::INFINITY, f64::min) / self.median_edge()
+    }
+
     /// Largest difference between the fold angle of a crease in this shape and that in `angles`,
     /// radians. A half turn is the same either way.
     #[must_use]

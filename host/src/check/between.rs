@@ -122,6 +122,12 @@ pub(super) fn check_crossings(
     };
     match sweep.sweep(&motion.segments) {
         SweepVerdict::Free(clearance) => {
+            // By what the motion may tear the sheet, faces round a vertex may lie across each other in it, but not at
+            // knots, which tear it by less.
+            if options.gap > options.tolerance {
+                let crossing = crossed_knot(path, verdict);
+                verdict.crossings.extend(crossing);
+            }
             verdict.min_clearance = clearance.map(|clearance| clearance.distance);
         }
         SweepVerdict::Crossing { crossing, at, .. } => verdict.crossings.push(PathCrossing {
@@ -141,6 +147,23 @@ pub(super) fn check_crossings(
             ));
         }
     }
+}
+
+/// The first knot at which faces pass through each other.
+fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
+    let pattern = &path.pattern;
+    let tree = SpanningTree::from_central_face(pattern);
+    let (mut map, mut scene) = (FoldingMap::flat(pattern), CollisionScene::new(pattern));
+    let mut knots = path.knots.iter().zip(&verdict.knots).enumerate();
+    knots.find_map(|(index, (knot, measured))| {
+        map.fold(pattern, &tree, &crease_angles(pattern, knot));
+        let crossing = scene.deepest_crossing(&map, measured.rigidity.gap)?;
+        Some(PathCrossing {
+            crossing,
+            between_knots: [index.saturating_sub(1), index],
+            at: if index == 0 { 0.0 } else { 1.0 },
+        })
+    })
 }
 
 /// Shapes at knots and between: whether the sheet deforms there, and, unless that is swept, whether faces

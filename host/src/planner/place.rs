@@ -300,7 +300,8 @@ impl Placer<'_, '_> {
                 sites.extend(open.pop());
             }
             // Halving a segment that does not fit leaves less than twice the knots needed.
-            if sites.len() + open.len() > self.most.saturating_mul(2) {
+            let many = sites.len() + open.len() > self.most.saturating_mul(2);
+            if many || self.solver.is_late() {
                 return None;
             }
         }
@@ -314,7 +315,7 @@ impl Placer<'_, '_> {
     /// Takes knots away while what is left keeps the terms.
     fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
         let mut index = 1;
-        while index + 1 < sites.len() {
+        while index + 1 < sites.len() && !self.solver.is_late() {
             if !sites[index].stays() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
                 sites.remove(index);
             } else {

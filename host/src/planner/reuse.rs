@@ -250,6 +250,18 @@ impl Planning<'_> {
         self.plan.times.collision += start.elapsed();
         match verdict {
             SweepVerdict::Free(clearance) => {
+                if let Some((index, crossing)) = self.crossed_knot(reduction, options.gap) {
+                    if let Some(plan) = self.nearer(reduction, found) {
+                        return plan;
+                    }
+                    let before = index.checked_sub(1);
+                    let crossed = Crossed {
+                        crossing,
+                        segment: before.unwrap_or(0),
+                        free: before.map(|before| self.plan.path.knots[before].angles.clone()),
+                    };
+                    return self.crossed(reduction, found, course, crossed);
+                }
                 self.plan.clearance = clearance;
                 self.plan
             }
@@ -304,6 +316,21 @@ impl Planning<'_> {
                 )
             }
         }
+    }
+
+    /// The first knot at which faces cross, of a motion that may tear the sheet by `gap`. By as much faces round a
+    /// vertex may lie across each other in it, but not at its knots, which are hardly torn.
+    fn crossed_knot(&mut self, reduction: &Reduction, gap: f64) -> Option<(usize, Crossing)> {
+        let torn = gap > SweepOptions::default().tolerance;
+        if !torn || self.pattern.faces().len() > MOST_FACES {
+            return None;
+        }
+        let start = Instant::now();
+        let mut judge = Judge::new(self.pattern, reduction, true);
+        let mut knots = self.plan.path.knots.iter().enumerate();
+        let crossed = knots.find_map(|(index, knot)| Some((index, judge.crossing_at(knot)?)));
+        self.plan.times.collision += start.elapsed();
+        crossed
     }
 
     /// Looks for crossings at the knots alone.
