@@ -26,7 +26,7 @@ pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]
     let mut product = Rotation::identity();
     for spoke in star.spokes {
         if let Some(half) = half_angles.get(spoke.group.index()) {
-            product = product.across_crease(*half, spoke.axis());
+            product = product.across_crease(half.signed(spoke.negative), spoke.direction);
         }
     }
     product
