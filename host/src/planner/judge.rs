@@ -7,7 +7,7 @@ use super::knots::Knot;
 use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreaseId, CreasePattern};
 use crate::symmetry::essential_pattern;
 
 /// A whole sheet that is folded at one configuration after the other.
@@ -84,23 +84,65 @@ impl<'a> Judge<'a> {
         configurations: impl Iterator<Item = &'k [f64]>,
     ) -> (Rigidity, usize) {
         let start = Instant::now();
-        let groups = &self.reduction.groups;
-        let Ok((part, creases)) = essential_pattern(self.pattern, &self.reduction.all) else {
+        let Some(mut part) = Part::of(self.pattern, self.reduction) else {
             return (Rigidity::default(), 0);
         };
-        let tree = SpanningTree::from_central_face(&part);
-        let mut map = FoldingMap::flat(&part);
         let mut worst = Rigidity::default();
         for angles in configurations {
-            let angle = |crease| {
-                let membership = groups.of(crease);
-                membership.apply(angles[membership.group.index()])
-            };
-            let angles: Vec<f64> = creases.iter().map(|&crease| angle(crease)).collect();
-            map.fold(&part, &tree, &angles);
-            worst = worst.worse(map.rigidity(&part, &tree));
+            part.fold(self.reduction, angles);
+            worst = worst.worse(part.rigidity());
         }
         self.fold += start.elapsed();
-        (worst, part.faces().len())
+        (worst, part.pattern.faces().len())
+    }
+
+    /// The first of some knots at which faces of the essential crease pattern cross: round its vertices they do as round
+    /// all others. The crossing is the deepest of the whole sheet.
+    pub(super) fn first_crossing(&mut self, knots: &[Knot]) -> Option<(usize, Crossing)> {
+        let mut part = Part::of(self.pattern, self.reduction);
+        let mut scene = part.as_ref().map(|part| CollisionScene::new(&part.pattern));
+        knots.iter().enumerate().find_map(|(index, knot)| {
+            if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
+                part.fold(self.reduction, &knot.angles);
+                scene.deepest_crossing(&part.map, part.rigidity().gap)?;
+            }
+            let whole = || CollisionScene::new(self.pattern);
+            self.scene.get_or_insert_with(whole);
+            Some((index, self.crossing_at(knot)?))
+        })
+    }
+}
+
+/// The essential crease pattern as it folds.
+struct Part {
+    pattern: CreasePattern,
+    creases: Vec<CreaseId>,
+    tree: SpanningTree,
+    map: FoldingMap,
+}
+
+impl Part {
+    fn of(sheet: &CreasePattern, reduction: &Reduction) -> Option<Self> {
+        let (pattern, creases) = essential_pattern(sheet, &reduction.all).ok()?;
+        Some(Self {
+            tree: SpanningTree::from_central_face(&pattern),
+            map: FoldingMap::flat(&pattern),
+            pattern,
+            creases,
+        })
+    }
+
+    /// Folds it by these group angles.
+    fn fold(&mut self, reduction: &Reduction, angles: &[f64]) {
+        let angle = |crease: &CreaseId| {
+            let membership = reduction.groups.of(*crease);
+            membership.apply(angles[membership.group.index()])
+        };
+        let angles: Vec<f64> = self.creases.iter().map(angle).collect();
+        self.map.fold(&self.pattern, &self.tree, &angles);
+    }
+
+    fn rigidity(&self) -> Rigidity {
+        self.map.rigidity(&self.pattern, &self.tree)
     }
 }

@@ -326,9 +326,8 @@ impl Planning<'_> {
             return None;
         }
         let start = Instant::now();
-        let mut judge = Judge::new(self.pattern, reduction, true);
-        let mut knots = self.plan.path.knots.iter().enumerate();
-        let crossed = knots.find_map(|(index, knot)| Some((index, judge.crossing_at(knot)?)));
+        let mut judge = Judge::new(self.pattern, reduction, false);
+        let crossed = judge.first_crossing(&self.plan.path.knots);
         self.plan.times.collision += start.elapsed();
         crossed
     }
