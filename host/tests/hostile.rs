@@ -194,7 +194,7 @@ fn svg_bombs() {
                 "",
                 &format!("{path}{}", "<use href=\"#p\"/>".repeat(10_000)),
             ),
-            "MiB of attributes, each use counted",
+            "MiB of attributes and of arcs, each use counted",
         ),
         (
             "painted.svg",
@@ -205,7 +205,20 @@ fn svg_bombs() {
                     "<path d=\"M0 0h1v1\" stroke=\"url(#t)\"/>".repeat(10_000)
                 ),
             ),
-            "MiB of attributes, each use counted",
+            "MiB of attributes and of arcs, each use counted",
+        ),
+        (
+            "arc.svg",
+            svg(
+                "",
+                &format!("<path d=\"M0 0a1 1 0 0 1 1 {}\"/>", "5".repeat(60)),
+            ),
+            "MiB of attributes and of arcs, each use counted",
+        ),
+        (
+            "circles.svg",
+            svg("", &"<circle r=\"1e36\"/>".repeat(100)),
+            "MiB of attributes and of arcs, each use counted",
         ),
         (
             "laughs.svg",
@@ -250,7 +263,11 @@ fn svg_bombs() {
         "\"/></svg>",
     ];
     write(&folder, "path.svg", path, 60_000_000, one);
-    assert_bounded(&folder, "path.svg", "MiB of attributes, each use counted");
+    assert_bounded(
+        &folder,
+        "path.svg",
+        "MiB of attributes and of arcs, each use counted",
+    );
     write(&folder, "path.svg", path, 30_000_000, one);
     assert_bounded(&folder, "path.svg", "at most 4194304 lines");
     write(&folder, "path.svg", path, LONG, one);

@@ -16,8 +16,14 @@ const NAMESPACES: usize = 1 << 13;
 /// Elements at most, uses expanded. usvg takes about a kilobyte for each.
 const ELEMENTS: u64 = 1 << 19;
 
-/// Bytes of attributes at most, uses expanded. usvg takes about 50 bytes for each of a long path.
+/// Bytes of attributes, and cubics that arcs are made of, at most, uses expanded. usvg takes about 50 bytes for
+/// each of a long path.
 const ATTRIBUTES: u64 = 1 << 25;
+
+/// Attributes that say how large an arc is.
+const LENGTHS: [&str; 11] = [
+    "d", "r", "rx", "ry", "cx", "cy", "x", "y", "width", "height", "viewBox",
+];
 
 /// Levels of elements at most, uses expanded: usvg calls itself for each.
 const LEVELS: u64 = 256;
@@ -73,7 +79,7 @@ pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
     }
     if attributes > ATTRIBUTES {
         return Err(format!(
-            "more than {} MiB of attributes, each use counted",
+            "more than {} MiB of attributes and of arcs, each use counted",
             ATTRIBUTES >> 20
         ));
     }
@@ -98,7 +104,7 @@ fn index(node: Node<'_, '_>) -> usize {
 #[derive(Clone, Copy, Default)]
 struct Size {
     elements: u64,
-    /// Bytes.
+    /// Bytes, and cubics of arcs.
     attributes: u64,
     levels: u64,
 }
@@ -112,6 +118,7 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
     let mut ids = HashMap::new();
     let mut in_paint = vec![false; nodes.len()];
     let (mut painted, mut painted_paint, mut patterns, mut paint) = (false, false, false, 0_u64);
+    let cubics = cubics(nodes.clone().map(reach).sum());
     for node in nodes.clone() {
         if let Some(id) = node.attribute("id") {
             ids.entry(id).or_insert(node);
@@ -134,7 +141,7 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
         painted |= by_sheet || by_itself;
         painted_paint |= by_sheet || (by_itself && is_in_paint);
         if is_in_paint {
-            paint = paint.saturating_add(1 + attribute_bytes(node));
+            paint = paint.saturating_add(1 + attributes(node, cubics));
         }
     }
     if painted_paint && patterns {
@@ -155,7 +162,7 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
         } else if begun[index(node)] {
             let own = Size {
                 elements: u64::from(node.is_element()),
-                attributes: attribute_bytes(node).saturating_add(each),
+                attributes: attributes(node, cubics).saturating_add(each),
                 levels: 0,
             };
             let sizes = parts.filter_map(|part: Node<'_, '_>| done[index(part)]);
@@ -179,8 +186,61 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
     Ok(done[index(document.root())].unwrap_or_default())
 }
 
-fn attribute_bytes(node: Node<'_, '_>) -> u64 {
-    node.attributes().map(|a| a.value().len() as u64).sum()
+/// Bytes of the attributes of an element, with the cubics of its arcs, each of which may take so many.
+fn attributes(node: Node<'_, '_>, cubics: u64) -> u64 {
+    let bytes: u64 = node.attributes().map(|a| a.value().len() as u64).sum();
+    let arcs = match node.tag_name().name() {
+        "path" => node.attribute("d").map_or(0, |d| {
+            d.bytes().filter(|byte| matches!(byte, b'a' | b'A')).count() as u64
+        }),
+        "circle" | "ellipse" | "rect" => 4,
+        _ => 0,
+    };
+    // One `a` may lead many arcs, of seven numbers each, which flags and points may join to a few bytes.
+    let arcs = arcs.max(if arcs > 0 { bytes / 8 } else { 0 });
+    bytes.saturating_add(arcs.saturating_mul(cubics))
+}
+
+/// No less than how far an element reaches, in units of its own, by the numbers of its attributes.
+fn reach(node: Node<'_, '_>) -> f64 {
+    let lengths = node.attributes().filter(|a| LENGTHS.contains(&a.name()));
+    lengths.map(|a| sum(a.value())).sum()
+}
+
+/// Sum of the numbers of a list, all taken for positive.
+fn sum(list: &str) -> f64 {
+    let (mut sum, mut rest) = (0.0, list);
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit() || c == '.') {
+        rest = &rest[start..];
+        let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+        let mut end = digits(rest);
+        if rest[end..].starts_with('.') {
+            end += 1 + digits(&rest[end + 1..]);
+        }
+        if rest[end..].starts_with(['e', 'E']) {
+            let sign = usize::from(rest[end + 1..].starts_with(['+', '-']));
+            match digits(&rest[end + 1 + sign..]) {
+                0 => {}
+                exponent => end += 1 + sign + exponent,
+            }
+        }
+        sum += rest[..end].parse().unwrap_or(0.0);
+        rest = &rest[end..];
+    }
+    sum
+}
+
+/// Cubics that an arc is made of at most, as long as it keeps within `reach` (units): as many as make none of
+/// them stray by more than a tenth of a unit, which falls with the sixth power of their number, and one for each
+/// quarter turn.
+fn cubics(reach: f64) -> u64 {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "what is too large is the largest"
+    )]
+    let cubics = (11.2 * reach).powf(1.0 / 6.0).ceil() as u64;
+    cubics.max(4)
 }
 
 /// Comparisons of the selectors of a style sheet with an element below `deepest` others, at most: each
@@ -216,4 +276,19 @@ fn strokes_paint(declarations: &str) -> bool {
         let value = value.and_then(|value| value.split([';', '}']).next());
         value.is_some_and(|value| value.contains("url("))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_numbers_of_a_list_count() {
+        let list = "M10-20A5.5.3-4 010-.1 1e3-2E+2e9.z#";
+        let expected = 10.0 + 20.0 + 5.5 + 0.3 + 4.0 + 10.0 + 0.1 + 1e3 + 200.0 + 9.0;
+        assert!((sum(list) - expected).abs() < 1e-9, "{}", sum(list));
+        assert!(sum(&"9".repeat(400)).is_infinite());
+        assert_eq!(cubics(f64::INFINITY), u64::MAX);
+        assert_eq!(cubics(1.0), 4);
+    }
 }
