@@ -8,6 +8,7 @@
 mod cells;
 mod chains;
 mod contact;
+mod course;
 mod crossing;
 mod hierarchy;
 mod motion;

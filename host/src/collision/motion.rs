@@ -23,6 +23,9 @@ const SMALL_PARTS: u32 = 64;
 /// A time: segments, in units of 2^-36.
 pub(super) type Tick = u64;
 
+/// The length of a segment.
+pub(super) const SEGMENT: Tick = 1 << TICKS;
+
 /// How far the points of two bodies may come closer for each radian that crease groups vary.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
@@ -166,6 +169,27 @@ impl Motion {
     pub(super) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
         for (group, half) in half_angles.iter_mut().enumerate() {
             *half = self.half_angle(group, tick);
+        }
+    }
+
+    /// The angles of all groups.
+    pub(super) fn angles(&self, tick: Tick, angles: &mut [f64]) {
+        let (segment, s) = self.place(tick);
+        for (group, angle) in angles.iter_mut().enumerate() {
+            let variation = self.variations.get(segment * self.groups + group);
+            *angle = variation.map_or(0.0, |v| v.curve().angle(s));
+        }
+    }
+
+    /// No less than the greatest second derivative of each group over the segment that begins at a time, in the
+    /// parts that it is divided in.
+    pub(super) fn curvatures(&self, tick: Tick, parts: u32, curvatures: &mut Vec<f64>) {
+        let (segment, _) = self.place(tick);
+        let variations = &self.variations[segment * self.groups..][..self.groups];
+        curvatures.clear();
+        for part in 0..parts {
+            let [s, end] = [part, part + 1].map(|k| f64::from(k) / f64::from(parts));
+            curvatures.extend(variations.iter().map(|v| v.curvature(s, end)));
         }
     }
 

@@ -185,6 +185,28 @@ impl Pieces {
         self.joints(a).iter().any(|joint| joint.piece == b)
     }
 
+    /// Pairs of pieces that [`meet`](Self::meet), each once.
+    pub(super) fn touching(&self) -> Vec<[u32; 2]> {
+        let mut corners: Vec<_> = (0..)
+            .zip(&self.list)
+            .flat_map(|(index, piece)| {
+                let places = self.flat[piece.corners()].iter();
+                // -0 is 0.
+                places.map(move |place| ([place.x + 0.0, place.y + 0.0].map(f64::to_bits), index))
+            })
+            .collect();
+        corners.sort_unstable();
+        let places = corners.chunk_by(|a, b| a.0 == b.0);
+        let pairs = places.flat_map(|at| {
+            let pairs = at.iter().enumerate();
+            pairs.flat_map(move |(k, (_, a))| at[k + 1..].iter().map(move |(_, b)| [*a, *b]))
+        });
+        let mut pairs: Vec<_> = pairs.filter(|[a, b]| a != b).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
     /// Whether the pieces meet in a place of the flat sheet. Those on the two sides of a cut do, although
     /// each has a vertex of its own there.
     pub(super) fn meet(&self, a: u32, b: u32) -> bool {

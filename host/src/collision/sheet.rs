@@ -142,14 +142,12 @@ impl<'a> Sheet<'a> {
         pattern: &'a CreasePattern,
         memberships: &[Membership],
         groups: usize,
+        tree: Option<&SpanningTree>,
         cells: Option<Cells<'a>>,
     ) -> Self {
-        let tree = cells
-            .is_none()
-            .then(|| SpanningTree::from_central_face(pattern));
         let faces = pattern.faces().len();
         let mut reached = vec![None; if tree.is_some() { faces } else { 0 }];
-        for step in tree.iter().flat_map(SpanningTree::steps) {
+        for step in tree.into_iter().flat_map(SpanningTree::steps) {
             let membership = step.crease.and_then(|c| memberships.get(c.index()));
             reached[step.face.index()] = Some(Reached {
                 parent: step.parent,

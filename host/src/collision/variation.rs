@@ -103,6 +103,16 @@ impl Variation {
         Rates::of(&self.curve).between(s, end).bulge()
     }
 
+    /// No less than the greatest second derivative of the angle from `s` to `end`, over the square of the segment.
+    pub(super) fn curvature(&self, s: f64, end: f64) -> f64 {
+        let part = end - s;
+        let curvature = Rates::of(&self.curve).between(s, end).curvature();
+        if curvature.is_nan() {
+            return f64::INFINITY;
+        }
+        curvature / (part * part)
+    }
+
     /// Adds the parts of a stretch, and returns the variation up to its end.
     fn add(&mut self, rates: &Rates, [start, end]: [f64; 2], before: f64, cuts: u32) -> f64 {
         let [from, to] = [start, end].map(|s| self.curve.angle(s));
@@ -194,7 +204,15 @@ impl Rates {
                 let third = (d - a) / 3.0;
                 (b - a - third).abs().max((d - c - third).abs())
             }
-            // An eighth of the greatest second derivative, 2 (N/q)' with N the numerator.
+            Self::HalfAngle(_) => self.curvature() / 8.0,
+        }
+    }
+
+    /// No less than the greatest second derivative of the angle.
+    fn curvature(&self) -> f64 {
+        match self {
+            Self::Angle(angle) => 2.0 * steepest(&slopes(angle)),
+            // 2 (N/q)' with N the numerator.
             Self::HalfAngle([cos, sin]) => {
                 let numerator = self.numerator();
                 let (c, n) = (square(cos), square(sin));
@@ -204,7 +222,7 @@ impl Rates {
                     return f64::INFINITY;
                 }
                 let (most, slope) = (largest(&numerator), 5.0 * steepest(&numerator));
-                (slope + most * 6.0 * steepest(&squares) / least) / least / 4.0
+                2.0 * (slope + most * 6.0 * steepest(&squares) / least) / least
             }
         }
     }

@@ -433,7 +433,7 @@ const CUBIC: f64 = 0.008_018_753_738_744_8;
 
 /// A point's way over the hinges before it: what they vary, what they bend, and the bends times the ways.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Stray {
+pub(crate) struct Stray {
     varied: f64,
     turn: f64,
     shift: f64,
@@ -441,7 +441,7 @@ pub(super) struct Stray {
 
 impl Stray {
     /// Over `way` from the last pivot and then across a hinge.
-    pub(super) fn across(self, way: f64, bend: Bend) -> Self {
+    pub(crate) fn across(self, way: f64, bend: Bend) -> Self {
         let Bend { varied, off } = bend;
         Self {
             varied: self.varied + varied,
@@ -453,7 +453,7 @@ impl Stray {
     }
 
     /// How far a point so far from the last pivot strays.
-    pub(super) fn to(self, way: f64) -> f64 {
+    pub(crate) fn to(self, way: f64) -> f64 {
         self.shift + self.turn * way
     }
 

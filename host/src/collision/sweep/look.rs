@@ -1,11 +1,14 @@
 //! Looks at pairs: how far apart they are at a time, and until when they stay apart.
 
-use super::{Kind, Look, Pair, Sweep, place};
+use std::time::Instant;
+
+use super::{Kind, Look, Pair, Place, Sweep, place};
 use crate::collision::cells::AHEAD;
 use crate::collision::chains::Chain;
 use crate::collision::contact::{Change, Parted, Turn, parted};
 use crate::collision::hierarchy::Sphere;
 use crate::collision::motion::{Motion, Tick};
+use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sheet::Axis;
 use crate::collision::sweep::Clearance;
@@ -24,6 +27,15 @@ const FOLLOWED: usize = 6;
 /// a tolerance is the step that a plane then allows.
 const CONTACT: f64 = 1e3;
 
+fn clearance(pieces: &Pieces, pair: [u32; 2], distance: f64, place: Place) -> Clearance {
+    let [first, second] = pair.map(|piece| pieces.list[piece as usize].face);
+    Clearance {
+        distance,
+        faces: [first.min(second), first.max(second)],
+        place,
+    }
+}
+
 impl Sweep<'_> {
     fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
         self.sheet
@@ -36,6 +48,7 @@ impl Sweep<'_> {
         match pair.kind {
             Kind::Clusters => self.look_at_clusters(motion, index, &pair),
             Kind::Far => self.look_far(motion),
+            Kind::Interval => self.look_ahead(motion),
             Kind::Cells(offset) => self.look_at_cells(motion, offset),
             Kind::Pieces | Kind::Meeting => self.look_at_pieces(motion, index, &pair),
             Kind::Vertex(corners) => self.look_at_sectors(motion, index, &pair, corners),
@@ -77,6 +90,75 @@ impl Sweep<'_> {
         };
         self.counts.skipped_bounds += u64::from(nodes[0].pieces) * u64::from(nodes[1].pieces);
         look
+    }
+
+    /// Looks for pieces that may meet until the end of the next interval, and at the nearest there.
+    fn look_ahead(&mut self, motion: &Motion) -> Look {
+        let time = self.sheet.time;
+        if time > 0 && time == motion.end() {
+            return Look::Free;
+        }
+        if self
+            .options
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+        {
+            return Look::Unsure;
+        }
+        let Some(mut course) = self.course.take() else {
+            return Look::Free;
+        };
+        let before = course.from;
+        if time == motion.end() || !course.advance(motion, &self.pieces, &self.hierarchy) {
+            // Chains of creases say more than long sums.
+            self.course = Some(course);
+            self.add_roots(time);
+            return Look::Part;
+        }
+        let (pieces, hierarchy) = (&self.pieces, &self.hierarchy);
+        let mut nearest = self.clearance;
+        let best = |nearest: &Option<Clearance>| nearest.map_or(f64::INFINITY, |n| n.distance);
+        let (mut tested, mut unseen) = (0, Vec::new());
+        // The beginning of an interval is the end of the one before.
+        let ends = [(0, course.from), (2, course.to)];
+        let ends = if time == 0 {
+            &ends[..]
+        } else if motion.tabulated(course.to).is_some() {
+            &ends[1..]
+        } else {
+            &[]
+        };
+        course.near(hierarchy, best(&nearest), |course, pair| {
+            if pieces.comparable(pair[0], pair[1]).is_none() || pieces.meet(pair[0], pair[1]) {
+                return best(&nearest);
+            }
+            tested += 1;
+            let apart = course.parted(pieces, pair).unwrap_or_else(|| {
+                unseen.push(pair);
+                [0.0; 3]
+            });
+            for &(end, tick) in ends {
+                if apart[end] >= best(&nearest) {
+                    continue;
+                }
+                let distance = course.distance(pieces, pair, end);
+                if distance < best(&nearest) {
+                    let at = place(motion, tick);
+                    nearest = Some(clearance(pieces, pair, distance, at));
+                }
+            }
+            best(&nearest)
+        });
+        self.clearance = nearest;
+        self.counts.tested += tested;
+        self.counts.skipped_bounds += self.others.saturating_sub(tested);
+        let [from, to] = [course.from, course.to];
+        self.course = Some(course);
+        for pair in unseen {
+            self.add_unseen(pair, [before, from, to]);
+        }
+        self.push([0, 0], Kind::Interval, None, to);
+        Look::Part
     }
 
     /// Looks for cells that come near each other soon.
@@ -182,12 +264,8 @@ impl Sweep<'_> {
     /// Notes a distance that is smaller than all before.
     fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
         if distance < self.best() {
-            let [first, second] = nodes.map(|node| self.pieces.list[node as usize].face);
-            self.clearance = Some(Clearance {
-                distance,
-                faces: [first.min(second), first.max(second)],
-                place: place(motion, self.sheet.time),
-            });
+            let at = place(motion, self.sheet.time);
+            self.clearance = Some(clearance(&self.pieces, nodes, distance, at));
         }
     }
 
@@ -363,7 +441,7 @@ impl Sweep<'_> {
     pub(super) fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Clusters | Kind::Far | Kind::Cells(_) | Kind::Pieces => 0.0,
+            Kind::Clusters | Kind::Interval | Kind::Far | Kind::Cells(_) | Kind::Pieces => 0.0,
         };
         (self.options.tolerance + gap) * self.pattern.median_edge()
     }

@@ -12,7 +12,9 @@
 //! Where two faces share a vertex their distance is 0, but they lie in sectors round it, and cross only
 //! if the arcs of the sectors on the unit sphere do: there the same holds for angles.
 //!
-//! Clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
+//! Pairs that share nothing are looked at over an interval after the other first: most are kept apart by a plane
+//! (see `course`), and only the others are followed as said, until its end. Where intervals would have to be too
+//! short, clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
 //! by opposite angles about parallel lines count together, as far as they are apart.
 
 mod look;
@@ -22,7 +24,7 @@ pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 
 use core::f64::consts::PI;
 use core::ops::Range;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
 use foldpath_core::{Curve, Membership};
@@ -30,11 +32,13 @@ use foldpath_core::{Curve, Membership};
 use super::cells::Cells;
 use super::chains::{Chain, Chains};
 use super::contact::{Change, Turn};
+use super::course::Course;
 use super::hierarchy::Hierarchy;
 use super::motion::{Levers, Motion, Tick};
 use super::pieces::Pieces;
 use super::scene::Crossing;
 use super::sheet::Sheet;
+use crate::folding::SpanningTree;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::symmetry::Lattice;
 
@@ -54,11 +58,15 @@ struct Pair {
     chain: Option<Chain>,
     /// When it was last looked at.
     last: Option<Tick>,
+    /// From when on the course sees that it is free.
+    end: Tick,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Clusters,
+    /// All pieces that are not seen to be apart over an interval.
+    Interval,
     /// All cells that were not yet near each other.
     Far,
     /// Cells whose difference has this number.
@@ -106,6 +114,12 @@ pub struct Sweep<'a> {
     changes: Vec<Change>,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
+    /// Where there is no lattice.
+    course: Option<Course>,
+    /// Pairs of pieces that it did not see to be apart.
+    unseen: HashMap<[u32; 2], u32>,
+    /// Pairs of pieces that do not touch each other.
+    others: u64,
     clearance: Option<Clearance>,
     counts: SweepCounts,
     looks: u64,
@@ -157,6 +171,13 @@ impl<'a> Sweep<'a> {
         };
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
+        let tree = lattice
+            .is_none()
+            .then(|| SpanningTree::from_central_face(pattern));
+        // Without these skips all pairs are looked at one by one.
+        let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
+        let course = tree.as_ref().filter(|_| skips);
+        let course = course.map(|tree| Course::new(pattern, memberships, groups, tree));
         let cells = lattice.map(|lattice| Cells::new(pattern, memberships, groups, lattice));
         let mut chains = Chains::new(pattern, memberships, lattice.is_some());
         let within = hierarchy.nodes.iter().map(|node| {
@@ -174,7 +195,10 @@ impl<'a> Sweep<'a> {
             memberships,
             groups,
             options,
-            sheet: Sheet::new(pattern, memberships, groups, cells),
+            sheet: Sheet::new(pattern, memberships, groups, tree.as_ref(), cells),
+            course,
+            unseen: HashMap::new(),
+            others: 0,
             within: within.collect(),
             kept: chains.len(),
             chains,
@@ -216,9 +240,18 @@ impl<'a> Sweep<'a> {
             cells.begin(&motion);
             self.push([0, 0], Kind::Far, None, 0);
         }
-        let roots = self.hierarchy.roots.clone();
-        for root in roots {
-            self.add([root, root], 0);
+        if let Some(course) = &mut self.course {
+            course.begin(&motion, &self.pieces);
+            self.unseen.clear();
+            self.push([0, 0], Kind::Interval, None, 0);
+            let touching = self.pieces.touching();
+            let [alike, _] = self.pieces.count_pairs(self.pattern.sheets());
+            self.others = alike - touching.len() as u64;
+            for pair in touching {
+                self.add(pair, 0);
+            }
+        } else {
+            self.add_roots(0);
         }
         let mut times = 0;
         let verdict = loop {
@@ -317,6 +350,9 @@ impl<'a> Sweep<'a> {
                 Look::Free => {}
                 Look::Until(later) => {
                     self.pairs[index as usize].last = Some(time);
+                    if later >= self.pairs[index as usize].end {
+                        continue;
+                    }
                     self.due.entry(later).or_default().push(index);
                 }
                 Look::Again => {
@@ -340,7 +376,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
-        let one = self.pairs[index as usize].kind != Kind::Far;
+        let one = !matches!(self.pairs[index as usize].kind, Kind::Far | Kind::Interval);
         SweepVerdict::Undecided {
             faces: one.then(|| self.faces(index)),
             at: place(motion, time),
@@ -390,8 +426,34 @@ impl<'a> Sweep<'a> {
             kind,
             chain,
             last: None,
+            end: Tick::MAX,
         });
         self.due.entry(time).or_default().push(index);
+    }
+
+    /// Adds all pairs of a sheet.
+    fn add_roots(&mut self, time: Tick) {
+        let roots = self.hierarchy.roots.clone();
+        for root in roots {
+            self.add([root, root], time);
+        }
+    }
+
+    /// Adds a pair of pieces to look at until the end of an interval; up to its beginning they were apart.
+    fn add_unseen(&mut self, [a, b]: [u32; 2], [before, time, end]: [Tick; 3]) {
+        let pair = [a.min(b), a.max(b)];
+        if let Some(&index) = self.unseen.get(&pair) {
+            self.pairs[index as usize].end = end;
+            self.due.entry(time).or_default().push(index);
+        } else {
+            let index = FaceId::new(self.pairs.len()).0;
+            self.add(pair, time);
+            if let Some(added) = self.pairs.get_mut(index as usize) {
+                added.end = end;
+                added.last = (time > 0).then_some(before);
+                self.unseen.insert(pair, index);
+            }
+        }
     }
 
     /// What a pair is, and the creases between; `None` if it is never looked at.
