@@ -21,6 +21,9 @@ use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
 
 /// Disputes of a family that are shown.
 const SHOWN: usize = 20;
+/// `check` folds from another face than the planner, and may certify so many times as much of a sheet that does not
+/// close.
+const OTHER_FACE: f64 = 2.0;
 /// How long beyond its deadline a plan may take before it counts as late.
 const GRACE: Duration = Duration::from_secs(1);
 
@@ -244,7 +247,11 @@ fn judge(
             Ok(file) => {
                 // What is drawn by hand closes no better than it is drawn.
                 let usual = CheckOptions::default();
-                let bound = if rough { options.bound } else { usual.bound };
+                let bound = if rough {
+                    OTHER_FACE * options.bound
+                } else {
+                    usual.bound
+                };
                 found.extend(check(&file, &CheckOptions { bound, ..usual }).failures);
             }
             Err(error) => found.push(error.to_string()),

@@ -22,7 +22,14 @@ impl Sheet {
     /// be convex.
     #[must_use]
     pub fn crossings(&self, positions: &[Vector3<f64>]) -> Vec<[usize; 2]> {
-        let contact = CONTACT * self.median_edge();
+        self.crossings_beyond(positions, 0.0)
+    }
+
+    /// Those of a sheet that is torn by gaps (over the median edge), where faces that touch may seem to cross by twice
+    /// as much.
+    #[must_use]
+    pub fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64) -> Vec<[usize; 2]> {
+        let contact = (CONTACT + 2.0 * gap) * self.median_edge();
         let panel = |face: &Vec<usize>| {
             let corners: Vec<_> = face.iter().map(|&v| positions[v]).collect();
             Panel {

@@ -116,7 +116,9 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
         limit("a crease against its letter by", worst(against), AGAINST);
         #[allow(clippy::cast_precision_loss, reason = "a small count")]
-        let crossings = sheet.crossings(&frame.vertices).len() as f64;
+        let crossings = sheet
+            .crossings_beyond(&frame.vertices, sheet.gap(&poses))
+            .len() as f64;
         limit("crossings", crossings, 0.0);
     }
     let certified = |value: Option<f64>, other: f64| {
@@ -153,12 +155,9 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
                 angles: &angles,
             };
             shape.compare(&placed, gap, &mut random, &mut limit);
-            // Torn, a sheet may seem to cross where it touches.
-            if gap <= CLOSED {
-                #[allow(clippy::cast_precision_loss, reason = "a small count")]
-                let crossings = sheet.crossings(&placed).len() as f64;
-                limit("crossings", crossings, 0.0);
-            }
+            #[allow(clippy::cast_precision_loss, reason = "a small count")]
+            let crossings = sheet.crossings_beyond(&placed, gap).len() as f64;
+            limit("crossings", crossings, 0.0);
         }
     }
     Verdict {

@@ -40,6 +40,17 @@ impl<'t> SheetCertifier<'t> {
         })
     }
 
+    /// A bound on the closure of all vertices and holes over a segment on which the stars of
+    /// [`ReducedStars::essential`] and the loops close to within `closure`.
+    #[must_use]
+    pub fn closure(&self, closure: &Closure<'_>) -> f64 {
+        let stars = self.stars.iter().map(|&(_, star, off)| {
+            let bound = closure.stars.get(star).copied();
+            bound.unwrap_or(f64::INFINITY) + off
+        });
+        stars.fold(closure.worst(), f64::max)
+    }
+
     /// Bounds on deformation, gap and twist over a segment on which the stars of
     /// [`ReducedStars::essential`] and the loops close to within `closure`. Infinite if an essential star or
     /// a loop is missing. Cost: linear in the size of the sheet.

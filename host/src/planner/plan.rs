@@ -92,7 +92,8 @@ pub struct Plan {
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
-    /// Bound on the closure residual of every real vertex and hole over the whole motion.
+    /// Bound on the closure residual of every real vertex and hole over the whole motion; `None` where that is not
+    /// known.
     pub certified_closure: Option<f64>,
     /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
     pub certified_deformation: Option<f64>,

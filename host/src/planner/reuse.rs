@@ -140,8 +140,8 @@ impl Planning<'_> {
     fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
         let start = Instant::now();
         let closure = placed.closure();
-        self.plan.certified_closure = Some(closure.worst());
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
+        self.plan.certified_closure = sheet.as_ref().map(|sheet| sheet.closure(&closure));
         self.plan.certified_deformation = sheet.map(|mut sheet| {
             let bounds = sheet.rigidity(&closure);
             bounds.deformation.max(bounds.gap)
