@@ -1,0 +1,458 @@
+//! A whole sheet over one interval of a motion after the other: where its pieces are at the beginning, half way
+//! and at the end, how far they may be off in between, and whether a plane keeps two of them apart all the time.
+//!
+//! Along the quadratic through its three places a corner stays in the hull of that curve's control points, and
+//! so does a piece in the hull of its corners'. Take the corners of two pieces at the same control point: the
+//! least of how far one is ahead of the other, along a fixed direction, is a sum of the three with weights that
+//! are positive and sum to one. Where all three exceed what both pieces stray, the pieces are apart from the
+//! beginning to the end, however both move together.
+
+use core::ops::Range;
+
+use foldpath_core::{HalfAngle, Membership, Rotation};
+use nalgebra::{Vector2, Vector3};
+
+use super::crossing::ConvexPiece;
+use super::hierarchy::Hierarchy;
+use super::motion::{Motion, SEGMENT, Tick};
+use super::pieces::Pieces;
+use super::separation::distance;
+use crate::folding::{Bend, Pose, SpanningTree, Stray};
+use crate::pattern::{CreasePattern, FaceId};
+
+/// Part of the median edge that no piece is to stray: less where intervals are shorter.
+const STRAY: f64 = 1.0 / 8.0;
+/// The shortest interval.
+const SHORTEST: Tick = SEGMENT >> 14;
+/// Parts of a segment over which its curves are bounded, and the length of one.
+const PARTS: u32 = 8;
+const PART: Tick = SEGMENT / PARTS as Tick;
+
+/// How a face is reached from another.
+#[derive(Clone, Copy, Debug)]
+struct Hinge {
+    face: FaceId,
+    parent: FaceId,
+    crease: Option<Membership>,
+    pivot: Vector2<f64>,
+    axis: [f64; 2],
+    /// From the pivot of the parent, and to the farthest corner.
+    way: f64,
+    reach: f64,
+}
+
+/// Something at the beginning of an interval, half way and at its end.
+type Three<T> = [T; 3];
+
+/// A sheet over an interval.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    hinges: Vec<Hinge>,
+    /// What no piece is to stray.
+    limit: f64,
+    /// Greatest second derivative of each group over parts of the segment.
+    curvatures: Vec<f64>,
+    pub(super) from: Tick,
+    pub(super) to: Tick,
+    angles: Vec<f64>,
+    next: Vec<f64>,
+    half_angles: Vec<HalfAngle<f64>>,
+    bends: Vec<Bend>,
+    /// For each face.
+    paths: Vec<Stray>,
+    strays: Vec<f64>,
+    poses: Vec<Pose>,
+    normals: Three<Vec<Vector3<f64>>>,
+    /// For each corner of the pieces; in the middle the control point.
+    places: Three<Vec<Vector3<f64>>>,
+    /// For each cluster what holds it all the time.
+    boxes: Vec<[Vector3<f64>; 2]>,
+    open: Vec<[u32; 2]>,
+}
+
+impl Course {
+    pub(super) fn new(
+        pattern: &CreasePattern,
+        memberships: &[Membership],
+        groups: usize,
+        tree: &SpanningTree,
+    ) -> Self {
+        let faces = pattern.faces().len();
+        let mut pivots = vec![None; faces];
+        let hinges = tree.steps().iter().map(|step| {
+            let pivot = step.pivot;
+            let before = pivots[step.parent.index()].unwrap_or(pivot);
+            pivots[step.face.index()] = Some(pivot);
+            let corners = pattern.faces()[step.face.index()].iter();
+            let away = corners.map(|v| (pattern.vertices()[v.index()] - pivot).norm());
+            let crease = step.crease.and_then(|c| memberships.get(c.index()));
+            Hinge {
+                face: step.face,
+                parent: step.parent,
+                crease: crease.copied(),
+                pivot,
+                axis: [step.axis.x, step.axis.y],
+                way: (pivot - before).norm(),
+                reach: away.fold(0.0, f64::max),
+            }
+        });
+        Self {
+            hinges: hinges.collect(),
+            limit: STRAY * pattern.median_edge(),
+            curvatures: Vec::new(),
+            from: 0,
+            to: 0,
+            angles: vec![0.0; groups],
+            next: vec![0.0; groups],
+            half_angles: vec![HalfAngle::default(); groups],
+            bends: vec![Bend::default(); groups],
+            paths: vec![Stray::default(); faces],
+            strays: vec![0.0; faces],
+            poses: vec![Pose::identity(); faces],
+            normals: [(); 3].map(|()| vec![Vector3::z(); faces]),
+            places: [(); 3].map(|()| Vec::new()),
+            boxes: Vec::new(),
+            open: Vec::new(),
+        }
+    }
+
+    /// Begins a motion.
+    pub(super) fn begin(&mut self, motion: &Motion, pieces: &Pieces) {
+        (self.from, self.to) = (0, 0);
+        motion.angles(0, &mut self.angles);
+        for places in &mut self.places {
+            places.resize(pieces.flat.len(), Vector3::zeros());
+        }
+        self.fold(motion, pieces, 0, 2);
+    }
+
+    /// Goes on to the next interval; `false` if none is short enough.
+    pub(super) fn advance(
+        &mut self,
+        motion: &Motion,
+        pieces: &Pieces,
+        hierarchy: &Hierarchy,
+    ) -> bool {
+        // Twice as long as the last, if that is to end on a multiple of it.
+        let mut length = 2 * (self.to - self.from);
+        self.from = self.to;
+        let into = self.from % SEGMENT;
+        if into > 0 {
+            length = length.min(1 << into.trailing_zeros());
+        } else {
+            motion.curvatures(self.from, PARTS, &mut self.curvatures);
+            if self.from == 0 || length > SEGMENT {
+                length = SEGMENT;
+            }
+        }
+        self.to = self.from + length;
+        while !self.keeps_near(motion) {
+            length /= 2;
+            if length < SHORTEST {
+                return false;
+            }
+            self.to = self.from + length;
+        }
+        core::mem::swap(&mut self.angles, &mut self.next);
+        self.places.swap(0, 2);
+        self.normals.swap(0, 2);
+        self.fold(motion, pieces, self.from + length / 2, 1);
+        self.fold(motion, pieces, self.to, 2);
+        let [from, middle, to] = &mut self.places;
+        for ((middle, from), to) in middle.iter_mut().zip(from).zip(to) {
+            *middle = *middle * 2.0 - (*from + *to) / 2.0;
+        }
+        self.enclose(pieces, hierarchy);
+        true
+    }
+
+    /// Whether no piece strays too far over the interval.
+    fn keeps_near(&mut self, motion: &Motion) -> bool {
+        motion.angles(self.to, &mut self.next);
+        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
+        let part = (self.to - self.from) as f64 / SEGMENT as f64;
+        let into = self.from % SEGMENT;
+        let parts = into / PART..(into + self.to - self.from).div_ceil(PART);
+        let groups = self.bends.len();
+        for (group, bend) in self.bends.iter_mut().enumerate() {
+            let index = |k: Tick| usize::try_from(k).unwrap_or(usize::MAX) * groups + group;
+            let curvatures = parts.clone().map(|k| self.curvatures[index(k)]);
+            let curvature = curvatures.fold(0.0, f64::max);
+            // The rate differs from its mean by no more than the second derivative times the interval.
+            let bent = curvature * part * part;
+            *bend = Bend {
+                varied: (self.next[group] - self.angles[group]).abs() + bent,
+                off: bent / 8.0,
+            };
+        }
+        self.paths.fill(Stray::default());
+        self.strays.fill(0.0);
+        for hinge in &self.hinges {
+            let bend = hinge
+                .crease
+                .map_or(Bend::default(), |member| self.bends[member.group.index()]);
+            let path = self.paths[hinge.parent.index()].across(hinge.way, bend);
+            self.paths[hinge.face.index()] = path;
+            let stray = path.to(hinge.reach);
+            self.strays[hinge.face.index()] = stray;
+            if stray.is_nan() || stray > self.limit {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Puts all pieces in their places at a time.
+    fn fold(&mut self, motion: &Motion, pieces: &Pieces, time: Tick, which: usize) {
+        motion.half_angles(time, &mut self.half_angles);
+        self.poses.fill(Pose::identity());
+        for hinge in &self.hinges {
+            let parent = self.poses[hinge.parent.index()];
+            self.poses[hinge.face.index()] = match hinge.crease {
+                Some(member) => {
+                    let half = self.half_angles[member.group.index()].signed(member.negative);
+                    let turn = Rotation::about_crease(half, hinge.axis);
+                    Pose::about(parent.r_wf * turn, hinge.pivot, parent.apply(hinge.pivot))
+                }
+                None => parent,
+            };
+        }
+        for (normal, pose) in self.normals[which].iter_mut().zip(&self.poses) {
+            *normal = pose.r_wf.rotate(&Vector3::z());
+        }
+        for piece in &pieces.list {
+            let pose = self.poses[piece.face.index()];
+            for corner in piece.corners() {
+                self.places[which][corner] = pose.apply(pieces.flat[corner]);
+            }
+        }
+    }
+
+    /// Makes the boxes.
+    fn enclose(&mut self, pieces: &Pieces, hierarchy: &Hierarchy) {
+        self.boxes.clear();
+        for (node, cluster) in hierarchy.nodes.iter().enumerate() {
+            let enclosed = match cluster.children {
+                Some(children) => {
+                    let [a, b] = children.map(|child| self.boxes[child as usize]);
+                    [a[0].inf(&b[0]), a[1].sup(&b[1])]
+                }
+                None => {
+                    let piece = pieces.list[node];
+                    let slack = Vector3::repeat(self.strays[piece.face.index()]);
+                    let corners = piece.corners();
+                    let points = self
+                        .places
+                        .iter()
+                        .flat_map(|places| &places[corners.clone()]);
+                    let start = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
+                    let [low, high] =
+                        points.fold(start, |[low, high], p| [low.inf(p), high.sup(p)]);
+                    [low - slack, high + slack]
+                }
+            };
+            self.boxes.push(enclosed);
+        }
+    }
+
+    /// Calls `near` for the pairs of pieces whose boxes come within what it last answered, or meet.
+    pub(super) fn near(
+        &mut self,
+        hierarchy: &Hierarchy,
+        mut within: f64,
+        mut near: impl FnMut(&Self, [u32; 2]) -> f64,
+    ) {
+        let mut open = core::mem::take(&mut self.open);
+        for &root in &hierarchy.roots {
+            open.push([root, root]);
+            while let Some([a, b]) = open.pop() {
+                let [first, second] = [a, b].map(|node| hierarchy.nodes[node as usize]);
+                if a == b {
+                    if let Some([left, right]) = first.children {
+                        open.extend([[left, right], [left, left], [right, right]]);
+                    }
+                    continue;
+                }
+                let gap = self.gap(a, b);
+                if gap > 0.0 && gap >= within {
+                    continue;
+                }
+                match (first.children, second.children) {
+                    (None, None) => within = near(self, [a, b]),
+                    (Some(parts), _) if first.pieces >= second.pieces => {
+                        open.extend(parts.map(|part| [part, b]));
+                    }
+                    (_, Some(parts)) => open.extend(parts.map(|part| [a, part])),
+                    (Some(parts), None) => open.extend(parts.map(|part| [part, b])),
+                }
+            }
+        }
+        self.open = open;
+    }
+
+    fn gap(&self, a: u32, b: u32) -> f64 {
+        let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
+        let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
+        apart.sup(&Vector3::zeros()).norm()
+    }
+
+    /// How far apart a plane sees two pieces that it keeps apart from the beginning to the end: no farther than they
+    /// are at the beginning and at the end, the first and the last. `None` if no such plane was found.
+    pub(super) fn parted(&self, pieces: &Pieces, pair: [u32; 2]) -> Option<Three<f64>> {
+        let pair = pair.map(|piece| pieces.list[piece as usize]);
+        let corners = pair.map(|piece| piece.corners());
+        let faces = pair.map(|piece| piece.face.index());
+        let slack = self.strays[faces[0]] + self.strays[faces[1]];
+        let center = |corners: &Range<usize>| {
+            let sum: Vector3<f64> = self.places[1][corners.clone()].iter().sum();
+            #[allow(clippy::cast_precision_loss, reason = "a mean")]
+            let center = sum / corners.len() as f64;
+            center
+        };
+        let between = center(&corners[1]) - center(&corners[0]);
+        let normals = |which: usize| faces.map(|face| self.normals[which][face]);
+        let along = core::iter::once_with(|| between.normalize());
+        let first = normals(1).into_iter().chain(along);
+        let others = [2, 0].into_iter().flat_map(normals);
+        for direction in first.chain(others) {
+            let forwards = direction * direction.dot(&between).signum();
+            let ahead = self.ahead(&corners, forwards);
+            if ahead.iter().all(|&ahead| ahead > slack) {
+                return Some(ahead);
+            }
+        }
+        None
+    }
+
+    /// How far the second piece is ahead of the first at each control point.
+    fn ahead(&self, corners: &[Range<usize>; 2], direction: Vector3<f64>) -> Three<f64> {
+        self.places.each_ref().map(|places| {
+            let along = |corners: &Range<usize>| {
+                places[corners.clone()]
+                    .iter()
+                    .map(move |p| direction.dot(p))
+            };
+            let first = along(&corners[0]).fold(f64::NEG_INFINITY, f64::max);
+            let second = along(&corners[1]).fold(f64::INFINITY, f64::min);
+            second - first
+        })
+    }
+
+    /// The distance of two pieces at the beginning (0) or the end (2) of the interval.
+    pub(super) fn distance(&self, pieces: &Pieces, pair: [u32; 2], end: usize) -> f64 {
+        let [a, b] = pair.map(|piece| {
+            let piece = pieces.list[piece as usize];
+            ConvexPiece {
+                corners: &self.places[end][piece.corners()],
+                normal: self.normals[end][piece.face.index()],
+            }
+        });
+        distance(&a, &b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folding::FoldingMap;
+    use crate::generate::{Miura, Waterbomb};
+    use crate::symmetry::CreaseGroups;
+    use foldpath_core::Curve;
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng as _;
+
+    /// Torn sheets, each crease on its own: only the tree says where faces are.
+    #[test]
+    fn pieces_stray_no_farther_and_stay_as_far_apart_as_is_said() {
+        let mut random = Pcg64::new(7, 1);
+        let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
+        let miura = Miura {
+            rows: 4,
+            columns: 5,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let waterbomb = Waterbomb {
+            rows: 2,
+            columns: 4,
+            fold: 0.5,
+        };
+        let (mut parted, mut strayed) = (0, 0.0_f64);
+        for round in 0..12 {
+            let drawing = [miura.drawing(), waterbomb.drawing()][round % 2].clone();
+            let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
+            let groups = CreaseGroups::trivial(&pattern);
+            let tree = SpanningTree::from_central_face(&pattern);
+            let mut start: Vec<f64> = (0..groups.len()).map(|_| 0.3 * noise()).collect();
+            let mut segments = Vec::new();
+            for segment in 0..3 {
+                let mut curves = Vec::new();
+                for angle in &mut start {
+                    let knots = [0.2, 0.4, 0.6].map(|part| *angle + part * noise());
+                    curves.push(if segment == 1 {
+                        let half = [*angle, knots[0], knots[1], knots[2]].map(|a| a / 2.0);
+                        // As long as they are not, the ends keep their angles.
+                        let weight = [1.0, 1.0 + 0.2 * noise(), 1.0 + 0.2 * noise(), 1.0];
+                        Curve::HalfAngle {
+                            cos: core::array::from_fn(|k| weight[k] * half[k].cos()),
+                            sin: core::array::from_fn(|k| weight[k] * half[k].sin()),
+                        }
+                    } else {
+                        Curve::Angle([*angle, knots[0], knots[1], knots[2]])
+                    });
+                    *angle = knots[2];
+                }
+                segments.push(curves);
+            }
+            let motion = Motion::new(&segments, groups.len());
+            let pieces = Pieces::new(&pattern);
+            let hierarchy = Hierarchy::new(&pieces);
+            let mut course = Course::new(&pattern, groups.memberships(), groups.len(), &tree);
+            course.begin(&motion, &pieces);
+            let mut map = FoldingMap::flat(&pattern);
+            while course.to < motion.end() {
+                assert!(course.advance(&motion, &pieces, &hierarchy));
+                let mut pairs = Vec::new();
+                course.near(&hierarchy, f64::INFINITY, |course, pair| {
+                    pairs.extend(course.parted(&pieces, pair).map(|_| pair));
+                    f64::INFINITY
+                });
+                parted += pairs.len();
+                for part in 0..=10 {
+                    let time = course.from + (course.to - course.from) / 10 * part;
+                    let (segment, s) = motion.place(time.min(course.to - 1));
+                    let angles: Vec<_> = segments[segment].iter().map(|c| c.angle(s)).collect();
+                    map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
+                    let at = |piece: u32| {
+                        let piece = pieces.list[piece as usize];
+                        let pose = &map.poses()[piece.face.index()];
+                        let corners = pieces.flat[piece.corners()].iter();
+                        let corners: Vec<_> = corners.map(|&c| pose.apply(c)).collect();
+                        (corners, pose.r_wf.rotate(&Vector3::z()))
+                    };
+                    #[allow(clippy::cast_precision_loss, reason = "a small number")]
+                    let s = part as f64 / 10.0;
+                    let weights = [(1.0 - s) * (1.0 - s), 2.0 * s * (1.0 - s), s * s];
+                    for (index, piece) in (0..).zip(&pieces.list) {
+                        let stray = course.strays[piece.face.index()];
+                        for (corner, place) in piece.corners().zip(at(index).0) {
+                            let along: Vector3<f64> =
+                                (0..3).map(|k| course.places[k][corner] * weights[k]).sum();
+                            let off = (place - along).norm();
+                            assert!(off <= stray + 1e-9, "{round} {time}: {off} {stray}");
+                            strayed = strayed.max(off / course.limit);
+                        }
+                    }
+                    for pair in &pairs {
+                        let [(a, n), (b, m)] = pair.map(at);
+                        let [a, b] = [(&a, n), (&b, m)]
+                            .map(|(corners, normal)| ConvexPiece { corners, normal });
+                        assert!(distance(&a, &b) > 0.0, "{round} {time}: {pair:?}");
+                    }
+                }
+            }
+        }
+        // And not by much less.
+        assert!(parted > 10_000 && strayed > 0.02, "{parted} {strayed}");
+    }
+}
