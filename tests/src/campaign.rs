@@ -21,9 +21,6 @@ use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
 
 /// Disputes of a family that are shown.
 const SHOWN: usize = 20;
-/// `check` folds from another face than the planner, and may certify so many times as much of a sheet that does not
-/// close.
-const OTHER_FACE: f64 = 2.0;
 /// How long beyond its deadline a plan may take before it counts as late.
 const GRACE: Duration = Duration::from_secs(1);
 
@@ -245,10 +242,12 @@ fn judge(
         let found = &mut verdict.disagreements;
         match path_file(&text) {
             Ok(file) => {
-                // What is drawn by hand closes no better than it is drawn.
+                // What is drawn by hand closes no better than it is drawn, and may be certified to less than was asked:
+                // the plan says so, and is held to what it says.
                 let usual = CheckOptions::default();
+                let admitted = plan.certified_deformation.unwrap_or(0.0);
                 let bound = if rough {
-                    OTHER_FACE * options.bound
+                    options.bound.max(admitted)
                 } else {
                     usual.bound
                 };

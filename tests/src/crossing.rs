@@ -25,11 +25,15 @@ impl Sheet {
         self.crossings_beyond(positions, 0.0)
     }
 
-    /// Those of a sheet that is torn by gaps (over the median edge), where faces that touch may seem to cross by twice
-    /// as much.
+    /// Those of a sheet that is torn by gaps (over the median edge), where faces that meet in a vertex may cross by
+    /// twice as much: one is off by the gap there, and turned by about as much.
     #[must_use]
     pub fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64) -> Vec<[usize; 2]> {
-        let contact = (CONTACT + 2.0 * gap) * self.median_edge();
+        let unit = self.median_edge();
+        let contact = |a: usize, b: usize| {
+            let meet = self.faces[a].iter().any(|v| self.faces[b].contains(v));
+            (CONTACT + if meet { 2.0 * gap } else { 0.0 }) * unit
+        };
         let panel = |face: &Vec<usize>| {
             let corners: Vec<_> = face.iter().map(|&v| positions[v]).collect();
             Panel {
@@ -50,7 +54,7 @@ impl Sheet {
         pairs
             .filter(|&[a, b]| {
                 let (panel, other) = (&panels[a], &panels[b]);
-                panel.near(other) && panel.crosses(other, contact) && !joined(a, b)
+                panel.near(other) && panel.crosses(other, contact(a, b)) && !joined(a, b)
             })
             .collect()
     }
