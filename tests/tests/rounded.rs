@@ -4,7 +4,7 @@
 use foldpath::formats::fold::{PatternFile, read_pattern};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
 use foldpath::planner::{CHOSEN_REACH, Outcome, PlanOptions};
-use foldpath_tests::{Planned, pattern_file};
+use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Rotation2;
 
 /// The pattern turned by 0.3 rad, its coordinates rounded to multiples of `unit`.
@@ -71,5 +71,27 @@ fn coarse_rounding_never_passes_for_another_goal() {
                 assert!(plan.reason.is_some(), "{name} {unit:e}");
             }
         }
+    }
+}
+
+/// Some vertices of a coarsely rounded sheet close worse than the one that stands for them.
+#[test]
+fn the_certified_closure_holds_of_every_vertex() {
+    for name in ["miura-11x11", "waterbomb-8x10"] {
+        let options = PlanOptions {
+            bound: 1e-2,
+            ..PlanOptions::default()
+        };
+        let planned = Planned::of(rounded(name, 1e-4).unwrap(), &options);
+        let plan = &planned.plan;
+        assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
+        let file = serde_json::from_str(&planned.text()).unwrap();
+        let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+        let stars = sheet.stars();
+        let places = (0..motion.segments()).flat_map(|k| (0..=100).map(move |i| (k, i)));
+        let shapes = places.map(|(k, i)| motion.angles(k, f64::from(i) / 100.0));
+        let open = worst(shapes.map(|angles| sheet.closure_round(&stars, &angles)));
+        let certified = plan.certified_closure.unwrap();
+        assert!(open <= certified, "{name}: {open:e} of {certified:e}");
     }
 }

@@ -44,20 +44,16 @@ impl<'t> SheetCertifier<'t> {
     /// [`ReducedStars::essential`] and the loops close to within `closure`.
     #[must_use]
     pub fn closure(&self, closure: &Closure<'_>) -> f64 {
-        let stars = self.stars.iter().map(|&(_, star, off)| {
-            let bound = closure.stars.get(star).copied();
-            bound.unwrap_or(f64::INFINITY) + off
-        });
-        stars.fold(closure.worst(), f64::max)
+        let bounds = self.stars.iter().map(|star| of_star(closure, star));
+        bounds.fold(closure.worst(), f64::max)
     }
 
     /// Bounds on deformation, gap and twist over a segment on which the stars of
     /// [`ReducedStars::essential`] and the loops close to within `closure`. Infinite if an essential star or
     /// a loop is missing. Cost: linear in the size of the sheet.
     pub fn rigidity(&mut self, closure: &Closure<'_>) -> Rigidity {
-        for &(vertex, star, off) in &self.stars {
-            let bound = closure.stars.get(star).copied();
-            self.vertex_bounds[vertex.index()] = bound.unwrap_or(f64::INFINITY) + off;
+        for star in &self.stars {
+            self.vertex_bounds[star.0.index()] = of_star(closure, star);
         }
         for (index, &hole) in self.holes.iter().enumerate() {
             let bound = closure.loops.get(index).copied();
@@ -72,4 +68,10 @@ impl<'t> SheetCertifier<'t> {
             twist: bound.twist + self.rounding.twist,
         }
     }
+}
+
+/// A bound on the closure of a vertex, by that of the star that stands for it.
+fn of_star(closure: &Closure<'_>, &(_, star, off): &(VertexId, usize, f64)) -> f64 {
+    let bound = closure.stars.get(star).copied();
+    bound.unwrap_or(f64::INFINITY) + off
 }
