@@ -277,13 +277,15 @@ impl Course {
                 if gap > 0.0 && gap >= within {
                     continue;
                 }
-                match (first.children, second.children) {
-                    (None, None) => within = near(self, [a, b]),
-                    (Some(parts), _) if first.pieces >= second.pieces => {
-                        open.extend(parts.map(|part| [part, b]));
-                    }
-                    (_, Some(parts)) => open.extend(parts.map(|part| [a, part])),
-                    (Some(parts), None) => open.extend(parts.map(|part| [part, b])),
+                // The larger is halved: of one piece are both when that is.
+                let (larger, parts, other) = if first.pieces >= second.pieces {
+                    (a, first.children, b)
+                } else {
+                    (b, second.children, a)
+                };
+                match parts {
+                    Some(parts) => open.extend(parts.map(|part| [part, other])),
+                    None => within = near(self, [larger, other]),
                 }
             }
         }

@@ -162,8 +162,17 @@ impl Pieces {
         &self.joints[first as usize..end as usize]
     }
 
-    /// Pairs of pieces of the same sheet, and how many of them a side joins, where all are there.
-    pub(super) fn count_pairs(&self, sheets: usize) -> [u64; 2] {
+    /// Number of pairs of pieces of the same sheet.
+    pub(super) fn pairs(&self, sheets: usize) -> u64 {
+        let mut in_sheet = vec![0_u64; sheets];
+        for piece in &self.list {
+            in_sheet[piece.sheet as usize] += 1;
+        }
+        in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2).sum()
+    }
+
+    /// How many of them a side joins, where all are there.
+    pub(super) fn joined_pairs(&self) -> u64 {
         // Two faces may share several sides in a line.
         let mut joined: Vec<(u32, u32)> = (0..)
             .take(self.list.len())
@@ -172,12 +181,7 @@ impl Pieces {
             .collect();
         joined.sort_unstable();
         joined.dedup();
-        let mut in_sheet = vec![0_u64; sheets];
-        for piece in &self.list {
-            in_sheet[piece.sheet as usize] += 1;
-        }
-        let alike = in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2);
-        [alike.sum(), joined.len() as u64]
+        joined.len() as u64
     }
 
     /// Whether a side joins the pieces.

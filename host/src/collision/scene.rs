@@ -69,7 +69,6 @@ impl CollisionScene {
     #[must_use]
     pub fn new(pattern: &CreasePattern) -> Self {
         let pieces = Pieces::new(pattern);
-        let [alike, joined] = pieces.count_pairs(pattern.sheets());
         Self {
             folded: pieces.flat.iter().map(|p| p.push(0.0)).collect(),
             normals: vec![Vector3::z(); pieces.list.len()],
@@ -78,7 +77,7 @@ impl CollisionScene {
             median_edge: pattern.median_edge(),
             reach: 0.1 * pattern.median_edge(),
             counts: CollisionCounts::default(),
-            pairs: alike - joined,
+            pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs(),
             pieces,
         }
     }

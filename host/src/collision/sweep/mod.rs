@@ -245,8 +245,8 @@ impl<'a> Sweep<'a> {
             self.unseen.clear();
             self.push([0, 0], Kind::Interval, None, 0);
             let touching = self.pieces.touching();
-            let [alike, _] = self.pieces.count_pairs(self.pattern.sheets());
-            self.others = alike - touching.len() as u64;
+            let pairs = self.pieces.pairs(self.pattern.sheets());
+            self.others = pairs - touching.len() as u64;
             for pair in touching {
                 self.add(pair, 0);
             }
@@ -310,8 +310,8 @@ impl<'a> Sweep<'a> {
             let alike = pieces * pieces.saturating_sub(1) / 2;
             [alike, pairs.min(alike), self.joined]
         } else {
-            let [alike, joined] = self.pieces.count_pairs(self.pattern.sheets());
-            [alike, alike, joined]
+            let pairs = self.pieces.pairs(self.pattern.sheets());
+            [pairs, pairs, self.pieces.joined_pairs()]
         };
         let counts = &mut self.counts;
         if self.options.skip_edges {
