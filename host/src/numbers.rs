@@ -19,6 +19,11 @@ pub(crate) fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
     (high - low).norm()
 }
 
+/// The larger number; NaN if either is, so that what is broken never passes for good.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -364,3 +364,26 @@ fn a_speed_close_to_nothing_is_refused() {
         .run("plan miura.fold --max-speed 1e-308 -o slow.fold")
         .with_status(2);
 }
+
+/// Knots are the configurations followed, joined straight; nothing is said of what lies between.
+#[test]
+fn judged_at_knots_alone() {
+    let folder = Folder::with_path();
+    folder.done("generate miura --rows 4 --cols 4 -o pattern.fold");
+    let plan = "plan pattern.fold -o first.fold --json --judge knots";
+    let summary = folder.run(plan).with_status(0).json();
+    assert_eq!(summary["outcome"], "planned");
+    assert_eq!(summary["certified_deformation"], Value::Null);
+    assert_eq!(summary["min_clearance"], Value::Null);
+    let path = folder.read_json("first.fold");
+    assert_eq!(path["foldpath:interpolation"], "linear");
+    let frames = path["file_frames"].as_array().unwrap();
+    assert_eq!(frames.len() as u64, summary["knots"].as_u64().unwrap());
+    let angles = |frame: &Value| numbers(&frame["edges_foldAngle"]);
+    let steps = frames
+        .windows(2)
+        .map(|pair| furthest(&angles(&pair[0]), &angles(&pair[1])));
+    assert!(steps.fold(0.0, f64::max) <= 10.0 + 1e-9);
+    let refused = folder.run(&format!("{plan} --max-accel 10")).with_status(2);
+    assert!(refused.begins("--max-accel: expected none where knots alone"));
+}

@@ -3,7 +3,7 @@
 
 use foldpath::formats::fold::{PatternFile, read_pattern};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
-use foldpath::planner::{CHOSEN_REACH, Outcome, PlanOptions};
+use foldpath::planner::{CHOSEN_REACH, Judged, Outcome, PlanOptions};
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Rotation2;
 
@@ -78,20 +78,31 @@ fn coarse_rounding_never_passes_for_another_goal() {
 #[test]
 fn the_certified_closure_holds_of_every_vertex() {
     for name in ["miura-11x11", "waterbomb-8x10"] {
-        let options = PlanOptions {
-            bound: 1e-2,
-            ..PlanOptions::default()
-        };
-        let planned = Planned::of(rounded(name, 1e-4).unwrap(), &options);
-        let plan = &planned.plan;
-        assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
-        let file = serde_json::from_str(&planned.text()).unwrap();
-        let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
-        let stars = sheet.stars();
-        let places = (0..motion.segments()).flat_map(|k| (0..=100).map(move |i| (k, i)));
-        let shapes = places.map(|(k, i)| motion.angles(k, f64::from(i) / 100.0));
-        let open = worst(shapes.map(|angles| sheet.closure_round(&stars, &angles)));
-        let certified = plan.certified_closure.unwrap();
-        assert!(open <= certified, "{name}: {open:e} of {certified:e}");
+        for judged in [Judged::Motion, Judged::Knots] {
+            let options = PlanOptions {
+                bound: 1e-2,
+                judged,
+                keep_vertices: false,
+                ..PlanOptions::default()
+            };
+            let planned = Planned::of(rounded(name, 1e-4).unwrap(), &options);
+            let plan = &planned.plan;
+            assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
+            let file = serde_json::from_str(&planned.text()).unwrap();
+            let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+            let stars = sheet.stars();
+            let (certified, parts) = match judged {
+                Judged::Motion => (plan.certified_closure.unwrap(), 100),
+                Judged::Knots => (plan.max_closure, 1),
+            };
+            let places = (0..motion.segments()).flat_map(|k| (0..=parts).map(move |i| (k, i)));
+            let shapes = places.map(|(k, i)| motion.angles(k, f64::from(i) / f64::from(parts)));
+            let open = worst(shapes.map(|angles| sheet.closure_round(&stars, &angles)));
+            assert!(open <= certified, "{name}: {open:e} of {certified:e}");
+            assert!(
+                certified <= 10.0 * open,
+                "{name}: {open:e} of {certified:e}"
+            );
+        }
     }
 }

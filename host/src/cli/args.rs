@@ -338,6 +338,9 @@ pub(super) struct Plan {
     /// How time runs along the path
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(super) pace: Pace,
+    /// What of the path is judged
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    pub(super) judge: Judged,
     /// Knots that the path has at most
     #[arg(long, value_name = "N", help_heading = "Path written")]
     pub(super) max_knots: Option<usize>,
@@ -425,6 +428,15 @@ pub(super) enum Pace {
     Optimal,
     /// So that few knots suffice
     Sparse,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum Judged {
+    /// The whole motion, certified between its knots
+    #[default]
+    Motion,
+    /// Its knots alone, joined straight whatever the pace: a first look, sooner
+    Knots,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -546,6 +558,10 @@ impl Plan {
                 planner::Vertices::All
             } else {
                 planner::Vertices::Essential
+            },
+            judged: match self.judge {
+                Judged::Motion => planner::Judged::Motion,
+                Judged::Knots => planner::Judged::Knots,
             },
             collision: self.collision == Switch::On,
             skips: planner::Skips {

@@ -275,7 +275,7 @@ impl<'a> Cells<'a> {
 
     /// All differences of cells that there are, and perhaps others between them in a row, unless those are too
     /// many. A lattice that is not square to the sheet has few of those in the box round them.
-    fn all(&mut self) -> Option<Vec<[i32; 2]>> {
+    pub(super) fn all(&mut self) -> Option<Vec<[i32; 2]>> {
         let mut cells = Vec::new();
         for row in 0..=i32::try_from(self.most[1]).ok()? {
             let columns = columns(&mut self.columns, self.lattice, row).iter();
@@ -355,6 +355,11 @@ impl<'a> Cells<'a> {
         face: FaceId,
     ) -> (Pose, Vector2<f64>) {
         self.fold(motion, time);
+        self.pose_here(face)
+    }
+
+    /// The same where the cells are.
+    pub(super) fn pose_here(&mut self, face: FaceId) -> (Pose, Vector2<f64>) {
         let place = self.lattice.place(face);
         let origin = self.lattice.translation(place.cell);
         let here = self.folded.pose(place.orbit, [0, 0]);
@@ -384,19 +389,7 @@ impl<'a> Cells<'a> {
         [near, best]: [f64; 2],
     ) -> Apart {
         self.fold(motion, time);
-        if self.centered != time {
-            self.centered = time;
-            let disks = (0..).zip(&self.circles).map(|(orbit, &(center, radius))| {
-                let pose = self.folded.pose(orbit, [0, 0]);
-                Disk {
-                    center: pose.apply(center),
-                    normal: pose.r_wf.rotate(&Vector3::z()),
-                    radius,
-                }
-            });
-            self.disks.clear();
-            self.disks.extend(disks);
-        }
+        self.put_disks();
         let index = offset as usize;
         let cell = self.offsets[index].cell;
         let there = self.translation(cell);
@@ -433,6 +426,69 @@ impl<'a> Cells<'a> {
             }
         }
         apart
+    }
+
+    /// Puts the circles round faces in their places.
+    fn put_disks(&mut self) {
+        if self.centered == self.time {
+            return;
+        }
+        self.centered = self.time;
+        let disks = (0..).zip(&self.circles).map(|(orbit, &(center, radius))| {
+            let pose = self.folded.pose(orbit, [0, 0]);
+            Disk {
+                center: pose.apply(center),
+                normal: pose.r_wf.rotate(&Vector3::z()),
+                radius,
+            }
+        });
+        self.disks.clear();
+        self.disks.extend(disks);
+    }
+
+    /// Goes to a configuration that is part of no motion, by the half fold angles of the groups.
+    pub(super) fn go_to(&mut self, half_angles: &[HalfAngle<f64>]) {
+        self.time = self.time.wrapping_add(1);
+        self.folded.fold(half_angles);
+        self.put_disks();
+    }
+
+    /// A number that is another after each [`go_to`](Self::go_to).
+    pub(super) fn time(&self) -> Tick {
+        self.time
+    }
+
+    /// Calls `found` for the classes of pairs of faces that may touch there, in these differences of cells.
+    pub(super) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
+        let center = self.folded.middle();
+        let orbits = self.disks.len();
+        for row in cells.chunk_by(|a, b| a[1] == b[1]) {
+            let across = *self.power(1, row[0][1]);
+            let middle = across.carry(&center);
+            for &cell in row {
+                let along = *self.power(0, cell[0]);
+                if self.folded.gap_at(&along.carry(&middle)) > 0.0 {
+                    continue;
+                }
+                let there = along * across;
+                let columns = columns(&mut self.columns, self.lattice, cell[1]);
+                for b in 0..orbits {
+                    let here = self.disks[b];
+                    let disk = Disk {
+                        center: there.carry(&here.center),
+                        normal: there.r_wf.rotate(&here.normal),
+                        ..here
+                    };
+                    let end = if cell == [0, 0] { b } else { orbits };
+                    for a in 0..end {
+                        let is_there = columns[a * orbits + b].contains(&cell[0]);
+                        if is_there && disk.apart(&self.disks[a]) <= 0.0 {
+                            found(class(cell, [a, b]));
+                        }
+                    }
+                }
+            }
+        }
     }
 
     fn take(&mut self, index: usize, [a, b]: [usize; 2], near: &mut Vec<[FaceId; 2]>) {

@@ -11,6 +11,7 @@ mod contact;
 mod course;
 mod crossing;
 mod hierarchy;
+mod lattice_scene;
 mod motion;
 mod near_cells;
 mod pieces;
@@ -21,6 +22,7 @@ mod sweep;
 mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
+pub use lattice_scene::LatticeScene;
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};

@@ -4,7 +4,7 @@ use foldpath_core::{HalfAngle, Membership, Rotation, closure};
 use nalgebra::{Vector2, Vector3};
 
 use super::tree::{SpanningTree, Step};
-use crate::numbers::largest;
+use crate::numbers::{larger, largest};
 use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
 
 /// Rigid motion of a face from the flat sheet (frame f) to space (frame w): x_w = r_wf x_f + p_w.
@@ -119,11 +119,6 @@ impl Rigidity {
             twist: larger(self.twist, other.twist),
         }
     }
-}
-
-/// The larger number; NaN if either is, so that a broken map never passes for a good one.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
 }
 
 /// The folding map at one configuration: a pose for each face. Reused from one configuration to

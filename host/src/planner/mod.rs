@@ -5,6 +5,7 @@
 //! it is not. Knots are placed on it, as few as a bound on the error between them allows, and the motion is
 //! reused on the whole sheet and judged there.
 
+mod at_knots;
 mod attempt;
 mod chord;
 mod course;
@@ -32,7 +33,8 @@ pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Knot, Path};
 pub use mobility::{FirstStep, Mobility, first_step};
 pub use options::{
-    HingeLimit, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices,
+    HingeLimit, Judged, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing,
+    Vertices,
 };
 pub use overshoot::Overshoot;
 pub use plan::{Outcome, Plan, Times, plan};

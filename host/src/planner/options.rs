@@ -25,7 +25,7 @@ pub enum Vertices {
     /// One for each distinct condition.
     #[default]
     Essential,
-    /// All real vertices.
+    /// All real vertices, of which those that are alike in every bit are evaluated once.
     All,
 }
 
@@ -57,6 +57,18 @@ pub enum Timing {
     Optimal,
     /// So that few knots suffice: in proportion to the tangent of one hinge's half angle, or to the way.
     Sparse,
+}
+
+/// What of a path is judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Judged {
+    /// The whole motion: as few knots as keep it within the bound, certified between them.
+    #[default]
+    Motion,
+    /// Configurations no farther than the largest step from each other, which become the knots, and nothing between
+    /// them: sooner, for a first look. Hinges turn evenly from knot to knot, whatever interpolation and pace are asked
+    /// for, and without a limit on their acceleration.
+    Knots,
 }
 
 /// What the search for crossings skips. Each may be switched off to compare: the verdict stays.
@@ -103,6 +115,8 @@ pub struct PlanOptions {
     pub symmetry: Symmetry,
     /// Which closure conditions to solve.
     pub vertices: Vertices,
+    /// What of the path is judged.
+    pub judged: Judged,
     /// Whether to look for faces that pass through each other.
     pub collision: bool,
     /// What that search skips.
@@ -144,6 +158,7 @@ impl Default for PlanOptions {
             bound: 0.01,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
+            judged: Judged::default(),
             collision: true,
             skips: Skips::default(),
             interpolation: None,
@@ -234,6 +249,13 @@ impl PlanOptions {
         positive("max_step", self.max_step)?;
         positive("max_speed", self.max_speed)?;
         positive("max_acceleration", self.max_acceleration.unwrap_or(1.0))?;
+        if let (Judged::Knots, Some(found)) = (self.judged, self.max_acceleration) {
+            return Err(OptionsError {
+                option: "max_acceleration",
+                expected: "none where knots alone are judged, as they are joined straight",
+                found: found.to_degrees(),
+            });
+        }
         if self.max_speed < SLOWEST {
             return Err(OptionsError {
                 option: "max_speed",

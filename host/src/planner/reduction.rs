@@ -168,7 +168,8 @@ impl Reduction {
     fn stars(&self) -> &ReducedStars {
         match self.vertices {
             Vertices::Essential => &self.essential,
-            Vertices::All => &self.all,
+            // Residuals that are the same, bit for bit, say nothing more.
+            Vertices::All => &self.distinct,
         }
     }
 

@@ -9,7 +9,7 @@ use super::course::Course;
 use super::follow::{Waypoint, max_difference};
 use super::judge::Judge;
 use super::knots::Knot;
-use super::options::Skips;
+use super::options::{Judged, Skips};
 use super::place::{Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
@@ -59,12 +59,16 @@ impl Planning<'_> {
     pub(super) fn judge(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
         self.plan.reached = found.reached;
         self.plan.waypoints = found.waypoints.len();
+        if self.options.judged == Judged::Knots {
+            return self.judge_knots(reduction, found);
+        }
         let course = Course::new(found.waypoints);
         let Some(mut placed) = self.place(reduction, found, &course) else {
             self.plan.reached = 0.0;
             return self.unplaced();
         };
         self.certify(reduction, &placed);
+        self.plan.path.interpolation = placed.interpolation;
         self.options.begin(Stage::Folding);
         let mut judge = Judge::new(self.pattern, reduction, false);
         judge.keep_vertices = self.options.keep_vertices;
@@ -72,7 +76,8 @@ impl Planning<'_> {
             if self.is_late() {
                 self.plan.reached = 0.0;
                 placed.knots.truncate(index);
-                self.keep(&judge, placed);
+                self.plan.times.fold += judge.fold;
+                self.keep(placed.knots);
                 return self.end(
                     Outcome::Timeout,
                     format!("out of time while judging knot {index}"),
@@ -86,7 +91,8 @@ impl Planning<'_> {
         let knots = placed.knots.iter();
         (self.plan.essential_rigidity, self.plan.essential_faces) =
             judge.essential(knots.map(|knot| knot.angles.as_slice()));
-        self.keep(&judge, placed);
+        self.plan.times.fold += judge.fold;
+        self.keep(placed.knots);
         let torn = self.torn();
         if self.options.collision && torn.is_none() {
             return self.sweep(reduction, found, &course);
@@ -150,9 +156,8 @@ impl Planning<'_> {
     }
 
     /// Keeps the knots, and what was measured at them.
-    fn keep(&mut self, judge: &Judge<'_>, placed: Placed) {
-        self.plan.times.fold += judge.fold;
-        for knot in &placed.knots {
+    pub(super) fn keep(&mut self, knots: Vec<Knot>) {
+        for knot in &knots {
             self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
                 deformation: knot.deformation,
                 gap: knot.gap,
@@ -160,8 +165,7 @@ impl Planning<'_> {
             });
             self.plan.max_closure = self.plan.max_closure.max(knot.closure);
         }
-        self.plan.path.interpolation = placed.interpolation;
-        self.plan.path.knots = placed.knots;
+        self.plan.path.knots = knots;
     }
 
     /// What the search for crossings is asked.
@@ -240,6 +244,9 @@ impl Planning<'_> {
                 return plan;
             }
             if faces > MOST_FACES {
+                self.plan.notes.push(format!(
+                    "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
+                ));
                 return self.sweep_knots(reduction);
             }
             start = Instant::now();
@@ -333,19 +340,20 @@ impl Planning<'_> {
     }
 
     /// Looks for crossings at the knots alone.
-    fn sweep_knots(mut self, reduction: &Reduction) -> Plan {
+    pub(super) fn sweep_knots(mut self, reduction: &Reduction) -> Plan {
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, true);
         let mut knots = self.plan.path.knots.iter().enumerate();
         let crossing = knots.find_map(|(index, knot)| Some((index, judge.crossing_at(knot)?)));
         self.plan.times.collision += start.elapsed();
-        let Some((index, crossing)) = crossing else {
-            self.plan.notes.push(format!(
-                "crossings were looked for at knots only: too many faces ({}) for the motion between them",
-                self.pattern.faces().len()
-            ));
-            return self.plan;
-        };
+        match crossing {
+            Some((index, crossing)) => self.crossed_at(index, crossing),
+            None => self.plan,
+        }
+    }
+
+    /// Ends the path before a knot at which faces cross.
+    pub(super) fn crossed_at(mut self, index: usize, crossing: Crossing) -> Plan {
         let last = self.plan.path.knots.last().map_or(1.0, |last| last.time);
         let before = index
             .checked_sub(1)
@@ -430,7 +438,7 @@ impl Planning<'_> {
     }
 
     /// Why the sheet does not keep the bound at its knots, if so.
-    fn torn(&mut self) -> Option<String> {
+    pub(super) fn torn(&mut self) -> Option<String> {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
         let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);

@@ -2,11 +2,9 @@
 
 use std::time::Instant;
 
-use foldpath::collision::CollisionScene;
-use foldpath::folding::FoldingMap;
-use foldpath::planner::{Path, Plan, PlanOptions, plan};
-use foldpath_core::Membership;
+use foldpath::planner::{Judged, Path, Plan, PlanOptions, plan};
 
+use super::search::STEP;
 use super::sheet::Sheet;
 
 /// A plan, and how long it takes.
@@ -18,10 +16,11 @@ pub(super) struct Ours {
     pub(super) collision: f64,
     /// Seconds of it that are finding tree, groups and stars, which the report's method is given.
     pub(super) given: f64,
-    /// Seconds of what the report's method does too: following the path, and judging its configurations, as
-    /// many as were closed on the way, by deformation and crossings there. The rest is knots that keep the
-    /// bound between them, and crossings between.
+    /// Seconds of a plan that is judged at its knots alone, as the report's method judges, with steps as long as
+    /// its, less those of what that is given.
     pub(super) at_knots: f64,
+    /// How many knots that plan has.
+    pub(super) alone: usize,
 }
 
 /// Seconds that runs are repeated for, how often at least and at most, and from when on not at all.
@@ -41,26 +40,31 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         (start.elapsed().as_secs_f64(), found)
     };
     let whole = repeated(timed);
-    let without = PlanOptions {
-        collision: false,
+    let alone = PlanOptions {
+        judged: Judged::Knots,
+        max_step: STEP,
         ..options.clone()
     };
     let knots = repeated(|| {
-        let plan = plan(&sheet.pattern, &sheet.goal, &without);
-        let places = places(&plan.path, plan.waypoints);
         let start = Instant::now();
-        let crossing = crossing_at(sheet, &plan.path.memberships, &places);
-        let seconds = (plan.times.solve + start.elapsed()).as_secs_f64();
-        (seconds, (crossing, plan.times.symmetry.as_secs_f64()))
+        let plan = plan(&sheet.pattern, &sheet.goal, &alone);
+        let seconds = start.elapsed().saturating_sub(plan.times.symmetry);
+        (seconds.as_secs_f64(), plan)
     });
     let (seconds, plan) = median(whole);
-    let (at_knots, (_, given)) = median(knots);
+    let (at_knots, first_look) = median(knots);
+    assert_eq!(
+        plan.outcome.name(),
+        first_look.outcome.name(),
+        "judged at knots alone"
+    );
     Ours {
+        given: plan.times.symmetry.as_secs_f64(),
         collision: plan.times.collision.as_secs_f64() / seconds,
         plan,
         seconds,
-        given,
         at_knots,
+        alone: first_look.path.knots.len(),
     }
 }
 
@@ -82,18 +86,6 @@ fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> Vec<(f64, T)> {
 fn median<T>(mut runs: Vec<(f64, T)>) -> (f64, T) {
     runs.sort_by(|a, b| a.0.total_cmp(&b.0));
     runs.swap_remove(runs.len() / 2)
-}
-
-/// Whether faces cross at one of the configurations. Measures deformation and gap there, too.
-fn crossing_at(sheet: &Sheet, memberships: &[Membership], places: &[Vec<f64>]) -> bool {
-    let pattern = &sheet.pattern;
-    let mut map = FoldingMap::flat(pattern);
-    let mut scene = CollisionScene::new(pattern);
-    places.iter().any(|angles| {
-        map.fold_groups(pattern, &sheet.tree, memberships, angles);
-        let gap = map.rigidity(pattern, &sheet.tree).gap;
-        scene.deepest_crossing(&map, gap).is_some()
-    })
 }
 
 /// So many configurations of a path, evenly over its segments' parameters, ends included.

@@ -136,7 +136,7 @@ pub struct Run {
 }
 
 /// Radians: largest step of a hinge from a configuration to a sample.
-const STEP: f64 = 0.22;
+pub(super) const STEP: f64 = 0.22;
 /// Least part of a step that goes straight to the goal.
 const BIAS: f64 = 0.5;
 /// Radians: first step of algorithms without derivatives.

@@ -37,8 +37,8 @@ pub(super) fn print(extent: Extent, out: &mut impl Write, folder: &Path) -> io::
          bounds the deformation at its knots, and looks for crossings at its knots, by bounding boxes. **Of \
          foldpath**: the whole of `plan`, from pattern and goal to the answer. It finds the groups, bounds \
          deformation *and* gap over the whole motion, rounding included, and looks for crossings over the whole \
-         motion. *Knots only* are those of its stages that the report's method has, too: following the path, and \
-         judging the configurations closed on the way; groups are given, and between knots nothing is known. Times \
+         motion. *Knots only* is the same work as that of the report's method: a plan that is judged at its knots \
+         alone (`--judge knots`), with steps no longer than the report's, less the time for what that is given. Times \
          are medians, in milliseconds; a ratio is the report's time over foldpath's. A run of the report's method has \
          {LIMIT} s in Table 2 and {SHORT_LIMIT} s elsewhere; where none reaches the goal, the table says how far the best came.\n",
         version()
@@ -189,7 +189,7 @@ fn times(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "| sheet | SYM/EV | unknowns | bound | report: best | success | time | collision | foldpath | time | \
-         collision | ratio | knots only | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+         collision | ratio | knots only | time | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     for row in rows {
         let theirs = match (&row.tuned.best, row.their_seconds(), row.their_collision()) {
@@ -213,9 +213,9 @@ fn times(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
             100.0 * ours.collision,
             row.ratio(ours.seconds),
             if row.is_planned() {
-                milliseconds(ours.at_knots)
+                format!("{} | {}", ours.alone, milliseconds(ours.at_knots))
             } else {
-                String::new()
+                " | ".into()
             },
             row.ratio(ours.at_knots),
         )?;

@@ -1,0 +1,152 @@
+//! Judging a path at its knots alone: nothing is certified between them, which takes a small part of the time.
+
+use std::time::Instant;
+
+use foldpath_core::Interpolation;
+
+use super::follow::max_difference;
+use super::judge::Judge;
+use super::knots::Knot;
+use super::plan::{Outcome, Plan, Planning};
+use super::reduction::Reduction;
+use super::reuse::Found;
+use crate::certificate::{Closure, SheetCertifier};
+use crate::collision::{LatticeScene, SweepOptions};
+use crate::folding::Rigidity;
+use crate::numbers::larger;
+use crate::pattern::CreasePattern;
+use crate::progress::Stage;
+use crate::symmetry::Lattice;
+
+/// Faces up to which all are looked at: finding the lattice takes longer.
+const FEW_FACES: usize = 40;
+
+impl Planning<'_> {
+    /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet there.
+    pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
+        self.options.begin(Stage::Placing);
+        let start = Instant::now();
+        let most = self.options.max_knots.unwrap_or(usize::MAX);
+        if found.waypoints.len() > most {
+            self.plan.reached = 0.0;
+            let reason = format!(
+                "expected at most {most} knots, found {}, no fewer of which are judged alone",
+                found.waypoints.len()
+            );
+            return self.end(Outcome::Partial, reason);
+        }
+        self.place_evenly(found);
+        self.plan.times.place += start.elapsed();
+        self.options.begin(Stage::Folding);
+        self.measure_at_knots(reduction);
+        self.plan
+            .notes
+            .push("judged at its knots alone: of the motion between them nothing is known".into());
+        match self.torn() {
+            Some(reason) => self.end(Outcome::NotRigidlyFoldable, reason),
+            None if self.options.collision => self.look_at_knots(reduction),
+            None => self.plan,
+        }
+    }
+
+    /// Knots as far apart in time as the speed of the hinges asks for.
+    fn place_evenly(&mut self, found: &Found<'_>) {
+        let mut time = 0.0;
+        let mut before: Option<&[f64]> = None;
+        let knots = found.waypoints.iter().map(|waypoint| {
+            let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
+            time += turned / self.options.max_speed;
+            before = Some(&waypoint.angles);
+            Knot {
+                time,
+                rates: vec![0.0; waypoint.angles.len()],
+                angles: waypoint.angles.clone(),
+                ends_phase: waypoint.ends_phase,
+                ..Knot::default()
+            }
+        });
+        self.plan.path.knots = knots.collect();
+        self.plan.path.interpolation = Interpolation::Linear;
+    }
+
+    /// Measures the sheet at its knots, or only bounds what it deforms by how well its essential vertices close, where
+    /// that suffices.
+    fn measure_at_knots(&mut self, reduction: &Reduction) {
+        let start = Instant::now();
+        let mut knots = core::mem::take(&mut self.plan.path.knots);
+        let bound = (!self.options.keep_vertices)
+            .then(|| bound_at(&knots, self.pattern, reduction))
+            .flatten();
+        if let Some(bound) = bound.filter(|bound| bound.worst() <= self.options.bound) {
+            for knot in &mut knots {
+                knot.deformation = bound.deformation;
+                knot.gap = bound.gap;
+                knot.closure = bound.twist;
+            }
+        } else {
+            let mut judge = Judge::new(self.pattern, reduction, false);
+            judge.keep_vertices = self.options.keep_vertices;
+            for knot in &mut knots {
+                judge.judge(knot);
+            }
+            let angles = knots.iter().map(|knot| knot.angles.as_slice());
+            (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(angles);
+        }
+        self.plan.times.fold += start.elapsed();
+        self.keep(knots);
+    }
+
+    /// Looks for crossings at the knots, along the lattice if the sheet is where that has it.
+    fn look_at_knots(mut self, reduction: &Reduction) -> Plan {
+        self.options.begin(Stage::Crossings);
+        let start = Instant::now();
+        let (pattern, groups) = (self.pattern, &reduction.groups);
+        let symmetric = self.options.skips.symmetry && pattern.faces().len() > FEW_FACES;
+        let lattice = symmetric.then(|| reduction.lattice(pattern)).flatten();
+        let near = |lattice: &&Lattice| {
+            let astray = lattice.astray(pattern, self.plan.max_closure);
+            astray.max(self.plan.rigidity.gap) <= SweepOptions::default().tolerance
+        };
+        let scene = lattice.filter(near).and_then(|lattice| {
+            LatticeScene::new(pattern, groups.memberships(), groups.len(), lattice)
+        });
+        let Some(mut scene) = scene else {
+            return self.sweep_knots(reduction);
+        };
+        let mut knots = self.plan.path.knots.iter().enumerate();
+        let crossing =
+            knots.find_map(|(index, knot)| Some((index, scene.deepest_crossing(&knot.angles)?)));
+        self.plan.collision = scene.counts();
+        self.plan.times.collision += start.elapsed();
+        match crossing {
+            Some((index, crossing)) => self.crossed_at(index, crossing),
+            None => self.plan,
+        }
+    }
+}
+
+/// A bound on the errors of the sheet at all of some knots; its twist is one on the closure, too.
+fn bound_at(knots: &[Knot], pattern: &CreasePattern, reduction: &Reduction) -> Option<Rigidity> {
+    let essential = &reduction.essential;
+    let count = essential.vertices().len();
+    let mut worst = vec![0.0; count + essential.holes().len()];
+    for knot in knots {
+        for (worst, residual) in worst.iter_mut().zip(essential.residuals(&knot.angles)) {
+            *worst = larger(*worst, residual);
+        }
+    }
+    let loops: Vec<_> = worst[count..]
+        .iter()
+        .map(|&residual| [residual; 2])
+        .collect();
+    let closure = Closure {
+        stars: &worst[..count],
+        loops: &loops,
+    };
+    let mut sheet = SheetCertifier::new(pattern, &reduction.tree, &reduction.all)?;
+    let bound = sheet.rigidity(&closure);
+    Some(Rigidity {
+        twist: larger(bound.twist, sheet.closure(&closure)),
+        ..bound
+    })
+}

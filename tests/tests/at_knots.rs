@@ -1,0 +1,110 @@
+//! Plans that are judged at their knots alone, against the oracle there.
+
+use foldpath::collision::CollisionScene;
+use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::formats::fold::read_pattern;
+use foldpath::generate::Waterbomb;
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{Goal, Judged, Outcome, PlanOptions, Symmetry, Vertices, plan};
+use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
+
+/// Of the oracle, on sheets of hundreds of faces.
+const ROUNDING: f64 = 1e-10;
+
+fn options(symmetry: Symmetry, vertices: Vertices, keep_vertices: bool) -> PlanOptions {
+    PlanOptions {
+        judged: Judged::Knots,
+        symmetry,
+        vertices,
+        keep_vertices,
+        ..PlanOptions::default()
+    }
+}
+
+#[test]
+fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
+    let freedoms = [
+        (Symmetry::Auto, Vertices::Essential),
+        (Symmetry::Auto, Vertices::All),
+        (Symmetry::Off, Vertices::All),
+    ];
+    for name in [
+        "miura-3x3",
+        "miura-11x11",
+        "resch-3x3",
+        "square-twist-3x3",
+        "waterbomb-8x10",
+        "waterbomb-12x22",
+        "yoshimura-12x12",
+    ] {
+        for (symmetry, vertices) in freedoms {
+            for keep_vertices in [false, true] {
+                let what = format!("{name} {symmetry:?} {vertices:?} {keep_vertices}");
+                let options = options(symmetry, vertices, keep_vertices);
+                let file = read_pattern(&pattern_file(name)).unwrap();
+                let planned = Planned::of(file, &options);
+                let plan = &planned.plan;
+                assert_eq!(plan.outcome, Outcome::Planned, "{what}: {:?}", plan.reason);
+                assert_eq!(plan.certified_deformation, None, "{what}");
+                assert!(plan.goal_error <= 1e-9, "{what}: {}", plan.goal_error);
+                assert!(plan.notes.iter().any(|note| note.contains("knots alone")));
+                let knots = &plan.path.knots;
+                for pair in knots.windows(2) {
+                    let steps = pair[0].angles.iter().zip(&pair[1].angles);
+                    let step = worst(steps.map(|(a, b)| (b - a).abs()));
+                    assert!(step <= options.max_step * 1.000_001, "{what}: {step}");
+                    let speed = step / (pair[1].time - pair[0].time);
+                    assert!(speed <= options.max_speed * 1.000_001, "{what}: {speed}");
+                }
+                let file = serde_json::from_str(&planned.text()).unwrap();
+                let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+                for (index, knot) in knots.iter().enumerate().skip(1) {
+                    let angles = motion.angles(index - 1, 1.0);
+                    let poses = sheet.fold(&angles);
+                    let placed = sheet.positions(&poses);
+                    for (name, found, said) in [
+                        ("closure", sheet.closure(&angles), knot.closure),
+                        ("gap", sheet.gap(&poses), knot.gap),
+                        ("deformation", sheet.deformation(&placed), knot.deformation),
+                    ] {
+                        // The oracle folds from another face.
+                        let most = 10.0 * said + ROUNDING;
+                        assert!(found <= most, "{what}: {name} {found:e} {said:e}");
+                    }
+                    assert!(sheet.crossings(&placed).is_empty(), "{what}");
+                }
+            }
+        }
+    }
+}
+
+/// The tube of twelve squares closes at b - m = 60.07 degrees: what turns farther crosses there.
+#[test]
+fn a_path_ends_before_the_first_knot_that_crosses() {
+    let sheet = Waterbomb {
+        rows: 12,
+        columns: 22,
+        fold: 0.6,
+    };
+    let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let tree = SpanningTree::from_central_face(&pattern);
+    let [along_lattice, among_all] = [true, false].map(|symmetry| {
+        let mut options = options(Symmetry::Auto, Vertices::Essential, false);
+        options.skips.symmetry = symmetry;
+        let plan = plan(&pattern, &goal, &options);
+        let Outcome::Crossing(crossing) = plan.outcome else {
+            panic!("{:?}: {:?}", plan.outcome, plan.reason);
+        };
+        assert!(plan.reached > 0.5 && plan.reached < 1.0, "{}", plan.reached);
+        let mut map = FoldingMap::flat(&pattern);
+        for knot in &plan.path.knots {
+            map.fold_groups(&pattern, &tree, &plan.path.memberships, &knot.angles);
+            let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0);
+            assert_eq!(found, None);
+        }
+        (plan.path.knots.len(), crossing.depth)
+    });
+    assert_eq!(along_lattice.0, among_all.0);
+    assert!((along_lattice.1 - among_all.1).abs() < 1e-9);
+}
