@@ -126,12 +126,29 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
 
     /// Residual at `x` (radians) without derivatives; `None` unless `x` has all unknowns.
     pub fn cost(&mut self, x: &[T]) -> Option<Cost<T>> {
+        self.each_residual(x, |_, _| {})
+    }
+
+    /// The same, each block of three residuals handed to `each` with its spokes, in the order of
+    /// [`linearise`](Self::linearise).
+    pub fn each_residual(
+        &mut self,
+        x: &[T],
+        mut each: impl FnMut(&[Spoke<T>], &Vector3<T>),
+    ) -> Option<Cost<T>> {
         self.set_half_angles(x)?;
         let half = &*self.half_angles;
-        let residuals = self.stars.iter().map(|star| closure::residual(star, half));
-        let cost = residuals.fold(Cost::none(), |cost, r| cost.plus(&r));
-        let loops = self.loops.iter().flat_map(|l| hole::residuals(l, half));
-        Some(loops.fold(cost, |cost, r| cost.plus(&r)))
+        let stars = self.stars.iter();
+        let stars = stars.map(|star| (star.spokes, closure::residual(star, half)));
+        let loops = self.loops.iter().flat_map(|cycle| {
+            let residuals = hole::residuals(cycle, half);
+            residuals.map(|residual| (cycle.spokes, residual))
+        });
+        let cost = stars.chain(loops).fold(Cost::none(), |cost, (spokes, r)| {
+            each(spokes, &r);
+            cost.plus(&r)
+        });
+        Some(cost)
     }
 
     /// Residual at `x` (radians), its rows handed to `rows`; `None` unless `x` has all unknowns.

@@ -151,11 +151,22 @@ pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     direction: &mut [T],
 ) -> bool {
-    // The square root of the precision: rounding, which is ε/λ, stays as small as λ itself.
-    let damping = equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt();
-    if !equations.factorise(damping) {
-        return false;
-    }
+    let damping = projection_damping(equations);
+    equations.factorise(damping) && project_by_factor(equations, damping, direction)
+}
+
+/// λ of [`project_on_motions`]: the square root of the precision, so that rounding, which is ε/λ, stays as small as λ
+/// itself.
+pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &E) -> T {
+    equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
+}
+
+/// The second half of [`project_on_motions`], with the factor last made, of a matrix with this damping.
+pub fn project_by_factor<T: Scalar, E: NormalEquations<T>>(
+    equations: &mut E,
+    damping: T,
+    direction: &mut [T],
+) -> bool {
     for _ in 0..PROJECTIONS {
         equations.solve(direction);
         for entry in direction.iter_mut() {

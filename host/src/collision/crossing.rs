@@ -16,21 +16,21 @@ pub struct ConvexPiece<'a> {
 }
 
 impl ConvexPiece<'_> {
-    /// Lowest and highest signed distance of the corners from the plane of `other`.
-    fn reach(&self, other: &Self) -> [f64; 2] {
+    /// Where the corners are as seen from the plane of `other`.
+    pub(super) fn reach(&self, other: &Self, tolerance: f64) -> Reach {
         let offset = other.normal.dot(&other.corners[0]);
-        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut reach = Reach {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            touching: 0,
+        };
         for corner in self.corners {
             let distance = other.normal.dot(corner) - offset;
-            reach = [reach[0].min(distance), reach[1].max(distance)];
+            reach.low = reach.low.min(distance);
+            reach.high = reach.high.max(distance);
+            reach.touching += u32::from(distance.abs() <= tolerance);
         }
         reach
-    }
-
-    /// Whether this piece lies on one side of the plane of `other` and touches it.
-    pub(super) fn stands_on(&self, other: &Self, tolerance: f64) -> bool {
-        let [low, high] = self.reach(other);
-        high - low > tolerance && low.abs().min(high.abs()) <= tolerance
     }
 
     /// The part of the line along `direction` in which this piece meets the plane of `other`.
@@ -53,18 +53,54 @@ impl ConvexPiece<'_> {
     }
 }
 
+/// Where the corners of a piece are as seen from the plane of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// Lowest and highest signed distance.
+    low: f64,
+    high: f64,
+    /// Corners in the plane.
+    touching: u32,
+}
+
+impl Reach {
+    /// How far the piece reaches to both sides.
+    fn depth(self) -> f64 {
+        self.high.min(-self.low)
+    }
+
+    /// Whether the piece may go on to the other side of the plane beyond one of its own sides: it is on one side of the
+    /// plane, and touches it in more than a corner.
+    pub(super) fn stands(self, tolerance: f64) -> bool {
+        let Self {
+            low,
+            high,
+            touching,
+        } = self;
+        touching > 1 && high - low > tolerance && low.abs().min(high.abs()) <= tolerance
+    }
+}
+
 /// How deep the two pieces pass through each other: the least of how far each reaches to both sides
 /// of the other's plane and of the length of the line that they share. 0 if they do not cross, or
 /// not deeper than `tolerance`.
 #[must_use]
 pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) -> f64 {
-    let [low, high] = a.reach(b);
-    let a_depth = high.min(-low);
-    if a_depth <= tolerance {
+    let a_reach = a.reach(b, tolerance);
+    if a_reach.depth() <= tolerance {
         return 0.0;
     }
-    let [low, high] = b.reach(a);
-    let depth = a_depth.min(high).min(-low);
+    depth_within(a, b, [a_reach, b.reach(a, tolerance)], tolerance)
+}
+
+/// The same, given where each is as seen from the other.
+pub(super) fn depth_within(
+    a: &ConvexPiece<'_>,
+    b: &ConvexPiece<'_>,
+    reaches: [Reach; 2],
+    tolerance: f64,
+) -> f64 {
+    let depth = reaches[0].depth().min(reaches[1].depth());
     if depth <= tolerance {
         return 0.0;
     }
@@ -94,8 +130,8 @@ pub fn side_crossing_depth(
     if side.iter().any(|end| off(end) > tolerance) {
         return 0.0;
     }
-    let [[a_low, a_high], [b_low, b_high]] = pieces.map(|piece| piece.reach(other));
-    let depth = a_high.min(-b_low).max(b_high.min(-a_low));
+    let [a, b] = pieces.map(|piece| piece.reach(other, tolerance));
+    let depth = a.high.min(-b.low).max(b.high.min(-a.low));
     if depth <= tolerance {
         return 0.0;
     }

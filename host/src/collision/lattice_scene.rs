@@ -6,7 +6,7 @@ use foldpath_core::{HalfAngle, Membership};
 use nalgebra::Vector3;
 
 use super::cells::Cells;
-use super::crossing::crossing_depth;
+use super::crossing::depth_within;
 use super::motion::Tick;
 use super::pieces::{CROSSING, Pieces, Placed};
 use super::scene::Crossing;
@@ -145,9 +145,12 @@ impl<'a> LatticeScene<'a> {
         }
         let placed = self.placed();
         let [first, second] = [a, b].map(|piece| placed.piece(piece));
-        let depth = crossing_depth(&first, &second, tolerance);
-        let stands = first.stands_on(&second, tolerance) || second.stands_on(&first, tolerance);
-        if depth > 0.0 || !stands {
+        let reaches = [
+            first.reach(&second, tolerance),
+            second.reach(&first, tolerance),
+        ];
+        let depth = depth_within(&first, &second, reaches, tolerance);
+        if depth > 0.0 || !reaches.iter().any(|reach| reach.stands(tolerance)) {
             return depth;
         }
         for piece in [a, b] {

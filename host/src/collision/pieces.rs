@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
+use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 
 /// A crossing deeper than this part of the median edge counts; what is less is contact.
@@ -248,19 +248,28 @@ impl<'a> Placed<'a> {
 
     /// How deep the pieces cross, alone or with those joined to them; 0 for no deeper than `tolerance`.
     pub(super) fn depth(&self, a: u32, b: u32, tolerance: f64) -> f64 {
-        let depth = crossing_depth(&self.piece(a), &self.piece(b), tolerance);
+        let [first, second] = [a, b].map(|index| self.piece(index));
+        let reaches = [
+            first.reach(&second, tolerance),
+            second.reach(&first, tolerance),
+        ];
+        let depth = depth_within(&first, &second, reaches, tolerance);
         if depth > 0.0 {
             return depth;
         }
-        self.beyond(a, b, tolerance)
-            .max(self.beyond(b, a, tolerance))
+        let [on_second, on_first] = reaches.map(|reach| reach.stands(tolerance));
+        let mut depth = 0.0_f64;
+        if on_second {
+            depth = depth.max(self.beyond(a, b, tolerance));
+        }
+        if on_first {
+            depth = depth.max(self.beyond(b, a, tolerance));
+        }
+        depth
     }
 
     /// A piece that only touches another may go on beyond it across one of its sides.
     fn beyond(&self, a: u32, b: u32, tolerance: f64) -> f64 {
-        if !self.piece(a).stands_on(&self.piece(b), tolerance) {
-            return 0.0;
-        }
         let joints = self.pieces.joints(a).iter();
         let depths = joints.filter(|joint| joint.piece != b).map(|joint| {
             let side = joint.ends.map(|end| self.folded[end as usize]);

@@ -14,7 +14,7 @@ use super::knots::Knot;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
 use super::search::{polyline, search};
 use super::solver::{ClosureSolver, Work};
-use super::{Goal, PlanOptions, Search};
+use super::{Goal, Judged, PlanOptions, Search};
 use crate::pattern::CreasePattern;
 
 /// How an attempt ended.
@@ -182,6 +182,7 @@ impl<'a> Route<'a> {
         Rules {
             signs: &self.signs,
             max_step: self.options.max_step,
+            tangents: self.options.judged == Judged::Motion,
             progress: self.options.progress,
         }
     }
@@ -190,7 +191,9 @@ impl<'a> Route<'a> {
     fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
         let mut solver = self.reduction.solver(self.options, accepted);
         solver.set_limits(self.reduction.orthant(&self.signs));
-        solver.at_most(ITERATIONS)
+        solver
+            .at_most(ITERATIONS)
+            .with_rough_motions(self.options.judged == Judged::Knots)
     }
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a

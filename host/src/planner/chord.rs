@@ -6,9 +6,9 @@
 //! which (J₀ᵀJ₀ + λI)⁻¹ blows up by 1/λ. Chapter 5.4 of Kelley, *Iterative Methods for Linear and
 //! Nonlinear Equations*, SIAM 1995, has the method for regular Jacobians.
 
-use foldpath_core::least_squares::{Accumulate, ClosureProblem, Limits, NormalEquations};
-use foldpath_core::{Scalar, Spoke};
-use nalgebra::Vector3;
+use foldpath_core::Scalar;
+use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
+use foldpath_core::levenberg_marquardt::projection_damping;
 
 use super::sparse::SparseNormalEquations;
 
@@ -23,6 +23,8 @@ const CONTRACTION: f64 = 0.1;
 pub(super) struct Chord {
     /// Whether every star closes.
     pub(super) closed: bool,
+    /// Damping of the factor.
+    pub(super) damping: f64,
     /// Steps, each with one evaluation; one more evaluation was at the start.
     pub(super) steps: u32,
 }
@@ -39,22 +41,26 @@ pub(super) fn close(
     let (step, trial) = workspace.get_mut(..2 * x.len())?.split_at_mut(x.len());
     let mut chord = Chord {
         closed: false,
+        damping: 0.0,
         steps: 0,
     };
     let mut residual = problem.linearise(x, equations)?.max();
     // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
-    let damping = equations.max_diagonal() * f64::EPSILON.sqrt();
+    let damping = projection_damping(equations);
     if residual > NEAR || residual > f64::CLOSURE_TOLERANCE && !equations.factorise(damping) {
         return Some(chord);
     }
+    chord.damping = damping;
     trial.copy_from_slice(x);
     while residual > f64::CLOSURE_TOLERANCE {
         advance(equations, step, trial);
-        let mut rows = SameRows {
-            equations,
-            block: 0,
-        };
-        let next = problem.linearise(trial, &mut rows)?.max();
+        equations.clear_gradient();
+        let mut block = 0;
+        let next = problem.each_residual(trial, |spokes, residual| {
+            equations.add_to_gradient(block, spokes, residual);
+            block += 1;
+        });
+        let next = next?.max();
         chord.steps += 1;
         let shrinks = next <= f64::CLOSURE_TOLERANCE || next <= CONTRACTION * residual;
         if !shrinks || !within(limits, trial) {
@@ -90,34 +96,10 @@ fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut 
     }
 }
 
-/// Makes the gradient J₀ᵀr of new residuals and the rows last accumulated in the equations.
-struct SameRows<'a> {
-    equations: &'a mut SparseNormalEquations,
-    /// Blocks of three rows met so far.
-    block: usize,
-}
-
-impl Accumulate<f64> for SameRows<'_> {
-    fn clear(&mut self) {
-        self.equations.clear_gradient();
-        self.block = 0;
-    }
-
-    fn add(
-        &mut self,
-        _star: usize,
-        spokes: &[Spoke<f64>],
-        _columns: &[Vector3<f64>],
-        residual: &Vector3<f64>,
-    ) {
-        self.equations.add_to_gradient(self.block, spokes, residual);
-        self.block += 1;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use foldpath_core::HalfAngle;
+    use nalgebra::Vector3;
 
     use super::*;
     use crate::generate::Miura;

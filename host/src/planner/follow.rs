@@ -142,6 +142,8 @@ pub(super) struct Rules<'a> {
     pub(super) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
     pub(super) max_step: f64,
+    /// Whether the tangent at flat is asked for, which takes as long as some steps.
+    pub(super) tangents: bool,
     /// Told how much of the way is behind.
     pub(super) progress: Option<&'static crate::progress::Progress>,
 }
@@ -214,7 +216,7 @@ pub(super) fn follow(
             },
         ));
         if max_norm(&way) <= max_step
-            && let Some(last) = arrive(solver, &angles, &tangent, target, max_step)
+            && let Some(last) = arrive(solver, &angles, &tangent, target, rules)
         {
             waypoints.push(last);
             break None;
@@ -383,13 +385,20 @@ fn arrive(
     angles: &[f64],
     direction: &[f64],
     target: Target<'_>,
-    max_step: f64,
+    rules: Rules<'_>,
 ) -> Option<Waypoint> {
     match target {
-        Target::Flat(_) => Some(Waypoint::new(
-            vec![0.0; angles.len()],
-            tangent_at_flat(solver, angles).iter().map(|t| -t).collect(),
-        )),
+        Target::Flat(_) => {
+            let tangent = if rules.tangents {
+                tangent_at_flat(solver, angles)
+            } else {
+                unit(angles)
+            };
+            Some(Waypoint::new(
+                vec![0.0; angles.len()],
+                tangent.iter().map(|t| -t).collect(),
+            ))
+        }
         Target::Closed(target) => {
             let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
             if cosine(&way, direction) < AHEAD {
@@ -405,7 +414,7 @@ fn arrive(
         Target::Nearest(asked) => {
             let last = approach(solver, angles.to_vec(), asked);
             let reached = norm(&way_to(asked, &last)) <= NEAR;
-            if !reached || max_difference(&last, angles) > max_step {
+            if !reached || max_difference(&last, angles) > rules.max_step {
                 return None;
             }
             let mut tangent = direction.to_vec();

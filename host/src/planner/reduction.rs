@@ -3,10 +3,12 @@
 
 use core::cell::OnceCell;
 use core::f64::consts::PI;
+use std::rc::Rc;
 use std::time::Instant;
 
 use super::follow::{approach, same_signs};
 use super::solver::{ClosureSolver, Work};
+use super::sparse::Structure;
 use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
@@ -29,6 +31,8 @@ pub(super) struct Reduction {
     pub(super) tree: SpanningTree,
     /// How much larger than the closure residuals errors of the whole sheet can be.
     pub(super) amplification: Option<f64>,
+    /// The structure of sparse equations of the stars to solve, once a solver has found it.
+    structure: OnceCell<Option<Rc<Structure>>>,
     /// The lattice of the groups, if it was asked for.
     lattice: OnceCell<Option<Lattice>>,
 }
@@ -70,20 +74,26 @@ impl Reduction {
             deadline,
             amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
             tree,
+            structure: OnceCell::new(),
             lattice: OnceCell::new(),
         }
     }
 
     /// The lattice of the groups, if the sheet has one.
     pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
+        // Hinges that are each on their own turn alike nowhere.
+        let shrinks = self.groups.len() < pattern.creases().len();
         let lattice = || Lattice::find(pattern, self.groups.memberships());
-        self.lattice.get_or_init(lattice).as_ref()
+        shrinks
+            .then(|| self.lattice.get_or_init(lattice).as_ref())
+            .flatten()
     }
 
     /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is
     /// `accepted`.
     pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
-        let mut solver = ClosureSolver::new(self.stars(), options.solver, accepted);
+        let mut solver =
+            ClosureSolver::new(self.stars(), options.solver, accepted, &self.structure);
         solver.set_limits(self.limits.clone());
         solver.until(self.deadline)
     }

@@ -1,11 +1,14 @@
 //! Core's solvers with memory from the heap.
 
+use core::cell::OnceCell;
 use core::ops::AddAssign;
+use std::rc::Rc;
 use std::time::Instant;
 
 use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
 };
+use foldpath_core::levenberg_marquardt::project_by_factor;
 use foldpath_core::{
     DenseNormalEquations, HalfAngle, LoopsView, Objective, Scalar, Spoke, StarsView, gradient,
     levenberg_marquardt,
@@ -13,7 +16,7 @@ use foldpath_core::{
 use nalgebra::Vector3;
 
 use super::follow::max_norm;
-use super::sparse::SparseNormalEquations;
+use super::sparse::{SparseNormalEquations, Structure};
 use super::{Solver, chord};
 use crate::symmetry::ReducedStars;
 
@@ -49,6 +52,10 @@ pub(super) struct ClosureSolver<'a> {
     limits: Vec<(f64, f64)>,
     deadline: Option<Instant>,
     most_iterations: u32,
+    /// Whether motions may be taken from the configuration predicted in place of the closed one.
+    rough: bool,
+    /// What was closed last by the chord method, and the damping of its factor.
+    near: Option<(Vec<f64>, f64)>,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations,
@@ -57,7 +64,13 @@ pub(super) struct ClosureSolver<'a> {
 }
 
 impl<'a> ClosureSolver<'a> {
-    pub(super) fn new(reduced: &'a ReducedStars, kind: Solver, accepted: f64) -> Self {
+    /// `structure` is that of the sparse equations of these stars, once one solver has found it.
+    pub(super) fn new(
+        reduced: &'a ReducedStars,
+        kind: Solver,
+        accepted: f64,
+        structure: &OnceCell<Option<Rc<Structure>>>,
+    ) -> Self {
         let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
         Self {
@@ -69,9 +82,11 @@ impl<'a> ClosureSolver<'a> {
             limits: Vec::new(),
             deadline: None,
             most_iterations: Options::<f64>::default().max_iterations,
+            rough: false,
+            near: None,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
-            equations: Equations::new(stars, loops),
+            equations: Equations::new(stars, loops, structure),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
@@ -91,6 +106,13 @@ impl<'a> ClosureSolver<'a> {
     /// The same that gives a configuration up after these many iterations of Levenberg-Marquardt.
     pub(super) fn at_most(mut self, iterations: u32) -> Self {
         self.most_iterations = iterations;
+        self
+    }
+
+    /// The same that takes motions at a configuration from where it was predicted, if it was near: that saves half of all
+    /// factorisations.
+    pub(super) fn with_rough_motions(mut self, rough: bool) -> Self {
+        self.rough = rough;
         self
     }
 
@@ -126,6 +148,7 @@ impl<'a> ClosureSolver<'a> {
 
     /// Moves `x` to the closed configuration near it.
     pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
+        self.near = None;
         let n = self.stars.unknowns();
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
         let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
@@ -194,6 +217,7 @@ impl<'a> ClosureSolver<'a> {
     /// Tries the way that costs one factorisation. Not where rounded coordinates may leave nothing
     /// that closes: only damping keeps a step small there.
     fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
+        self.near = None;
         let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
         let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
             (self.kind, &mut self.equations, exact)
@@ -210,6 +234,9 @@ impl<'a> ClosureSolver<'a> {
         };
         self.work.iterations += u64::from(chord.steps);
         self.work.evaluations += u64::from(chord.steps) + 1;
+        if self.rough && chord.closed && chord.steps > 0 {
+            self.near = Some((x.to_vec(), chord.damping));
+        }
         chord.closed
     }
 
@@ -269,6 +296,15 @@ impl<'a> ClosureSolver<'a> {
         weights: Option<&[f64]>,
         held: &[usize],
     ) -> bool {
+        if let (Some((near, damping)), Equations::Sparse(equations)) =
+            (&self.near, &mut self.equations)
+            && near == x
+            && weights.is_none()
+            && held.is_empty()
+        {
+            return project_by_factor(equations.as_mut(), *damping, direction);
+        }
+        self.near = None;
         self.work.evaluations += 1;
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
         let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
@@ -362,10 +398,15 @@ enum Equations {
 }
 
 impl Equations {
-    fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Self {
+    fn new(
+        stars: StarsView<'_, f64>,
+        loops: LoopsView<'_, f64>,
+        structure: &OnceCell<Option<Rc<Structure>>>,
+    ) -> Self {
         let n = stars.unknowns();
+        let find = || Structure::new(stars, loops).map(Rc::new);
         let sparse = (n > DENSE)
-            .then(|| SparseNormalEquations::new(stars, loops))
+            .then(|| SparseNormalEquations::of(structure.get_or_init(find).clone()?))
             .flatten();
         match sparse {
             Some(sparse) => Self::Sparse(Box::new(sparse)),

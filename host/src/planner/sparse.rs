@@ -4,6 +4,8 @@
 //! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
 //! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
 
+use std::rc::Rc;
+
 use faer::Conj;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -25,29 +27,58 @@ const ABOVE: u32 = u32::MAX;
 
 /// JᵀJ as the lower triangle of a sparse matrix by columns, with its Cholesky factor.
 pub struct SparseNormalEquations {
-    column_ends: Vec<u32>,
-    rows: Vec<u32>,
+    structure: Rc<Structure>,
     values: Vec<f64>,
     gradient: Vec<f64>,
     /// The columns of each block of rows, as last accumulated.
     jacobian: Ragged<Vector3<f64>>,
-    /// Place of the diagonal entry of each unknown: the first of its column.
-    diagonal: Vec<u32>,
     /// The diagonal without damping, while the matrix is being factorised.
     undamped: Vec<f64>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
+}
+
+/// Where things are in the equations of some stars and loops, whatever the angles.
+pub(super) struct Structure {
+    column_ends: Vec<u32>,
+    rows: Vec<u32>,
+    /// Place of the diagonal entry of each unknown: the first of its column.
+    diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
     /// For each unknown the places of its row and column.
     touching: Ragged<u32>,
     symbolic: SymbolicCholesky<u32>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
 }
 
 impl SparseNormalEquations {
     /// Finds the places and the elimination order. `None` if memory does not suffice.
     #[must_use]
     pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
+        Self::of(Rc::new(Structure::new(stars, loops)?))
+    }
+
+    /// Equations of that structure. `None` if memory does not suffice.
+    pub(super) fn of(structure: Rc<Structure>) -> Option<Self> {
+        let symbolic = &structure.symbolic;
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let scratch = scratch.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let n = structure.diagonal.len();
+        Some(Self {
+            values: vec![0.0; structure.rows.len()],
+            gradient: vec![0.0; n],
+            jacobian: Ragged::default(),
+            undamped: vec![0.0; n],
+            factor: vec![0.0; symbolic.len_val()],
+            memory: MemBuffer::try_new(scratch).ok()?,
+            structure,
+        })
+    }
+}
+
+impl Structure {
+    /// Finds the places and the elimination order. `None` if memory does not suffice.
+    pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
         let stars = stars.iter().map(|star| star.spokes);
         let cycles = stars.chain(loops.iter().map(|l| l.spokes));
@@ -97,15 +128,7 @@ impl SparseNormalEquations {
             CholeskySymbolicParams::default(),
         )
         .ok()?;
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let scratch = scratch.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         Some(Self {
-            values: vec![0.0; rows.len()],
-            gradient: vec![0.0; n],
-            jacobian: Ragged::default(),
-            undamped: vec![0.0; n],
-            factor: vec![0.0; symbolic.len_val()],
-            memory: MemBuffer::try_new(scratch).ok()?,
             column_ends,
             rows,
             diagonal,
@@ -152,7 +175,7 @@ impl Accumulate<f64> for SparseNormalEquations {
         let products = columns
             .iter()
             .flat_map(|a| columns.iter().map(move |b| a.dot(b)));
-        for (product, &place) in products.zip(&self.places[star]) {
+        for (product, &place) in products.zip(&self.structure.places[star]) {
             if place != ABOVE {
                 self.values[place as usize] += product;
             }
@@ -171,6 +194,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
 
     fn max_diagonal(&self) -> f64 {
         let diagonal = self
+            .structure
             .diagonal
             .iter()
             .map(|&place| self.values[place as usize]);
@@ -178,22 +202,28 @@ impl NormalEquations<f64> for SparseNormalEquations {
     }
 
     fn hold(&mut self, unknown: usize) {
-        for &place in &self.touching[unknown] {
+        for &place in &self.structure.touching[unknown] {
             self.values[place as usize] = 0.0;
         }
         self.gradient[unknown] = 0.0;
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
-        for (&place, entry) in self.diagonal.iter().zip(&mut self.undamped) {
+        let structure = &*self.structure;
+        for (&place, entry) in structure.diagonal.iter().zip(&mut self.undamped) {
             *entry = self.values[place as usize];
             self.values[place as usize] += damping;
         }
         let n = self.gradient.len();
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(n, n, &self.column_ends, None, &self.rows);
+        let pattern = SymbolicSparseColMatRef::new_checked(
+            n,
+            n,
+            &structure.column_ends,
+            None,
+            &structure.rows,
+        );
         let matrix = SparseColMatRef::new(pattern, &self.values);
-        let factorised = self.symbolic.factorize_numeric_llt(
+        let factorised = structure.symbolic.factorize_numeric_llt(
             &mut self.factor,
             matrix,
             Side::Lower,
@@ -203,7 +233,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
             Default::default(),
         );
         let definite = factorised.is_ok();
-        for (&place, &entry) in self.diagonal.iter().zip(&self.undamped) {
+        for (&place, &entry) in structure.diagonal.iter().zip(&self.undamped) {
             self.values[place as usize] = entry;
         }
         definite
@@ -211,7 +241,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
 
     fn solve(&mut self, right_side: &mut [f64]) {
         let n = self.gradient.len();
-        let factor = LltRef::new(&self.symbolic, &self.factor);
+        let factor = LltRef::new(&self.structure.symbolic, &self.factor);
         let right_side = MatMut::from_column_major_slice_mut(right_side, n, 1);
         let stack = MemStack::new(&mut self.memory);
         factor.solve_in_place_with_conj(Conj::No, right_side, Par::Seq, stack);
