@@ -5,7 +5,6 @@ use std::time::Instant;
 use foldpath_core::Interpolation;
 
 use super::follow::max_difference;
-use super::judge::Judge;
 use super::knots::Knot;
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::Reduction;
@@ -38,7 +37,9 @@ impl Planning<'_> {
         self.place_evenly(found);
         self.plan.times.place += start.elapsed();
         self.options.begin(Stage::Folding);
-        self.measure_at_knots(reduction);
+        if let Err(index) = self.measure_at_knots(reduction) {
+            return self.late_at(index);
+        }
         self.plan
             .notes
             .push("judged at its knots alone: of the motion between them nothing is known".into());
@@ -71,33 +72,28 @@ impl Planning<'_> {
 
     /// Measures the sheet at its knots, or only bounds what it deforms by how well its essential vertices close, where
     /// that suffices.
-    fn measure_at_knots(&mut self, reduction: &Reduction) {
+    /// `Err` names the knot before which time ran out.
+    fn measure_at_knots(&mut self, reduction: &Reduction) -> Result<(), usize> {
         let start = Instant::now();
         let mut knots = core::mem::take(&mut self.plan.path.knots);
         let bound = (!self.options.keep_vertices)
             .then(|| bound_at(&knots, self.pattern, reduction))
             .flatten();
-        if let Some(bound) = bound.filter(|bound| bound.worst() <= self.options.bound) {
-            for knot in &mut knots {
-                knot.deformation = bound.deformation;
-                knot.gap = bound.gap;
-                knot.closure = bound.twist;
-            }
-        } else {
-            let mut judge = Judge::new(self.pattern, reduction, false);
-            judge.keep_vertices = self.options.keep_vertices;
-            for knot in &mut knots {
-                judge.judge(knot);
-            }
-            let angles = knots.iter().map(|knot| knot.angles.as_slice());
-            (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(angles);
-        }
         self.plan.times.fold += start.elapsed();
+        let Some(bound) = bound.filter(|bound| bound.worst() <= self.options.bound) else {
+            return self.measure(reduction, knots);
+        };
+        for knot in &mut knots {
+            knot.deformation = bound.deformation;
+            knot.gap = bound.gap;
+            knot.closure = bound.twist;
+        }
         self.keep(knots);
+        Ok(())
     }
 
     /// Looks for crossings at the knots, along the lattice if the sheet is where that has it.
-    fn look_at_knots(mut self, reduction: &Reduction) -> Plan {
+    fn look_at_knots(self, reduction: &Reduction) -> Plan {
         self.options.begin(Stage::Crossings);
         let start = Instant::now();
         let (pattern, groups) = (self.pattern, &reduction.groups);
@@ -113,14 +109,10 @@ impl Planning<'_> {
         let Some(mut scene) = scene else {
             return self.sweep_knots(reduction);
         };
-        let mut knots = self.plan.path.knots.iter().enumerate();
-        let crossing =
-            knots.find_map(|(index, knot)| Some((index, scene.deepest_crossing(&knot.angles)?)));
-        self.plan.collision = scene.counts();
-        self.plan.times.collision += start.elapsed();
-        match crossing {
-            Some((index, crossing)) => self.crossed_at(index, crossing),
-            None => self.plan,
+        let plan = self.cross_at_knots(start, |knot| scene.deepest_crossing(&knot.angles));
+        Plan {
+            collision: scene.counts(),
+            ..plan
         }
     }
 }

@@ -63,36 +63,16 @@ impl Planning<'_> {
             return self.judge_knots(reduction, found);
         }
         let course = Course::new(found.waypoints);
-        let Some(mut placed) = self.place(reduction, found, &course) else {
+        let Some(placed) = self.place(reduction, found, &course) else {
             self.plan.reached = 0.0;
             return self.unplaced();
         };
         self.certify(reduction, &placed);
         self.plan.path.interpolation = placed.interpolation;
         self.options.begin(Stage::Folding);
-        let mut judge = Judge::new(self.pattern, reduction, false);
-        judge.keep_vertices = self.options.keep_vertices;
-        for index in 0..placed.knots.len() {
-            if self.is_late() {
-                self.plan.reached = 0.0;
-                placed.knots.truncate(index);
-                self.plan.times.fold += judge.fold;
-                self.keep(placed.knots);
-                return self.end(
-                    Outcome::Timeout,
-                    format!("out of time while judging knot {index}"),
-                );
-            }
-            if let Some(progress) = self.options.progress {
-                progress.done(index, placed.knots.len());
-            }
-            judge.judge(&mut placed.knots[index]);
+        if let Err(index) = self.measure(reduction, placed.knots) {
+            return self.late_at(index);
         }
-        let knots = placed.knots.iter();
-        (self.plan.essential_rigidity, self.plan.essential_faces) =
-            judge.essential(knots.map(|knot| knot.angles.as_slice()));
-        self.plan.times.fold += judge.fold;
-        self.keep(placed.knots);
         let torn = self.torn();
         if self.options.collision && torn.is_none() {
             return self.sweep(reduction, found, &course);
@@ -153,6 +133,44 @@ impl Planning<'_> {
             bounds.deformation.max(bounds.gap)
         });
         self.plan.times.place += start.elapsed();
+    }
+
+    /// Folds the sheet at knots, measures it there, and keeps them. `Err` says at which time ran out.
+    pub(super) fn measure(
+        &mut self,
+        reduction: &Reduction,
+        mut knots: Vec<Knot>,
+    ) -> Result<(), usize> {
+        let mut judge = Judge::new(self.pattern, reduction, false);
+        judge.keep_vertices = self.options.keep_vertices;
+        let count = knots.len();
+        let late = knots.iter_mut().enumerate().find_map(|(index, knot)| {
+            if self.is_late() {
+                return Some(index);
+            }
+            if let Some(progress) = self.options.progress {
+                progress.done(index, count);
+            }
+            judge.judge(knot);
+            None
+        });
+        knots.truncate(late.unwrap_or(count));
+        if late.is_none() {
+            let angles = knots.iter().map(|knot| knot.angles.as_slice());
+            (self.plan.essential_rigidity, self.plan.essential_faces) = judge.essential(angles);
+        }
+        self.plan.times.fold += judge.fold;
+        self.keep(knots);
+        late.map_or(Ok(()), Err)
+    }
+
+    /// Time ran out at a knot.
+    pub(super) fn late_at(mut self, index: usize) -> Plan {
+        self.plan.reached = 0.0;
+        self.end(
+            Outcome::Timeout,
+            format!("out of time while judging knot {index}"),
+        )
     }
 
     /// Keeps the knots, and what was measured at them.
@@ -339,15 +357,31 @@ impl Planning<'_> {
         crossed
     }
 
-    /// Looks for crossings at the knots alone.
-    pub(super) fn sweep_knots(mut self, reduction: &Reduction) -> Plan {
+    /// Looks for crossings at the knots alone, among all faces.
+    pub(super) fn sweep_knots(self, reduction: &Reduction) -> Plan {
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, true);
-        let mut knots = self.plan.path.knots.iter().enumerate();
-        let crossing = knots.find_map(|(index, knot)| Some((index, judge.crossing_at(knot)?)));
+        self.cross_at_knots(start, |knot| judge.crossing_at(knot))
+    }
+
+    /// Ends the path before the first knot at which faces cross, begun to be looked for at `start`.
+    pub(super) fn cross_at_knots(
+        mut self,
+        start: Instant,
+        mut crossing_at: impl FnMut(&Knot) -> Option<Crossing>,
+    ) -> Plan {
+        let knots = core::mem::take(&mut self.plan.path.knots);
+        let found = knots.iter().enumerate().find_map(|(index, knot)| {
+            if self.is_late() {
+                return Some((index, None));
+            }
+            Some((index, Some(crossing_at(knot)?)))
+        });
+        self.plan.path.knots = knots;
         self.plan.times.collision += start.elapsed();
-        match crossing {
-            Some((index, crossing)) => self.crossed_at(index, crossing),
+        match found {
+            Some((index, Some(crossing))) => self.crossed_at(index, crossing),
+            Some((index, None)) => self.late_at(index),
             None => self.plan,
         }
     }
