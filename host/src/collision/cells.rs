@@ -275,18 +275,12 @@ impl<'a> Cells<'a> {
 
     /// All differences of cells that there are, and perhaps others between them in a row, unless those are too
     /// many. A lattice that is not square to the sheet has few of those in the box round them.
-    pub(super) fn all(&mut self) -> Option<Vec<[i32; 2]>> {
+    pub(super) fn all(&self) -> Option<Vec<[i32; 2]>> {
         let mut cells = Vec::new();
-        for row in 0..=i32::try_from(self.most[1]).ok()? {
-            let columns = columns(&mut self.columns, self.lattice, row).iter();
-            let there = columns.filter(|there| !there.is_empty());
-            let ends = there.map(|there| (*there.start(), *there.end()));
-            let ends = ends.reduce(|all, there| (all.0.min(there.0), all.1.max(there.1)));
-            let Some((low, high)) = ends else {
-                continue;
-            };
-            let low = if row == 0 { 0 } else { low };
-            cells.extend((low..=high).map(|column| [column, row]));
+        for (row, columns) in (0..).zip(self.lattice.columns_of_rows()) {
+            let low = *columns.start();
+            let low = if row == 0 { low.max(0) } else { low };
+            cells.extend((low..=*columns.end()).map(|column| [column, row]));
             if cells.len() > MOST_OFFSETS {
                 return None;
             }
@@ -458,7 +452,8 @@ impl<'a> Cells<'a> {
         self.time
     }
 
-    /// Calls `found` for the classes of pairs of faces that may touch there, in these differences of cells.
+    /// Calls `found` for the classes of pairs of faces that may touch there, in these differences of cells; the sheet
+    /// may have none of some.
     pub(super) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
         let center = self.folded.middle();
         let orbits = self.disks.len();
@@ -471,7 +466,6 @@ impl<'a> Cells<'a> {
                     continue;
                 }
                 let there = along * across;
-                let columns = columns(&mut self.columns, self.lattice, cell[1]);
                 for b in 0..orbits {
                     let here = self.disks[b];
                     let disk = Disk {
@@ -481,8 +475,7 @@ impl<'a> Cells<'a> {
                     };
                     let end = if cell == [0, 0] { b } else { orbits };
                     for a in 0..end {
-                        let is_there = columns[a * orbits + b].contains(&cell[0]);
-                        if is_there && disk.apart(&self.disks[a]) <= 0.0 {
+                        if disk.apart(&self.disks[a]) <= 0.0 {
                             found(class(cell, [a, b]));
                         }
                     }

@@ -1,5 +1,6 @@
 //! Faces that pass through each other in single configurations of a tessellation.
 
+use core::ops::Range;
 use std::collections::HashMap;
 
 use foldpath_core::{HalfAngle, Membership};
@@ -26,8 +27,12 @@ pub struct LatticeScene<'a> {
     differences: Vec<[i32; 2]>,
     half_angles: Vec<HalfAngle<f64>>,
     pieces: Pieces,
-    /// For each class that was asked for, pairs of pieces that no side joins, and the number of others.
-    pairs: HashMap<PairClass, (Vec<[u32; 2]>, u64)>,
+    /// Pairs of pieces that no side joins, of the classes that were asked for.
+    pairs: Vec<[u32; 2]>,
+    /// For each of these its part of the list, and the number of pairs that a side joins.
+    classes: HashMap<PairClass, (Range<usize>, u64)>,
+    /// Number of pairs of pieces, and of those for which no other stands.
+    alike: [u64; 2],
     near: Vec<PairClass>,
     /// When each piece was placed.
     placed: Vec<Tick>,
@@ -46,7 +51,9 @@ impl<'a> LatticeScene<'a> {
         groups: usize,
         lattice: &'a Lattice,
     ) -> Option<Self> {
-        let mut cells = Cells::new(pattern, memberships, groups, lattice);
+        let cells = Cells::new(pattern, memberships, groups, lattice);
+        let [pieces, pairs] = cells.count();
+        let all = pieces * pieces.saturating_sub(1) / 2;
         Some(Self {
             pattern,
             tolerance: CROSSING * pattern.median_edge(),
@@ -54,7 +61,9 @@ impl<'a> LatticeScene<'a> {
             cells,
             half_angles: Vec::new(),
             pieces: Pieces::none(pattern),
-            pairs: HashMap::new(),
+            pairs: Vec::new(),
+            classes: HashMap::new(),
+            alike: [all, pairs.min(all)],
             near: Vec::new(),
             placed: Vec::new(),
             counts: SweepCounts::default(),
@@ -77,34 +86,26 @@ impl<'a> LatticeScene<'a> {
         let mut deepest: Option<Crossing> = None;
         let (mut tested, mut joined) = (0, 0);
         for &class in &near {
-            self.find(class);
-            let (count, others) = self
-                .pairs
-                .get(&class)
-                .map_or((0, 0), |(pairs, others)| (pairs.len(), *others));
-            tested += count as u64;
+            let (pairs, others) = self.find(class);
+            tested += pairs.len() as u64;
             joined += others;
-            for index in 0..count {
-                let pair = self.pairs[&class].0[index];
+            for index in pairs {
+                let pair = self.pairs[index];
                 let depth = self.depth(pair);
-                let crossing = Crossing::new(
-                    pair.map(|piece| self.pieces.list[piece as usize].face),
-                    depth,
-                );
+                let faces = pair.map(|piece| self.pieces.list[piece as usize].face);
+                let crossing = Crossing::new(faces, depth);
                 if depth > 0.0 && deepest.is_none_or(|deepest| crossing.exceeds(&deepest)) {
                     deepest = Some(crossing);
                 }
             }
         }
         self.near = near;
-        let [pieces, pairs] = self.cells.count();
-        let alike = pieces * pieces.saturating_sub(1) / 2;
-        let pairs = pairs.min(alike);
-        self.counts.pairs += alike;
+        let [all, alike] = self.alike;
+        self.counts.pairs += all;
         self.counts.tested += tested;
-        self.counts.skipped_symmetry += alike - pairs;
+        self.counts.skipped_symmetry += all - alike;
         self.counts.skipped_edges += joined;
-        self.counts.skipped_bounds += pairs.saturating_sub(tested + joined);
+        self.counts.skipped_bounds += alike.saturating_sub(tested + joined);
         deepest
     }
 
@@ -114,12 +115,12 @@ impl<'a> LatticeScene<'a> {
         self.counts
     }
 
-    /// Finds the pairs of a class, once.
-    fn find(&mut self, class: PairClass) {
-        if self.pairs.contains_key(&class) {
-            return;
+    /// The pairs of a class, by their places in the list, and the number of those that a side joins.
+    fn find(&mut self, class: PairClass) -> (Range<usize>, u64) {
+        if let Some(found) = self.classes.get(&class) {
+            return found.clone();
         }
-        let (mut pairs, mut joined) = (Vec::new(), 0);
+        let (start, mut joined) = (self.pairs.len(), 0);
         if let Some(faces) = self.cells.lattice.pair_of(class) {
             let [first, second] = faces.map(|face| self.pieces.load(self.pattern, face));
             for a in first {
@@ -129,12 +130,14 @@ impl<'a> LatticeScene<'a> {
                     if self.pieces.joined(a, b) {
                         joined += 1;
                     } else {
-                        pairs.push([a, b]);
+                        self.pairs.push([a, b]);
                     }
                 }
             }
         }
-        self.pairs.insert(class, (pairs, joined));
+        let found = (start..self.pairs.len(), joined);
+        self.classes.insert(class, found.clone());
+        found
     }
 
     /// How deep two pieces cross.

@@ -18,7 +18,7 @@ use crate::progress::Stage;
 use crate::symmetry::Lattice;
 
 /// Faces up to which all are looked at: finding the lattice takes longer.
-const FEW_FACES: usize = 40;
+const FEW_FACES: usize = 20;
 
 impl Planning<'_> {
     /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet there.

@@ -66,6 +66,36 @@ impl Lattice {
         low..=high
     }
 
+    /// For each difference of rows from 0 on, differences of columns of faces so many rows apart, and where a row has
+    /// gaps perhaps others. Cost: O(faces + rows²).
+    pub(crate) fn columns_of_rows(&self) -> Vec<RangeInclusive<i32>> {
+        let orbits = || self.orbits().iter();
+        let first = orbits().map(|orbit| orbit.low[1]).min().unwrap_or_default();
+        let last = orbits()
+            .map(|orbit| orbit.high[1])
+            .max()
+            .unwrap_or_default();
+        let rows = (first..=last).map(|row| {
+            let spans = orbits().filter_map(|orbit| {
+                (orbit.low[1]..=orbit.high[1])
+                    .contains(&row)
+                    .then(|| span(self.row(orbit, row)))
+                    .flatten()
+            });
+            spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+        });
+        let rows: Vec<_> = rows.collect();
+        let columns = (0..rows.len()).map(|apart| {
+            let pairs = rows.iter().zip(&rows[apart..]);
+            let both = pairs.filter_map(|(from, to)| Some((from.as_ref()?, to.as_ref()?)));
+            let (low, high) = both.fold((i32::MAX, i32::MIN), |(low, high), ([a, b], [c, d])| {
+                (low.min(c - b), high.max(d - a))
+            });
+            low..=high
+        });
+        columns.collect()
+    }
+
     /// A pair of faces of the class, in the middle of the sheet rather than at its border, if the sheet has
     /// one. Cost: O(faces of the orbit) times a logarithm, if it has none there.
     #[must_use]
