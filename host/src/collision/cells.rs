@@ -76,6 +76,15 @@ struct Disk {
 }
 
 impl Disk {
+    /// The disk moved with its cell.
+    fn carried(&self, by: &Pose) -> Self {
+        Self {
+            center: by.carry(&self.center),
+            normal: by.r_wf.rotate(&self.normal),
+            radius: self.radius,
+        }
+    }
+
     /// No more than the distance of two disks: that of the balls round them, or of one disk from the
     /// plane of the other.
     fn apart(&self, other: &Self) -> f64 {
@@ -394,12 +403,7 @@ impl<'a> Cells<'a> {
         };
         let orbits = self.disks.len();
         for b in 0..orbits {
-            let here = self.disks[b];
-            let disk = Disk {
-                center: there.carry(&here.center),
-                normal: there.r_wf.rotate(&here.normal),
-                ..here
-            };
+            let disk = self.disks[b].carried(&there);
             let end = if cell == [0, 0] { b } else { orbits };
             for a in 0..end {
                 let bit = a * orbits + b;
@@ -467,12 +471,7 @@ impl<'a> Cells<'a> {
                 }
                 let there = along * across;
                 for b in 0..orbits {
-                    let here = self.disks[b];
-                    let disk = Disk {
-                        center: there.carry(&here.center),
-                        normal: there.r_wf.rotate(&here.normal),
-                        ..here
-                    };
+                    let disk = self.disks[b].carried(&there);
                     let end = if cell == [0, 0] { b } else { orbits };
                     for a in 0..end {
                         if disk.apart(&self.disks[a]) <= 0.0 {

@@ -71,8 +71,7 @@ impl Planning<'_> {
     }
 
     /// Measures the sheet at its knots, or only bounds what it deforms by how well its essential vertices close, where
-    /// that suffices.
-    /// `Err` names the knot before which time ran out.
+    /// that suffices. `Err` names the knot before which time ran out.
     fn measure_at_knots(&mut self, reduction: &Reduction) -> Result<(), usize> {
         let start = Instant::now();
         let mut knots = core::mem::take(&mut self.plan.path.knots);
