@@ -106,3 +106,38 @@ fn the_certified_closure_holds_of_every_vertex() {
         }
     }
 }
+
+/// Where knots keep no vertices, what they deform is bounded and not measured.
+#[test]
+fn the_bounds_at_knots_hold_of_a_sheet_that_closes_roughly() {
+    for name in ["miura-11x11", "waterbomb-8x10"] {
+        let options = PlanOptions {
+            judged: Judged::Knots,
+            keep_vertices: false,
+            ..PlanOptions::default()
+        };
+        let planned = Planned::of(rounded(name, 1e-6).unwrap(), &options);
+        let plan = &planned.plan;
+        assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
+        let file = serde_json::from_str(&planned.text()).unwrap();
+        let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+        let mut torn = [0.0; 2];
+        for segment in 0..motion.segments() {
+            let poses = sheet.fold(&motion.angles(segment, 1.0));
+            let found = [
+                sheet.deformation(&sheet.positions(&poses)),
+                sheet.gap(&poses),
+            ];
+            torn = [0, 1].map(|k| f64::max(torn[k], found[k]));
+        }
+        let bounds = [plan.rigidity.deformation, plan.rigidity.gap];
+        println!("{name}: {torn:?} of {bounds:?}");
+        for (torn, bound) in torn.into_iter().zip(bounds) {
+            // Far above rounding, so that a bound of nought is seen.
+            assert!(
+                torn > 1e-9 && torn <= bound,
+                "{name}: {torn:e} of {bound:e}"
+            );
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use core::ops::{Range, RangeInclusive};
 
-use foldpath_core::closure::residual;
+use foldpath_core::closure::{half_angles, residual};
 use foldpath_core::{Curve, HalfAngle, LoopsView, Membership, Spoke, StarsView, norm};
 use nalgebra::{Vector2, Vector3};
 
@@ -444,10 +444,11 @@ impl<'a> Cells<'a> {
         self.disks.extend(disks);
     }
 
-    /// Goes to a configuration that is part of no motion, by the half fold angles of the groups.
-    pub(super) fn go_to(&mut self, half_angles: &[HalfAngle<f64>]) {
+    /// Goes to a configuration that is part of no motion, by the angles of the groups (radians).
+    pub(super) fn go_to(&mut self, angles: &[f64]) {
         self.time = self.time.wrapping_add(1);
-        self.folded.fold(half_angles);
+        half_angles(angles, &mut self.half_angles);
+        self.folded.fold(&self.half_angles);
         self.put_disks();
     }
 

@@ -3,11 +3,10 @@
 use core::ops::Range;
 use std::collections::HashMap;
 
-use foldpath_core::{HalfAngle, Membership};
+use foldpath_core::Membership;
 use nalgebra::Vector3;
 
 use super::cells::Cells;
-use super::crossing::depth_within;
 use super::motion::Tick;
 use super::pieces::{CROSSING, Pieces, Placed};
 use super::scene::Crossing;
@@ -25,7 +24,6 @@ pub struct LatticeScene<'a> {
     cells: Cells<'a>,
     /// All differences of cells.
     differences: Vec<[i32; 2]>,
-    half_angles: Vec<HalfAngle<f64>>,
     pieces: Pieces,
     /// Pairs of pieces that no side joins, of the classes that were asked for.
     pairs: Vec<[u32; 2]>,
@@ -59,7 +57,6 @@ impl<'a> LatticeScene<'a> {
             tolerance: CROSSING * pattern.median_edge(),
             differences: cells.all()?,
             cells,
-            half_angles: Vec::new(),
             pieces: Pieces::none(pattern),
             pairs: Vec::new(),
             classes: HashMap::new(),
@@ -75,10 +72,7 @@ impl<'a> LatticeScene<'a> {
     /// The deepest crossing at a configuration (group angles, radians), at which the sheet has to close; of faces that
     /// stand for all that are placed alike. Cost: O(cells + pairs of faces near one cell).
     pub fn deepest_crossing(&mut self, angles: &[f64]) -> Option<Crossing> {
-        self.half_angles.clear();
-        let half_angles = angles.iter().map(|&angle| HalfAngle::of(angle));
-        self.half_angles.extend(half_angles);
-        self.cells.go_to(&self.half_angles);
+        self.cells.go_to(angles);
         let mut near = core::mem::take(&mut self.near);
         near.clear();
         self.cells
@@ -141,27 +135,20 @@ impl<'a> LatticeScene<'a> {
     }
 
     /// How deep two pieces cross.
-    fn depth(&mut self, [a, b]: [u32; 2]) -> f64 {
-        let tolerance = self.tolerance;
-        for piece in [a, b] {
+    fn depth(&mut self, pair: [u32; 2]) -> f64 {
+        for piece in pair {
             self.put(piece);
         }
-        let placed = self.placed();
-        let [first, second] = [a, b].map(|piece| placed.piece(piece));
-        let reaches = [
-            first.reach(&second, tolerance),
-            second.reach(&first, tolerance),
-        ];
-        let depth = depth_within(&first, &second, reaches, tolerance);
-        if depth > 0.0 || !reaches.iter().any(|reach| reach.stands(tolerance)) {
+        let (depth, stands) = self.placed().depth_alone(pair, self.tolerance);
+        if depth > 0.0 {
             return depth;
         }
-        for piece in [a, b] {
+        for (piece, _) in pair.into_iter().zip(stands).filter(|(_, stands)| *stands) {
             for index in 0..self.pieces.joints(piece).len() {
                 self.put(self.pieces.joints(piece)[index].piece);
             }
         }
-        self.placed().depth(a, b, tolerance)
+        self.placed().depth_beyond(pair, stands, self.tolerance)
     }
 
     fn placed(&self) -> Placed<'_> {

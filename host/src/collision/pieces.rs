@@ -248,24 +248,35 @@ impl<'a> Placed<'a> {
 
     /// How deep the pieces cross, alone or with those joined to them; 0 for no deeper than `tolerance`.
     pub(super) fn depth(&self, a: u32, b: u32, tolerance: f64) -> f64 {
-        let [first, second] = [a, b].map(|index| self.piece(index));
+        let (depth, stands) = self.depth_alone([a, b], tolerance);
+        if depth > 0.0 {
+            return depth;
+        }
+        self.depth_beyond([a, b], stands, tolerance)
+    }
+
+    /// How deep the pieces cross without those joined to them; if not at all, which of them may go on to the other side.
+    pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
+        let [first, second] = pair.map(|index| self.piece(index));
         let reaches = [
             first.reach(&second, tolerance),
             second.reach(&first, tolerance),
         ];
         let depth = depth_within(&first, &second, reaches, tolerance);
-        if depth > 0.0 {
-            return depth;
-        }
-        let [on_second, on_first] = reaches.map(|reach| reach.stands(tolerance));
-        let mut depth = 0.0_f64;
-        if on_second {
-            depth = depth.max(self.beyond(a, b, tolerance));
-        }
-        if on_first {
-            depth = depth.max(self.beyond(b, a, tolerance));
-        }
-        depth
+        (depth, reaches.map(|reach| reach.stands(tolerance)))
+    }
+
+    /// How deep those joined to the pieces that stand on the other cross it.
+    pub(super) fn depth_beyond(&self, [a, b]: [u32; 2], stands: [bool; 2], tolerance: f64) -> f64 {
+        let both = stands.into_iter().zip([[a, b], [b, a]]);
+        let depths = both.map(|(stands, [a, b])| {
+            if stands {
+                self.beyond(a, b, tolerance)
+            } else {
+                0.0
+            }
+        });
+        depths.fold(0.0, f64::max)
     }
 
     /// A piece that only touches another may go on beyond it across one of its sides.

@@ -34,10 +34,11 @@ impl Planning<'_> {
             );
             return self.end(Outcome::Partial, reason);
         }
-        self.place_evenly(found);
+        let knots = self.knots_of(found);
+        self.plan.path.interpolation = Interpolation::Linear;
         self.plan.times.place += start.elapsed();
         self.options.begin(Stage::Folding);
-        if let Err(index) = self.measure_at_knots(reduction) {
+        if let Err(index) = self.measure_at_knots(reduction, knots) {
             return self.late_at(index);
         }
         self.plan
@@ -50,8 +51,8 @@ impl Planning<'_> {
         }
     }
 
-    /// Knots as far apart in time as the speed of the hinges asks for.
-    fn place_evenly(&mut self, found: &Found<'_>) {
+    /// The waypoints as knots, as far apart in time as the speed of the hinges asks for.
+    fn knots_of(&self, found: &Found<'_>) -> Vec<Knot> {
         let mut time = 0.0;
         let mut before: Option<&[f64]> = None;
         let knots = found.waypoints.iter().map(|waypoint| {
@@ -66,15 +67,17 @@ impl Planning<'_> {
                 ..Knot::default()
             }
         });
-        self.plan.path.knots = knots.collect();
-        self.plan.path.interpolation = Interpolation::Linear;
+        knots.collect()
     }
 
     /// Measures the sheet at its knots, or only bounds what it deforms by how well its essential vertices close, where
     /// that suffices. `Err` names the knot before which time ran out.
-    fn measure_at_knots(&mut self, reduction: &Reduction) -> Result<(), usize> {
+    fn measure_at_knots(
+        &mut self,
+        reduction: &Reduction,
+        mut knots: Vec<Knot>,
+    ) -> Result<(), usize> {
         let start = Instant::now();
-        let mut knots = core::mem::take(&mut self.plan.path.knots);
         let bound = (!self.options.keep_vertices)
             .then(|| bound_at(&knots, self.pattern, reduction))
             .flatten();
@@ -106,7 +109,7 @@ impl Planning<'_> {
             LatticeScene::new(pattern, groups.memberships(), groups.len(), lattice)
         });
         let Some(mut scene) = scene else {
-            return self.sweep_knots(reduction);
+            return self.sweep_knots(reduction, start);
         };
         let plan = self.cross_at_knots(start, |knot| scene.deepest_crossing(&knot.angles));
         Plan {

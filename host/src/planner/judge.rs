@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::knots::Knot;
 use super::reduction::Reduction;
-use crate::collision::{CollisionScene, Crossing};
+use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::symmetry::essential_pattern;
@@ -70,6 +70,22 @@ impl<'a> Judge<'a> {
         let memberships = self.reduction.groups.memberships();
         self.map
             .fold_groups(self.pattern, self.tree, memberships, angles);
+    }
+
+    /// What the looks for crossings looked at.
+    pub(super) fn counts(&self) -> SweepCounts {
+        let counts = self.scene.as_ref().map(CollisionScene::counts);
+        let CollisionCounts {
+            pairs,
+            tested,
+            skipped_bounds,
+        } = counts.unwrap_or_default();
+        SweepCounts {
+            pairs,
+            tested,
+            skipped_bounds,
+            ..SweepCounts::default()
+        }
     }
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {

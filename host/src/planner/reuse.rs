@@ -262,10 +262,7 @@ impl Planning<'_> {
                 return plan;
             }
             if faces > MOST_FACES {
-                self.plan.notes.push(format!(
-                    "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
-                ));
-                return self.sweep_knots(reduction);
+                return self.sweep_no_more_than_knots(reduction);
             }
             start = Instant::now();
             let mut sweep = Sweep::new(self.pattern, memberships, options);
@@ -295,7 +292,7 @@ impl Planning<'_> {
                 let reason = "out of time while looking for crossings".into();
                 self.end(Outcome::Timeout, reason)
             }
-            SweepVerdict::Undecided { faces: None, .. } => self.sweep_knots(reduction),
+            SweepVerdict::Undecided { faces: None, .. } => self.sweep_no_more_than_knots(reduction),
             SweepVerdict::Undecided { faces, at } => {
                 let faces = faces.map_or(String::new(), |[a, b]| format!(" of faces {a} and {b}"));
                 self.plan.notes.push(format!(
@@ -357,11 +354,26 @@ impl Planning<'_> {
         crossed
     }
 
-    /// Looks for crossings at the knots alone, among all faces.
-    pub(super) fn sweep_knots(self, reduction: &Reduction) -> Plan {
-        let start = Instant::now();
+    /// Looks for crossings at the knots alone, and says so.
+    fn sweep_no_more_than_knots(self, reduction: &Reduction) -> Plan {
+        let faces = self.pattern.faces().len();
+        let mut plan = self.sweep_knots(reduction, Instant::now());
+        if plan.outcome == Outcome::Planned {
+            plan.notes.push(format!(
+                "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
+            ));
+        }
+        plan
+    }
+
+    /// Looks for crossings at the knots alone, among all faces, since `start`.
+    pub(super) fn sweep_knots(self, reduction: &Reduction, start: Instant) -> Plan {
         let mut judge = Judge::new(self.pattern, reduction, true);
-        self.cross_at_knots(start, |knot| judge.crossing_at(knot))
+        let plan = self.cross_at_knots(start, |knot| judge.crossing_at(knot));
+        Plan {
+            collision: judge.counts(),
+            ..plan
+        }
     }
 
     /// Ends the path before the first knot at which faces cross, begun to be looked for at `start`.
