@@ -4,9 +4,10 @@ use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
 use foldpath::generate::Waterbomb;
-use foldpath::pattern::CreasePattern;
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Judged, Outcome, PlanOptions, Symmetry, Vertices, plan};
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
+use nalgebra::Vector2;
 
 /// Of the oracle, on sheets of hundreds of faces.
 const ROUNDING: f64 = 1e-10;
@@ -107,4 +108,47 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
     });
     assert_eq!(along_lattice.0, among_all.0);
     assert!((along_lattice.1 - among_all.1).abs() < 1e-9);
+}
+
+/// A strip of so many faces that the motion between knots is not swept without a lattice.
+#[test]
+fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
+    let count = 4002;
+    let point = |k: usize| {
+        let x = f64::from(u32::try_from(k / 2).unwrap());
+        Vector2::new(x, if k % 2 == 0 { 0.0 } else { 1.0 })
+    };
+    let edge = |ends, goal: Option<f64>| DrawnEdge {
+        ends,
+        letter: goal.map_or(Letter::Boundary, |goal| {
+            if goal > 0.0 {
+                Letter::Valley
+            } else {
+                Letter::Mountain
+            }
+        }),
+        goal,
+    };
+    let across = (0..=count).map(|k| {
+        let goal = if k % 2 == 0 { 0.3 } else { -0.3 };
+        let inner = k > 0 && k < count;
+        edge([2 * k, 2 * k + 1], inner.then_some(goal))
+    });
+    let along = (0..2 * count).map(|k| edge([k, k + 2], None));
+    let drawing = Drawing {
+        vertices: (0..2 * count + 2).map(point).collect(),
+        edges: across.chain(along).collect(),
+        faces: None,
+    };
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let options = PlanOptions {
+        symmetry: Symmetry::Off,
+        keep_vertices: false,
+        ..PlanOptions::default()
+    };
+    let plan = plan(&pattern, &Goal::of_pattern(&pattern).unwrap(), &options);
+    assert_eq!(plan.outcome, Outcome::Planned, "{:?}", plan.reason);
+    let said = |note: &String| note.starts_with("crossings were looked for at knots only");
+    assert!(plan.notes.iter().any(said), "{:?}", plan.notes);
+    assert!(plan.collision.pairs > 0);
 }
