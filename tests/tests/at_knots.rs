@@ -113,10 +113,10 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
 /// A strip of so many faces that the motion between knots is not swept without a lattice.
 #[test]
 fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
-    let count = 4002;
+    let count = 4002_usize;
     let point = |k: usize| {
         let x = f64::from(u32::try_from(k / 2).unwrap());
-        Vector2::new(x, if k % 2 == 0 { 0.0 } else { 1.0 })
+        Vector2::new(x, if k.is_multiple_of(2) { 0.0 } else { 1.0 })
     };
     let edge = |ends, goal: Option<f64>| DrawnEdge {
         ends,
@@ -130,7 +130,7 @@ fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
         goal,
     };
     let across = (0..=count).map(|k| {
-        let goal = if k % 2 == 0 { 0.3 } else { -0.3 };
+        let goal = if k.is_multiple_of(2) { 0.3 } else { -0.3 };
         let inner = k > 0 && k < count;
         edge([2 * k, 2 * k + 1], inner.then_some(goal))
     });

@@ -256,6 +256,7 @@ impl<'a> Placed<'a> {
     }
 
     /// How deep the pieces cross without those joined to them; if not at all, which of them may go on to the other side.
+    #[inline]
     pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
         let [first, second] = pair.map(|index| self.piece(index));
         let reaches = [
@@ -267,16 +268,21 @@ impl<'a> Placed<'a> {
     }
 
     /// How deep those joined to the pieces that stand on the other cross it.
-    pub(super) fn depth_beyond(&self, [a, b]: [u32; 2], stands: [bool; 2], tolerance: f64) -> f64 {
-        let both = stands.into_iter().zip([[a, b], [b, a]]);
-        let depths = both.map(|(stands, [a, b])| {
-            if stands {
-                self.beyond(a, b, tolerance)
-            } else {
-                0.0
-            }
-        });
-        depths.fold(0.0, f64::max)
+    #[inline]
+    pub(super) fn depth_beyond(
+        &self,
+        [a, b]: [u32; 2],
+        [on_second, on_first]: [bool; 2],
+        tolerance: f64,
+    ) -> f64 {
+        let mut depth = 0.0_f64;
+        if on_second {
+            depth = depth.max(self.beyond(a, b, tolerance));
+        }
+        if on_first {
+            depth = depth.max(self.beyond(b, a, tolerance));
+        }
+        depth
     }
 
     /// A piece that only touches another may go on beyond it across one of its sides.
