@@ -18,7 +18,7 @@ const FIRST_MU: f64 = 1.0;
 const MIN_MU: f64 = 1e-6;
 /// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
-const PROJECTIONS: usize = 4;
+const PROJECTIONS: u32 = 4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
@@ -152,7 +152,7 @@ pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     direction: &mut [T],
 ) -> bool {
     let damping = projection_damping(equations);
-    equations.factorise(damping) && project_by_factor(equations, damping, direction)
+    equations.factorise(damping) && project_by_factor(equations, damping, PROJECTIONS, direction)
 }
 
 /// λ of [`project_on_motions`]: the square root of the precision, so that rounding, which is ε/λ, stays as small as λ
@@ -161,13 +161,15 @@ pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &E) -> T 
     equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
 }
 
-/// The second half of [`project_on_motions`], with the factor last made, of a matrix with this damping.
+/// The second half of [`project_on_motions`], with the factor last made, of a matrix with this damping, applied so many
+/// `times`.
 pub fn project_by_factor<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     damping: T,
+    times: u32,
     direction: &mut [T],
 ) -> bool {
-    for _ in 0..PROJECTIONS {
+    for _ in 0..times {
         equations.solve(direction);
         for entry in direction.iter_mut() {
             *entry *= damping;

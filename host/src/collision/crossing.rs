@@ -6,6 +6,9 @@
 
 use nalgebra::Vector3;
 
+/// Tolerances from a plane beyond which a corner is well off it.
+const CLOSE: f64 = 1e3;
+
 /// A convex flat polygon in space.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvexPiece<'a> {
@@ -23,12 +26,14 @@ impl ConvexPiece<'_> {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
             touching: 0,
+            close: 0,
         };
         for corner in self.corners {
             let distance = other.normal.dot(corner) - offset;
             reach.low = reach.low.min(distance);
             reach.high = reach.high.max(distance);
             reach.touching += u32::from(distance.abs() <= tolerance);
+            reach.close += u32::from(distance.abs() <= CLOSE * tolerance);
         }
         reach
     }
@@ -61,12 +66,20 @@ pub(super) struct Reach {
     high: f64,
     /// Corners in the plane.
     touching: u32,
+    /// Corners near it.
+    close: u32,
 }
 
 impl Reach {
     /// How far the piece reaches to both sides.
     fn depth(self) -> f64 {
         self.high.min(-self.low)
+    }
+
+    /// Whether the piece is on one side of the plane and meets it in a corner at most. It crosses nothing there, and
+    /// the other one can stand on it in that corner only.
+    pub(super) fn is_clear(self, tolerance: f64) -> bool {
+        self.close <= 1 && self.depth() <= tolerance
     }
 
     /// Whether the piece may go on to the other side of the plane beyond one of its own sides: it is on one side of the
@@ -76,6 +89,7 @@ impl Reach {
             low,
             high,
             touching,
+            ..
         } = self;
         touching > 1 && high - low > tolerance && low.abs().min(high.abs()) <= tolerance
     }

@@ -259,10 +259,14 @@ impl<'a> Placed<'a> {
     #[inline]
     pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
         let [first, second] = pair.map(|index| self.piece(index));
-        let reaches = [
-            first.reach(&second, tolerance),
-            second.reach(&first, tolerance),
-        ];
+        let reach = first.reach(&second, tolerance);
+        if reach.is_clear(tolerance) {
+            return (0.0, [false; 2]);
+        }
+        let reaches = [reach, second.reach(&first, tolerance)];
+        if reaches[1].is_clear(tolerance) {
+            return (0.0, [false; 2]);
+        }
         let depth = depth_within(&first, &second, reaches, tolerance);
         (depth, reaches.map(|reach| reach.stands(tolerance)))
     }

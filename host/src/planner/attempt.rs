@@ -67,6 +67,8 @@ const NEARLY: f64 = 1e-6;
 const MOVED: f64 = 0.5;
 /// Part of the largest angle asked for that the nearest closed configuration has to have.
 const TURNED: f64 = 0.1;
+/// Part of the residual that the bound allows, up to which configurations are closed where they alone are judged.
+const ROUGH: f64 = 1e-2;
 /// Iterations that close what is predicted along a motion; a handful suffice, unless nothing closes there.
 const ITERATIONS: u32 = 25;
 /// Branches that are followed from flat.
@@ -191,9 +193,16 @@ impl<'a> Route<'a> {
     fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
         let mut solver = self.reduction.solver(self.options, accepted);
         solver.set_limits(self.reduction.orthant(&self.signs));
+        let solver = solver.at_most(ITERATIONS);
+        if self.options.judged == Judged::Motion {
+            return solver;
+        }
+        // Where crossings are looked for along a lattice, faces have to be where it has them.
+        let symmetric = self.reduction.groups.len() < self.pattern.creases().len();
+        let rough = ROUGH * self.reduction.tolerance(self.options.bound);
         solver
-            .at_most(ITERATIONS)
-            .with_rough_motions(self.options.judged == Judged::Knots)
+            .with_rough_motions()
+            .content_with(if symmetric { 0.0 } else { rough })
     }
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a

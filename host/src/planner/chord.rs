@@ -6,7 +6,6 @@
 //! which (J₀ᵀJ₀ + λI)⁻¹ blows up by 1/λ. Chapter 5.4 of Kelley, *Iterative Methods for Linear and
 //! Nonlinear Equations*, SIAM 1995, has the method for regular Jacobians.
 
-use foldpath_core::Scalar;
 use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
 use foldpath_core::levenberg_marquardt::projection_damping;
 
@@ -35,6 +34,7 @@ pub(super) fn close(
     problem: &mut ClosureProblem<'_, f64>,
     equations: &mut SparseNormalEquations,
     limits: Limits<'_, f64>,
+    tolerance: f64,
     x: &mut [f64],
     workspace: &mut [f64],
 ) -> Option<Chord> {
@@ -47,12 +47,12 @@ pub(super) fn close(
     let mut residual = problem.linearise(x, equations)?.max();
     // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
     let damping = projection_damping(equations);
-    if residual > NEAR || residual > f64::CLOSURE_TOLERANCE && !equations.factorise(damping) {
+    if residual > NEAR || residual > tolerance && !equations.factorise(damping) {
         return Some(chord);
     }
     chord.damping = damping;
     trial.copy_from_slice(x);
-    while residual > f64::CLOSURE_TOLERANCE {
+    while residual > tolerance {
         advance(equations, step, trial);
         equations.clear_gradient();
         let mut block = 0;
@@ -62,7 +62,7 @@ pub(super) fn close(
         });
         let next = next?.max();
         chord.steps += 1;
-        let shrinks = next <= f64::CLOSURE_TOLERANCE || next <= CONTRACTION * residual;
+        let shrinks = next <= tolerance || next <= CONTRACTION * residual;
         if !shrinks || !within(limits, trial) {
             return Some(chord);
         }
@@ -98,7 +98,7 @@ fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut 
 
 #[cfg(test)]
 mod tests {
-    use foldpath_core::HalfAngle;
+    use foldpath_core::{HalfAngle, Scalar};
     use nalgebra::Vector3;
 
     use super::*;
@@ -137,6 +137,7 @@ mod tests {
             &mut problem,
             &mut equations,
             Limits::HalfTurn,
+            f64::CLOSURE_TOLERANCE,
             &mut after,
             &mut workspace,
         )

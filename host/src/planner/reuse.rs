@@ -383,12 +383,18 @@ impl Planning<'_> {
         mut crossing_at: impl FnMut(&Knot) -> Option<Crossing>,
     ) -> Plan {
         let knots = core::mem::take(&mut self.plan.path.knots);
-        let found = knots.iter().enumerate().find_map(|(index, knot)| {
-            if self.is_late() {
-                return Some((index, None));
-            }
-            Some((index, Some(crossing_at(knot)?)))
-        });
+        // Flat faces lie beside each other.
+        let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
+        let found = knots
+            .iter()
+            .enumerate()
+            .filter(turned)
+            .find_map(|(index, knot)| {
+                if self.is_late() {
+                    return Some((index, None));
+                }
+                Some((index, Some(crossing_at(knot)?)))
+            });
         self.plan.path.knots = knots;
         self.plan.times.collision += start.elapsed();
         match found {

@@ -111,8 +111,8 @@ impl<'a> ClosureSolver<'a> {
 
     /// The same that takes motions at a configuration from where it was predicted, if it was near: that saves half of all
     /// factorisations.
-    pub(super) fn with_rough_motions(mut self, rough: bool) -> Self {
-        self.rough = rough;
+    pub(super) fn with_rough_motions(mut self) -> Self {
+        self.rough = true;
         self
     }
 
@@ -227,8 +227,10 @@ impl<'a> ClosureSolver<'a> {
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
         let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
         let (limits, work) = (Limits::Each(&self.limits), &mut self.workspace);
-        let chord =
-            problem.and_then(|mut problem| chord::close(&mut problem, equations, limits, x, work));
+        let tolerance = self.tolerance;
+        let chord = problem.and_then(|mut problem| {
+            chord::close(&mut problem, equations, limits, tolerance, x, work)
+        });
         let Some(chord) = chord else {
             return false;
         };
@@ -302,7 +304,7 @@ impl<'a> ClosureSolver<'a> {
             && weights.is_none()
             && held.is_empty()
         {
-            return project_by_factor(equations.as_mut(), *damping, direction);
+            return project_by_factor(equations.as_mut(), *damping, ROUGHLY, direction);
         }
         self.near = None;
         self.work.evaluations += 1;
@@ -387,6 +389,9 @@ impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
 
 /// Part of a direction's largest entry below which an entry is rounding, and pushes nothing.
 const SIDEWAYS: f64 = 1e-6;
+
+/// Times that a rough projection applies the factor: what is left then is less than what the factor is off.
+const ROUGHLY: u32 = 2;
 
 /// Unknowns up to which a dense matrix is the faster one.
 const DENSE: usize = 40;

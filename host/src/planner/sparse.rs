@@ -4,6 +4,7 @@
 //! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
 //! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
 
+use core::cell::OnceCell;
 use std::rc::Rc;
 
 use faer::Conj;
@@ -46,8 +47,8 @@ pub(super) struct Structure {
     diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
-    /// For each unknown the places of its row and column.
-    touching: Ragged<u32>,
+    /// For each unknown the places of its row and column, once they were asked for.
+    touching: OnceCell<Ragged<u32>>,
     symbolic: SymbolicCholesky<u32>,
 }
 
@@ -114,11 +115,6 @@ impl Structure {
             pairs.collect::<Vec<_>>()
         });
         let places: Ragged<u32> = places.collect();
-        let both = entries.iter().zip(0..).flat_map(|(&(column, row), place)| {
-            let off_diagonal = (row != column).then_some((row as usize, place));
-            core::iter::once((column as usize, place)).chain(off_diagonal)
-        });
-        let touching = group_by_key(n, &both.collect::<Vec<_>>());
         let diagonal = column_ends[..n].to_vec();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &column_ends, None, &rows);
         let symbolic = factorize_symbolic_cholesky(
@@ -133,8 +129,27 @@ impl Structure {
             rows,
             diagonal,
             places,
-            touching,
+            touching: OnceCell::new(),
             symbolic,
+        })
+    }
+
+    /// For each unknown the places of its row and column.
+    fn touching(&self) -> &Ragged<u32> {
+        self.touching.get_or_init(|| {
+            let n = self.diagonal.len();
+            let mut both = Vec::with_capacity(2 * self.rows.len());
+            for column in 0..n {
+                let [start, end] = [column, column + 1].map(|k| self.column_ends[k]);
+                for place in start..end {
+                    let row = self.rows[place as usize] as usize;
+                    both.push((column, place));
+                    if row != column {
+                        both.push((row, place));
+                    }
+                }
+            }
+            group_by_key(n, &both)
         })
     }
 }
@@ -202,7 +217,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
     }
 
     fn hold(&mut self, unknown: usize) {
-        for &place in &self.structure.touching[unknown] {
+        for &place in &self.structure.touching()[unknown] {
             self.values[place as usize] = 0.0;
         }
         self.gradient[unknown] = 0.0;
