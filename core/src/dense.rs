@@ -1,12 +1,12 @@
-//! Dense normal equations: Cholesky over borrowed memory, for the few unknowns that symmetry
+//! Dense normal equations: LDLᵀ over borrowed memory, for the few unknowns that symmetry
 //! leaves.
 
 use nalgebra::Vector3;
 
 use crate::least_squares::{Accumulate, Gradient, NormalEquations};
-use crate::{Scalar, Spoke};
+use crate::{Scalar, Spoke, ldl};
 
-/// JᵀJ and Jᵀr as a dense lower triangle, with its Cholesky factor.
+/// JᵀJ and Jᵀr as a dense lower triangle, with its factors.
 #[derive(Debug)]
 pub struct DenseNormalEquations<'a, T> {
     matrix: &'a mut [T],
@@ -96,66 +96,12 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
     }
 
     fn factorise(&mut self, damping: T) -> bool {
-        let n = self.gradient.len();
-        if n == 0 {
-            return true;
-        }
-        for (factor, &entry) in self.factor.iter_mut().zip(&*self.matrix) {
-            *factor = entry;
-        }
-        for i in 0..n {
-            let Some((above, rest)) = self.factor.split_at_mut_checked(i * n) else {
-                return false;
-            };
-            let Some((left, right)) = rest.split_at_mut_checked(i) else {
-                return false;
-            };
-            // Forward substitution for row i of the factor, whose diagonal is stored inverted.
-            for (j, row) in above.chunks_exact(n.max(1)).enumerate() {
-                let Some((done, open)) = left.split_at_mut_checked(j) else {
-                    return false;
-                };
-                if let (Some(entry), Some(&inverse)) = (open.first_mut(), row.get(j)) {
-                    *entry = (*entry - dot(done, row)) * inverse;
-                }
-            }
-            let Some(diagonal) = right.first_mut() else {
-                return false;
-            };
-            let pivot = *diagonal + damping - dot(left, left);
-            if pivot.is_finite() && pivot > T::zero() {
-                *diagonal = T::one() / pivot.sqrt();
-            } else {
-                return false;
-            }
-        }
-        true
+        self.factor.copy_from_slice(self.matrix);
+        ldl::factorise(self.factor, self.gradient.len(), damping)
     }
 
     fn solve(&mut self, right_side: &mut [T]) {
-        let n = self.gradient.len();
-        if n == 0 {
-            return;
-        }
-        // L y = b, then Lᵀ x = y, the second by columns of L so that both walk along rows.
-        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate() {
-            if let Some((done, [entry, ..])) = right_side.split_at_mut_checked(i)
-                && let Some(&inverse) = row.get(i)
-            {
-                *entry = (*entry - dot(done, row)) * inverse;
-            }
-        }
-        for (i, row) in self.factor.chunks_exact(n.max(1)).enumerate().rev() {
-            if let Some((open, [entry, ..])) = right_side.split_at_mut_checked(i)
-                && let Some(&inverse) = row.get(i)
-            {
-                *entry *= inverse;
-                let solved = *entry;
-                for (other, &factor) in open.iter_mut().zip(row) {
-                    *other -= factor * solved;
-                }
-            }
-        }
+        ldl::solve(self.factor, self.gradient.len(), right_side);
     }
 }
 

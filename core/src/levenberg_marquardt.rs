@@ -16,6 +16,9 @@ use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Out
 const FIRST_MU: f64 = 1.0;
 /// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
 const MIN_MU: f64 = 1e-6;
+/// Precisions of the largest diagonal entry that damping has at least, and the factor by which more is tried if that
+/// does not suffice.
+const FLOOR: f64 = 16.0;
 /// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
 const PROJECTIONS: u32 = 4;
@@ -57,6 +60,7 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         return report;
     }
     let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
+    let mut least = T::zero();
     report.outcome = loop {
         report.residual = cost.max();
         if report.residual <= options.tolerance {
@@ -75,14 +79,13 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
             }
         }
         // Below this the factorisation cannot tell the matrix from a singular one.
-        let floor = equations.max_diagonal() * T::EPSILON * T::lit(16.0);
-        let damping = (mu * cost.half_square).max(floor);
+        least = least.max(equations.max_diagonal() * T::EPSILON * T::lit(FLOOR));
+        let damping = (mu * cost.half_square).max(least);
         if !equations.factorise(damping) {
-            if !(mu * growth).is_finite() {
+            least = damping * T::lit(FLOOR);
+            if !least.is_finite() {
                 break Outcome::Stalled;
             }
-            mu *= growth;
-            growth *= T::TWO;
             continue;
         }
         equations.step(step);
