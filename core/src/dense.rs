@@ -96,7 +96,9 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
     }
 
     fn factorise(&mut self, damping: T) -> bool {
-        self.factor.copy_from_slice(self.matrix);
+        for (factor, &entry) in self.factor.iter_mut().zip(&*self.matrix) {
+            *factor = entry;
+        }
         ldl::factorise(self.factor, self.gradient.len(), damping)
     }
 
