@@ -17,9 +17,6 @@ use crate::pattern::CreasePattern;
 use crate::progress::Stage;
 use crate::symmetry::Lattice;
 
-/// Faces up to which all are looked at: finding the lattice takes longer.
-const FEW_FACES: usize = 20;
-
 impl Planning<'_> {
     /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet there.
     pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
@@ -99,7 +96,7 @@ impl Planning<'_> {
         self.options.begin(Stage::Crossings);
         let start = Instant::now();
         let (pattern, groups) = (self.pattern, &reduction.groups);
-        let symmetric = self.options.skips.symmetry && pattern.faces().len() > FEW_FACES;
+        let symmetric = self.options.skips.symmetry;
         let lattice = symmetric.then(|| reduction.lattice(pattern)).flatten();
         let near = |lattice: &&Lattice| {
             let astray = lattice.astray(pattern, self.plan.max_closure);

@@ -14,6 +14,9 @@ use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
+/// Faces up to which all pairs are looked at sooner than their lattice is found and folded.
+const FEW_FACES: usize = 20;
+
 /// The unknowns and conditions of a plan.
 pub(super) struct Reduction {
     pub(super) groups: CreaseGroups,
@@ -79,12 +82,12 @@ impl Reduction {
         }
     }
 
-    /// The lattice of the groups, if the sheet has one.
+    /// The lattice of the groups along which to look for crossings, if the sheet has one and more than a few faces.
     pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
         // Hinges that are each on their own turn alike nowhere.
         let shrinks = self.groups.len() < pattern.creases().len();
         let lattice = || Lattice::find(pattern, self.groups.memberships());
-        shrinks
+        (shrinks && pattern.faces().len() > FEW_FACES)
             .then(|| self.lattice.get_or_init(lattice).as_ref())
             .flatten()
     }
