@@ -84,24 +84,30 @@ impl Structure {
         let stars = stars.iter().map(|star| star.spokes);
         let cycles = stars.chain(loops.iter().map(|l| l.spokes));
         let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
-        let mut entries: Vec<(u32, u32)> = (0..u32::try_from(n).ok()?).map(|k| (k, k)).collect();
+        // Column and row of each entry as one number, which sorts sooner.
+        let entry = |column: u32, row: u32| u64::from(column) << 32 | u64::from(row);
+        let mut entries: Vec<u64> = (0..u32::try_from(n).ok()?).map(|k| entry(k, k)).collect();
         for spokes in &cycles {
             for a in *spokes {
                 let below = spokes.iter().filter(|b| b.group > a.group);
-                entries.extend(below.map(|b| (a.group.0, b.group.0)));
+                entries.extend(below.map(|b| entry(a.group.0, b.group.0)));
             }
         }
         entries.sort_unstable();
         entries.dedup();
-        let rows: Vec<u32> = entries.iter().map(|&(_, row)| row).collect();
+        #[allow(clippy::cast_possible_truncation, reason = "the lower half")]
+        let rows: Vec<u32> = entries.iter().map(|&entry| entry as u32).collect();
         let mut column_ends = vec![0; n + 1];
-        for &(column, _) in &entries {
-            column_ends[column as usize + 1] += 1;
+        for entry in entries {
+            column_ends[(entry >> 32) as usize + 1] += 1;
         }
         for column in 0..n {
             column_ends[column + 1] += column_ends[column];
         }
         let place = |column: u32, row: u32| {
+            if row < column {
+                return None;
+            }
             let range =
                 column_ends[column as usize] as usize..column_ends[column as usize + 1] as usize;
             let offset = rows[range.clone()].binary_search(&row).ok()?;
