@@ -25,7 +25,7 @@ pub(super) struct Ours {
 
 /// Seconds that runs are repeated for, how often at least and at most, and from when on not at all.
 const REPEATED: f64 = 0.5;
-const REPEATS: [usize; 2] = [3, 101];
+const REPEATS: [usize; 2] = [3, 1001];
 const LONG: f64 = 2.0;
 
 /// Plans within the bound.
@@ -39,53 +39,47 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         let found = plan(&sheet.pattern, &sheet.goal, &options);
         (start.elapsed().as_secs_f64(), found)
     };
-    let whole = repeated(timed);
+    let (seconds, last, whole) = repeated(timed);
     let alone = PlanOptions {
         judged: Judged::Knots,
         max_step: STEP,
         ..options.clone()
     };
-    let knots = repeated(|| {
+    let (at_knots, _, first_look) = repeated(|| {
         let start = Instant::now();
         let plan = plan(&sheet.pattern, &sheet.goal, &alone);
         let seconds = start.elapsed().saturating_sub(plan.times.symmetry);
         (seconds.as_secs_f64(), plan)
     });
-    let (seconds, plan) = median(whole);
-    let (at_knots, first_look) = median(knots);
     assert_eq!(
-        plan.outcome.name(),
+        whole.outcome.name(),
         first_look.outcome.name(),
         "judged at knots alone"
     );
     Ours {
-        given: plan.times.symmetry.as_secs_f64(),
-        collision: plan.times.collision.as_secs_f64() / seconds,
-        plan,
+        given: whole.times.symmetry.as_secs_f64(),
+        collision: whole.times.collision.as_secs_f64() / last,
+        plan: whole,
         seconds,
         at_knots,
         alone: first_look.path.knots.len(),
     }
 }
 
-/// Runs as often as makes sense, each with its seconds.
-fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> Vec<(f64, T)> {
+/// Runs as often as makes sense: the median of the seconds, those of the last run, and what that found.
+fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> (f64, f64, T) {
     let whole = Instant::now();
-    let mut runs = Vec::new();
+    let mut all = Vec::new();
     loop {
-        runs.push(run());
+        let (seconds, found) = run();
+        all.push(seconds);
         let elapsed = whole.elapsed().as_secs_f64();
-        let enough = runs.len() >= REPEATS[0] && elapsed >= REPEATED;
-        if enough || elapsed >= LONG || runs.len() >= REPEATS[1] {
-            return runs;
+        let enough = all.len() >= REPEATS[0] && elapsed >= REPEATED;
+        if enough || elapsed >= LONG || all.len() >= REPEATS[1] {
+            all.sort_by(f64::total_cmp);
+            return (all[all.len() / 2], seconds, found);
         }
     }
-}
-
-/// The run of median seconds.
-fn median<T>(mut runs: Vec<(f64, T)>) -> (f64, T) {
-    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    runs.swap_remove(runs.len() / 2)
 }
 
 /// So many configurations of a path, evenly over its segments' parameters, ends included.
