@@ -242,15 +242,9 @@ fn judge(
         let found = &mut verdict.disagreements;
         match path_file(&text) {
             Ok(file) => {
-                // What is drawn by hand closes no better than it is drawn, and may be certified to less than was asked:
-                // the plan says so, and is held to what it says.
+                // What is drawn by hand closes no better than it is drawn.
                 let usual = CheckOptions::default();
-                let admitted = plan.certified_deformation.unwrap_or(0.0);
-                let bound = if rough {
-                    options.bound.max(admitted)
-                } else {
-                    usual.bound
-                };
+                let bound = if rough { options.bound } else { usual.bound };
                 found.extend(check(&file, &CheckOptions { bound, ..usual }).failures);
             }
             Err(error) => found.push(error.to_string()),

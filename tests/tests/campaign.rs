@@ -7,10 +7,12 @@ use core::time::Duration;
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::formats::fold::PathWriter;
+use foldpath::generate::Quad;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath_tests::campaign::{Family, Report, paths, run, stars};
-use foldpath_tests::{Animation, judge, path_file};
+use foldpath_tests::meshes::variant;
+use foldpath_tests::{Animation, Random, judge, path_file};
 
 /// Sheets of each family.
 const EACH: u64 = 20;
@@ -136,4 +138,22 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
         failures[0].contains("knot 8: faces 1 and 5 pass through each other"),
         "{failures:?}"
     );
+}
+
+/// The report's Quad may tear by more than the bound at its goal, though by some trees of faces less is measured: it is
+/// planned however it is drawn, or never. Found by the campaign.
+#[test]
+fn no_plan_depends_on_how_the_sheet_is_drawn() {
+    let quad = Quad {
+        rows: 3,
+        columns: 3,
+        fold: 0.0675,
+    };
+    let quad = quad.drawing().unwrap();
+    for seed in 0..100 {
+        let pattern = CreasePattern::new(variant(&quad, &mut Random::new(seed))).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let planned = plan(&pattern, &goal, &PlanOptions::default());
+        assert_ne!(planned.outcome, Outcome::Planned, "{seed}: {planned:?}");
+    }
 }

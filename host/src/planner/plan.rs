@@ -25,7 +25,7 @@ pub enum Outcome {
     Planned,
     /// The path ends between flat and goal.
     Partial,
-    /// The sheet deforms beyond the bound although the essential pattern does not.
+    /// The sheet deforms beyond the bound although the essential pattern does not, or may for all that is proved.
     NotRigidlyFoldable,
     /// No closed configuration was found near the goal.
     GoalNotClosed,
@@ -126,18 +126,7 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    let mut plan = Planning::new(pattern, goal, options).run();
-    let over = |certified: &f64| *certified > options.bound || certified.is_nan();
-    if plan.outcome == Outcome::Planned
-        && let Some(certified) = plan.certified_deformation.filter(over)
-    {
-        plan.notes.push(format!(
-            "the sheet keeps the bound at the knots, but between them it is certified only to {certified:.1e}, over \
-             the bound of {:.1e}",
-            options.bound
-        ));
-    }
-    plan
+    Planning::new(pattern, goal, options).run()
 }
 
 pub(super) struct Planning<'a> {

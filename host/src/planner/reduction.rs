@@ -186,11 +186,6 @@ impl Reduction {
         }
     }
 
-    /// Largest closure residual of the essential conditions.
-    pub(super) fn essential_closure(&self, angles: &[f64]) -> f64 {
-        self.essential.largest_residual(angles)
-    }
-
     /// Largest closure residual of the whole sheet.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
         self.distinct.largest_residual(angles)

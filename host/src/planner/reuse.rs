@@ -16,8 +16,9 @@ use super::reduction::{CLOSED, Reduction};
 use crate::certificate::SheetCertifier;
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::folding::Rigidity;
+use crate::numbers::larger;
 use crate::progress::Stage;
-use crate::symmetry::Lattice;
+use crate::symmetry::{Lattice, ReducedStars};
 
 /// Knots of a path at most.
 const MOST_KNOTS: usize = 20_000;
@@ -26,6 +27,8 @@ const MOST_KNOTS: usize = 20_000;
 const CERTIFIED: f64 = 1e-3;
 /// Part of it that is aimed at first, as another route to a certificate may be less sharp.
 pub(super) const FIRST_PART: f64 = 0.5;
+/// Closure residual that the motion between knots that do not close may have, in the largest at a knot.
+const NEAR: f64 = 1.25;
 /// The least part aimed at.
 const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
@@ -67,7 +70,6 @@ impl Planning<'_> {
             self.plan.reached = 0.0;
             return self.unplaced();
         };
-        self.certify(reduction, &placed);
         self.plan.path.interpolation = placed.interpolation;
         self.options.begin(Stage::Folding);
         if let Err(index) = self.measure(reduction, placed.knots) {
@@ -83,7 +85,8 @@ impl Planning<'_> {
         }
     }
 
-    /// Places knots on the course, certified between them.
+    /// Places knots on the course, certified between them. Where waypoints do not close, all of them are knots; if that
+    /// leaves the bound unproved, knots are placed such that the motion adds little, and no vertex stands for another.
     fn place(
         &mut self,
         reduction: &Reduction,
@@ -92,24 +95,50 @@ impl Planning<'_> {
     ) -> Option<Placed> {
         let start = Instant::now();
         self.options.begin(Stage::Placing);
+        let most_open = |stars: &ReducedStars| {
+            let waypoints = found.waypoints.iter();
+            let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
+            open.fold(0.0, larger)
+        };
+        let (all, stars) = (&reduction.all, &reduction.essential);
+        let exact = most_open(stars) <= CLOSED;
+        let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
+        let mut placed = self.place_to(reduction, found, course, (stars, exact.then_some(aim)))?;
+        self.certify(reduction, all, &placed);
+        if !exact && self.uncertified().is_some() {
+            let all = all.told_apart();
+            let stars = all.essential();
+            let aim = Some(NEAR * most_open(&stars));
+            if let Some(nearer) = self.place_to(reduction, found, course, (&stars, aim)) {
+                self.certify(reduction, &all, &nearer);
+                placed = nearer;
+            }
+        }
+        self.plan.times.place += start.elapsed();
+        Some(placed)
+    }
+
+    /// Places knots on the course, between which these stars close to within what is given with them.
+    fn place_to(
+        &self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+        (stars, closure): (&ReducedStars, Option<f64>),
+    ) -> Option<Placed> {
         let (_, signs) = reduction.asked(self.goal);
         let limits = reduction.orthant(&signs);
         let mut solver = reduction.solver(self.options, found.accepted);
         solver.set_limits(limits.clone());
-        let closes = |waypoint: &Waypoint| reduction.essential_closure(&waypoint.angles) <= CLOSED;
-        let exact = found.waypoints.iter().all(closes);
         let terms = Terms {
-            stars: &reduction.essential,
-            closure: exact
-                .then(|| reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part)),
+            stars,
+            closure,
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
             most: self.options.max_knots.unwrap_or(MOST_KNOTS),
         };
-        let placed = place(course, &terms, &mut solver, self.options);
-        self.plan.times.place += start.elapsed();
-        placed
+        place(course, &terms, &mut solver, self.options)
     }
 
     /// No knots could be placed.
@@ -122,17 +151,21 @@ impl Planning<'_> {
         self.end(Outcome::Partial, reason)
     }
 
-    /// Takes the bounds on closure to bounds on the whole sheet.
-    fn certify(&mut self, reduction: &Reduction, placed: &Placed) {
-        let start = Instant::now();
+    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars.
+    fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) {
         let closure = placed.closure();
-        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, &reduction.all);
+        let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
         self.plan.certified_closure = sheet.as_ref().map(|sheet| sheet.closure(&closure));
         self.plan.certified_deformation = sheet.map(|mut sheet| {
             let bounds = sheet.rigidity(&closure);
             bounds.deformation.max(bounds.gap)
         });
-        self.plan.times.place += start.elapsed();
+    }
+
+    /// What the sheet may deform or tear by for all that is proved, if that is over the bound.
+    fn uncertified(&self) -> Option<f64> {
+        let over = |certified: &f64| *certified > self.options.bound || certified.is_nan();
+        self.plan.certified_deformation.filter(over)
     }
 
     /// Folds the sheet at knots, measures it there, and keeps them. `Err` says at which time ran out.
@@ -489,13 +522,18 @@ impl Planning<'_> {
         self.end(Outcome::Crossing(crossing), reason)
     }
 
-    /// Why the sheet does not keep the bound at its knots, if so.
+    /// Why the sheet does not keep the bound at its knots, or is not proved to between them, if so.
     pub(super) fn torn(&mut self) -> Option<String> {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
         let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);
         if within([whole.deformation, whole.gap, self.plan.max_closure]) {
-            return None;
+            let certified = self.uncertified()?;
+            self.plan.reached = 0.0;
+            return Some(format!(
+                "the sheet keeps the bound at the knots, but between them it is certified only to {certified:.1e}, \
+                 over the bound of {bound:.1e}"
+            ));
         }
         let knots = &self.plan.path.knots;
         let holds = |knot: &&Knot| within([knot.deformation, knot.gap, knot.closure]);

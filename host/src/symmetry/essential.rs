@@ -158,6 +158,16 @@ impl ReducedStars {
         self.firsts(&self.likeness().twins)
     }
 
+    /// The same stars, those alike that are so to rounding: what the others differ by counts.
+    #[must_use]
+    pub fn told_apart(&self) -> Self {
+        Self {
+            same_angle: 0.0,
+            likeness: OnceLock::new(),
+            ..self.clone()
+        }
+    }
+
     /// The stars that are the first of those like them, and every loop.
     fn firsts(&self, first: &[usize]) -> Self {
         let stars = || (0..first.len()).filter(|&star| first[star] == star);
