@@ -3,7 +3,7 @@
 
 use foldpath::formats::fold::{PatternFile, read_pattern};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
-use foldpath::planner::{CHOSEN_REACH, Judged, Outcome, PlanOptions};
+use foldpath::planner::{CHOSEN_REACH, Judged, Outcome, Plan, PlanOptions};
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Rotation2;
 
@@ -74,6 +74,21 @@ fn coarse_rounding_never_passes_for_another_goal() {
     }
 }
 
+/// The plan of a rounded sheet, and its path as written.
+fn planned(name: &str, unit: f64, options: &PlanOptions) -> (Plan, Sheet, Motion) {
+    let planned = Planned::of(rounded(name, unit).unwrap(), options);
+    let outcome = planned.plan.outcome;
+    assert_eq!(
+        outcome,
+        Outcome::Planned,
+        "{name}: {:?}",
+        planned.plan.reason
+    );
+    let file = serde_json::from_str(&planned.text()).unwrap();
+    let sheet = Sheet::of(&file).unwrap();
+    (planned.plan, sheet, Motion::of(&file).unwrap())
+}
+
 /// Some vertices of a coarsely rounded sheet close worse than the one that stands for them.
 #[test]
 fn the_certified_closure_holds_of_every_vertex() {
@@ -85,11 +100,7 @@ fn the_certified_closure_holds_of_every_vertex() {
                 keep_vertices: false,
                 ..PlanOptions::default()
             };
-            let planned = Planned::of(rounded(name, 1e-4).unwrap(), &options);
-            let plan = &planned.plan;
-            assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
-            let file = serde_json::from_str(&planned.text()).unwrap();
-            let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+            let (plan, sheet, motion) = planned(name, 1e-4, &options);
             let stars = sheet.stars();
             let (certified, parts) = match judged {
                 Judged::Motion => (plan.certified_closure.unwrap(), 100),
@@ -116,11 +127,7 @@ fn the_bounds_at_knots_hold_of_a_sheet_that_closes_roughly() {
             keep_vertices: false,
             ..PlanOptions::default()
         };
-        let planned = Planned::of(rounded(name, 1e-6).unwrap(), &options);
-        let plan = &planned.plan;
-        assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
-        let file = serde_json::from_str(&planned.text()).unwrap();
-        let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
+        let (plan, sheet, motion) = planned(name, 1e-6, &options);
         let mut torn = [0.0; 2];
         for segment in 0..motion.segments() {
             let poses = sheet.fold(&motion.angles(segment, 1.0));

@@ -96,8 +96,7 @@ impl Planning<'_> {
         self.options.begin(Stage::Crossings);
         let start = Instant::now();
         let (pattern, groups) = (self.pattern, &reduction.groups);
-        let symmetric = self.options.skips.symmetry;
-        let lattice = symmetric.then(|| reduction.lattice(pattern)).flatten();
+        let lattice = self.lattice(reduction);
         let near = |lattice: &&Lattice| {
             let astray = lattice.astray(pattern, self.plan.max_closure);
             astray.max(self.plan.rigidity.gap) <= SweepOptions::default().tolerance

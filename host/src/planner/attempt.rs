@@ -198,11 +198,11 @@ impl<'a> Route<'a> {
             return solver;
         }
         // Where crossings are looked for along a lattice, faces have to be where it has them.
-        let symmetric = self.reduction.groups.len() < self.pattern.creases().len();
+        let alone = self.reduction.groups.is_trivial();
         let rough = ROUGH * self.reduction.tolerance(self.options.bound);
         solver
             .with_rough_motions()
-            .content_with(if symmetric { 0.0 } else { rough })
+            .content_with(if alone { rough } else { 0.0 })
     }
 
     /// The closed configurations to pass through, the goal last; none for a goal that is not a

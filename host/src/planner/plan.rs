@@ -179,8 +179,7 @@ impl<'a> Planning<'a> {
             self.options.begin(Stage::Symmetry);
             // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
             // one beside a goal that closes as it stands, all creases on their own.
-            let shrinks = groups.len() < pattern.creases().len();
-            let radians = if exact && shrinks {
+            let radians = if exact && !groups.is_trivial() {
                 SAME
             } else {
                 self.goal.reach
@@ -245,7 +244,7 @@ impl<'a> Planning<'a> {
             found.push((groups, false));
             found.extend(fine.map(|fine| (fine, false)));
         }
-        found.retain(|(groups, _)| groups.len() < self.pattern.creases().len());
+        found.retain(|(groups, _)| !groups.is_trivial());
         found
     }
 
@@ -441,9 +440,8 @@ impl<'a> Planning<'a> {
     fn deforming(&self, reduction: &Reduction) -> Option<Plan> {
         let asked = reduction.groups.reduce(&self.goal.fold_angles);
         let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
-        let shrinks = reduction.groups.len() < self.pattern.creases().len();
         let error = reduction.distance(&goal, self.goal);
-        if !shrinks
+        if reduction.groups.is_trivial()
             || error > SAME_GOAL
             || !self.goal.via.is_empty()
             || !reduction.allows(self.goal)

@@ -84,10 +84,9 @@ impl Reduction {
 
     /// The lattice of the groups along which to look for crossings, if the sheet has one and more than a few faces.
     pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
-        // Hinges that are each on their own turn alike nowhere.
-        let shrinks = self.groups.len() < pattern.creases().len();
         let lattice = || Lattice::find(pattern, self.groups.memberships());
-        (shrinks && pattern.faces().len() > FEW_FACES)
+        // Hinges that are each on their own turn alike nowhere.
+        (!self.groups.is_trivial() && pattern.faces().len() > FEW_FACES)
             .then(|| self.lattice.get_or_init(lattice).as_ref())
             .flatten()
     }

@@ -41,7 +41,7 @@ const ROOM: f64 = 1e-3;
 const MOST_FACES: usize = 4000;
 /// Faces up to which a torn sheet is swept without its lattice at once: a motion nearer to its course would
 /// have more knots.
-const FEW_FACES: usize = 400;
+const TORN_FACES: usize = 400;
 
 /// A path to reuse.
 pub(super) struct Found<'a> {
@@ -242,6 +242,12 @@ impl Planning<'_> {
         }
     }
 
+    /// The lattice along which to look for crossings, if there is one and it may be used.
+    pub(super) fn lattice<'r>(&self, reduction: &'r Reduction) -> Option<&'r Lattice> {
+        let used = self.options.skips.symmetry;
+        used.then(|| reduction.lattice(self.pattern)).flatten()
+    }
+
     /// Looks for crossings along the lattice, if the sheet is where that has it.
     fn sweep_lattice(
         &self,
@@ -274,8 +280,7 @@ impl Planning<'_> {
     fn sweep(mut self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
         let mut start = Instant::now();
         self.options.begin(Stage::Crossings);
-        let symmetric = self.options.skips.symmetry;
-        let lattice = symmetric.then(|| reduction.lattice(self.pattern)).flatten();
+        let lattice = self.lattice(reduction);
         self.plan.times.symmetry += start.elapsed();
         start = Instant::now();
         let options = self.sweep_options();
@@ -289,7 +294,7 @@ impl Planning<'_> {
             let torn = options.gap > SweepOptions::default().tolerance;
             if lattice.is_some()
                 && torn
-                && faces > FEW_FACES
+                && faces > TORN_FACES
                 && let Some(plan) = self.nearer(reduction, found)
             {
                 return plan;

@@ -63,7 +63,7 @@ impl CreaseGroups {
     #[must_use]
     pub fn find(pattern: &CreasePattern) -> Self {
         let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE).run();
-        let few = exact.len() <= FEW && exact.len() < pattern.creases().len();
+        let few = exact.len() <= FEW && !exact.is_trivial();
         if few && worst <= FAR_BETTER * SAME_PLACE {
             return exact;
         }
@@ -114,6 +114,12 @@ impl CreaseGroups {
             memberships,
             tolerance,
         }
+    }
+
+    /// Whether each crease is on its own.
+    #[must_use]
+    pub fn is_trivial(&self) -> bool {
+        self.groups == self.memberships.len()
     }
 
     fn from_sets(pattern: &CreasePattern, mut sets: ParitySets, tolerance: f64) -> Self {
