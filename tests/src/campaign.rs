@@ -32,7 +32,7 @@ pub struct Family {
     draw: fn(&mut Random) -> Drawing,
     /// Draws the same sheet otherwise, which must fare alike.
     varied: bool,
-    /// Whether they are patterns of files, of which some cannot be folded and some close only nearly.
+    /// Whether some cannot be folded and some close only nearly, as patterns of files do.
     pub real: bool,
 }
 
@@ -55,6 +55,12 @@ impl Family {
         Self {
             name: "files",
             draw: meshes::file,
+            varied: false,
+            real: true,
+        },
+        Self {
+            name: "measured",
+            draw: measured,
             varied: false,
             real: true,
         },
@@ -81,6 +87,16 @@ fn any(random: &mut Random) -> Drawing {
     let others = |family: &&Family| !family.varied && !family.real;
     let plain = Family::ALL.iter().filter(others).count();
     (Family::ALL[random.whole(0, plain - 1)].draw)(random)
+}
+
+/// Any of these or of the files, its vertices off a little.
+fn measured(random: &mut Random) -> Drawing {
+    let drawing = if random.chance(0.5) {
+        meshes::file(random)
+    } else {
+        any(random)
+    };
+    meshes::measured(drawing, random)
 }
 
 /// What became of the sheets of a family.

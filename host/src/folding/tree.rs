@@ -42,6 +42,23 @@ impl SpanningTree {
     /// the growth of errors. Cost: linear.
     #[must_use]
     pub fn from_central_face(pattern: &CreasePattern) -> Self {
+        Self::from_faces(pattern, central)
+    }
+
+    /// A breadth-first tree from a face of each sheet that is as far as can be from the central one. Cost: linear.
+    #[must_use]
+    pub fn from_outer_face(pattern: &CreasePattern) -> Self {
+        Self::from_faces(pattern, |neighbours, start| {
+            let (sheet, _) = distances(neighbours, central(neighbours, start));
+            sheet.last().copied().unwrap_or(start)
+        })
+    }
+
+    /// A breadth-first tree from a face of each sheet, which is found from another.
+    fn from_faces(
+        pattern: &CreasePattern,
+        root: impl Fn(&Ragged<(FaceId, EdgeId)>, FaceId) -> FaceId,
+    ) -> Self {
         let neighbours = pattern.neighbours();
         let mut tree = Self {
             roots: Vec::new(),
@@ -53,8 +70,7 @@ impl SpanningTree {
         let mut done = vec![false; tree.faces];
         for start in 0..tree.faces {
             if !done[start] {
-                let root = central(neighbours, FaceId::new(start));
-                tree.grow(pattern, root, &mut done);
+                tree.grow(pattern, root(neighbours, FaceId::new(start)), &mut done);
             }
         }
         tree

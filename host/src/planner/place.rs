@@ -241,6 +241,12 @@ const NARROWEST: f64 = 1.0 / 256.0;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
 
+/// Whether a hinge keeps its limits all along its curve.
+fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
+    let [lower, upper] = range(curve);
+    lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
+}
+
 impl Placer<'_, '_> {
     /// The only configuration of a course that goes nowhere.
     fn alone(&mut self) -> Option<Placed> {
@@ -268,6 +274,7 @@ impl Placer<'_, '_> {
         if self.terms.closure.is_none() {
             open.extend(self.course.inner().rev().map(|index| self.waypoint(index)));
             sites.extend(open.drain(..).rev());
+            self.stay_within(&maker, &mut sites)?;
             return self.knots(&maker, &sites);
         }
         // Where the motion rests, where a phase ends, and where accelerations jump, knots are needed first of all.
@@ -290,6 +297,7 @@ impl Placer<'_, '_> {
             same
         });
         open.extend(needed);
+        let mut fits = true;
         while let (Some(from), Some(to)) = (sites.last(), open.last()) {
             let (from, to) = (from.clone(), to.clone());
             if self.fits(&maker, &from, &to)? {
@@ -297,6 +305,7 @@ impl Placer<'_, '_> {
             } else if let Some(between) = self.between(&from, &to) {
                 open.push(between);
             } else {
+                fits = false;
                 sites.extend(open.pop());
             }
             // Halving a segment that does not fit leaves less than twice the knots needed.
@@ -306,10 +315,35 @@ impl Placer<'_, '_> {
             }
         }
         self.thin(&maker, &mut sites)?;
+        if !fits {
+            self.stay_within(&maker, &mut sites)?;
+        }
         if sites.len() > self.most {
             return None;
         }
         self.knots(&maker, &sites)
+    }
+
+    /// Lets a hinge rest at two knots between which it would turn beyond its limits, as it does on a motion that closes
+    /// only roughly: it then turns from one angle to the other and no farther.
+    fn stay_within(&mut self, maker: &Maker<'_>, sites: &mut [Site]) -> Option<()> {
+        let mut turned = true;
+        while core::mem::take(&mut turned) {
+            for index in 1..sites.len() {
+                maker.curves(&sites[index - 1], &sites[index], &mut self.curves)?;
+                for (group, pair) in self.curves.iter().zip(self.terms.limits).enumerate() {
+                    if is_within(pair) {
+                        continue;
+                    }
+                    for site in &mut sites[index - 1..=index] {
+                        turned |= site.tangent[group].abs() > 0.0;
+                        site.tangent[group] = 0.0;
+                    }
+                    self.known.clear();
+                }
+            }
+        }
+        Some(())
     }
 
     /// Takes knots away while what is left keeps the terms.
@@ -329,10 +363,7 @@ impl Placer<'_, '_> {
     fn fits(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<bool> {
         let span = maker.curves(from, to, &mut self.curves)?;
         let terms = self.terms;
-        let within = self.curves.iter().zip(terms.limits).all(|(curve, limit)| {
-            let [lower, upper] = range(curve);
-            lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
-        });
+        let within = self.curves.iter().zip(terms.limits).all(is_within);
         let paced = matches!(maker.pace, Pace::Optimal(_));
         if !within || paced && self.haste(maker.kind, span) > 1.0 + HASTE {
             return Some(false);

@@ -15,7 +15,7 @@ use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use crate::certificate::SheetCertifier;
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
-use crate::folding::Rigidity;
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::numbers::larger;
 use crate::progress::Stage;
 use crate::symmetry::{Lattice, ReducedStars};
@@ -29,6 +29,8 @@ const CERTIFIED: f64 = 1e-3;
 pub(super) const FIRST_PART: f64 = 0.5;
 /// Closure residual that the motion between knots that do not close may have, in the largest at a knot.
 const NEAR: f64 = 1.25;
+/// Knots that it may take, for each of the waypoints.
+const MORE: usize = 4;
 /// The least part aimed at.
 const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
@@ -75,7 +77,7 @@ impl Planning<'_> {
         if let Err(index) = self.measure(reduction, placed.knots) {
             return self.late_at(index);
         }
-        let torn = self.torn();
+        let torn = self.torn().or_else(|| self.torn_from_rim(reduction));
         if self.options.collision && torn.is_none() {
             return self.sweep(reduction, found, &course);
         }
@@ -85,8 +87,7 @@ impl Planning<'_> {
         }
     }
 
-    /// Places knots on the course, certified between them. Where waypoints do not close, all of them are knots; if that
-    /// leaves the bound unproved, knots are placed such that the motion adds little, and no vertex stands for another.
+    /// Places knots on the course, certified between them.
     fn place(
         &mut self,
         reduction: &Reduction,
@@ -95,36 +96,53 @@ impl Planning<'_> {
     ) -> Option<Placed> {
         let start = Instant::now();
         self.options.begin(Stage::Placing);
-        let most_open = |stars: &ReducedStars| {
-            let waypoints = found.waypoints.iter();
-            let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
-            open.fold(0.0, larger)
+        let stars = &reduction.essential;
+        let placed = if most_open(stars, found) <= CLOSED {
+            let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
+            let placed =
+                self.place_to(reduction, found, course, (stars, Some(aim), self.most()))?;
+            self.certify(reduction, &reduction.all, &placed);
+            placed
+        } else {
+            self.place_roughly(reduction, found, course)?
         };
-        let (all, stars) = (&reduction.all, &reduction.essential);
-        let exact = most_open(stars) <= CLOSED;
-        let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
-        let mut placed = self.place_to(reduction, found, course, (stars, exact.then_some(aim)))?;
-        self.certify(reduction, all, &placed);
-        if !exact && self.uncertified().is_some() {
-            let all = all.told_apart();
-            let stars = all.essential();
-            let aim = Some(NEAR * most_open(&stars));
-            if let Some(nearer) = self.place_to(reduction, found, course, (&stars, aim)) {
-                self.certify(reduction, &all, &nearer);
-                placed = nearer;
-            }
-        }
         self.plan.times.place += start.elapsed();
         Some(placed)
     }
 
-    /// Places knots on the course, between which these stars close to within what is given with them.
+    /// The same where waypoints do not close: between knots the motion is to close nearly as well. If that takes too many
+    /// or leaves the bound unproved, no vertex stands for another; else all waypoints are knots.
+    fn place_roughly(
+        &mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+    ) -> Option<Placed> {
+        let most = self.most();
+        let few = most.min(MORE * found.waypoints.len());
+        let mut near = |all: &ReducedStars, stars: &ReducedStars| {
+            let terms = (stars, Some(NEAR * most_open(stars, found)), few);
+            let placed = self.place_to(reduction, found, course, terms)?;
+            self.certify(reduction, all, &placed);
+            self.uncertified().is_none().then_some(placed)
+        };
+        let (all, apart) = (&reduction.all, reduction.all.told_apart());
+        let stars = apart.essential();
+        let placed = near(all, &reduction.essential).or_else(|| near(&apart, &stars));
+        placed.or_else(|| {
+            let placed = self.place_to(reduction, found, course, (&stars, None, most))?;
+            self.certify(reduction, &apart, &placed);
+            Some(placed)
+        })
+    }
+
+    /// Places at most so many knots on the course, between which these stars close to within what is given with them.
     fn place_to(
         &self,
         reduction: &Reduction,
         found: &Found<'_>,
         course: &Course,
-        (stars, closure): (&ReducedStars, Option<f64>),
+        (stars, closure, most): (&ReducedStars, Option<f64>, usize),
     ) -> Option<Placed> {
         let (_, signs) = reduction.asked(self.goal);
         let limits = reduction.orthant(&signs);
@@ -136,9 +154,14 @@ impl Planning<'_> {
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
-            most: self.options.max_knots.unwrap_or(MOST_KNOTS),
+            most,
         };
         place(course, &terms, &mut solver, self.options)
+    }
+
+    /// Knots of a path at most.
+    fn most(&self) -> usize {
+        self.options.max_knots.unwrap_or(MOST_KNOTS)
     }
 
     /// No knots could be placed.
@@ -146,7 +169,7 @@ impl Planning<'_> {
         if self.is_late() {
             return self.end(Outcome::Timeout, "out of time while placing knots".into());
         }
-        let most = self.options.max_knots.unwrap_or(MOST_KNOTS);
+        let most = self.most();
         let reason = format!("the bound needs more than {most} knots with this interpolation");
         self.end(Outcome::Partial, reason)
     }
@@ -560,6 +583,45 @@ impl Planning<'_> {
             essential.gap
         ))
     }
+
+    /// Why the sheet does not keep the bound where it is folded from its rim, if so: there errors of vertices that do not
+    /// close add up farther.
+    fn torn_from_rim(&mut self, reduction: &Reduction) -> Option<String> {
+        if self.plan.max_closure <= CLOSED {
+            return None;
+        }
+        let start = Instant::now();
+        let tree = SpanningTree::from_outer_face(self.pattern);
+        let mut map = FoldingMap::flat(self.pattern);
+        let curves = self.plan.path.curves();
+        let shapes = curves.iter().flat_map(|curves| {
+            PLACES.map(|s| curves.iter().map(|c| c.angle(s)).collect::<Vec<_>>())
+        });
+        let worst = shapes.fold(Rigidity::default(), |worst, angles| {
+            map.fold_groups(self.pattern, &tree, reduction.groups.memberships(), &angles);
+            worst.worse(map.rigidity(self.pattern, &tree))
+        });
+        self.plan.times.fold += start.elapsed();
+        let bound = self.options.bound;
+        if worst.deformation <= bound && worst.gap <= bound {
+            return None;
+        }
+        self.plan.reached = 0.0;
+        Some(format!(
+            "folded from a face at its rim, the sheet deforms by {:.3e} with gaps of {:.3e}, over the bound {bound:.3e}",
+            worst.deformation, worst.gap
+        ))
+    }
+}
+
+/// Places in each segment at which the sheet is folded from its rim.
+const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// How badly these stars close at the worst of the waypoints.
+fn most_open(stars: &ReducedStars, found: &Found<'_>) -> f64 {
+    let waypoints = found.waypoints.iter();
+    let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
+    open.fold(0.0, larger)
 }
 
 /// Where a path has to end.

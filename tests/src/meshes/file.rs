@@ -75,7 +75,8 @@ fn drawing(file: &Path) -> Option<Drawing> {
     (fits && again).then_some(drawing)
 }
 
-fn convex(pattern: &CreasePattern) -> bool {
+/// Whether no corner of a face turns back.
+pub(super) fn convex(pattern: &CreasePattern) -> bool {
     let at = pattern.vertices();
     pattern.faces().iter().all(|face| {
         let corners: Vec<_> = face.iter().map(|v| at[v.index()]).collect();

@@ -3,6 +3,7 @@
 
 mod file;
 mod flat_foldable;
+mod measured;
 mod moved;
 mod strips;
 mod tree;
@@ -14,6 +15,7 @@ use nalgebra::Vector2;
 
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
+pub use measured::measured;
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use strips::strips;
 pub use tree::{chain, tree};

@@ -1,0 +1,33 @@
+//! Sheets as they are measured, or drawn by hand: nothing closes.
+
+use foldpath::pattern::{CreasePattern, Drawing};
+use nalgebra::Vector2;
+
+use super::file::convex;
+use crate::Random;
+
+/// The drawing with each vertex off by up to a thousandth of the shortest edge, or far less; as it was if that is no
+/// sheet of convex faces.
+#[must_use]
+pub fn measured(drawing: Drawing, random: &mut Random) -> Drawing {
+    let length = |ends: [usize; 2]| {
+        let [a, b] = ends.map(|end| drawing.vertices[end]);
+        (a - b).norm()
+    };
+    let lengths = drawing.edges.iter().map(|edge| length(edge.ends));
+    let off = random.log_uniform(1e-7, 1e-3) * lengths.fold(f64::INFINITY, f64::min);
+    let moved = drawing
+        .vertices
+        .iter()
+        .map(|place| place + Vector2::new(random.uniform(-off, off), random.uniform(-off, off)));
+    let moved = Drawing {
+        vertices: moved.collect(),
+        ..drawing.clone()
+    };
+    let pattern = CreasePattern::new(moved.clone());
+    if pattern.is_ok_and(|pattern| convex(&pattern)) {
+        moved
+    } else {
+        drawing
+    }
+}
