@@ -6,8 +6,9 @@ use crate::Sheet;
 use crate::shape::normal;
 use crate::sheet::sides;
 
-/// A crossing less deep than this part of the median edge is contact.
-const CONTACT: f64 = 1e-6;
+/// A crossing less deep than this part of the median edge is contact: twice what it is to the planner, which measures
+/// depth otherwise.
+const CONTACT: f64 = 2e-6;
 
 /// A face in space.
 struct Panel {
@@ -54,7 +55,10 @@ impl Sheet {
         pairs
             .filter(|&[a, b]| {
                 let (panel, other) = (&panels[a], &panels[b]);
-                panel.near(other) && panel.crosses(other, contact(a, b)) && !joined(a, b)
+                let contact = contact(a, b);
+                // Seen from one of them alone, an edge that lies along an edge of the other is a crossing sooner.
+                let both = || panel.crosses(other, contact) && other.crosses(panel, contact);
+                panel.near(other) && both() && !joined(a, b)
             })
             .collect()
     }
