@@ -113,9 +113,15 @@ impl<'a> Judge<'a> {
     }
 
     /// The first of some knots at which faces of the essential crease pattern cross: round its vertices they do as round
-    /// all others. The crossing is the deepest of the whole sheet.
-    pub(super) fn first_crossing(&mut self, knots: &[Knot]) -> Option<(usize, Crossing)> {
-        let mut part = Part::of(self.pattern, self.reduction);
+    /// all others, if these close `alike`. The crossing is the deepest of the whole sheet.
+    pub(super) fn first_crossing(
+        &mut self,
+        knots: &[Knot],
+        alike: bool,
+    ) -> Option<(usize, Crossing)> {
+        let mut part = alike
+            .then(|| Part::of(self.pattern, self.reduction))
+            .flatten();
         let mut scene = part.as_ref().map(|part| CollisionScene::new(&part.pattern));
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {

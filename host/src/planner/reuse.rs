@@ -410,7 +410,8 @@ impl Planning<'_> {
         }
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, false);
-        let crossed = judge.first_crossing(&self.plan.path.knots);
+        let alike = self.plan.max_closure <= CLOSED;
+        let crossed = judge.first_crossing(&self.plan.path.knots, alike);
         self.plan.times.collision += start.elapsed();
         crossed
     }
