@@ -157,3 +157,30 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
         assert_ne!(planned.outcome, Outcome::Planned, "{seed}: {planned:?}");
     }
 }
+
+/// Goals that cross, and ways to them that close where they were looked at but turn too sharply to be proved between: the
+/// answer is that of the same sheet drawn otherwise, and the path ends where it is proved. Found by the campaign.
+#[test]
+fn an_unproved_path_ends_where_it_is_proved() {
+    let variants = Family::ALL.iter().find(|family| family.name == "variants");
+    let options = PlanOptions::default();
+    let mut unproved = 0;
+    for seed in [37, 147, 787, 884, 906] {
+        let drawing = variants.unwrap().sheet(seed);
+        let other = variant(&drawing, &mut Random::new(seed));
+        for drawing in [drawing, other] {
+            let pattern = CreasePattern::new(drawing).unwrap();
+            let goal = Goal::of_pattern(&pattern).unwrap();
+            let planned = plan(&pattern, &goal, &options);
+            assert!(
+                matches!(planned.outcome, Outcome::Crossing(_)),
+                "{seed}: {planned:?}"
+            );
+            let certified = planned.certified_deformation.unwrap();
+            assert!(certified <= options.bound, "{seed}: {planned:?}");
+            assert!((0.0..1.0).contains(&planned.reached), "{seed}: {planned:?}");
+            unproved += usize::from(planned.reason.unwrap().contains("certified only to"));
+        }
+    }
+    assert!(unproved > 0);
+}

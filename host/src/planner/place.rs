@@ -20,8 +20,7 @@ use crate::symmetry::ReducedStars;
 pub(super) struct Terms<'a> {
     /// One star for each distinct closure condition, and the loops round holes.
     pub(super) stars: &'a ReducedStars,
-    /// Largest closure residual; `None` where the waypoints themselves do not close. Then all of them are
-    /// knots.
+    /// Largest closure residual; with `None`, any, and all waypoints are knots.
     pub(super) closure: Option<f64>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
@@ -67,9 +66,21 @@ pub(super) struct Placed {
     pub(super) knots: Vec<Knot>,
     /// On the closure over the whole motion.
     bounds: Bounds,
+    /// Where it first does not close as it is to.
+    open: Option<Open>,
+}
+
+/// The first segment of a motion that does not close as it is to.
+struct Open {
+    segment: usize,
+    /// Way to its start.
+    way: f64,
+    /// Bounds on the closure before it.
+    before: Bounds,
 }
 
 /// Bounds on the closure over some of the motion.
+#[derive(Clone)]
 struct Bounds {
     /// Of each star.
     stars: Vec<f64>,
@@ -98,6 +109,21 @@ impl Bounds {
 impl Placed {
     pub(super) fn closure(&self) -> Closure<'_> {
         self.bounds.closure()
+    }
+
+    /// Leaves only the segments before the first that does not close as it is to; whether there is one.
+    pub(super) fn cut(&mut self) -> bool {
+        let Some(open) = self.open.take() else {
+            return false;
+        };
+        self.knots.truncate(open.segment + 1);
+        self.bounds = open.before;
+        true
+    }
+
+    /// Way as far as which it closes as it is to.
+    fn closes_to(&self) -> f64 {
+        self.open.as_ref().map_or(f64::INFINITY, |open| open.way)
     }
 
     /// Seconds from the first knot to the last.
@@ -142,12 +168,7 @@ pub(super) fn place(
     let optimal = (options.pace == Timing::Optimal).then(|| [fastest(course, terms)]);
     let mut best: Option<Placed> = None;
     for &kind in kinds {
-        let certain = |placed: &Placed| {
-            terms
-                .closure
-                .is_none_or(|most| placed.closure().worst() <= most)
-        };
-        if let Some(best) = best.as_ref().filter(|best| certain(best)) {
+        if let Some(best) = best.as_ref().filter(|best| best.open.is_none()) {
             if best.knots.len() <= FEW {
                 break;
             }
@@ -168,14 +189,16 @@ pub(super) fn place(
                 continue;
             };
             let better = best.as_ref().is_none_or(|best| {
-                let rank = |placed: &Placed| (!certain(placed), placed.knots.len());
-                let order = rank(&placed).cmp(&rank(best));
+                let order = best.closes_to().total_cmp(&placed.closes_to());
                 order
+                    .then(placed.knots.len().cmp(&best.knots.len()))
                     .then(placed.duration().total_cmp(&best.duration()))
                     .is_lt()
             });
             if better {
-                placer.most = placer.most.min(placed.knots.len());
+                if placed.open.is_none() {
+                    placer.most = placer.most.min(placed.knots.len());
+                }
                 best = Some(placed);
             }
         }
@@ -259,6 +282,7 @@ impl Placer<'_, '_> {
                 ..Knot::default()
             }],
             bounds: self.closed(),
+            open: None,
         })
     }
 
@@ -482,12 +506,21 @@ impl Placer<'_, '_> {
 
     /// The knots at these places, with the time stretched so that no hinge is too fast.
     fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
-        let mut bounds = self.closed();
+        let (mut bounds, mut open) = (self.closed(), None);
+        let most = self.terms.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
-        for pair in sites.windows(2) {
+        for (segment, pair) in sites.windows(2).enumerate() {
             let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
-            bounds.take_in(&known.unwrap_or_else(|| self.bounds()));
+            let here = known.unwrap_or_else(|| self.bounds());
+            if open.is_none() && here.closure().worst() > most {
+                open = Some(Open {
+                    segment,
+                    way: pair[0].way,
+                    before: bounds.clone(),
+                });
+            }
+            bounds.take_in(&here);
             stretch = f64::max(stretch, self.haste(maker.kind, span));
         }
         stretch *= 1.0 + MARGIN;
@@ -511,6 +544,7 @@ impl Placer<'_, '_> {
             interpolation: maker.kind,
             knots: knots.collect(),
             bounds,
+            open,
         })
     }
 }

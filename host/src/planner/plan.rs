@@ -290,10 +290,7 @@ impl<'a> Planning<'a> {
                 let reason = self.stopped(&attempt, stop);
                 match self.goal_crossing(&attempt) {
                     Some(crossing) => {
-                        let [a, b] = crossing.faces;
-                        let reason = format!(
-                            "at the goal faces {a} and {b} pass through each other; {reason}"
-                        );
+                        let reason = crossing_goal(&crossing, &reason);
                         (Some(reason), Outcome::Crossing(crossing))
                     }
                     None => (Some(reason), Outcome::Partial),
@@ -309,8 +306,14 @@ impl<'a> Planning<'a> {
             part: FIRST_PART,
         };
         let mut plan = self.judge(&attempt.reduction, &found);
-        if plan.outcome == Outcome::Planned {
-            (plan.outcome, plan.reason) = (outcome, reason);
+        match (plan.outcome, outcome) {
+            (Outcome::Planned, _) => (plan.outcome, plan.reason) = (outcome, reason),
+            // The goal crosses however far the path is proved.
+            (Outcome::Partial, Outcome::Crossing(crossing)) => {
+                plan.outcome = outcome;
+                plan.reason = plan.reason.map(|reason| crossing_goal(&crossing, &reason));
+            }
+            _ => {}
         }
         plan
     }
@@ -493,6 +496,12 @@ impl core::fmt::Display for Blame {
             self.place, self.residual
         )
     }
+}
+
+/// Why the goal is not reached where it crosses, too.
+fn crossing_goal(crossing: &Crossing, reason: &str) -> String {
+    let [a, b] = crossing.faces;
+    format!("at the goal faces {a} and {b} pass through each other; {reason}")
 }
 
 fn edge_list(edges: &[EdgeId]) -> String {

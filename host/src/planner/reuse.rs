@@ -68,23 +68,66 @@ impl Planning<'_> {
             return self.judge_knots(reduction, found);
         }
         let course = Course::new(found.waypoints);
-        let Some(placed) = self.place(reduction, found, &course) else {
+        let Some(mut placed) = self.place(reduction, found, &course) else {
             self.plan.reached = 0.0;
             return self.unplaced();
         };
+        let unproved = self.cut(reduction, &course, &mut placed);
         self.plan.path.interpolation = placed.interpolation;
         self.options.begin(Stage::Folding);
         if let Err(index) = self.measure(reduction, placed.knots) {
             return self.late_at(index);
         }
-        let torn = self.torn().or_else(|| self.torn_from_rim(reduction));
-        if self.options.collision && torn.is_none() {
-            return self.sweep(reduction, found, &course);
+        if let Some(reason) = self.torn().or_else(|| self.torn_from_rim(reduction)) {
+            return self.end(Outcome::NotRigidlyFoldable, reason);
         }
-        match torn {
-            Some(reason) => self.end(Outcome::NotRigidlyFoldable, reason),
-            None => self.plan,
+        let Some(reason) = unproved else {
+            return self.judge_motion(reduction, found, &course);
+        };
+        // Its end is what is proved.
+        let found = Found {
+            retreats: false,
+            part: LEAST_PART,
+            ..*found
+        };
+        let mut plan = self.judge_motion(reduction, &found, &course);
+        if plan.outcome == Outcome::Planned {
+            (plan.outcome, plan.reason) = (Outcome::Partial, Some(reason));
         }
+        plan
+    }
+
+    /// Looks for crossings, if asked to.
+    fn judge_motion(self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
+        if self.options.collision {
+            self.sweep(reduction, found, course)
+        } else {
+            self.plan
+        }
+    }
+
+    /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
+    /// known to close well enough, and says so.
+    fn cut(
+        &mut self,
+        reduction: &Reduction,
+        course: &Course,
+        placed: &mut Placed,
+    ) -> Option<String> {
+        let certified = self.uncertified()?;
+        if !placed.cut() {
+            return None;
+        }
+        self.certify(reduction, &reduction.all, placed);
+        let end = &placed.knots.last()?.angles;
+        self.plan.reached *= course.part(end);
+        self.plan.goal_error = reduction.distance(end, self.goal);
+        Some(format!(
+            "as far as {:.1} % of the goal's angles: the motion found beyond closes where it was looked at, but between \
+             is certified only to {certified:.1e}, over the bound of {:.1e}",
+            100.0 * self.plan.reached,
+            self.options.bound
+        ))
     }
 
     /// Places knots on the course, certified between them.
@@ -126,14 +169,19 @@ impl Planning<'_> {
             self.certify(reduction, all, &placed);
             self.uncertified().is_none().then_some(placed)
         };
-        let (all, apart) = (&reduction.all, reduction.all.told_apart());
+        let placed = near(&reduction.all, &reduction.essential);
+        if placed.is_some() {
+            return placed;
+        }
+        let apart = reduction.all.told_apart();
         let stars = apart.essential();
-        let placed = near(all, &reduction.essential).or_else(|| near(&apart, &stars));
-        placed.or_else(|| {
-            let placed = self.place_to(reduction, found, course, (&stars, None, most))?;
-            self.certify(reduction, &apart, &placed);
-            Some(placed)
-        })
+        let placed = near(&apart, &stars);
+        if placed.is_some() {
+            return placed;
+        }
+        let placed = self.place_to(reduction, found, course, (&stars, None, most))?;
+        self.certify(reduction, &apart, &placed);
+        Some(placed)
     }
 
     /// Places at most so many knots on the course, between which these stars close to within what is given with them.
