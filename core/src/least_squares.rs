@@ -16,7 +16,7 @@ pub struct Cost<T> {
     /// ½‖r‖² over all stars and loops.
     pub half_square: T,
     /// Largest ‖r(v)‖² of a star, or of the rotation or translation of a loop.
-    max_square: T,
+    pub(crate) max_square: T,
 }
 
 impl<T: Scalar> Cost<T> {

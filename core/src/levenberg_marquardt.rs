@@ -2,16 +2,19 @@
 //!
 //! Implements the method of [Nielsen1999](crate#references) (damping adapted by the gain ratio) in
 //! the form of [YamashitaFukushima2001](crate#references) for zero-residual problems: the damping
-//! is λ = ½μ‖r‖², with μ adapted as Nielsen adapts λ. It vanishes as the residual does, so that
-//! convergence stays quadratic although the Jacobian of a folding sheet is always rank deficient
-//! (it moves!). Differs from both sources in that each step is bounded and projected on the
+//! is λ = ½μ‖r(v)‖² of the star or loop that closes worst, with μ adapted as Nielsen adapts λ. It
+//! vanishes as the residual does, so that convergence stays quadratic although the Jacobian of a
+//! folding sheet is always rank deficient (it moves!). Of all stars together it would grow with the
+//! sheet, whose every hinge is bound by two of them however many there are. It is of all together
+//! only where the residual is acceptable: what is left there may be rounding, which should move nothing.
+//! Differs from both sources in that each step is bounded and projected on the
 //! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
 
 use crate::Scalar;
 use crate::dense::dot;
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
 
-/// First μ. The damping starts at ½‖r‖², below the curvature of any star that has more than a
+/// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a
 /// fraction of a radian to close.
 const FIRST_MU: f64 = 1.0;
 /// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
@@ -80,7 +83,12 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         }
         // Below this the factorisation cannot tell the matrix from a singular one.
         least = least.max(equations.max_diagonal() * T::EPSILON * T::lit(FLOOR));
-        let damping = (mu * cost.half_square).max(least);
+        let square = if report.residual <= options.acceptable {
+            cost.half_square
+        } else {
+            cost.max_square * T::HALF
+        };
+        let damping = (mu * square).max(least);
         if !equations.factorise(damping) {
             least = damping * T::lit(FLOOR);
             if !least.is_finite() {

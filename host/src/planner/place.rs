@@ -261,6 +261,8 @@ const HASTE: f64 = 0.02;
 const MARGIN: f64 = 1e-5;
 /// Part of the distance of the two waypoints around them below which no knot is put between two others.
 const NARROWEST: f64 = 1.0 / 256.0;
+/// Way in which a hinge that would be at its limit rests there: where others move on, solving moves it to and fro.
+const RESTING: f64 = 1e-4;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
 
@@ -450,10 +452,17 @@ impl Placer<'_, '_> {
     /// A configuration between the ends. A hinge at its limit there has come to it or leaves it: it does
     /// neither at speed.
     fn within_limits(&mut self, mut site: Site) -> Site {
-        let limits = self.terms.limits.iter().zip(&site.angles);
-        let at_limit: Vec<bool> = limits
-            .map(|((lower, upper), angle)| *angle <= lower + AT_LIMIT || *angle >= upper - AT_LIMIT)
-            .collect();
+        // As the projection sees them.
+        let mut angles = site.angles.clone();
+        let limits = self.terms.limits.iter().zip(&site.tangent);
+        let at_limit = |(angle, ((lower, upper), rate)): (&mut f64, (&(f64, f64), &f64))| {
+            let near = AT_LIMIT.max(RESTING * rate.abs());
+            let mut limits = [*lower, *upper].into_iter();
+            let limit = limits.find(|limit| (*angle - limit).abs() <= near);
+            *angle = limit.unwrap_or(*angle);
+            limit.is_some()
+        };
+        let at_limit: Vec<bool> = angles.iter_mut().zip(limits).map(at_limit).collect();
         let moves = |site: &Site| {
             let mut rates = at_limit.iter().zip(&site.tangent);
             rates.any(|(at_limit, rate)| *at_limit && rate.abs() > 0.0)
@@ -461,7 +470,7 @@ impl Placer<'_, '_> {
         if moves(&site) {
             let solver = &mut self.solver;
             if solver
-                .project_on_motions(&site.angles, &mut site.tangent)
+                .project_on_motions(&angles, &mut site.tangent)
                 .is_none()
             {
                 site.tangent.fill(0.0);

@@ -35,7 +35,7 @@ const MORE: usize = 4;
 const LEAST_PART: f64 = 5e-5;
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
 const NEARER: f64 = 0.01;
-/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
+/// Radians by which a path may stop short of an inexact goal so that nothing crosses and all of it is proved.
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
 const ROOM: f64 = 1e-3;
@@ -72,7 +72,7 @@ impl Planning<'_> {
             self.plan.reached = 0.0;
             return self.unplaced();
         };
-        let unproved = self.cut(reduction, &course, &mut placed);
+        let unproved = self.cut(reduction, found, &course, &mut placed);
         self.plan.path.interpolation = placed.interpolation;
         self.options.begin(Stage::Folding);
         if let Err(index) = self.measure(reduction, placed.knots) {
@@ -107,10 +107,11 @@ impl Planning<'_> {
     }
 
     /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
-    /// known to close well enough, and says so.
+    /// known to close well enough. Says why it does not reach the goal then; an inexact goal near its end is reached.
     fn cut(
         &mut self,
         reduction: &Reduction,
+        found: &Found<'_>,
         course: &Course,
         placed: &mut Placed,
     ) -> Option<String> {
@@ -120,8 +121,18 @@ impl Planning<'_> {
         }
         self.certify(reduction, &reduction.all, placed);
         let end = &placed.knots.last()?.angles;
-        self.plan.reached *= course.part(end);
         self.plan.goal_error = reduction.distance(end, self.goal);
+        let short = max_difference(end, &found.waypoints.last()?.angles);
+        if found.retreats && short <= RETREAT {
+            self.plan.notes.push(format!(
+                "the goal itself does not close (residual {:.1e}), and near it the motion is certified only to \
+                 {certified:.1e}: the path ends {:.3} degrees before",
+                self.plan.goal_closure,
+                short.to_degrees(),
+            ));
+            return None;
+        }
+        self.plan.reached *= course.part(end);
         Some(format!(
             "as far as {:.1} % of the goal's angles: the motion found beyond closes where it was looked at, but between \
              is certified only to {certified:.1e}, over the bound of {:.1e}",
