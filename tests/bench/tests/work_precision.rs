@@ -63,6 +63,22 @@ fn levenberg_marquardt_converges_quadratically() {
     }
 }
 
+/// A large sheet comes near closing in hardly more iterations than a small one: the damping does not grow with it.
+#[test]
+fn large_sheets_take_no_more_iterations() {
+    for family in [Family::Miura, Family::Yoshimura] {
+        let [small, large] = [3, 24].map(|size| {
+            let problem = Problem::new(family, size, size, false);
+            let near = problem.starts(5).into_iter().map(|start| {
+                let residuals = residuals_by_iteration(problem.stars(), &start);
+                residuals.iter().position(|&r| r <= 1e-2).unwrap()
+            });
+            near.max().unwrap()
+        });
+        assert!(large <= small + 1, "{}: {small}, {large}", family.name());
+    }
+}
+
 /// Peers and our solvers see the same objective: all that reach a tolerance are judged by one closure, and what
 /// they return closes as they say.
 #[test]
