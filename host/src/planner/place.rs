@@ -452,32 +452,25 @@ impl Placer<'_, '_> {
     /// A configuration between the ends. A hinge at its limit there has come to it or leaves it: it does
     /// neither at speed.
     fn within_limits(&mut self, mut site: Site) -> Site {
-        // As the projection sees them.
-        let mut angles = site.angles.clone();
-        let limits = self.terms.limits.iter().zip(&site.tangent);
-        let at_limit = |(angle, ((lower, upper), rate)): (&mut f64, (&(f64, f64), &f64))| {
+        let hinges = site.angles.iter().zip(&site.tangent);
+        let limits = hinges.zip(self.terms.limits);
+        let at_limit = limits.map(|((angle, rate), (lower, upper))| {
             let near = AT_LIMIT.max(RESTING * rate.abs());
             let mut limits = [*lower, *upper].into_iter();
-            let limit = limits.find(|limit| (*angle - limit).abs() <= near);
-            *angle = limit.unwrap_or(*angle);
-            limit.is_some()
-        };
-        let at_limit: Vec<bool> = angles.iter_mut().zip(limits).map(at_limit).collect();
-        let moves = |site: &Site| {
-            let mut rates = at_limit.iter().zip(&site.tangent);
-            rates.any(|(at_limit, rate)| *at_limit && rate.abs() > 0.0)
-        };
-        if moves(&site) {
-            let solver = &mut self.solver;
-            if solver
-                .project_on_motions(&angles, &mut site.tangent)
-                .is_none()
-            {
+            limits.find(|limit| (angle - limit).abs() <= near)
+        });
+        let at_limit: Vec<Option<f64>> = at_limit.collect();
+        let mut rates = at_limit.iter().zip(&site.tangent);
+        if rates.any(|(limit, rate)| limit.is_some() && rate.abs() > 0.0) {
+            let angles = site.angles.iter().zip(&at_limit);
+            let angles: Vec<f64> = angles.map(|(a, limit)| limit.unwrap_or(*a)).collect();
+            let held = self.solver.project_on_motions(&angles, &mut site.tangent);
+            if held.is_none() {
                 site.tangent.fill(0.0);
             }
             let rates = site.tangent.iter_mut().zip(&at_limit);
             rates
-                .filter(|(_, at)| **at)
+                .filter(|(_, limit)| limit.is_some())
                 .for_each(|(rate, _)| *rate = 0.0);
         }
         site

@@ -287,14 +287,9 @@ impl<'a> Planning<'a> {
                 if let Some(plan) = self.deforming(reduction) {
                     return plan;
                 }
-                let reason = self.stopped(&attempt, stop);
-                match self.goal_crossing(&attempt) {
-                    Some(crossing) => {
-                        let reason = crossing_goal(&crossing, &reason);
-                        (Some(reason), Outcome::Crossing(crossing))
-                    }
-                    None => (Some(reason), Outcome::Partial),
-                }
+                let crossing = self.goal_crossing(&attempt);
+                let outcome = crossing.map_or(Outcome::Partial, Outcome::Crossing);
+                (Some(self.stopped(&attempt, stop)), outcome)
             }
             End::NotClosed { .. } => return self.not_closed(attempt, symmetric),
         };
@@ -306,14 +301,17 @@ impl<'a> Planning<'a> {
             part: FIRST_PART,
         };
         let mut plan = self.judge(&attempt.reduction, &found);
-        match (plan.outcome, outcome) {
-            (Outcome::Planned, _) => (plan.outcome, plan.reason) = (outcome, reason),
+        match plan.outcome {
+            Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
             // The goal crosses however far the path is proved.
-            (Outcome::Partial, Outcome::Crossing(crossing)) => {
-                plan.outcome = outcome;
-                plan.reason = plan.reason.map(|reason| crossing_goal(&crossing, &reason));
-            }
-            _ => {}
+            Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
+            _ => return plan,
+        }
+        if let Outcome::Crossing(Crossing { faces: [a, b], .. }) = plan.outcome {
+            let reason = plan.reason.unwrap_or_default();
+            plan.reason = Some(format!(
+                "at the goal faces {a} and {b} pass through each other; {reason}"
+            ));
         }
         plan
     }
@@ -496,12 +494,6 @@ impl core::fmt::Display for Blame {
             self.place, self.residual
         )
     }
-}
-
-/// Why the goal is not reached where it crosses, too.
-fn crossing_goal(crossing: &Crossing, reason: &str) -> String {
-    let [a, b] = crossing.faces;
-    format!("at the goal faces {a} and {b} pass through each other; {reason}")
 }
 
 fn edge_list(edges: &[EdgeId]) -> String {

@@ -124,12 +124,10 @@ impl Planning<'_> {
         self.plan.goal_error = reduction.distance(end, self.goal);
         let short = max_difference(end, &found.waypoints.last()?.angles);
         if found.retreats && short <= RETREAT {
-            self.plan.notes.push(format!(
-                "the goal itself does not close (residual {:.1e}), and near it the motion is certified only to \
-                 {certified:.1e}: the path ends {:.3} degrees before",
-                self.plan.goal_closure,
-                short.to_degrees(),
-            ));
+            self.retreat(
+                &format!("the motion is certified only to {certified:.1e}"),
+                short,
+            );
             return None;
         }
         self.plan.reached *= course.part(end);
@@ -139,6 +137,15 @@ impl Planning<'_> {
             100.0 * self.plan.reached,
             self.options.bound
         ))
+    }
+
+    /// Notes why the path ends these radians short of a goal that does not close.
+    fn retreat(&mut self, why: &str, short: f64) {
+        self.plan.notes.push(format!(
+            "the goal itself does not close (residual {:.1e}), and near it {why}: the path ends {:.3} degrees before",
+            self.plan.goal_closure,
+            short.to_degrees(),
+        ));
     }
 
     /// Places knots on the course, certified between them.
@@ -589,12 +596,7 @@ impl Planning<'_> {
             && let Some(waypoints) =
                 course.cut(&mut reduction.solver(self.options, found.accepted), free)
         {
-            self.plan.notes.push(format!(
-                "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} \
-                 degrees before",
-                self.plan.goal_closure,
-                short.to_degrees(),
-            ));
+            self.retreat(&reason, short);
             let end = waypoints.last().map_or(&[][..], |last| &last.angles);
             self.plan.goal_error = reduction.distance(end, self.goal);
             self.plan.rigidity = Rigidity::default();
