@@ -83,16 +83,26 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         diagonal.fold(T::zero(), |max, &entry| max.max(entry))
     }
 
-    fn hold(&mut self, unknown: usize) {
+    fn hold(&mut self, unknown: usize, by: T) -> T {
         let n = self.gradient.len();
-        let column = self.matrix.iter_mut().skip(unknown).step_by(n.max(1));
-        column.for_each(|entry| *entry = T::zero());
-        if let Some(row) = self.matrix.get_mut(unknown * n..(unknown + 1) * n) {
-            row.fill(T::zero());
+        let (Some(&slope), Some(&curvature)) = (
+            self.gradient.get(unknown),
+            self.matrix.get(unknown * (n + 1)),
+        ) else {
+            return T::zero();
+        };
+        // The row as far as the diagonal, the column from there on.
+        for (other, slope) in self.gradient.iter_mut().enumerate() {
+            let place = unknown.max(other) * n + unknown.min(other);
+            if let Some(entry) = self.matrix.get_mut(place) {
+                *slope += *entry * by;
+                *entry = T::zero();
+            }
         }
         if let Some(slope) = self.gradient.get_mut(unknown) {
             *slope = T::zero();
         }
+        by * (slope + T::HALF * curvature * by)
     }
 
     fn factorise(&mut self, damping: T) -> bool {

@@ -84,13 +84,20 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         squares.fold(T::zero(), T::max)
     }
 
-    fn hold(&mut self, unknown: usize) {
-        if let Some(column) = self.columns.get_mut(unknown) {
-            column.fill(T::zero());
+    fn hold(&mut self, unknown: usize, by: T) -> T {
+        let Some(held) = self.columns.get_mut(unknown) else {
+            return T::zero();
+        };
+        let held = core::mem::replace(held, [T::zero(); M]);
+        for (residual, &derivative) in self.residuals.iter_mut().zip(&held) {
+            *residual += derivative * by;
         }
-        if let Some(slope) = self.gradient.get_mut(unknown) {
-            *slope = T::zero();
+        for (slope, column) in self.gradient.iter_mut().zip(&*self.columns) {
+            *slope += dot(column, &held) * by;
         }
+        let slope = self.gradient.get_mut(unknown);
+        let slope = slope.map_or(T::zero(), |slope| core::mem::replace(slope, T::zero()));
+        by * (slope + T::HALF * dot(&held, &held) * by)
     }
 
     /// `false`, too, if there are more or fewer than M residuals.

@@ -57,9 +57,10 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn gradient(&self) -> &[T];
     /// Largest diagonal entry of JᵀJ.
     fn max_diagonal(&self) -> T;
-    /// Takes an unknown out of the step: its row, its column and its entry of the gradient become
-    /// zero, and with any damping its step too.
-    fn hold(&mut self, unknown: usize);
+    /// Moves an unknown `by` so much (radians) and takes it out of the step: the residual becomes the one there, to
+    /// first order, and the unknown's row, its column and its entry of the gradient become zero, and with any
+    /// damping its step too. Returns by how much ½‖r‖² grows.
+    fn hold(&mut self, unknown: usize, by: T) -> T;
     /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.

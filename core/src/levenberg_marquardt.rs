@@ -7,8 +7,8 @@
 //! folding sheet is always rank deficient (it moves!). Of all stars together it would grow with the
 //! sheet, whose every hinge is bound by two of them however many there are. It is of all together
 //! only where the residual is acceptable: what is left there may be rounding, which should move nothing.
-//! Differs from both sources in that each step is bounded and projected on the
-//! [`Limits`]: far from closing, an undamped step was seen to wander off to multiples of 2π.
+//! Differs from both sources in that each step is bounded, because far from closing an undamped one was seen to wander
+//! off to multiples of 2π, and kept within the [`Limits`].
 
 use crate::Scalar;
 use crate::dense::dot;
@@ -22,6 +22,8 @@ const MIN_MU: f64 = 1e-6;
 /// Precisions of the largest diagonal entry that damping has at least, and the factor by which more is tried if that
 /// does not suffice.
 const FLOOR: f64 = 16.0;
+/// Times that a step is made in an iteration, each time with more unknowns at their limits: two or three are seen.
+const ROUNDS: u32 = 8;
 /// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
 const PROJECTIONS: u32 = 4;
@@ -63,7 +65,6 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         return report;
     }
     let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
-    let mut least = T::zero();
     report.outcome = loop {
         report.residual = cost.max();
         if report.residual <= options.tolerance {
@@ -78,36 +79,27 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         for (index, &value) in x.iter().enumerate() {
             let slope = equations.gradient().get(index).copied();
             if slope.is_some_and(|slope| limits.blocks(index, value, slope)) {
-                equations.hold(index);
+                equations.hold(index, T::zero());
             }
         }
         // Below this the factorisation cannot tell the matrix from a singular one.
-        least = least.max(equations.max_diagonal() * T::EPSILON * T::lit(FLOOR));
+        let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
         let square = if report.residual <= options.acceptable {
             cost.half_square
         } else {
             cost.max_square * T::HALF
         };
         let damping = (mu * square).max(least);
-        if !equations.factorise(damping) {
-            least = damping * T::lit(FLOOR);
-            if !least.is_finite() {
-                break Outcome::Stalled;
-            }
-            continue;
-        }
-        equations.step(step);
-        let scale = bound(step, options.max_step);
-        let promised = promised(step, equations.gradient(), damping, scale);
+        trial.copy_from_slice(x);
+        let promised = bounded_step(equations, limits, options, damping, trial, step);
+        let Some(promised) = promised else {
+            break Outcome::Stalled;
+        };
         if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
             break Outcome::Stalled;
         }
-        let mut moved = T::zero();
-        for (index, ((&x, &step), trial)) in x.iter().zip(&*step).zip(&mut *trial).enumerate() {
-            *trial = limits.clamp(index, x + step * scale);
-            moved = moved.max((*trial - x).abs());
-        }
-        if moved <= T::EPSILON {
+        let stays = |(&x, &trial): (&T, &T)| (trial - x).abs() <= T::EPSILON;
+        if x.iter().zip(&*trial).all(stays) {
             break Outcome::Stalled;
         }
         let Some(new_cost) = problem.linearise(trial, equations) else {
@@ -135,6 +127,47 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     report
 }
 
+/// Moves `trial` by the damped step within the limits, and returns the decrease of ½‖r‖² that the linear model
+/// promises; `None` if no damping makes the matrix definite.
+///
+/// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off.
+fn bounded_step<T: Scalar, E: NormalEquations<T>>(
+    equations: &mut E,
+    limits: Limits<'_, T>,
+    options: &Options<T>,
+    mut damping: T,
+    trial: &mut [T],
+    step: &mut [T],
+) -> Option<T> {
+    let (mut growth, mut rounds) = (T::zero(), 0);
+    loop {
+        while !equations.factorise(damping) {
+            damping *= T::lit(FLOOR);
+            if damping <= T::zero() || !damping.is_finite() {
+                return None;
+            }
+        }
+        equations.step(step);
+        rounds += 1;
+        let scale = bound(step, options.max_step);
+        let promised = promised(step, equations.gradient(), damping, scale);
+        let mut cut = false;
+        for (index, (step, trial)) in step.iter_mut().zip(&mut *trial).enumerate() {
+            let wanted = *trial + *step * scale;
+            *step = limits.clamp(index, wanted);
+            if (wanted - *step).abs() > options.tolerance && rounds < ROUNDS {
+                growth += equations.hold(index, *step - *trial);
+                *trial = *step;
+                cut = true;
+            }
+        }
+        if !cut {
+            trial.copy_from_slice(step);
+            return Some(promised - growth);
+        }
+    }
+}
+
 /// The factor by which `step` is shortened so that no unknown moves by more than `max_step`.
 fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
     let largest = step.iter().fold(T::zero(), |max, &d| max.max(d.abs()));
@@ -146,8 +179,7 @@ fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
 }
 
 /// Decrease of ½‖r‖² that the linear model promises for s·d, d the damped step and s the factor that
-/// shortens it: -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d. What the limits cut off is not
-/// counted: those unknowns are held in the next step.
+/// shortens it: -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d.
 fn promised<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
     let (slope, square) = (dot(gradient, step), dot(step, step));
     scale * (scale * T::HALF * (slope + damping * square) - slope)

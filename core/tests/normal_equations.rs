@@ -47,7 +47,11 @@ fn equals_nalgebra<T: Scalar>(equations: &mut impl NormalEquations<T>) {
         assert!((equations.max_diagonal().to_f64() - max).abs() <= rounding);
 
         let held = below(&mut rng, N);
-        equations.hold(held);
+        let by = uniform(&mut rng, -1.0, 1.0);
+        let growth = equations.hold(held, T::lit(by)).to_f64();
+        let expected = by * (gradient[held] + 0.5 * matrix[(held, held)] * by);
+        assert!((growth - expected).abs() <= rounding);
+        gradient += matrix.column(held) * by;
         matrix.row_mut(held).fill(0.0);
         matrix.column_mut(held).fill(0.0);
         gradient[held] = 0.0;

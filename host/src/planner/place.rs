@@ -356,6 +356,9 @@ impl Placer<'_, '_> {
         let mut turned = true;
         while core::mem::take(&mut turned) {
             for index in 1..sites.len() {
+                if self.solver.is_late() {
+                    return None;
+                }
                 maker.curves(&sites[index - 1], &sites[index], &mut self.curves)?;
                 for (group, pair) in self.curves.iter().zip(self.terms.limits).enumerate() {
                     if is_within(pair) {
@@ -391,7 +394,7 @@ impl Placer<'_, '_> {
         let terms = self.terms;
         let within = self.curves.iter().zip(terms.limits).all(is_within);
         let paced = matches!(maker.pace, Pace::Optimal(_));
-        if !within || paced && self.haste(maker.kind, span) > 1.0 + HASTE {
+        if !within || paced && self.is_hasty(maker, from, to, span) {
             return Some(false);
         }
         let Some(most) = terms.closure else {
@@ -427,6 +430,14 @@ impl Placer<'_, '_> {
             stars: vec![0.0; self.terms.stars.vertices().len()],
             loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
         }
+    }
+
+    /// Whether the hinges of the present curves, made between these places, are too fast by more than knots between
+    /// could mend: at these already, one that rests at its limit may leave the others faster than they were paced.
+    fn is_hasty(&self, maker: &Maker<'_>, from: &Site, to: &Site, span: f64) -> bool {
+        let haste = self.haste(maker.kind, span) / (1.0 + HASTE);
+        let mut rates = maker.nodes(from).chain(maker.nodes(to));
+        haste > 1.0 && rates.all(|node| node.rate.abs() < haste * self.terms.speed)
     }
 
     /// How much too fast the hinges of the present curves are: the factor by which time has to be
@@ -512,6 +523,9 @@ impl Placer<'_, '_> {
         let most = self.terms.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
         for (segment, pair) in sites.windows(2).enumerate() {
+            if self.solver.is_late() {
+                return None;
+            }
             let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
             let here = known.unwrap_or_else(|| self.bounds());

@@ -352,7 +352,7 @@ fn project(
         *entry /= weight;
     }
     for &unknown in held {
-        equations.hold(unknown);
+        equations.hold(unknown, 0.0);
         direction[unknown] = 0.0;
     }
     let projected = levenberg_marquardt::project_on_motions(equations, direction);

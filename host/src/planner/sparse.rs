@@ -47,8 +47,8 @@ pub(super) struct Structure {
     diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
-    /// For each unknown the places of its row and column, once they were asked for.
-    touching: OnceCell<Ragged<u32>>,
+    /// For each unknown the others of its row and column, and their places there, once they were asked for.
+    touching: OnceCell<Ragged<(u32, u32)>>,
     symbolic: SymbolicCholesky<u32>,
 }
 
@@ -140,22 +140,22 @@ impl Structure {
         })
     }
 
-    /// For each unknown the places of its row and column.
-    fn touching(&self) -> &Ragged<u32> {
+    /// For each unknown the others of its row and column, and their places there.
+    fn touching(&self) -> &Ragged<(u32, u32)> {
         self.touching.get_or_init(|| {
-            let n = self.diagonal.len();
+            let ends = self.column_ends.windows(2).zip(0..);
+            let entries = ends.flat_map(|(ends, column)| {
+                let places = ends[0]..ends[1];
+                places.map(move |place| (column, self.rows[place as usize], place))
+            });
             let mut both = Vec::with_capacity(2 * self.rows.len());
-            for column in 0..n {
-                let [start, end] = [column, column + 1].map(|k| self.column_ends[k]);
-                for place in start..end {
-                    let row = self.rows[place as usize] as usize;
-                    both.push((column, place));
-                    if row != column {
-                        both.push((row, place));
-                    }
+            for (column, row, place) in entries {
+                both.push((column as usize, (row, place)));
+                if row != column {
+                    both.push((row as usize, (column, place)));
                 }
             }
-            group_by_key(n, &both)
+            group_by_key(self.diagonal.len(), &both)
         })
     }
 }
@@ -222,11 +222,15 @@ impl NormalEquations<f64> for SparseNormalEquations {
         diagonal.fold(0.0, f64::max)
     }
 
-    fn hold(&mut self, unknown: usize) {
-        for &place in &self.structure.touching()[unknown] {
-            self.values[place as usize] = 0.0;
+    fn hold(&mut self, unknown: usize, by: f64) -> f64 {
+        let slope = self.gradient[unknown];
+        let curvature = self.values[self.structure.diagonal[unknown] as usize];
+        for &(other, place) in &self.structure.touching()[unknown] {
+            let entry = core::mem::take(&mut self.values[place as usize]);
+            self.gradient[other as usize] += entry * by;
         }
         self.gradient[unknown] = 0.0;
+        by * (slope + 0.5 * curvature * by)
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
@@ -293,7 +297,8 @@ mod tests {
         problem.linearise(&angles, equations).unwrap();
         let mut results = equations.gradient().to_vec();
         results.push(equations.max_diagonal());
-        equations.hold(n / 2);
+        results.push(equations.hold(n / 2, 0.3));
+        results.extend_from_slice(equations.gradient());
         let mut solution = vec![1.0; n];
         assert!(equations.factorise(0.1));
         equations.solve(&mut solution);

@@ -79,6 +79,18 @@ fn large_sheets_take_no_more_iterations() {
     }
 }
 
+/// A hinge at half a turn, where its limit ends it, costs hardly an iteration: the others do not count on what is cut
+/// off.
+#[test]
+fn hinges_at_their_limits_cost_no_iterations() {
+    let problem = Problem::new(Family::Quad, 11, 11, false);
+    assert!(problem.folded() >= core::f64::consts::PI - 1e-9);
+    for start in problem.starts(10) {
+        let residuals = residuals_by_iteration(problem.stars(), &start);
+        assert!(residuals.len() - 1 <= 9, "{residuals:?}");
+    }
+}
+
 /// Peers and our solvers see the same objective: all that reach a tolerance are judged by one closure, and what
 /// they return closes as they say.
 #[test]
