@@ -31,7 +31,8 @@ const PROJECTIONS: u32 = 4;
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
 /// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
-/// Cost of an iteration: one linearisation and one factorisation.
+/// Cost of an iteration: one linearisation and one factorisation, and one more each time that more unknowns meet their
+/// limits.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -75,7 +76,7 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         }
         report.iterations += 1;
 
-        // A step that counts on an unknown to pass its limit is of no use to the others.
+        // Most of what stays at its limit is found without making a step that passes it.
         for (index, &value) in x.iter().enumerate() {
             let slope = equations.gradient().get(index).copied();
             if slope.is_some_and(|slope| limits.blocks(index, value, slope)) {

@@ -335,8 +335,7 @@ impl Placer<'_, '_> {
                 sites.extend(open.pop());
             }
             // Halving a segment that does not fit leaves less than twice the knots needed.
-            let many = sites.len() + open.len() > self.most.saturating_mul(2);
-            if many || self.solver.is_late() {
+            if sites.len() + open.len() > self.most.saturating_mul(2) {
                 return None;
             }
         }
@@ -356,10 +355,7 @@ impl Placer<'_, '_> {
         let mut turned = true;
         while core::mem::take(&mut turned) {
             for index in 1..sites.len() {
-                if self.solver.is_late() {
-                    return None;
-                }
-                maker.curves(&sites[index - 1], &sites[index], &mut self.curves)?;
+                self.span(maker, &sites[index - 1], &sites[index])?;
                 for (group, pair) in self.curves.iter().zip(self.terms.limits).enumerate() {
                     if is_within(pair) {
                         continue;
@@ -378,7 +374,7 @@ impl Placer<'_, '_> {
     /// Takes knots away while what is left keeps the terms.
     fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
         let mut index = 1;
-        while index + 1 < sites.len() && !self.solver.is_late() {
+        while index + 1 < sites.len() {
             if !sites[index].stays() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
                 sites.remove(index);
             } else {
@@ -388,9 +384,17 @@ impl Placer<'_, '_> {
         Some(())
     }
 
+    /// Makes the curves between two places, and returns the time between them. `None` if there are none, or out of time.
+    fn span(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<f64> {
+        if self.solver.is_late() {
+            return None;
+        }
+        maker.curves(from, to, &mut self.curves)
+    }
+
     /// Whether the motion between two places keeps the terms.
     fn fits(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<bool> {
-        let span = maker.curves(from, to, &mut self.curves)?;
+        let span = self.span(maker, from, to)?;
         let terms = self.terms;
         let within = self.curves.iter().zip(terms.limits).all(is_within);
         let paced = matches!(maker.pace, Pace::Optimal(_));
@@ -523,10 +527,7 @@ impl Placer<'_, '_> {
         let most = self.terms.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
         for (segment, pair) in sites.windows(2).enumerate() {
-            if self.solver.is_late() {
-                return None;
-            }
-            let span = maker.curves(&pair[0], &pair[1], &mut self.curves)?;
+            let span = self.span(maker, &pair[0], &pair[1])?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
             let here = known.unwrap_or_else(|| self.bounds());
             if open.is_none() && here.closure().worst() > most {
