@@ -6,6 +6,9 @@ use nalgebra::Vector3;
 use crate::least_squares::{Accumulate, Gradient, NormalEquations};
 use crate::{Scalar, Spoke, ldl};
 
+/// Unknowns of which a star may have several spokes each, as crease groups do: at most.
+const FEW: usize = 4;
+
 /// JᵀJ and Jᵀr as a dense lower triangle, with its factors.
 #[derive(Debug)]
 pub struct DenseNormalEquations<'a, T> {
@@ -35,6 +38,26 @@ impl<'a, T: Scalar> DenseNormalEquations<'a, T> {
     }
 }
 
+impl<T: Scalar> DenseNormalEquations<'_, T> {
+    /// The columns of each unknown added up before they are multiplied.
+    fn add_few(&mut self, spokes: &[Spoke<T>], columns: &[Vector3<T>], residual: &Vector3<T>) {
+        let mut sums = [Vector3::repeat(T::zero()); FEW];
+        for (spoke, column) in spokes.iter().zip(columns) {
+            if let Some(sum) = sums.get_mut(spoke.group.index()) {
+                *sum += column;
+            }
+        }
+        let n = self.gradient.len();
+        let rows = self.matrix.chunks_exact_mut(n.max(1));
+        for ((sum, slope), row) in sums.iter().zip(&mut *self.gradient).zip(rows) {
+            *slope += sum.dot(residual);
+            for (entry, other) in row.iter_mut().zip(&sums) {
+                *entry += sum.dot(other);
+            }
+        }
+    }
+}
+
 impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
     fn clear(&mut self) {
         self.matrix.fill(T::zero());
@@ -49,8 +72,11 @@ impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
         columns: &[Vector3<T>],
         residual: &Vector3<T>,
     ) {
-        Gradient(self.gradient).add(star, spokes, columns, residual);
         let n = self.gradient.len();
+        if n <= FEW {
+            return self.add_few(spokes, columns, residual);
+        }
+        Gradient(self.gradient).add(star, spokes, columns, residual);
         for (spoke, column) in spokes.iter().zip(columns) {
             let (start, diagonal) = (spoke.group.index() * n, spoke.group.index() * (n + 1));
             let Some(row) = self.matrix.get_mut(start..=diagonal) else {
@@ -75,7 +101,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         self.gradient
     }
 
-    fn max_diagonal(&self) -> T {
+    fn max_diagonal(&mut self) -> T {
         let diagonal = self
             .matrix
             .iter()

@@ -79,7 +79,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         self.gradient
     }
 
-    fn max_diagonal(&self) -> T {
+    fn max_diagonal(&mut self) -> T {
         let squares = self.columns.iter().map(|column| dot(column, column));
         squares.fold(T::zero(), T::max)
     }

@@ -51,16 +51,26 @@ pub trait Accumulate<T: Scalar> {
 
 /// Normal equations (JᵀJ + λI) x = b behind which dense, dual and sparse linear algebra look alike.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
+    /// Whether the rows are kept, without which there is no [inexact](Options::inexact) step.
+    const KEEPS_ROWS: bool = false;
     /// Number of unknowns.
     fn unknowns(&self) -> usize;
     /// The gradient Jᵀr, one number for each unknown.
     fn gradient(&self) -> &[T];
     /// Largest diagonal entry of JᵀJ.
-    fn max_diagonal(&self) -> T;
+    fn max_diagonal(&mut self) -> T;
     /// Moves an unknown `by` so much (radians) and takes it out of the step: the residual becomes the one there, to
     /// first order, and the unknown's row, its column and its entry of the gradient become zero, and with any
     /// damping its step too. Returns by how much ½‖r‖² grows.
     fn hold(&mut self, unknown: usize, by: T) -> T;
+    /// Forgets the residuals, but neither rows nor factor.
+    fn clear_residuals(&mut self) {}
+    /// Adds another residual for rows that are kept: those that were [added](Accumulate::add) as block number `block`.
+    fn add_residual(&mut self, _block: usize, _spokes: &[Spoke<T>], _residual: &Vector3<T>) {}
+    /// Approximates the step with this damping, without a factor; `false` if it is not made here.
+    fn rough_step(&mut self, _damping: T, _step: &mut [T]) -> bool {
+        false
+    }
     /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
@@ -150,6 +160,16 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
             cost.plus(&r)
         });
         Some(cost)
+    }
+
+    /// The same, the residuals put in place of those of the rows last accumulated, where rows are kept.
+    pub fn renew(&mut self, x: &[T], equations: &mut impl NormalEquations<T>) -> Option<Cost<T>> {
+        equations.clear_residuals();
+        let mut block = 0;
+        self.each_residual(x, |spokes, residual| {
+            equations.add_residual(block, spokes, residual);
+            block += 1;
+        })
     }
 
     /// Residual at `x` (radians), its rows handed to `rows`; `None` unless `x` has all unknowns.
@@ -285,6 +305,9 @@ pub struct Options<T> {
     pub max_iterations: u32,
     /// No unknown moves by more than this in one step, radians.
     pub max_step: T,
+    /// Whether Levenberg-Marquardt may make steps roughly and use factors again, where the equations keep their rows: that
+    /// saves most of the time on large sheets, but the configuration found is less surely the nearest one.
+    pub inexact: bool,
 }
 
 impl<T: Scalar> Default for Options<T> {
@@ -295,6 +318,7 @@ impl<T: Scalar> Default for Options<T> {
             max_iterations: 100,
             // A sixth of a turn: less than any fold angle's way to its mirror image far from flat.
             max_step: T::PI / (T::TWO + T::one()),
+            inexact: false,
         }
     }
 }

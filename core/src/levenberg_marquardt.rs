@@ -9,10 +9,18 @@
 //! only where the residual is acceptable: what is left there may be rounding, which should move nothing.
 //! Differs from both sources in that each step is bounded, because far from closing an undamped one was seen to wander
 //! off to multiples of 2π, and kept within the [`Limits`].
+//!
+//! On large sheets factorisations are what costs. Where that is allowed ([`Options::inexact`]), steps far from closing are
+//! made by [`conjugate_gradients`](crate::conjugate_gradients) while the linear model lets them close most of what is open.
+//! Near closing a factor is used again by the chord method, chapter 5.4 of [Kelley1995](crate#references):
+//! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x), with the rows of where it was made. Both factors of J₀ᵀr have to be old: with Jᵀ of now
+//! the step would have a part along the motion of J₀, which the inverse blows up by 1/λ.
 
 use crate::Scalar;
 use crate::dense::dot;
-use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome, Report};
+use crate::least_squares::{
+    ClosureProblem, Cost, Limits, NormalEquations, Options, Outcome, Report,
+};
 
 /// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a
 /// fraction of a radian to close.
@@ -24,6 +32,13 @@ const MIN_MU: f64 = 1e-6;
 const FLOOR: f64 = 16.0;
 /// Times that a step is made in an iteration, each time with more unknowns at their limits: two or three are seen.
 const ROUNDS: u32 = 8;
+/// Closure residual down to which rough steps are made.
+const ROUGH: f64 = 1e-2;
+/// Part of ½‖r‖² that a rough step has to promise for another one.
+const ENOUGH: f64 = 0.9;
+/// Steps with a factor in which the tolerance has to be in reach, or it is made anew: on large sheets that costs ten to
+/// twenty of them.
+const PATIENCE: u32 = 20;
 /// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
 const PROJECTIONS: u32 = 4;
@@ -32,7 +47,8 @@ const PROJECTIONS: u32 = 4;
 ///
 /// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
 /// Cost of an iteration: one linearisation and one factorisation, and one more each time that more unknowns meet their
-/// limits.
+/// limits. If it may be inexact, less: some iterations make no factorisation, others take several steps with one, each for
+/// an evaluation without derivatives.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -65,7 +81,8 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         report.outcome = Outcome::NotFinite;
         return report;
     }
-    let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
+    let inexact = options.inexact && E::KEEPS_ROWS;
+    let (mut mu, mut growth, mut roughly) = (T::lit(FIRST_MU), T::TWO, inexact);
     report.outcome = loop {
         report.residual = cost.max();
         if report.residual <= options.tolerance {
@@ -83,38 +100,64 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
                 equations.hold(index, T::zero());
             }
         }
-        // Below this the factorisation cannot tell the matrix from a singular one.
-        let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
         let square = if report.residual <= options.acceptable {
             cost.half_square
         } else {
             cost.max_square * T::HALF
         };
-        let damping = (mu * square).max(least);
+        let damping = mu * square;
         trial.copy_from_slice(x);
-        let promised = bounded_step(equations, limits, options, damping, trial, step);
-        let Some(promised) = promised else {
+        roughly &= report.residual > options.acceptable.max(T::lit(ROUGH));
+        let made = bounded_step(equations, limits, options, damping, roughly, trial, step);
+        let Some(Step { promised, factored }) = made else {
             break Outcome::Stalled;
         };
+        roughly &= !factored && promised >= T::lit(ENOUGH) * cost.half_square;
         if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
             break Outcome::Stalled;
         }
-        let stays = |(&x, &trial): (&T, &T)| (trial - x).abs() <= T::EPSILON;
-        if x.iter().zip(&*trial).all(stays) {
+        let ways = x.iter().zip(&*trial).map(|(&x, &trial)| (trial - x).abs());
+        let moved = ways.fold(T::zero(), T::max);
+        if moved <= T::EPSILON {
             break Outcome::Stalled;
         }
-        let Some(new_cost) = problem.linearise(trial, equations) else {
+        // About what a step leaves, whose derivatives are not needed if that closes, or if its factor is used again.
+        let left = moved * moved;
+        let again = inexact && factored && is_near(report.residual, left, options);
+        let alone = again || left <= options.tolerance;
+        let new_cost = if alone {
+            problem.renew(trial, equations)
+        } else {
+            problem.linearise(trial, equations)
+        };
+        let Some(new_cost) = new_cost else {
             break Outcome::Capacity;
         };
         report.evaluations += 1;
         let gain = cost.half_square - new_cost.half_square;
         if new_cost.is_finite() && gain > T::zero() {
             x.copy_from_slice(trial);
-            cost = new_cost;
+            let mut before = core::mem::replace(&mut cost, new_cost);
             let bend = T::TWO * gain / promised.max(T::EPSILON * gain) - T::one();
             let third = T::one() / (T::TWO + T::one());
             mu = (mu * (T::one() - bend * bend * bend).max(third)).max(T::lit(MIN_MU));
             growth = T::TWO;
+            let enough = options.tolerance.max(options.acceptable);
+            while again && cost.max() > enough && is_near(before.max(), cost.max(), options) {
+                let Some(next) = step_again(problem, equations, limits, x, trial, step) else {
+                    break;
+                };
+                report.evaluations += 1;
+                if !next.is_finite() || next.half_square >= cost.half_square {
+                    break;
+                }
+                x.copy_from_slice(trial);
+                before = core::mem::replace(&mut cost, next);
+            }
+            if alone && cost.max() > options.tolerance {
+                problem.linearise(x, equations);
+                report.evaluations += 1;
+            }
         } else {
             problem.linearise(x, equations);
             report.evaluations += 1;
@@ -128,8 +171,45 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     report
 }
 
-/// Moves `trial` by the damped step within the limits, and returns the decrease of ½‖r‖² that the linear model
-/// promises; `None` if no damping makes the matrix definite.
+/// Whether as many steps as it has patience for, each leaving such a part of the residual as `after` is of `before`,
+/// close what `after` leaves open.
+fn is_near<T: Scalar>(before: T, after: T, options: &Options<T>) -> bool {
+    let part = after / before;
+    let last = (0..PATIENCE).fold(after, |left, _| left * part);
+    last <= options.tolerance
+}
+
+/// Sets `trial` to `x` moved by the step with the last factor for the residual last put in place, and returns the cost
+/// there; `None` if that passes a limit.
+fn step_again<T: Scalar, E: NormalEquations<T>>(
+    problem: &mut ClosureProblem<'_, T>,
+    equations: &mut E,
+    limits: Limits<'_, T>,
+    x: &[T],
+    trial: &mut [T],
+    step: &mut [T],
+) -> Option<Cost<T>> {
+    equations.step(step);
+    for (index, ((trial, &x), &step)) in trial.iter_mut().zip(x).zip(&*step).enumerate() {
+        *trial = x + step;
+        let (lower, upper) = limits.of(index);
+        if *trial < lower || *trial > upper {
+            return None;
+        }
+    }
+    problem.renew(trial, equations)
+}
+
+/// A step within the limits.
+struct Step<T> {
+    /// Decrease of ½‖r‖² that the linear model promises.
+    promised: T,
+    /// Whether the matrix was factorised for it.
+    factored: bool,
+}
+
+/// Moves `trial` by the damped step within the limits, made `roughly` if that is asked for and can be; `None` if no damping
+/// makes the matrix definite.
 ///
 /// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off.
 fn bounded_step<T: Scalar, E: NormalEquations<T>>(
@@ -137,18 +217,25 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
     limits: Limits<'_, T>,
     options: &Options<T>,
     mut damping: T,
+    mut roughly: bool,
     trial: &mut [T],
     step: &mut [T],
-) -> Option<T> {
+) -> Option<Step<T>> {
     let (mut growth, mut rounds) = (T::zero(), 0);
     loop {
-        while !equations.factorise(damping) {
-            damping *= T::lit(FLOOR);
-            if damping <= T::zero() || !damping.is_finite() {
-                return None;
+        roughly = roughly && equations.rough_step(damping, step);
+        if !roughly {
+            // Below this the factorisation cannot tell the matrix from a singular one.
+            let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
+            damping = damping.max(least);
+            while !equations.factorise(damping) {
+                damping *= T::lit(FLOOR);
+                if damping <= T::zero() || !damping.is_finite() {
+                    return None;
+                }
             }
+            equations.step(step);
         }
-        equations.step(step);
         rounds += 1;
         let scale = bound(step, options.max_step);
         let promised = promised(step, equations.gradient(), damping, scale);
@@ -160,11 +247,15 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
                 growth += equations.hold(index, *step - *trial);
                 *trial = *step;
                 cut = true;
+                roughly = false;
             }
         }
         if !cut {
             trial.copy_from_slice(step);
-            return Some(promised - growth);
+            return Some(Step {
+                promised: promised - growth,
+                factored: !roughly,
+            });
         }
     }
 }
@@ -201,7 +292,7 @@ pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
 
 /// λ of [`project_on_motions`]: the square root of the precision, so that rounding, which is ε/λ, stays as small as λ
 /// itself.
-pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &E) -> T {
+pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &mut E) -> T {
     equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
 }
 

@@ -85,6 +85,11 @@
 //!   IMA J. Numer. Anal. 8.
 //! - **Raydan1997**: M. Raydan, "The Barzilai and Borwein gradient method for the large scale
 //!   unconstrained minimization problem", SIAM J. Optim. 7.
+//! - **HestenesStiefel1952**: M. R. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems",
+//!   J. Res. Nat. Bur. Standards 49.
+//! - **NashSofer1990**: S. G. Nash, A. Sofer, "Assessing a search direction within a truncated-Newton method", Oper. Res.
+//!   Lett. 9.
+//! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
@@ -92,6 +97,7 @@
 pub mod acceptance;
 mod checksum;
 pub mod closure;
+pub mod conjugate_gradients;
 mod curve;
 mod dense;
 mod dual;

@@ -7,22 +7,23 @@ use foldpath_core::least_squares::{Accumulate, NormalEquations};
 use foldpath_core::{DenseNormalEquations, DualNormalEquations, Scalar};
 use nalgebra::{SMatrix, SVector, Vector3};
 
-const N: usize = 6;
 const STARS: usize = 3;
 
-fn equal_nalgebras<T: Scalar>() {
+/// With N unknowns, of which stars have several spokes each.
+fn equal_nalgebras<T: Scalar, const N: usize>() {
     let mut memory = vec![T::zero(); DenseNormalEquations::<T>::memory(N)];
-    equals_nalgebra(&mut DenseNormalEquations::new(N, &mut memory).unwrap());
+    equals_nalgebra::<T, N>(&mut DenseNormalEquations::new(N, &mut memory).unwrap());
     let (mut columns, mut gradient) = ([[T::zero(); 3 * STARS]; N], [T::zero(); N]);
-    equals_nalgebra(&mut DualNormalEquations::new(N, &mut columns, &mut gradient).unwrap());
+    equals_nalgebra::<T, N>(&mut DualNormalEquations::new(N, &mut columns, &mut gradient).unwrap());
 }
 
-fn equals_nalgebra<T: Scalar>(equations: &mut impl NormalEquations<T>) {
+fn equals_nalgebra<T: Scalar, const N: usize>(equations: &mut impl NormalEquations<T>) {
     let mut rng = rng(31);
     for _ in 0..200 {
         // The rows of three stars, written down twice: the second time in f64 by nalgebra.
         equations.clear();
-        let (mut matrix, mut gradient) = (SMatrix::<f64, N, N>::zeros(), SVector::zeros());
+        let (mut matrix, mut gradient) =
+            (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
         for index in 0..STARS {
             let degree = 1 + below(&mut rng, 8);
             let stars = Stars::<T>::random(&mut rng, N, &[degree]);
@@ -80,8 +81,10 @@ fn equals_nalgebra<T: Scalar>(equations: &mut impl NormalEquations<T>) {
 
 #[test]
 fn solution_equals_nalgebras() {
-    equal_nalgebras::<f32>();
-    equal_nalgebras::<f64>();
+    equal_nalgebras::<f32, 3>();
+    equal_nalgebras::<f64, 3>();
+    equal_nalgebras::<f32, 6>();
+    equal_nalgebras::<f64, 6>();
 }
 
 #[test]

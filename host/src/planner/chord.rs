@@ -54,13 +54,7 @@ pub(super) fn close(
     trial.copy_from_slice(x);
     while residual > tolerance {
         advance(equations, step, trial);
-        equations.clear_gradient();
-        let mut block = 0;
-        let next = problem.each_residual(trial, |spokes, residual| {
-            equations.add_to_gradient(block, spokes, residual);
-            block += 1;
-        });
-        let next = next?.max();
+        let next = problem.renew(trial, equations)?.max();
         chord.steps += 1;
         let shrinks = next <= tolerance || next <= CONTRACTION * residual;
         if !shrinks || !within(limits, trial) {

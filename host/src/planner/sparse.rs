@@ -2,7 +2,8 @@
 //! unknown.
 //!
 //! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
-//! matrix. They are looked up once, as is the elimination order; what follows is arithmetic.
+//! matrix. They are looked up once, as is the elimination order; what follows is arithmetic. The matrix is made of the
+//! rows when it is factorised: rough steps do without.
 
 use core::cell::OnceCell;
 use std::rc::Rc;
@@ -18,7 +19,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{MatMut, Side};
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
-use foldpath_core::{LoopsView, Spoke, StarsView};
+use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
 use nalgebra::Vector3;
 
 use crate::ragged::{Ragged, group_by_key};
@@ -33,6 +34,10 @@ pub struct SparseNormalEquations {
     gradient: Vec<f64>,
     /// The columns of each block of rows, as last accumulated.
     jacobian: Ragged<Vector3<f64>>,
+    /// Whether the values are those of the columns.
+    assembled: bool,
+    /// For conjugate gradients.
+    scratch: [Vec<f64>; 3],
     /// The diagonal without damping, while the matrix is being factorised.
     undamped: Vec<f64>,
     factor: Vec<f64>,
@@ -47,8 +52,12 @@ pub(super) struct Structure {
     diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
     places: Ragged<u32>,
-    /// For each unknown the others of its row and column, and their places there, once they were asked for.
-    touching: OnceCell<Ragged<(u32, u32)>>,
+    /// Number of stars.
+    stars: usize,
+    /// For each star, then each loop, the unknowns of its spokes.
+    unknowns: Ragged<u32>,
+    /// For each unknown the blocks of rows that have it, once they were asked for.
+    touching: OnceCell<Ragged<u32>>,
     symbolic: SymbolicCholesky<u32>,
 }
 
@@ -69,6 +78,8 @@ impl SparseNormalEquations {
             values: vec![0.0; structure.rows.len()],
             gradient: vec![0.0; n],
             jacobian: Ragged::default(),
+            assembled: false,
+            scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             undamped: vec![0.0; n],
             factor: vec![0.0; symbolic.len_val()],
             memory: MemBuffer::try_new(scratch).ok()?,
@@ -81,6 +92,7 @@ impl Structure {
     /// Finds the places and the elimination order. `None` if memory does not suffice.
     pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
+        let count = stars.len();
         let stars = stars.iter().map(|star| star.spokes);
         let cycles = stars.chain(loops.iter().map(|l| l.spokes));
         let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
@@ -121,6 +133,8 @@ impl Structure {
             pairs.collect::<Vec<_>>()
         });
         let places: Ragged<u32> = places.collect();
+        let unknowns = cycles.iter().map(|spokes| spokes.iter().map(|s| s.group.0));
+        let unknowns: Ragged<u32> = unknowns.collect();
         let diagonal = column_ends[..n].to_vec();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &column_ends, None, &rows);
         let symbolic = factorize_symbolic_cholesky(
@@ -135,53 +149,80 @@ impl Structure {
             rows,
             diagonal,
             places,
+            stars: count,
+            unknowns,
             touching: OnceCell::new(),
             symbolic,
         })
     }
 
-    /// For each unknown the others of its row and column, and their places there.
-    fn touching(&self) -> &Ragged<(u32, u32)> {
+    /// Unknowns of the columns of a block of rows.
+    fn of_block(&self, block: usize) -> &[u32] {
+        &self.unknowns[self.number(block)]
+    }
+
+    /// Number of the star or loop that a block of rows belongs to: a loop has two.
+    fn number(&self, block: usize) -> usize {
+        let past = block.saturating_sub(self.stars);
+        block - past + past / 2
+    }
+
+    /// For each unknown the blocks of rows that have it, once for each of its columns there.
+    fn touching(&self) -> &Ragged<u32> {
         self.touching.get_or_init(|| {
-            let ends = self.column_ends.windows(2).zip(0..);
-            let entries = ends.flat_map(|(ends, column)| {
-                let places = ends[0]..ends[1];
-                places.map(move |place| (column, self.rows[place as usize], place))
+            let loops = self.unknowns.len() - self.stars;
+            let blocks = (0..self.stars + 2 * loops).zip(0..);
+            let pairs = blocks.flat_map(|(block, number)| {
+                let unknowns = self.of_block(block).iter();
+                unknowns.map(move |&unknown| (unknown as usize, number))
             });
-            let mut both = Vec::with_capacity(2 * self.rows.len());
-            for (column, row, place) in entries {
-                both.push((column as usize, (row, place)));
-                if row != column {
-                    both.push((row as usize, (column, place)));
-                }
-            }
-            group_by_key(self.diagonal.len(), &both)
+            group_by_key(self.diagonal.len(), pairs)
         })
+    }
+
+    /// Sets `image` to JᵀJ times `way`, and returns the product of both.
+    fn apply(&self, jacobian: &Ragged<Vector3<f64>>, way: &[f64], image: &mut [f64]) -> f64 {
+        image.fill(0.0);
+        let mut square = 0.0;
+        for (block, columns) in jacobian.iter().enumerate() {
+            let pairs = columns.iter().zip(self.of_block(block));
+            let terms = pairs.clone().map(|(column, &k)| column * way[k as usize]);
+            let change: Vector3<f64> = terms.sum();
+            square += change.norm_squared();
+            for (column, &k) in pairs {
+                image[k as usize] += column.dot(&change);
+            }
+        }
+        square
     }
 }
 
 impl SparseNormalEquations {
-    /// Forgets the residuals but not the rows.
-    pub(super) fn clear_gradient(&mut self) {
-        self.gradient.fill(0.0);
-    }
-
-    /// Adds Jᵀr of block number `block` of rows, as last accumulated, and another residual.
-    pub(super) fn add_to_gradient(
-        &mut self,
-        block: usize,
-        spokes: &[Spoke<f64>],
-        residual: &Vector3<f64>,
-    ) {
-        Gradient(&mut self.gradient).add(block, spokes, &self.jacobian[block], residual);
+    /// Makes JᵀJ of the columns, unless it was.
+    fn assemble(&mut self) {
+        if core::mem::replace(&mut self.assembled, true) {
+            return;
+        }
+        self.values.fill(0.0);
+        for (block, columns) in self.jacobian.iter().enumerate() {
+            let places = &self.structure.places[self.structure.number(block)];
+            let products = columns
+                .iter()
+                .flat_map(|a| columns.iter().map(move |b| a.dot(b)));
+            for (product, &place) in products.zip(places) {
+                if place != ABOVE {
+                    self.values[place as usize] += product;
+                }
+            }
+        }
     }
 }
 
 impl Accumulate<f64> for SparseNormalEquations {
     fn clear(&mut self) {
-        self.values.fill(0.0);
         self.gradient.fill(0.0);
         self.jacobian.clear();
+        self.assembled = false;
     }
 
     fn add(
@@ -193,18 +234,20 @@ impl Accumulate<f64> for SparseNormalEquations {
     ) {
         self.jacobian.push(columns.iter().copied());
         Gradient(&mut self.gradient).add(star, spokes, columns, residual);
-        let products = columns
-            .iter()
-            .flat_map(|a| columns.iter().map(move |b| a.dot(b)));
-        for (product, &place) in products.zip(&self.structure.places[star]) {
-            if place != ABOVE {
-                self.values[place as usize] += product;
-            }
-        }
     }
 }
 
 impl NormalEquations<f64> for SparseNormalEquations {
+    const KEEPS_ROWS: bool = true;
+
+    fn clear_residuals(&mut self) {
+        self.gradient.fill(0.0);
+    }
+
+    fn add_residual(&mut self, block: usize, spokes: &[Spoke<f64>], residual: &Vector3<f64>) {
+        Gradient(&mut self.gradient).add(block, spokes, &self.jacobian[block], residual);
+    }
+
     fn unknowns(&self) -> usize {
         self.gradient.len()
     }
@@ -213,7 +256,8 @@ impl NormalEquations<f64> for SparseNormalEquations {
         &self.gradient
     }
 
-    fn max_diagonal(&self) -> f64 {
+    fn max_diagonal(&mut self) -> f64 {
+        self.assemble();
         let diagonal = self
             .structure
             .diagonal
@@ -223,17 +267,38 @@ impl NormalEquations<f64> for SparseNormalEquations {
     }
 
     fn hold(&mut self, unknown: usize, by: f64) -> f64 {
-        let slope = self.gradient[unknown];
-        let curvature = self.values[self.structure.diagonal[unknown] as usize];
-        for &(other, place) in &self.structure.touching()[unknown] {
-            let entry = core::mem::take(&mut self.values[place as usize]);
-            self.gradient[other as usize] += entry * by;
+        self.assembled = false;
+        let mut growth = self.gradient[unknown] * by;
+        for &block in &self.structure.touching()[unknown] {
+            let unknowns = self.structure.of_block(block as usize);
+            let columns = &mut self.jacobian[block as usize];
+            let mut change = Vector3::zeros();
+            for (column, _) in columns
+                .iter_mut()
+                .zip(unknowns)
+                .filter(|(_, k)| **k as usize == unknown)
+            {
+                change += core::mem::take(column) * by;
+            }
+            for (column, &k) in columns.iter().zip(unknowns) {
+                self.gradient[k as usize] += column.dot(&change);
+            }
+            growth += 0.5 * change.norm_squared();
         }
         self.gradient[unknown] = 0.0;
-        by * (slope + 0.5 * curvature * by)
+        growth
+    }
+
+    fn rough_step(&mut self, damping: f64, step: &mut [f64]) -> bool {
+        let (jacobian, structure) = (&self.jacobian, &*self.structure);
+        let apply = |way: &[f64], image: &mut [f64]| structure.apply(jacobian, way, image);
+        let scratch = self.scratch.each_mut().map(Vec::as_mut_slice);
+        conjugate_gradients::solve(apply, damping, &self.gradient, step, scratch);
+        true
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
+        self.assemble();
         let structure = &*self.structure;
         for (&place, entry) in structure.diagonal.iter().zip(&mut self.undamped) {
             *entry = self.values[place as usize];
@@ -277,6 +342,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
 mod tests {
     use foldpath_core::least_squares::ClosureProblem;
     use foldpath_core::{DenseNormalEquations, HalfAngle};
+    use nalgebra::{DMatrix, DVector};
 
     use super::*;
     use crate::generate::Waterbomb;
@@ -311,8 +377,8 @@ mod tests {
         results
     }
 
-    #[test]
-    fn sparse_equations_are_the_dense_ones() {
+    /// A sheet with a hole.
+    fn cut_waterbomb() -> CreasePattern {
         let waterbomb = Waterbomb {
             rows: 4,
             columns: 6,
@@ -327,6 +393,12 @@ mod tests {
         }
         let pattern = CreasePattern::new(drawing).unwrap();
         assert_eq!(pattern.holes().len(), 1);
+        pattern
+    }
+
+    #[test]
+    fn sparse_equations_are_the_dense_ones() {
+        let pattern = cut_waterbomb();
         // With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
         for groups in [
             CreaseGroups::find(&pattern),
@@ -344,6 +416,79 @@ mod tests {
                     "{n} unknowns, {k}: {dense} {sparse}"
                 );
             }
+        }
+    }
+
+    /// The Jacobian, each block of rows below the one before.
+    struct Rows(DMatrix<f64>);
+
+    impl Accumulate<f64> for Rows {
+        fn clear(&mut self) {
+            *self = Self(DMatrix::zeros(0, self.0.ncols()));
+        }
+
+        fn add(
+            &mut self,
+            _star: usize,
+            spokes: &[Spoke<f64>],
+            columns: &[Vector3<f64>],
+            _residual: &Vector3<f64>,
+        ) {
+            let row = self.0.nrows();
+            let rows = core::mem::take(&mut self.0);
+            self.0 = rows.insert_rows(row, 3, 0.0);
+            for (spoke, column) in spokes.iter().zip(columns) {
+                let mut place = self.0.fixed_view_mut::<3, 1>(row, spoke.group.index());
+                place += column;
+            }
+        }
+    }
+
+    #[test]
+    fn old_rows_take_new_residuals() {
+        let pattern = cut_waterbomb();
+        for groups in [
+            CreaseGroups::find(&pattern),
+            CreaseGroups::trivial(&pattern),
+        ] {
+            let reduced = ReducedStars::all(&pattern, &groups);
+            let (stars, loops) = (reduced.view(), reduced.loops());
+            let n = stars.unknowns();
+            let mut half = vec![HalfAngle::default(); n];
+            let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
+            let mut problem =
+                ClosureProblem::with_loops(stars, loops, &mut half, &mut columns).unwrap();
+            let [before, after] = [0.3, 0.1].map(|step| {
+                let angle = |k| f64::from(u8::try_from(k % 7).unwrap()) * step;
+                (0..n).map(angle).collect::<Vec<f64>>()
+            });
+            let mut rows = Rows(DMatrix::zeros(0, n));
+            let mut sparse = SparseNormalEquations::new(stars, loops).unwrap();
+            problem.linearise(&before, &mut rows).unwrap();
+            problem.linearise(&before, &mut sparse).unwrap();
+            let mut residuals = Vec::new();
+            let cost = problem.each_residual(&after, |_, r| residuals.extend(r.iter()));
+            assert_eq!(problem.renew(&after, &mut sparse), cost);
+            let expected = rows.0.tr_mul(&DVector::from_vec(residuals));
+            let same = |a: &[f64], b: &DVector<f64>| {
+                let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+                assert!(a.len() == b.len() && apart.fold(0.0, f64::max) <= 1e-13);
+            };
+            same(sparse.gradient(), &expected);
+            // The product with JᵀJ that conjugate gradients take.
+            let way = DVector::from_vec(after);
+            let mut image = vec![7.0; n];
+            let structure = &sparse.structure;
+            let square = structure.apply(&sparse.jacobian, way.as_slice(), &mut image);
+            let change = &rows.0 * &way;
+            same(&image, &rows.0.tr_mul(&change));
+            assert!((square - change.norm_squared()).abs() <= 1e-12);
+            // With the factor of these rows, the residual of there.
+            assert!(sparse.factorise(0.1));
+            let mut step = vec![0.0; n];
+            sparse.step(&mut step);
+            let damped = rows.0.tr_mul(&rows.0) + DMatrix::identity(n, n) * 0.1;
+            same(&step, &damped.cholesky().unwrap().solve(&-expected));
         }
     }
 }

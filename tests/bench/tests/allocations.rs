@@ -149,32 +149,34 @@ fn large_solvers_do_not_allocate() {
     fn solve(
         problem: &mut ClosureProblem<'_, f64>,
         equations: &mut impl NormalEquations<f64>,
-        iterations: u32,
+        (inexact, max_iterations): (bool, u32),
         x: &mut [f64],
         work: &mut [f64],
     ) -> Outcome {
         let options = Options {
-            max_iterations: iterations,
+            max_iterations,
+            inexact,
             ..Options::default()
         };
         let limits = Limits::HalfTurn;
         levenberg_marquardt::solve(problem, equations, limits, &options, x, work).outcome
     }
-    for iterations in [1, 2, 3, 100] {
+    let cuts = [1, 2, 3, 100].map(|iterations| (false, iterations));
+    for form in cuts.into_iter().chain([(true, 1), (true, 2), (true, 100)]) {
         let (mut converged, mut cut_off) = (0, 0);
         let count = allocations(20, |call| {
             off(call, &mut x);
-            let outcome = solve(&mut problem, &mut sparse, iterations, &mut x, &mut work);
+            let outcome = solve(&mut problem, &mut sparse, form, &mut x, &mut work);
             converged += usize::from(outcome == Outcome::Converged);
             cut_off += usize::from(outcome == Outcome::IterationLimit);
         });
-        assert_eq!(count, 0, "sparse, {iterations} iterations");
-        let expected = if iterations == 100 { (21, 0) } else { (0, 21) };
+        assert_eq!(count, 0, "sparse, {form:?}");
+        let expected = if form.1 == 100 { (21, 0) } else { (0, 21) };
         assert_eq!((converged, cut_off), expected);
     }
     let count = allocations(2, |call| {
         off(call, &mut x);
-        let outcome = solve(&mut problem, &mut dense, 3, &mut x, &mut work);
+        let outcome = solve(&mut problem, &mut dense, (false, 3), &mut x, &mut work);
         assert_eq!(outcome, Outcome::IterationLimit);
         off(call, &mut x);
         let options = Options {

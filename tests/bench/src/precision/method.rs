@@ -9,6 +9,8 @@ use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 pub enum Method {
     /// foldpath's Levenberg-Marquardt in f64, as the planner calls it.
     LmF64,
+    /// The same where it may be inexact, which it is with sparse matrices alone.
+    InexactLmF64,
     /// The same in f32, as the controller has it.
     LmF32,
     /// foldpath's gradient solver in f64.
@@ -43,7 +45,7 @@ pub enum Method {
 
 use Method::{
     ArgminGaussNewton, ArgminLbfgs, ArgminTrustRegion, Bobyqa, Cobyla, GradientF32, GradientF64,
-    LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch,
+    InexactLmF64, LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch,
     SlsqpDifferences, SlsqpGradient,
 };
 
@@ -68,8 +70,9 @@ pub trait Solver {
 
 impl Method {
     /// All of them, ours first.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         LmF64,
+        InexactLmF64,
         LmF32,
         GradientF64,
         GradientF32,
@@ -92,6 +95,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             LmF64 => "foldpath LM f64",
+            InexactLmF64 => "foldpath inexact LM f64",
             LmF32 => "foldpath LM f32",
             GradientF64 => "foldpath gradient f64",
             GradientF32 => "foldpath gradient f32",
@@ -113,7 +117,10 @@ impl Method {
     /// Whether it is foldpath's own; the random search is nobody's.
     #[must_use]
     pub fn is_ours(self) -> bool {
-        matches!(self, LmF64 | LmF32 | GradientF64 | GradientF32)
+        matches!(
+            self,
+            LmF64 | InexactLmF64 | LmF32 | GradientF64 | GradientF32
+        )
     }
 
     /// Unknowns beyond which it is not tried: it works on dense matrices, and where one of its iterations takes
@@ -134,7 +141,8 @@ impl Method {
     pub fn solver<'a>(self, problem: &'a Problem) -> Box<dyn Solver + 'a> {
         let stars = problem.stars();
         match self {
-            LmF64 => ours::levenberg_marquardt_f64(stars),
+            LmF64 => ours::levenberg_marquardt_f64(stars, false),
+            InexactLmF64 => ours::levenberg_marquardt_f64(stars, true),
             LmF32 => ours::levenberg_marquardt_f32(stars),
             GradientF64 => ours::gradient::<f64>(stars),
             GradientF32 => ours::gradient::<f32>(stars),

@@ -82,6 +82,7 @@ fn options<T: Scalar>(tolerance: f64) -> Options<T> {
 struct Lm<T> {
     memory: Memory<T>,
     equations: Equations<T>,
+    inexact: bool,
 }
 
 enum Equations<T> {
@@ -96,6 +97,7 @@ impl<T: Scalar> Lm<T> {
         Self {
             memory: Memory::new(stars),
             equations: Equations::Dense(vec![T::zero(); memory]),
+            inexact: false,
         }
     }
 }
@@ -106,7 +108,7 @@ trait Solve<T> {
 }
 
 impl Lm<f64> {
-    fn new(stars: StarsView<'_, f64>) -> Self {
+    fn new(stars: StarsView<'_, f64>, inexact: bool) -> Self {
         let sparse = (stars.unknowns() > DENSE)
             .then(|| SparseNormalEquations::new(stars, LoopsView::none()))
             .flatten();
@@ -115,6 +117,7 @@ impl Lm<f64> {
             Some(sparse) => Self {
                 memory: Memory::new(stars),
                 equations: Equations::Sparse(Box::new(sparse)),
+                inexact,
             },
         }
     }
@@ -127,7 +130,11 @@ impl Solve<f64> for Lm<f64> {
             Equations::Sparse(sparse) => {
                 let (mut problem, work) = self.memory.problem();
                 let (limits, equations) = (Limits::HalfTurn, sparse.as_mut());
-                levenberg_marquardt::solve(&mut problem, equations, limits, options, x, work)
+                let options = Options {
+                    inexact: self.inexact,
+                    ..*options
+                };
+                levenberg_marquardt::solve(&mut problem, equations, limits, &options, x, work)
             }
         }
     }
@@ -183,7 +190,7 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
 
 /// Moves `x` to closure to rounding, as far as possible; whether that is reached.
 pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
-    let report = Lm::<f64>::new(stars).solve(x, &Options::default());
+    let report = Lm::<f64>::new(stars, false).solve(x, &Options::default());
     report.outcome == Outcome::Converged
 }
 
@@ -194,7 +201,7 @@ pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
 /// If it takes more than 2^32 iterations.
 #[must_use]
 pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
-    let mut solver = Lm::<f64>::new(stars);
+    let mut solver = Lm::<f64>::new(stars, false);
     let mut residuals = Vec::new();
     loop {
         let options = Options {
@@ -244,10 +251,10 @@ fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(
     })
 }
 
-/// Levenberg-Marquardt in f64.
-pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
+/// Levenberg-Marquardt in f64, inexact where rows are kept if that is asked for.
+pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, inexact: bool) -> Box<dyn Solver> {
     // A hundred iterations are its own limit.
-    boxed::<f64, _>(Lm::<f64>::new(stars), |_, _| {})
+    boxed::<f64, _>(Lm::<f64>::new(stars, inexact), |_, _| {})
 }
 
 /// Levenberg-Marquardt in f32, dense as on the controller.

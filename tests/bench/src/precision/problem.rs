@@ -14,6 +14,10 @@ use super::ours::close;
 
 /// Radians by which each unknown is off a closed configuration at most: the step of the report's search.
 pub const STEP: f64 = 0.22;
+/// Closure residual that a start exceeds: at one within the coarsest tolerance there is nothing to do.
+pub(super) const OPEN: f64 = 0.1;
+/// Draws for each start, after which the step is made longer.
+const DRAWS: usize = 100;
 /// Parts of the goal's angles from which a closed configuration is looked for.
 const PARTS: [f64; 5] = [0.6, 1.0, 0.8, 0.4, 0.2];
 /// Random configurations tried where none of those leads to one.
@@ -84,16 +88,19 @@ impl Problem {
         max_norm(&self.closed)
     }
 
-    /// Configurations a random step off the closed one, the same for every method.
+    /// Configurations a random step off the closed one, the same for every method, none of them nearly closed: the step
+    /// is twice as long, and again, where it opens too little.
     #[must_use]
     pub fn starts(&self, count: usize) -> Vec<Vec<f64>> {
         let mut rng = Pcg64::new(2015, 2);
-        let start = |_| {
-            let mut x = vec![0.0; self.closed.len()];
-            random_near(&mut rng, &self.closed, STEP, Limits::HalfTurn, &mut x);
-            x
-        };
-        (0..count).map(start).collect()
+        let mut x = vec![0.0; self.closed.len()];
+        let steps = core::iter::successors(Some(STEP), |step| Some(2.0 * step));
+        let draws = steps.flat_map(|step| core::iter::repeat_n(step, DRAWS * count));
+        let open = draws.filter_map(|step| {
+            random_near(&mut rng, &self.closed, step, Limits::HalfTurn, &mut x);
+            (self.closure(&x) > OPEN).then(|| x.clone())
+        });
+        open.take(count).collect()
     }
 
     /// Largest closure residual of a vertex at `x`, in f64.

@@ -49,27 +49,34 @@ fn head(cells: impl IntoIterator<Item = String>) -> String {
     row(cells) + &row(rule)
 }
 
-/// Time of foldpath's Levenberg-Marquardt, closure reached, and how much time grows with precision.
-pub(super) fn ours(problems: &[Problem], cells: &[Cell]) -> String {
+/// The method of foldpath that peers are compared with.
+const OURS: Method = Method::InexactLmF64;
+
+/// Time of a method, closure reached, and how much time grows with precision.
+pub(super) fn times(problems: &[Problem], cells: &[Cell], method: Method) -> String {
     let times = SHOWN.map(|power| format!("to 1e-{power}"));
     let mut table = head(
-        ["problem", "unknowns"]
+        ["problem", "unknowns", "folded by, rad"]
             .map(String::from)
             .into_iter()
             .chain(times)
             .chain(["closure at 1e-12", "1e-12 over 1e-2", "failures"].map(String::from)),
     );
     for (index, problem) in problems.iter().enumerate() {
-        let at = |power: i32| find(cells, index, Method::LmF64, 10_f64.powi(-power));
+        let at = |power: i32| find(cells, index, method, 10_f64.powi(-power));
         let seconds = |power: i32| at(power)?.seconds;
         let growth = seconds(12)
             .zip(seconds(2))
             .map(|(fine, coarse)| fine / coarse);
         let of_problem = cells
             .iter()
-            .filter(|c| c.problem == index && c.method == Method::LmF64);
+            .filter(|c| c.problem == index && c.method == method);
         let (failures, runs) = of_problem.fold((0, 0), |(f, r), c| (f + c.failures, r + c.runs));
-        let name = [problem.name(), problem.unknowns().to_string()];
+        let name = [
+            problem.name(),
+            problem.unknowns().to_string(),
+            format!("{:.2}", problem.folded()),
+        ];
         let times = SHOWN.map(|power| or_dash(seconds(power).map(time)));
         let rest = [
             or_dash(at(12).map(|cell| format!("{:.1e}", cell.closure))),
@@ -81,7 +88,7 @@ pub(super) fn ours(problems: &[Problem], cells: &[Cell]) -> String {
     table
 }
 
-/// Time of the fastest peer over that of foldpath's Levenberg-Marquardt.
+/// Time of the fastest peer over that of foldpath.
 pub(super) fn ratios(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -> String {
     let columns = tolerances
         .iter()
@@ -97,7 +104,7 @@ pub(super) fn ratios(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
                 if let Some((peer, _)) = best.filter(|(peer, _)| !peers.contains(&peer.name())) {
                     peers.push(peer.name());
                 }
-                match (seconds(cells, index, Method::LmF64, tolerance), best) {
+                match (seconds(cells, index, OURS, tolerance), best) {
                     (Some(ours), Some((_, theirs))) => format!("{:.3}", theirs / ours)
                         .chars()
                         .take(5)
@@ -124,7 +131,7 @@ pub(super) fn behind(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
             let Some((peer, theirs)) = best_peer(cells, index, tolerance) else {
                 continue;
             };
-            let ours = seconds(cells, index, Method::LmF64, tolerance);
+            let ours = seconds(cells, index, OURS, tolerance);
             if ours.is_none_or(|ours| ours >= theirs) {
                 let words = |ours: Option<f64>| ours.map_or("does not reach it".into(), time);
                 let gradient = seconds(cells, index, Method::GradientF64, tolerance);
@@ -142,18 +149,20 @@ pub(super) fn behind(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
     let all = problems.len() * tolerances.len();
     if places.is_empty() {
         return format!(
-            "foldpath's Levenberg-Marquardt is ahead of every peer in all {all} cells.\n"
+            "{} is ahead of every peer in all {all} cells.\n",
+            OURS.name()
         );
     }
     let behind = places.len();
     format!(
-        "foldpath's Levenberg-Marquardt is not ahead in {behind} of {all} cells:\n\n{}\n",
+        "{} is not ahead in {behind} of {all} cells:\n\n{}\n",
+        OURS.name(),
         places.join("\n")
     )
 }
 
 /// In how many of the problems that it was tried on each method reaches a tolerance, and how much slower than
-/// foldpath's Levenberg-Marquardt it is there in the median.
+/// foldpath's it is there in the median.
 pub(super) fn reach(problems: &[Problem], cells: &[Cell]) -> String {
     let columns = SHOWN.map(|power| format!("1e-{power}"));
     let mut table = head(["method".into()].into_iter().chain(columns));
@@ -164,7 +173,7 @@ pub(super) fn reach(problems: &[Problem], cells: &[Cell]) -> String {
             let tolerance = 10_f64.powi(-power);
             let ratio = |&p: &usize| {
                 let theirs = seconds(cells, p, method, tolerance)?;
-                let ours = seconds(cells, p, Method::LmF64, tolerance);
+                let ours = seconds(cells, p, OURS, tolerance);
                 Some(theirs / ours.unwrap_or(f64::NAN))
             };
             let ratios: Vec<f64> = tried.iter().filter_map(ratio).collect();

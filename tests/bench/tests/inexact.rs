@@ -1,0 +1,135 @@
+//! Levenberg-Marquardt where it may be inexact, on sheets whose every crease is an unknown.
+
+use foldpath::planner::SparseNormalEquations;
+use foldpath_bench::precision::{Family, Problem};
+use foldpath_core::least_squares::{
+    Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome,
+};
+use foldpath_core::{HalfAngle, LoopsView, Spoke, levenberg_marquardt};
+use nalgebra::Vector3;
+
+/// Sparse equations that count their factorisations.
+struct Counted {
+    equations: SparseNormalEquations,
+    factorisations: u32,
+}
+
+impl Accumulate<f64> for Counted {
+    fn clear(&mut self) {
+        self.equations.clear();
+    }
+
+    fn add(
+        &mut self,
+        star: usize,
+        spokes: &[Spoke<f64>],
+        columns: &[Vector3<f64>],
+        residual: &Vector3<f64>,
+    ) {
+        self.equations.add(star, spokes, columns, residual);
+    }
+}
+
+impl NormalEquations<f64> for Counted {
+    const KEEPS_ROWS: bool = SparseNormalEquations::KEEPS_ROWS;
+
+    fn unknowns(&self) -> usize {
+        self.equations.unknowns()
+    }
+
+    fn gradient(&self) -> &[f64] {
+        self.equations.gradient()
+    }
+
+    fn max_diagonal(&mut self) -> f64 {
+        self.equations.max_diagonal()
+    }
+
+    fn hold(&mut self, unknown: usize, by: f64) -> f64 {
+        self.equations.hold(unknown, by)
+    }
+
+    fn clear_residuals(&mut self) {
+        self.equations.clear_residuals();
+    }
+
+    fn add_residual(&mut self, block: usize, spokes: &[Spoke<f64>], residual: &Vector3<f64>) {
+        self.equations.add_residual(block, spokes, residual);
+    }
+
+    fn rough_step(&mut self, damping: f64, step: &mut [f64]) -> bool {
+        self.equations.rough_step(damping, step)
+    }
+
+    fn factorise(&mut self, damping: f64) -> bool {
+        self.factorisations += 1;
+        self.equations.factorise(damping)
+    }
+
+    fn solve(&mut self, right_side: &mut [f64]) {
+        self.equations.solve(right_side);
+    }
+}
+
+/// Factorisations from `start` to closed, and by how much the unknowns have moved in all.
+fn close(problem: &Problem, start: &[f64], inexact: bool) -> (u32, f64) {
+    let (stars, n) = (problem.stars(), start.len());
+    let mut half = vec![HalfAngle::default(); n];
+    let mut columns = vec![Vector3::zeros(); stars.max_degree()];
+    let mut closure = ClosureProblem::new(stars, &mut half, &mut columns).unwrap();
+    let mut equations = Counted {
+        equations: SparseNormalEquations::new(stars, LoopsView::none()).unwrap(),
+        factorisations: 0,
+    };
+    let options = Options {
+        inexact,
+        ..Options::default()
+    };
+    let (mut x, mut work) = (start.to_vec(), vec![0.0; 2 * n]);
+    let limits = Limits::HalfTurn;
+    let report = levenberg_marquardt::solve(
+        &mut closure,
+        &mut equations,
+        limits,
+        &options,
+        &mut x,
+        &mut work,
+    );
+    assert_eq!(report.outcome, Outcome::Converged, "{report:?}");
+    assert!(problem.closure(&x) <= options.tolerance);
+    assert!((0..n).all(|k| limits.clamp(k, x[k]).total_cmp(&x[k]).is_eq()));
+    let moved = x.iter().zip(start).map(|(to, from)| (to - from).powi(2));
+    (equations.factorisations, moved.sum::<f64>().sqrt())
+}
+
+/// To rounding in one or two factorisations, where each exact iteration takes one, and to a configuration that is hardly
+/// farther away.
+#[test]
+fn large_sheets_close_nearby_with_half_the_factorisations() {
+    for (family, rows, columns) in [
+        (Family::Miura, 11, 11),
+        (Family::Miura, 24, 24),
+        (Family::Waterbomb, 12, 22),
+        (Family::Yoshimura, 24, 24),
+        (Family::Resch, 6, 6),
+    ] {
+        let problem = Problem::new(family, rows, columns, false);
+        for start in problem.starts(5) {
+            let [exact, inexact] = [false, true].map(|inexact| close(&problem, &start, inexact));
+            let what = format!("{}: {exact:?} {inexact:?}", problem.name());
+            assert!(2 * inexact.0 <= exact.0, "{what}");
+            assert!(inexact.1 <= 1.05 * exact.1, "{what}");
+        }
+    }
+}
+
+/// Hinges that come to stand at half a turn, and sheets that close where they are flat.
+#[test]
+fn sheets_with_limits_close_too() {
+    for (rows, columns) in [(3, 4), (5, 5), (11, 11)] {
+        let problem = Problem::new(Family::Quad, rows, columns, false);
+        for start in problem.starts(5) {
+            close(&problem, &start, true);
+        }
+    }
+}
