@@ -349,18 +349,30 @@ mod tests {
     use crate::pattern::{CreasePattern, Letter};
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
+    /// Some angles up to six times the step.
+    fn angles(n: usize, step: f64) -> Vec<f64> {
+        let angle = |k| f64::from(u8::try_from(k % 7).unwrap()) * step;
+        (0..n).map(angle).collect()
+    }
+
+    fn with_problem<R>(
+        reduced: &ReducedStars,
+        run: impl FnOnce(&mut ClosureProblem<'_, f64>) -> R,
+    ) -> R {
+        let (stars, loops) = (reduced.view(), reduced.loops());
+        let mut half = vec![HalfAngle::default(); stars.unknowns()];
+        let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
+        let problem = ClosureProblem::with_loops(stars, loops, &mut half, &mut columns);
+        run(&mut problem.unwrap())
+    }
+
     /// Gradient, and solution after one unknown is held, of both kinds of equations.
     fn results(equations: &mut impl NormalEquations<f64>, reduced: &ReducedStars) -> Vec<f64> {
-        let (stars, loops) = (reduced.view(), reduced.loops());
-        let n = stars.unknowns();
-        let mut half = vec![HalfAngle::default(); n];
-        let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
-        let mut problem =
-            ClosureProblem::with_loops(stars, loops, &mut half, &mut columns).unwrap();
-        let angles: Vec<f64> = (0..n)
-            .map(|k| f64::from(u8::try_from(k % 7).unwrap()) * 0.3)
-            .collect();
-        problem.linearise(&angles, equations).unwrap();
+        let n = equations.unknowns();
+        with_problem(reduced, |problem| {
+            problem.linearise(&angles(n, 0.3), equations)
+        })
+        .unwrap();
         let mut results = equations.gradient().to_vec();
         results.push(equations.max_diagonal());
         results.push(equations.hold(n / 2, 0.3));
@@ -452,23 +464,17 @@ mod tests {
             CreaseGroups::trivial(&pattern),
         ] {
             let reduced = ReducedStars::all(&pattern, &groups);
-            let (stars, loops) = (reduced.view(), reduced.loops());
-            let n = stars.unknowns();
-            let mut half = vec![HalfAngle::default(); n];
-            let mut columns = vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)];
-            let mut problem =
-                ClosureProblem::with_loops(stars, loops, &mut half, &mut columns).unwrap();
-            let [before, after] = [0.3, 0.1].map(|step| {
-                let angle = |k| f64::from(u8::try_from(k % 7).unwrap()) * step;
-                (0..n).map(angle).collect::<Vec<f64>>()
-            });
+            let mut sparse = SparseNormalEquations::new(reduced.view(), reduced.loops()).unwrap();
+            let n = sparse.unknowns();
+            let [before, after] = [0.3, 0.1].map(|step| angles(n, step));
             let mut rows = Rows(DMatrix::zeros(0, n));
-            let mut sparse = SparseNormalEquations::new(stars, loops).unwrap();
-            problem.linearise(&before, &mut rows).unwrap();
-            problem.linearise(&before, &mut sparse).unwrap();
             let mut residuals = Vec::new();
-            let cost = problem.each_residual(&after, |_, r| residuals.extend(r.iter()));
-            assert_eq!(problem.renew(&after, &mut sparse), cost);
+            with_problem(&reduced, |problem| {
+                problem.linearise(&before, &mut rows).unwrap();
+                problem.linearise(&before, &mut sparse).unwrap();
+                let cost = problem.each_residual(&after, |_, r| residuals.extend(r.iter()));
+                assert_eq!(problem.renew(&after, &mut sparse), cost);
+            });
             let expected = rows.0.tr_mul(&DVector::from_vec(residuals));
             let same = |a: &[f64], b: &DVector<f64>| {
                 let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
