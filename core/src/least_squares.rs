@@ -67,10 +67,8 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn clear_residuals(&mut self) {}
     /// Adds another residual for rows that are kept: those that were [added](Accumulate::add) as block number `block`.
     fn add_residual(&mut self, _block: usize, _spokes: &[Spoke<T>], _residual: &Vector3<T>) {}
-    /// Approximates the step with this damping, without a factor; `false` if it is not made here.
-    fn rough_step(&mut self, _damping: T, _step: &mut [T]) -> bool {
-        false
-    }
+    /// Approximates the step with this damping, without a factor, where rows are kept.
+    fn rough_step(&mut self, _damping: T, _step: &mut [T]) {}
     /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
@@ -281,6 +279,15 @@ impl<T: Scalar> Limits<'_, T> {
         } else {
             value
         }
+    }
+
+    /// Whether every unknown of `x` is within its limits.
+    #[must_use]
+    pub fn contain(&self, x: &[T]) -> bool {
+        x.iter().enumerate().all(|(index, &x)| {
+            let (lower, upper) = self.of(index);
+            x >= lower && x <= upper
+        })
     }
 
     /// Whether descent along -`slope` would push unknown number `index` from `value` past a limit.

@@ -190,14 +190,11 @@ fn step_again<T: Scalar, E: NormalEquations<T>>(
     step: &mut [T],
 ) -> Option<Cost<T>> {
     equations.step(step);
-    for (index, ((trial, &x), &step)) in trial.iter_mut().zip(x).zip(&*step).enumerate() {
+    for ((trial, &x), &step) in trial.iter_mut().zip(x).zip(&*step) {
         *trial = x + step;
-        let (lower, upper) = limits.of(index);
-        if *trial < lower || *trial > upper {
-            return None;
-        }
     }
-    problem.renew(trial, equations)
+    let inside = limits.contain(trial);
+    inside.then(|| problem.renew(trial, equations))?
 }
 
 /// A step within the limits.
@@ -208,7 +205,7 @@ struct Step<T> {
     factored: bool,
 }
 
-/// Moves `trial` by the damped step within the limits, made `roughly` if that is asked for and can be; `None` if no damping
+/// Moves `trial` by the damped step within the limits, made `roughly` as long as that meets none; `None` if no damping
 /// makes the matrix definite.
 ///
 /// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off.
@@ -223,8 +220,9 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
 ) -> Option<Step<T>> {
     let (mut growth, mut rounds) = (T::zero(), 0);
     loop {
-        roughly = roughly && equations.rough_step(damping, step);
-        if !roughly {
+        if roughly {
+            equations.rough_step(damping, step);
+        } else {
             // Below this the factorisation cannot tell the matrix from a singular one.
             let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
             damping = damping.max(least);

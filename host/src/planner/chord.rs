@@ -1,10 +1,9 @@
 //! Newton's method with one factor: the chord method, for configurations that nearly close.
 //!
 //! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the configuration
-//! predicted, and the steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) keep that J₀ while only the residual is new. Both
-//! factors of J₀ᵀr have to be old: with Jᵀ of now the step would have a part along the motion of J₀,
-//! which (J₀ᵀJ₀ + λI)⁻¹ blows up by 1/λ. Chapter 5.4 of Kelley, *Iterative Methods for Linear and
-//! Nonlinear Equations*, SIAM 1995, has the method for regular Jacobians.
+//! predicted, and only the residual is new in each step, as where
+//! [`levenberg_marquardt`](foldpath_core::levenberg_marquardt) may be inexact; but with the damping
+//! of the projection on motions, which the same factor then serves.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
 use foldpath_core::levenberg_marquardt::projection_damping;
@@ -45,19 +44,23 @@ pub(super) fn close(
         steps: 0,
     };
     let mut residual = problem.linearise(x, equations)?.max();
-    // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
-    let damping = projection_damping(equations);
-    if residual > NEAR || residual > tolerance && !equations.factorise(damping) {
+    if residual > NEAR {
         return Some(chord);
     }
-    chord.damping = damping;
+    if residual > tolerance {
+        // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
+        chord.damping = projection_damping(equations);
+        if !equations.factorise(chord.damping) {
+            return Some(chord);
+        }
+    }
     trial.copy_from_slice(x);
     while residual > tolerance {
         advance(equations, step, trial);
         let next = problem.renew(trial, equations)?.max();
         chord.steps += 1;
         let shrinks = next <= tolerance || next <= CONTRACTION * residual;
-        if !shrinks || !within(limits, trial) {
+        if !shrinks || !limits.contain(trial) {
             return Some(chord);
         }
         residual = next;
@@ -66,27 +69,18 @@ pub(super) fn close(
     if chord.steps > 0 {
         advance(equations, step, trial);
     }
-    if within(limits, trial) {
+    if limits.contain(trial) {
         x.copy_from_slice(trial);
         chord.closed = true;
     }
     Some(chord)
 }
 
-fn within(limits: Limits<'_, f64>, x: &[f64]) -> bool {
-    let inside = |(k, x): (usize, &f64)| {
-        let (lower, upper) = limits.of(k);
-        *x >= lower && *x <= upper
-    };
-    x.iter().enumerate().all(inside)
-}
-
 /// Moves `trial` by the step for the gradient last made.
 fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut [f64]) {
-    step.copy_from_slice(equations.gradient());
-    equations.solve(step);
+    equations.step(step);
     for (trial, step) in trial.iter_mut().zip(step) {
-        *trial -= *step;
+        *trial += *step;
     }
 }
 

@@ -273,12 +273,10 @@ impl NormalEquations<f64> for SparseNormalEquations {
             let unknowns = self.structure.of_block(block as usize);
             let columns = &mut self.jacobian[block as usize];
             let mut change = Vector3::zeros();
-            for (column, _) in columns
-                .iter_mut()
-                .zip(unknowns)
-                .filter(|(_, k)| **k as usize == unknown)
-            {
-                change += core::mem::take(column) * by;
+            for (column, &k) in columns.iter_mut().zip(unknowns) {
+                if k as usize == unknown {
+                    change += core::mem::take(column) * by;
+                }
             }
             for (column, &k) in columns.iter().zip(unknowns) {
                 self.gradient[k as usize] += column.dot(&change);
@@ -289,12 +287,11 @@ impl NormalEquations<f64> for SparseNormalEquations {
         growth
     }
 
-    fn rough_step(&mut self, damping: f64, step: &mut [f64]) -> bool {
+    fn rough_step(&mut self, damping: f64, step: &mut [f64]) {
         let (jacobian, structure) = (&self.jacobian, &*self.structure);
         let apply = |way: &[f64], image: &mut [f64]| structure.apply(jacobian, way, image);
         let scratch = self.scratch.each_mut().map(Vec::as_mut_slice);
         conjugate_gradients::solve(apply, damping, &self.gradient, step, scratch);
-        true
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
@@ -389,8 +386,8 @@ mod tests {
         results
     }
 
-    /// A sheet with a hole.
-    fn cut_waterbomb() -> CreasePattern {
+    /// A sheet with a hole: with symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
+    fn cut_waterbomb() -> [ReducedStars; 2] {
         let waterbomb = Waterbomb {
             rows: 4,
             columns: 6,
@@ -405,19 +402,17 @@ mod tests {
         }
         let pattern = CreasePattern::new(drawing).unwrap();
         assert_eq!(pattern.holes().len(), 1);
-        pattern
+        let groups = [
+            CreaseGroups::find(&pattern),
+            CreaseGroups::trivial(&pattern),
+        ];
+        groups.map(|groups| ReducedStars::all(&pattern, &groups))
     }
 
     #[test]
     fn sparse_equations_are_the_dense_ones() {
-        let pattern = cut_waterbomb();
-        // With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
-        for groups in [
-            CreaseGroups::find(&pattern),
-            CreaseGroups::trivial(&pattern),
-        ] {
-            let stars = ReducedStars::all(&pattern, &groups);
-            let n = groups.len();
+        for stars in cut_waterbomb() {
+            let n = stars.view().unknowns();
             let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(n)];
             let mut dense = DenseNormalEquations::new(n, &mut memory).unwrap();
             let mut sparse = SparseNormalEquations::new(stars.view(), stars.loops()).unwrap();
@@ -458,12 +453,7 @@ mod tests {
 
     #[test]
     fn old_rows_take_new_residuals() {
-        let pattern = cut_waterbomb();
-        for groups in [
-            CreaseGroups::find(&pattern),
-            CreaseGroups::trivial(&pattern),
-        ] {
-            let reduced = ReducedStars::all(&pattern, &groups);
+        for reduced in cut_waterbomb() {
             let mut sparse = SparseNormalEquations::new(reduced.view(), reduced.loops()).unwrap();
             let n = sparse.unknowns();
             let [before, after] = [0.3, 0.1].map(|step| angles(n, step));

@@ -57,8 +57,8 @@ impl NormalEquations<f64> for Counted {
         self.equations.add_residual(block, spokes, residual);
     }
 
-    fn rough_step(&mut self, damping: f64, step: &mut [f64]) -> bool {
-        self.equations.rough_step(damping, step)
+    fn rough_step(&mut self, damping: f64, step: &mut [f64]) {
+        self.equations.rough_step(damping, step);
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
