@@ -4,7 +4,9 @@ use core::time::Duration;
 use std::time::Instant;
 
 use foldpath::planner::SparseNormalEquations;
-use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
+use foldpath_core::least_squares::{
+    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
+};
 use foldpath_core::sampling::random_near;
 use foldpath_core::{
     DenseNormalEquations, HalfAngle, LoopsView, Scalar, Spoke, StarsView, gradient,
@@ -104,7 +106,13 @@ impl<T: Scalar> Lm<T> {
 
 /// Solves in some precision.
 trait Solve<T> {
-    fn solve(&mut self, x: &mut [T], options: &Options<T>) -> Report<T>;
+    /// Moves `x` to closure in about so much time; what it did, and the time without the making of views.
+    fn solve(
+        &mut self,
+        x: &mut [T],
+        options: &Options<T>,
+        limit: Duration,
+    ) -> (Report<T>, Duration);
 }
 
 impl Lm<f64> {
@@ -124,59 +132,81 @@ impl Lm<f64> {
 }
 
 impl Solve<f64> for Lm<f64> {
-    fn solve(&mut self, x: &mut [f64], options: &Options<f64>) -> Report<f64> {
+    fn solve(
+        &mut self,
+        x: &mut [f64],
+        options: &Options<f64>,
+        _limit: Duration,
+    ) -> (Report<f64>, Duration) {
         match &mut self.equations {
-            Equations::Dense(dense) => dense_step(&mut self.memory, dense, x, options),
+            Equations::Dense(dense) => solve_dense(&mut self.memory, dense, x, options),
             Equations::Sparse(sparse) => {
-                let (mut problem, work) = self.memory.problem();
-                let (limits, equations) = (Limits::HalfTurn, sparse.as_mut());
                 let options = Options {
                     inexact: self.inexact,
                     ..*options
                 };
-                levenberg_marquardt::solve(&mut problem, equations, limits, &options, x, work)
+                solve_with(&mut self.memory, sparse.as_mut(), x, &options)
             }
         }
     }
 }
 
 impl Solve<f32> for Lm<f32> {
-    fn solve(&mut self, x: &mut [f32], options: &Options<f32>) -> Report<f32> {
+    fn solve(
+        &mut self,
+        x: &mut [f32],
+        options: &Options<f32>,
+        _limit: Duration,
+    ) -> (Report<f32>, Duration) {
         match &mut self.equations {
-            Equations::Dense(dense) => dense_step(&mut self.memory, dense, x, options),
+            Equations::Dense(dense) => solve_dense(&mut self.memory, dense, x, options),
             Equations::Sparse(_) => unreachable!("made for f64 alone"),
         }
     }
 }
 
-fn dense_step<T: Scalar>(
+fn solve_dense<T: Scalar>(
     memory: &mut Memory<T>,
     dense: &mut [T],
     x: &mut [T],
     options: &Options<T>,
-) -> Report<T> {
-    let equations = DenseNormalEquations::new(x.len(), dense);
+) -> (Report<T>, Duration) {
+    let mut equations = DenseNormalEquations::new(x.len(), dense).expect("memory for all unknowns");
+    solve_with(memory, &mut equations, x, options)
+}
+
+/// A hundred iterations are its own limit.
+fn solve_with<T: Scalar>(
+    memory: &mut Memory<T>,
+    equations: &mut impl NormalEquations<T>,
+    x: &mut [T],
+    options: &Options<T>,
+) -> (Report<T>, Duration) {
     let (mut problem, work) = memory.problem();
-    let mut equations = equations.expect("memory for all unknowns");
     let limits = Limits::HalfTurn;
-    levenberg_marquardt::solve(&mut problem, &mut equations, limits, options, x, work)
+    let began = Instant::now();
+    let report = levenberg_marquardt::solve(&mut problem, equations, limits, options, x, work);
+    (report, began.elapsed())
 }
 
 /// The gradient solver.
-struct GradientSolver<T> {
-    memory: Memory<T>,
-    deadline: Instant,
-}
+struct GradientSolver<T>(Memory<T>);
 
 impl<T: Scalar> Solve<T> for GradientSolver<T> {
-    fn solve(&mut self, x: &mut [T], options: &Options<T>) -> Report<T> {
+    fn solve(
+        &mut self,
+        x: &mut [T],
+        options: &Options<T>,
+        limit: Duration,
+    ) -> (Report<T>, Duration) {
         let options = Options {
             max_iterations: SLICE,
             ..*options
         };
-        let (mut problem, work) = self.memory.problem();
+        let (mut problem, work) = self.0.problem();
+        let began = Instant::now();
         let mut report = gradient::solve(&mut problem, Limits::HalfTurn, &options, x, work);
-        while report.outcome == Outcome::IterationLimit && Instant::now() < self.deadline {
+        while report.outcome == Outcome::IterationLimit && began.elapsed() < limit {
             let next = gradient::solve(&mut problem, Limits::HalfTurn, &options, x, work);
             report = Report {
                 iterations: report.iterations + next.iterations,
@@ -184,13 +214,14 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
                 ..next
             };
         }
-        report
+        (report, began.elapsed())
     }
 }
 
 /// Moves `x` to closure to rounding, as far as possible; whether that is reached.
 pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
-    let report = Lm::<f64>::new(stars, false).solve(x, &Options::default());
+    let mut solver = Lm::<f64>::new(stars, false);
+    let (report, _) = solver.solve(x, &Options::default(), Duration::MAX);
     report.outcome == Outcome::Converged
 }
 
@@ -208,7 +239,7 @@ pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f
             max_iterations: u32::try_from(residuals.len()).expect("a few"),
             ..options(f64::CLOSURE_TOLERANCE)
         };
-        let report = solver.solve(&mut start.to_vec(), &options);
+        let (report, _) = solver.solve(&mut start.to_vec(), &options, Duration::MAX);
         residuals.push(report.residual);
         if report.outcome != Outcome::IterationLimit {
             return residuals;
@@ -220,19 +251,15 @@ pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f
 struct InPrecision<T, S> {
     solver: S,
     x: Vec<T>,
-    set_deadline: fn(&mut S, Instant),
 }
 
 impl<T: Scalar, S: Solve<T>> Solver for InPrecision<T, S> {
     fn run(&mut self, start: &[f64], tolerance: f64, limit: Duration) -> Run {
         self.x.clear();
         self.x.extend(start.iter().map(|&x| T::lit(x)));
-        let options = options(tolerance);
-        let began = Instant::now();
-        (self.set_deadline)(&mut self.solver, began + limit);
-        let report = self.solver.solve(&mut self.x, &options);
+        let (report, time) = self.solver.solve(&mut self.x, &options(tolerance), limit);
         Run {
-            time: began.elapsed(),
+            time,
             x: self.x.iter().map(|x| x.to_f64()).collect(),
             values: 0,
             derivatives: report.evaluations.into(),
@@ -240,35 +267,24 @@ impl<T: Scalar, S: Solve<T>> Solver for InPrecision<T, S> {
     }
 }
 
-fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(
-    solver: S,
-    set_deadline: fn(&mut S, Instant),
-) -> Box<dyn Solver + 'a> {
-    Box::new(InPrecision {
-        solver,
-        x: Vec::new(),
-        set_deadline,
-    })
+fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(solver: S) -> Box<dyn Solver + 'a> {
+    let x = Vec::new();
+    Box::new(InPrecision { solver, x })
 }
 
 /// Levenberg-Marquardt in f64, inexact where rows are kept if that is asked for.
 pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, inexact: bool) -> Box<dyn Solver> {
-    // A hundred iterations are its own limit.
-    boxed::<f64, _>(Lm::<f64>::new(stars, inexact), |_, _| {})
+    boxed::<f64, _>(Lm::<f64>::new(stars, inexact))
 }
 
 /// Levenberg-Marquardt in f32, dense as on the controller.
 pub(super) fn levenberg_marquardt_f32(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
-    boxed::<f32, _>(Lm::<f32>::dense(stars), |_, _| {})
+    boxed::<f32, _>(Lm::<f32>::dense(stars))
 }
 
 /// The gradient solver in either precision.
 pub(super) fn gradient<T: Scalar>(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
-    let solver = GradientSolver::<T> {
-        memory: Memory::new(stars),
-        deadline: Instant::now(),
-    };
-    boxed::<T, _>(solver, |solver, deadline| solver.deadline = deadline)
+    boxed::<T, _>(GradientSolver(Memory::new(stars)))
 }
 
 /// The planner's randomised search has Levenberg-Marquardt close its samples. This has none: samples round the best
