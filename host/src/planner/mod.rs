@@ -9,6 +9,7 @@ mod at_knots;
 mod attempt;
 mod chord;
 mod course;
+mod crossings;
 mod depart;
 mod follow;
 mod goal;

@@ -1,0 +1,354 @@
+//! Looks for crossings on a path that is placed and measured, and ends it before the first.
+
+use std::time::Instant;
+
+use foldpath_core::Membership;
+
+use super::course::Course;
+use super::follow::max_difference;
+use super::judge::Judge;
+use super::knots::Knot;
+use super::options::Skips;
+use super::plan::{Outcome, Plan, Planning};
+use super::reduction::{CLOSED, Reduction};
+use super::reuse::{Found, LEAST_PART};
+use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
+use crate::folding::Rigidity;
+use crate::progress::Stage;
+use crate::symmetry::Lattice;
+
+/// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
+const NEARER: f64 = 0.01;
+/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
+const RETREAT: f64 = 0.02;
+/// Radians that it then keeps from where faces meet.
+const ROOM: f64 = 1e-3;
+/// Faces beyond which the motion between knots is not swept without a lattice.
+const MOST_FACES: usize = 4000;
+/// Faces up to which a torn sheet is swept without its lattice at once: a motion nearer to its course would
+/// have more knots.
+const TORN_FACES: usize = 400;
+
+impl Planning<'_> {
+    /// What the search for crossings is asked.
+    fn sweep_options(&self) -> SweepOptions {
+        let skips = self.options.skips;
+        let certified = self.plan.certified_deformation.unwrap_or(0.0);
+        let gap = certified.max(self.plan.rigidity.gap);
+        let usual = SweepOptions::default();
+        SweepOptions {
+            gap,
+            deadline: self.deadline,
+            progress: self.options.progress,
+            // Who wants to look at everything may.
+            max_looks: if skips == Skips::default() {
+                usual.max_looks
+            } else {
+                u64::MAX
+            },
+            skip_motion: skips.motion,
+            skip_bounds: skips.bounds,
+            skip_edges: skips.edges,
+            ..usual
+        }
+    }
+
+    /// The lattice along which to look for crossings, if there is one and it may be used.
+    pub(super) fn lattice<'r>(&self, reduction: &'r Reduction) -> Option<&'r Lattice> {
+        let used = self.options.skips.symmetry;
+        used.then(|| reduction.lattice(self.pattern)).flatten()
+    }
+
+    /// Looks for crossings along the lattice, if the sheet is where that has it.
+    fn sweep_lattice(
+        &self,
+        lattice: &Lattice,
+        memberships: &[Membership],
+        options: SweepOptions,
+    ) -> Option<(SweepVerdict, SweepCounts)> {
+        let torn = options.gap > SweepOptions::default().tolerance;
+        let closure = self.plan.certified_closure.unwrap_or(f64::INFINITY);
+        let astray = if torn {
+            lattice.astray(self.pattern, closure)
+        } else {
+            0.0
+        };
+        let options = SweepOptions { astray, ..options };
+        let mut sweep = (astray < SweepOptions::FAR_ASTRAY)
+            .then(|| Sweep::with_lattice(self.pattern, memberships, options, lattice))?;
+        let verdict = sweep.sweep(&self.plan.path.curves());
+        let decided = match verdict {
+            SweepVerdict::Free(_) => true,
+            // Too many cells may meet: more than the pairs that do.
+            SweepVerdict::Undecided { faces: None, .. } => false,
+            // On a torn sheet what nearly touches by the lattice may not by the folding map.
+            _ => !torn,
+        };
+        decided.then(|| (verdict, sweep.counts()))
+    }
+
+    /// Looks for crossings anywhere on the motion, and ends the path before the first.
+    pub(super) fn sweep(
+        mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+    ) -> Plan {
+        let mut start = Instant::now();
+        self.options.begin(Stage::Crossings);
+        let lattice = self.lattice(reduction);
+        self.plan.times.symmetry += start.elapsed();
+        start = Instant::now();
+        let options = self.sweep_options();
+        let memberships = reduction.groups.memberships();
+        let along = lattice.and_then(|lattice| self.sweep_lattice(lattice, memberships, options));
+        let (verdict, counts) = if let Some(found) = along {
+            found
+        } else {
+            self.plan.times.collision += start.elapsed();
+            let faces = self.pattern.faces().len();
+            let torn = options.gap > SweepOptions::default().tolerance;
+            if lattice.is_some()
+                && torn
+                && faces > TORN_FACES
+                && let Some(plan) = self.nearer(reduction, found)
+            {
+                return plan;
+            }
+            if faces > MOST_FACES {
+                return self.sweep_no_more_than_knots(reduction);
+            }
+            start = Instant::now();
+            let mut sweep = Sweep::new(self.pattern, memberships, options);
+            (sweep.sweep(&self.plan.path.curves()), sweep.counts())
+        };
+        self.plan.collision = counts;
+        self.plan.times.collision += start.elapsed();
+        match verdict {
+            SweepVerdict::Free(clearance) => {
+                if let Some((index, crossing)) = self.crossed_knot(reduction, options.gap) {
+                    if let Some(plan) = self.nearer(reduction, found) {
+                        return plan;
+                    }
+                    let before = index.checked_sub(1);
+                    let crossed = Crossed {
+                        crossing,
+                        segment: before.unwrap_or(0),
+                        free: before.map(|before| self.plan.path.knots[before].angles.clone()),
+                    };
+                    return self.crossed(reduction, found, course, crossed);
+                }
+                self.plan.clearance = clearance;
+                self.plan
+            }
+            SweepVerdict::Undecided { .. } if self.is_late() => {
+                self.plan.reached = 0.0;
+                let reason = "out of time while looking for crossings".into();
+                self.end(Outcome::Timeout, reason)
+            }
+            SweepVerdict::Undecided { faces: None, .. } => self.sweep_no_more_than_knots(reduction),
+            SweepVerdict::Undecided { faces, at } => {
+                let faces = faces.map_or(String::new(), |[a, b]| format!(" of faces {a} and {b}"));
+                self.plan.notes.push(format!(
+                    "crossings are not decided: the search gave up at the pair{faces} between knots {} \
+                     and {}",
+                    at.segment,
+                    at.segment + 1
+                ));
+                self.plan
+            }
+            SweepVerdict::Crossing {
+                crossing,
+                last_free,
+                ..
+            } => {
+                // A sheet that is torn by more crosses elsewhere than its course does.
+                let torn = options.gap > SweepOptions::default().tolerance;
+                let nearer = self.nearer(reduction, found);
+                if let Some(plan) = nearer.filter(|plan| torn || plan.outcome == Outcome::Planned) {
+                    return plan;
+                }
+                let curves = self.plan.path.curves();
+                let free: Option<Vec<f64>> = last_free.map(|place| {
+                    let curves = curves[place.segment].iter();
+                    let rates = curves
+                        .clone()
+                        .map(|curve| curve.derivatives(place.s)[0].abs());
+                    let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
+                    let room = if found.retreats { ROOM / fastest } else { 0.0 };
+                    let s = (place.s - room).max(0.0);
+                    curves.map(|curve| curve.angle(s)).collect()
+                });
+                let segment = last_free.map_or(0, |place| place.segment);
+                self.crossed(
+                    reduction,
+                    found,
+                    course,
+                    Crossed {
+                        crossing,
+                        segment,
+                        free,
+                    },
+                )
+            }
+        }
+    }
+
+    /// The first knot at which faces cross, of a motion that may tear the sheet by `gap`. By as much faces round a
+    /// vertex may lie across each other in it, but not at its knots, which are hardly torn.
+    fn crossed_knot(&mut self, reduction: &Reduction, gap: f64) -> Option<(usize, Crossing)> {
+        let torn = gap > SweepOptions::default().tolerance;
+        if !torn || self.pattern.faces().len() > MOST_FACES {
+            return None;
+        }
+        let start = Instant::now();
+        let mut judge = Judge::new(self.pattern, reduction, false);
+        let alike = self.plan.max_closure <= CLOSED;
+        let crossed = judge.first_crossing(&self.plan.path.knots, alike);
+        self.plan.times.collision += start.elapsed();
+        crossed
+    }
+
+    /// Looks for crossings at the knots alone, and says so.
+    fn sweep_no_more_than_knots(self, reduction: &Reduction) -> Plan {
+        let faces = self.pattern.faces().len();
+        let mut plan = self.sweep_knots(reduction, Instant::now());
+        if plan.outcome == Outcome::Planned {
+            plan.notes.push(format!(
+                "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
+            ));
+        }
+        plan
+    }
+
+    /// Looks for crossings at the knots alone, among all faces, since `start`.
+    pub(super) fn sweep_knots(self, reduction: &Reduction, start: Instant) -> Plan {
+        let mut judge = Judge::new(self.pattern, reduction, true);
+        let plan = self.cross_at_knots(start, |knot| judge.crossing_at(knot));
+        Plan {
+            collision: judge.counts(),
+            ..plan
+        }
+    }
+
+    /// Ends the path before the first knot at which faces cross, begun to be looked for at `start`.
+    pub(super) fn cross_at_knots(
+        mut self,
+        start: Instant,
+        mut crossing_at: impl FnMut(&Knot) -> Option<Crossing>,
+    ) -> Plan {
+        let knots = core::mem::take(&mut self.plan.path.knots);
+        // Flat faces lie beside each other.
+        let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
+        let found = knots
+            .iter()
+            .enumerate()
+            .filter(turned)
+            .find_map(|(index, knot)| {
+                if self.is_late() {
+                    return Some((index, None));
+                }
+                Some((index, Some(crossing_at(knot)?)))
+            });
+        self.plan.path.knots = knots;
+        self.plan.times.collision += start.elapsed();
+        match found {
+            Some((index, Some(crossing))) => self.crossed_at(index, crossing),
+            Some((index, None)) => self.late_at(index),
+            None => self.plan,
+        }
+    }
+
+    /// Ends the path before a knot at which faces cross.
+    pub(super) fn crossed_at(mut self, index: usize, crossing: Crossing) -> Plan {
+        let last = self.plan.path.knots.last().map_or(1.0, |last| last.time);
+        let before = index
+            .checked_sub(1)
+            .map_or(0.0, |before| self.plan.path.knots[before].time);
+        self.plan.reached *= before / last;
+        self.plan.path.knots.truncate(index);
+        let [a, b] = crossing.faces;
+        let reason = format!("faces {a} and {b} pass through each other at knot {index}");
+        self.end(Outcome::Crossing(crossing), reason)
+    }
+
+    /// The plan with the motion nearer to the course, unless it is as near as it gets or that decides nothing: where
+    /// layers touch, what is off the course by what the bound allows may cross.
+    fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
+        if found.part <= LEAST_PART || found.retreats {
+            return None;
+        }
+        let mut planning = Planning {
+            plan: self.plan.clone(),
+            ..*self
+        };
+        planning.plan.rigidity = Rigidity::default();
+        planning.plan.max_closure = 0.0;
+        let nearer = Found {
+            part: found.part * NEARER,
+            ..*found
+        };
+        let plan = planning.judge(reduction, &nearer);
+        matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_)).then_some(plan)
+    }
+
+    /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says
+    /// why it is not.
+    fn crossed(
+        mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+        crossed: Crossed,
+    ) -> Plan {
+        let Crossed {
+            crossing,
+            segment,
+            free,
+        } = crossed;
+        let [a, b] = crossing.faces;
+        let part = free.as_ref().map_or(0.0, |free| course.part(free));
+        let reason = format!(
+            "faces {a} and {b} pass through each other beyond {:.2} % of the path (between knots {segment} \
+             and {}: {:.1e} median edges deep)",
+            100.0 * found.reached * part,
+            segment + 1,
+            crossing.depth / self.pattern.median_edge()
+        );
+        let goal = found.waypoints.last().map_or(&[][..], |last| &last.angles);
+        let short = free
+            .as_ref()
+            .map_or(f64::INFINITY, |free| max_difference(free, goal));
+        if let Some(free) = free.filter(|_| found.retreats && short <= RETREAT)
+            && let Some(waypoints) =
+                course.cut(&mut reduction.solver(self.options, found.accepted), free)
+        {
+            self.plan.notes.push(format!(
+                "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} degrees before",
+                self.plan.goal_closure,
+                short.to_degrees(),
+            ));
+            let end = waypoints.last().map_or(&[][..], |last| &last.angles);
+            self.plan.goal_error = reduction.distance(end, self.goal);
+            self.plan.rigidity = Rigidity::default();
+            let shorter = Found {
+                waypoints: &waypoints,
+                retreats: false,
+                ..*found
+            };
+            return self.judge(reduction, &shorter);
+        }
+        self.plan.reached = found.reached * part;
+        self.plan.path.knots.truncate(segment + 1);
+        self.end(Outcome::Crossing(crossing), reason)
+    }
+}
+
+/// Where a path has to end.
+struct Crossed {
+    crossing: Crossing,
+    /// The segment it ends in.
+    segment: usize,
+    /// The last group angles free of crossings, if any are.
+    free: Option<Vec<f64>>,
+}
