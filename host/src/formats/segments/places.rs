@@ -1,0 +1,76 @@
+//! Points that are one place.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector2;
+
+/// Distinct places: points within the tolerance of each other are one.
+pub(super) struct Places {
+    pub(super) points: Vec<Vector2<f64>>,
+    /// Sum of what was put at each place, relative to the place, and how often.
+    offsets: Vec<(Vector2<f64>, f64)>,
+    cells: HashMap<[i64; 2], Vec<usize>>,
+    origin: Vector2<f64>,
+    pub(super) tolerance: f64,
+}
+
+impl Places {
+    pub(super) fn new(tolerance: f64, origin: Vector2<f64>) -> Self {
+        Self {
+            points: Vec::new(),
+            offsets: Vec::new(),
+            cells: HashMap::new(),
+            origin,
+            tolerance,
+        }
+    }
+
+    fn cell(&self, point: &Vector2<f64>) -> [i64; 2] {
+        let scaled = (point - self.origin) / self.tolerance;
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "the tolerance keeps cells below 1e9 a side"
+        )]
+        let cell = |c: f64| c.floor() as i64;
+        [cell(scaled.x), cell(scaled.y)]
+    }
+
+    /// The place of the point, a new one if there is none within the tolerance.
+    pub(super) fn at(&mut self, point: Vector2<f64>) -> usize {
+        let [x, y] = self.cell(&point);
+        let mut nearest = (self.tolerance, None);
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+            let cell = [x.saturating_add(dx), y.saturating_add(dy)];
+            for &other in self.cells.get(&cell).into_iter().flatten() {
+                let distance = (self.points[other] - point).norm();
+                let first = nearest.1.is_none();
+                if distance < nearest.0 || (first && distance <= nearest.0) {
+                    nearest = (distance, Some(other));
+                }
+            }
+        }
+        if let Some(other) = nearest.1 {
+            let offset = point - self.points[other];
+            self.offsets[other].0 += offset;
+            self.offsets[other].1 += 1.0;
+            return other;
+        }
+        let new = self.points.len();
+        self.points.push(point);
+        self.offsets.push((Vector2::zeros(), 1.0));
+        self.cells.entry([x, y]).or_default().push(new);
+        new
+    }
+
+    /// Moves each place to the mean of what was put there, which is at most one tolerance away.
+    pub(super) fn centre(&mut self) {
+        for (point, (sum, count)) in self.points.iter_mut().zip(&self.offsets) {
+            *point += sum / *count;
+        }
+        self.cells.clear();
+        for index in 0..self.points.len() {
+            let cell = self.cell(&self.points[index]);
+            self.cells.entry(cell).or_default().push(index);
+        }
+    }
+}

@@ -1,0 +1,423 @@
+//! Lines made into a planar drawing: split where they cross, kept once, joined where they nearly meet.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector2;
+use robust::{Coord, orient2d};
+
+use super::grid::Grid;
+use super::places::Places;
+use super::repairs::Repairs;
+use super::{MOST, Segment};
+use crate::pattern::{Drawing, DrawnEdge, Letter};
+use crate::ragged::{Ragged, group_by_key};
+
+/// What is nearer than this fraction of the median line counts as one place. Drawing programs write about
+/// seven digits and people snap to a grid, while the closest true vertices of a tessellation are a tenth
+/// of a line apart.
+const OF_MEDIAN: f64 = 1e-3;
+
+/// The same as a fraction of the sheet's diagonal, which holds where lines run right across the sheet.
+const OF_DIAGONAL: f64 = 1e-4;
+
+/// How far, as a fraction of its line, an end may be from the one vertex that it was meant to meet.
+const OF_LINE: f64 = 0.05;
+
+/// The same as a fraction of the diagonal. Origami Simulator joins what is within 3 pixels, in drawings of
+/// about a thousand.
+const OPEN: f64 = 1.0 / 300.0;
+
+/// Below this fraction of the diagonal, places differ by rounding alone.
+const ROUNDING: f64 = 1e-9;
+
+/// Looks at most from lines at what is near them, for each line and in all: where all lines are in one place,
+/// each is near all others. In tessellations there are some hundreds for each.
+const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
+
+/// Splitting moves lines by up to the tolerance, and may so make them cross anew.
+const ROUNDS: usize = 8;
+
+/// How much a letter says, where lines lie on each other. A border says nothing that the faces do not
+/// say themselves where it is outside; within, what was drawn to be cut or folded was meant.
+fn weight(letter: Letter) -> u8 {
+    match letter {
+        Letter::Cut => 4,
+        Letter::Mountain | Letter::Valley => 3,
+        Letter::Unassigned => 2,
+        Letter::Boundary => 1,
+        Letter::Flat | Letter::Join => 0,
+    }
+}
+
+/// The planar drawing of the segments and what was repaired; `None` if there is too much of it.
+pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>)> {
+    if segments.len() > MOST {
+        return None;
+    }
+    let [low, high] = bounds(&segments);
+    let diagonal = (high - low).norm();
+    let tolerance = tolerance(&segments).max(4.0 * rounding);
+    let mut repairs = Repairs::default();
+    let mut places = Places::new(tolerance, low);
+    let mut pieces: Vec<DrawnEdge> = segments
+        .iter()
+        .map(|segment| DrawnEdge {
+            ends: segment.ends.map(|end| places.at(end)),
+            letter: segment.letter,
+            goal: segment.goal,
+        })
+        .collect();
+    places.centre();
+    for (segment, piece) in segments.iter().zip(&pieces) {
+        for (end, vertex) in segment.ends.iter().zip(piece.ends) {
+            let moved = (places.points[vertex] - end).norm();
+            repairs.moved += usize::from(moved > 0.0);
+            repairs.farthest = repairs.farthest.max(moved);
+        }
+    }
+    pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
+    repairs.short = segments.len() - pieces.len();
+    drop(segments);
+    deduplicate(&mut pieces, &mut repairs);
+    let mut looks = Looks::for_lines(pieces.len());
+    cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
+    if join_open(
+        &places.points,
+        &mut pieces,
+        diagonal,
+        &mut repairs,
+        &mut looks,
+    )? {
+        deduplicate(&mut pieces, &mut repairs);
+        cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
+    }
+    // Each crossing has split two lines at least.
+    repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
+    repairs.open = remove_open(&mut pieces, places.points.len());
+    let drawing = drawing(&places.points, pieces);
+    Some((drawing, repairs.in_words(tolerance)))
+}
+
+/// How often something near may still be looked at.
+pub(super) struct Looks(usize);
+
+impl Looks {
+    /// As often as so many lines need.
+    pub(super) fn for_lines(lines: usize) -> Self {
+        Self(LOOKS[1].max(LOOKS[0] * lines))
+    }
+
+    pub(super) fn take(&mut self, count: usize) {
+        self.0 = self.0.saturating_sub(count);
+    }
+
+    pub(super) fn are_used_up(&self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// Splits lines where they cross and where they pass vertices, until none does; `None` if that makes too
+/// many.
+fn cut_up(
+    places: &mut Places,
+    pieces: &mut Vec<DrawnEdge>,
+    repairs: &mut Repairs,
+    looks: &mut Looks,
+) -> Option<()> {
+    let tolerance = places.tolerance;
+    for _ in 0..ROUNDS {
+        let before = places.points.len();
+        for crossing in crossings(&places.points, pieces, tolerance, looks)? {
+            places.at(crossing);
+        }
+        repairs.crossings += places.points.len() - before;
+        let count = pieces.len();
+        *pieces = split(&places.points, pieces, tolerance, looks)?;
+        let splits = pieces.len() - count;
+        if splits == 0 && places.points.len() == before {
+            break;
+        }
+        repairs.passed += splits;
+        deduplicate(pieces, repairs);
+    }
+    Some(())
+}
+
+/// Joins each open end to the vertex that it can only have been meant to meet, and says whether there were
+/// any, or `None` if there is too much near them: within a twentieth of its line and [`OPEN`] of the diagonal, the next vertex twice as far at least.
+/// A line that goes too far past another has a short open end, which stays, to be left out.
+fn join_open(
+    points: &[Vector2<f64>],
+    pieces: &mut [DrawnEdge],
+    diagonal: f64,
+    repairs: &mut Repairs,
+    looks: &mut Looks,
+) -> Option<bool> {
+    let mut degrees = vec![0_usize; points.len()];
+    for end in pieces.iter().flat_map(|piece| piece.ends) {
+        degrees[end] += 1;
+    }
+    let (grid, cells) = Grid::of_points(points, OPEN * diagonal);
+    let before = repairs.joined;
+    for piece in pieces {
+        let [a, b] = line(points, piece);
+        let reach = (OF_LINE * (b - a).norm()).min(OPEN * diagonal);
+        for side in 0..2 {
+            let (end, other) = (piece.ends[side], piece.ends[1 - side]);
+            if degrees[end] != 1 {
+                continue;
+            }
+            let at = points[end];
+            let mut near = [(f64::INFINITY, end); 2];
+            grid.along([at; 2], 2.0 * reach, |cell| {
+                looks.take(1 + cells[cell].len());
+                for &vertex in &cells[cell] {
+                    let distance = (points[vertex] - at).norm();
+                    if degrees[vertex] < 2 || vertex == other || distance >= near[1].0 {
+                        continue;
+                    }
+                    near[1] = (distance, vertex);
+                    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+                }
+            });
+            let [(distance, vertex), (second, _)] = near;
+            if distance <= reach && second >= 2.0 * distance {
+                piece.ends[side] = vertex;
+                repairs.joined += 1;
+                repairs.far_joined = repairs.far_joined.max(distance);
+            }
+        }
+        if looks.are_used_up() {
+            return None;
+        }
+    }
+    Some(repairs.joined > before)
+}
+
+fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
+    let mut ends = segments.iter().flat_map(|segment| segment.ends);
+    let first = ends.next().unwrap_or_default();
+    ends.fold([first; 2], |[low, high], end| {
+        [low.inf(&end), high.sup(&end)]
+    })
+}
+
+fn tolerance(segments: &[Segment]) -> f64 {
+    let [low, high] = bounds(segments);
+    let diagonal = (high - low).norm();
+    let lengths = segments.iter().map(|s| (s.ends[1] - s.ends[0]).norm());
+    let mut lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
+    if lengths.is_empty() {
+        return 0.0;
+    }
+    let middle = lengths.len() / 2;
+    let median = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+    (OF_MEDIAN * median)
+        .min(OF_DIAGONAL * diagonal)
+        .max(ROUNDING * diagonal)
+}
+
+/// Keeps one of all lines between the same vertices: the weightiest, or else the first.
+fn deduplicate(pieces: &mut Vec<DrawnEdge>, repairs: &mut Repairs) {
+    let mut kept: Vec<DrawnEdge> = Vec::with_capacity(pieces.len());
+    let mut at: HashMap<[usize; 2], usize> = HashMap::with_capacity(pieces.len());
+    for piece in pieces.iter() {
+        let [a, b] = piece.ends;
+        let index = *at.entry([a.min(b), a.max(b)]).or_insert(kept.len());
+        let Some(before) = kept.get_mut(index) else {
+            kept.push(*piece);
+            continue;
+        };
+        repairs.twice += 1;
+        repairs.both_ways += usize::from(before.letter.sign() * piece.letter.sign() < 0.0);
+        if weight(piece.letter) > weight(before.letter) {
+            *before = *piece;
+        }
+    }
+    *pieces = kept;
+}
+
+fn line(points: &[Vector2<f64>], piece: &DrawnEdge) -> [Vector2<f64>; 2] {
+    piece.ends.map(|end| points[end])
+}
+
+/// Where along the line (0 to its length) the point's foot is, and how far from the line the point is.
+fn foot([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> (f64, f64, f64) {
+    let length = (b - a).norm();
+    let unit = (b - a) / length;
+    (
+        (point - a).dot(&unit),
+        (point - a).perp(&unit).abs(),
+        length,
+    )
+}
+
+/// Whether the point is on the line to within the tolerance, and between its ends.
+fn passes(line: [Vector2<f64>; 2], point: Vector2<f64>, tolerance: f64) -> bool {
+    let (along, aside, length) = foot(line, point);
+    aside <= tolerance && along >= -tolerance && along <= length + tolerance
+}
+
+/// Where lines cross and neither has an end on the other; `None` if that is too often.
+fn crossings(
+    points: &[Vector2<f64>],
+    pieces: &[DrawnEdge],
+    tolerance: f64,
+    looks: &mut Looks,
+) -> Option<Vec<Vector2<f64>>> {
+    let lengths = pieces.iter().map(|piece| {
+        let [a, b] = line(points, piece);
+        (b - a).norm()
+    });
+    #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
+    let least = lengths.sum::<f64>() / (8.0 * pieces.len().max(1) as f64);
+    let grid = Grid::new(points, pieces.len(), least);
+    let mut covered = Vec::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        grid.along(line(points, piece), 0.0, |cell| covered.push((cell, index)));
+    }
+    let covered: Ragged<usize> = group_by_key(grid.columns * grid.rows, &covered);
+    let mut seen = vec![usize::MAX; pieces.len()];
+    let mut found = Vec::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        let one = line(points, piece);
+        let mut too_many = false;
+        grid.along(one, 0.0, |cell| {
+            looks.take(1);
+            for &other in covered[cell].iter().take_while(|&&other| other < index) {
+                looks.take(1);
+                if seen[other] == index {
+                    continue;
+                }
+                seen[other] = index;
+                if pieces[other]
+                    .ends
+                    .iter()
+                    .any(|end| piece.ends.contains(end))
+                {
+                    continue;
+                }
+                found.extend(crossing(one, line(points, &pieces[other]), tolerance));
+            }
+            too_many |= found.len() > MOST || looks.are_used_up();
+        });
+        if too_many {
+            return None;
+        }
+    }
+    Some(found)
+}
+
+fn crossing(
+    one: [Vector2<f64>; 2],
+    other: [Vector2<f64>; 2],
+    tolerance: f64,
+) -> Option<Vector2<f64>> {
+    let turn = |[a, b]: [Vector2<f64>; 2], c: Vector2<f64>| {
+        let [a, b, c] = [a, b, c].map(|p| Coord { x: p.x, y: p.y });
+        orient2d(a, b, c)
+    };
+    let opposite = |line, [c, d]: [Vector2<f64>; 2]| {
+        let (c, d) = (turn(line, c), turn(line, d));
+        (c > 0.0 && d < 0.0) || (c < 0.0 && d > 0.0)
+    };
+    if !opposite(one, other) || !opposite(other, one) {
+        return None;
+    }
+    // Where an end is on the other line, the line is split there instead.
+    let ends = other.iter().any(|&end| passes(one, end, tolerance))
+        || one.iter().any(|&end| passes(other, end, tolerance));
+    if ends {
+        return None;
+    }
+    let (along, across) = (one[1] - one[0], other[1] - other[0]);
+    let part = (other[0] - one[0]).perp(&across) / along.perp(&across);
+    Some(one[0] + along * part.clamp(0.0, 1.0))
+}
+
+/// Splits each line at the vertices that it passes; `None` if that makes too many.
+fn split(
+    points: &[Vector2<f64>],
+    pieces: &[DrawnEdge],
+    tolerance: f64,
+    looks: &mut Looks,
+) -> Option<Vec<DrawnEdge>> {
+    let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
+    let mut result = Vec::with_capacity(pieces.len());
+    let mut stops: Vec<(f64, usize)> = Vec::new();
+    for piece in pieces {
+        let line = line(points, piece);
+        stops.clear();
+        grid.along(line, tolerance, |cell| {
+            looks.take(1 + cells[cell].len());
+            for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
+                let (along, aside, length) = foot(line, points[vertex]);
+                if aside <= tolerance && along > 0.0 && along < length {
+                    stops.push((along, vertex));
+                }
+            }
+        });
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut from = piece.ends[0];
+        for to in stops.iter().map(|(_, stop)| *stop).chain([piece.ends[1]]) {
+            result.push(DrawnEdge {
+                ends: [from, to],
+                ..*piece
+            });
+            from = to;
+        }
+        if result.len() > MOST || looks.are_used_up() {
+            return None;
+        }
+    }
+    Some(result)
+}
+
+/// Removes lines at whose one end there is no other line, one after the other, and counts them.
+fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> usize {
+    let pairs: Vec<(usize, usize)> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(index, piece)| piece.ends.map(|end| (end, index)))
+        .collect();
+    let stars = group_by_key(vertices, &pairs);
+    let mut degrees: Vec<usize> = stars.iter().map(<[usize]>::len).collect();
+    let mut open: Vec<usize> = (0..vertices).filter(|&v| degrees[v] == 1).collect();
+    let mut removed = vec![false; pieces.len()];
+    while let Some(vertex) = open.pop() {
+        for &index in stars[vertex].iter().filter(|_| degrees[vertex] == 1) {
+            if removed[index] {
+                continue;
+            }
+            removed[index] = true;
+            for end in pieces[index].ends {
+                degrees[end] -= 1;
+                if degrees[end] == 1 && end != vertex {
+                    open.push(end);
+                }
+            }
+            break;
+        }
+    }
+    let before = pieces.len();
+    let mut removed = removed.into_iter();
+    pieces.retain(|_| !removed.next().unwrap_or_default());
+    before - pieces.len()
+}
+
+/// The drawing, with the vertices that lines end at, in the order in which lines first do.
+pub(super) fn drawing(points: &[Vector2<f64>], mut edges: Vec<DrawnEdge>) -> Drawing {
+    let mut names = vec![None; points.len()];
+    let mut vertices = Vec::new();
+    for end in edges.iter_mut().flat_map(|edge| &mut edge.ends) {
+        *end = *names[*end].get_or_insert_with(|| {
+            vertices.push(points[*end]);
+            vertices.len() - 1
+        });
+    }
+    Drawing {
+        vertices,
+        edges,
+        faces: None,
+    }
+}
