@@ -285,3 +285,21 @@ fn edges_keep_their_length_in_the_units_of_the_key_frame() {
         }
     }
 }
+
+/// A square with a flap as long as is said, beside the tip of which every error of an angle is large.
+#[test]
+fn slender_panels_are_where_their_angles_have_them() {
+    let folder = Folder::new();
+    for [length, height] in [[1e2, 157.0], [1e3, 0.0], [2e4, -1e4], [3e6, 4e6]] {
+        let flap = json!({
+            "file_spec": 1.2,
+            "vertices_coords": [[0, 0], [1, 0], [length, height], [1, 1], [0, 1]],
+            "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 4], [4, 0], [1, 3]],
+            "edges_assignment": ["B", "B", "B", "B", "B", "V"],
+            "edges_foldAngle": [0, 0, 0, 0, 0, 117],
+        });
+        folder.write("flap.fold", &flap.to_string());
+        folder.done("plan flap.fold -o path.fold");
+        folder.done("check path.fold");
+    }
+}

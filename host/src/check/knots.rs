@@ -12,6 +12,9 @@ use crate::pattern::{CreasePattern, EdgeId, VertexId};
 const CLAIM_FACTOR: f64 = 10.0;
 /// Errors below this are rounding, and no claim about them is false.
 const CLAIM_FLOOR: f64 = 1e-9;
+/// Precisions of a coordinate in space that it may be off by, as folding and laying shapes on each other leave it.
+const ROUNDINGS: f64 = 16.0;
+
 /// Measures every knot of a path.
 #[must_use]
 pub fn measure(path: &PathFile) -> Vec<Measured> {
@@ -170,6 +173,10 @@ pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
 
 pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
     let mut worst: Option<(f64, String)> = None;
+    let points = path.pattern.vertices();
+    let far = points.iter().map(|point| (point - points[0]).norm());
+    let rounding = ROUNDINGS * f64::EPSILON * far.fold(0.0, f64::max) / path.pattern.median_edge();
+    let floor = CLAIM_FLOOR.max(rounding);
     for (index, (measured, knot)) in verdict.knots.iter().zip(&path.knots).enumerate() {
         let Rigidity {
             deformation, gap, ..
@@ -180,7 +187,7 @@ pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &
             .zip(values)
             .zip(knot.claims)
         {
-            if claim.is_some_and(|claim| value > CLAIM_FACTOR * claim.max(CLAIM_FLOOR)) {
+            if claim.is_some_and(|claim| value > CLAIM_FACTOR * claim.max(floor)) {
                 let claim = claim.unwrap_or_default();
                 verdict.failures.push(format!(
                     "knot {index}: the file claims a {name} of {claim:.3e}, but it is {value:.3e}"
