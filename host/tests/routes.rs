@@ -216,6 +216,73 @@ fn a_bifurcation_is_crossed() {
     }
 }
 
+/// The pattern with every coordinate off by up to so much, each time otherwise.
+fn roughened(mut pattern: Value, by: f64, time: u32) -> Value {
+    let vertices = pattern["vertices_coords"].as_array_mut().unwrap();
+    let coordinates = vertices.iter_mut().flat_map(|p| p.as_array_mut().unwrap());
+    for (coordinate, place) in coordinates.zip(1_u32..) {
+        let off = by * f64::from(time * 31 + place * place).sin();
+        *coordinate = json!(coordinate.as_f64().unwrap() + off);
+    }
+    pattern
+}
+
+/// At a cross that is none, no line can turn without the other, and one way alone: that the letters have it is luck.
+#[test]
+fn lines_that_hardly_bend_are_folded_as_straight_ones() {
+    let folder = Folder::new();
+    for by in [1e-7, 1e-6, 1e-5, 1e-4] {
+        for time in 0..4 {
+            let mut cross = roughened(map(), by, time);
+            for (edge, angle) in [(8, 180.0), (9, -180.0)] {
+                cross["edges_foldAngle"][edge] = json!(angle);
+            }
+            folder.write("cross.fold", &cross.to_string());
+            let answer = plan(&folder, "cross.fold -o p.fold");
+            assert_eq!(answer["outcome"], "planned", "{by} {time}: {answer}");
+            folder.done("check p.fold --bound 0.01");
+        }
+    }
+}
+
+/// A waterbomb base, folded flat but for 90 degrees along its valleys.
+fn waterbomb_base() -> Value {
+    let rim = [
+        [6, 0],
+        [6, 1],
+        [5, 1],
+        [5, 2],
+        [7, 2],
+        [7, 3],
+        [4, 3],
+        [4, 0],
+    ];
+    let spokes = [0, 2, 1, 3, 4, 5, 6, 7].map(|end| [8, end]);
+    let edges = [rim, spokes].concat();
+    let letters: Vec<_> = "BBBBBBBBMMMMVVVV".chars().map(String::from).collect();
+    let angles = [[0.0; 4], [0.0; 4], [-180.0; 4], [90.0; 4]].concat();
+    json!({
+        "vertices_coords": [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, 0], [1, 0], [0, -1], [0, 1], [0, 0]],
+        "edges_vertices": edges,
+        "edges_assignment": letters,
+        "edges_foldAngle": angles,
+    })
+}
+
+#[test]
+fn groups_of_a_sheet_that_is_hardly_symmetric_are_dropped_where_less_is_proved_with_them() {
+    let folder = Folder::new();
+    let mut dropped = 0;
+    for time in 0..20 {
+        let base = roughened(waterbomb_base(), 1e-6, time);
+        folder.write("base.fold", &base.to_string());
+        let output = folder.done("plan base.fold -o p.fold");
+        dropped += u32::from(output.stderr.contains("less deformation is proved"));
+        folder.done("check p.fold");
+    }
+    assert!(dropped > 0);
+}
+
 #[test]
 fn the_randomised_search_keeps_the_bound_and_its_seed() {
     let folder = Folder::new();

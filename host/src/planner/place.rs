@@ -263,6 +263,9 @@ const MARGIN: f64 = 1e-5;
 const NARROWEST: f64 = 1.0 / 256.0;
 /// Way in which a hinge that would be at its limit rests there: where others move on, solving moves it to and fro.
 const RESTING: f64 = 1e-4;
+/// Radians: this near half a turn, the digits that an angle is written with leave too few of its half angle's tangent for
+/// what is proved of it to be proved again.
+const BLUNT: f64 = 1e-4;
 /// Radians: a hinge this far beyond its limit is at it.
 const AT_LIMIT: f64 = 1e-9;
 
@@ -600,8 +603,9 @@ impl<'a> Maker<'a> {
         curves.extend(nodes.map(|(from, to)| Curve::between(self.kind, span, from, to)));
         let passes = span > 0.0
             && [from, to].into_iter().all(|site| {
-                let open = self.kind != Interpolation::HalfAngle || max_norm(&site.angles) < PI;
-                open && self.pace.at(site)[1].is_finite()
+                let tangents = self.kind == Interpolation::HalfAngle;
+                let sharp = !tangents || max_norm(&site.angles) < PI - BLUNT;
+                sharp && self.pace.at(site)[1].is_finite()
             });
         passes.then_some(span)
     }

@@ -8,11 +8,12 @@ use super::follow::{Stop, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
-use super::reuse::{FIRST_PART, Found};
+use super::reuse::{CERTIFIED, FIRST_PART, Found};
 use super::solver::Work;
-use super::{Goal, PlanOptions, Symmetry};
+use super::{Goal, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
+use crate::numbers::larger;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
@@ -126,7 +127,67 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    Planning::new(pattern, goal, options).run()
+    let planning = Planning::new(pattern, goal, options);
+    let deadline = planning.deadline;
+    let plan = planning.run();
+    if !plan.is_loose(pattern, options) {
+        return plan;
+    }
+    let alone = PlanOptions {
+        symmetry: Symmetry::Off,
+        ..options.clone()
+    };
+    let planning = Planning {
+        deadline,
+        ..Planning::new(pattern, goal, &alone)
+    };
+    let mut tighter = planning.run();
+    if tighter.outcome != Outcome::Planned || tighter.proved() >= plan.proved() {
+        return plan;
+    }
+    tighter.times = tighter.times.after(&plan.times);
+    tighter.notes.push(format!(
+        "{} crease groups dropped: without them less deformation is proved",
+        plan.groups
+    ));
+    tighter
+}
+
+impl Plan {
+    /// Whether less deformation than is proved might be without crease groups, which close as well as can be: more than
+    /// the bound, or on a small sheet more than is aimed at.
+    fn is_loose(&self, pattern: &CreasePattern, options: &PlanOptions) -> bool {
+        let creases = pattern.creases().len();
+        let aim = match self.outcome {
+            Outcome::NotRigidlyFoldable if creases <= MANY_CREASES => options.bound,
+            Outcome::Planned if creases <= FEW_CREASES => options.bound.min(CERTIFIED),
+            _ => return false,
+        };
+        let held = self.rigidity.deformation.max(self.rigidity.gap) <= options.bound;
+        let grouped = options.symmetry == Symmetry::Auto && self.groups < creases;
+        let path = grouped && options.search == Search::Path;
+        path && held && self.proved().is_some_and(|proved| proved > aim)
+    }
+
+    /// Deformation that the sheet is proved to keep, infinite for none; `None` if nothing was to be proved.
+    fn proved(&self) -> Option<f64> {
+        self.certified_closure?;
+        let certified = self.certified_deformation;
+        Some(certified.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY))
+    }
+}
+
+impl Times {
+    /// Of this after others.
+    fn after(self, others: &Self) -> Self {
+        Self {
+            symmetry: self.symmetry + others.symmetry,
+            solve: self.solve + others.solve,
+            place: self.place + others.place,
+            fold: self.fold + others.fold,
+            collision: self.collision + others.collision,
+        }
+    }
 }
 
 pub(super) struct Planning<'a> {
@@ -223,12 +284,51 @@ impl<'a> Planning<'a> {
                 break;
             }
         }
+        let failed = best.as_ref().filter(|best| !best.is_complete());
+        if let Some(failed) = failed.map(Attempt::rank)
+            && let Some(attempt) = self.straightened(failed, &mut work)
+        {
+            best = Some(attempt);
+        }
         self.plan.iterations = work.iterations;
         self.plan.evaluations = work.evaluations;
         match best {
             Some(best) => self.conclude(best, symmetric),
             None => self.plan,
         }
+    }
+
+    /// An attempt that takes lines for straight which are so within what the bound allows, and comes farther than one of
+    /// this rank: where two lines cross, one can turn while the other is flat, unless they bend there by the
+    /// least, and once it is folded flat, so can the other.
+    fn straightened(&mut self, failed: f64, work: &mut Work) -> Option<Attempt> {
+        let alone = CreaseGroups::trivial(self.pattern);
+        let reduction = Reduction::new(self.pattern, alone, self.options, self.deadline);
+        let (straight, turned) = reduction.straightened(self.pattern, self.options)?;
+        let reach = Reach {
+            radians: self.goal.reach,
+            exactly: false,
+        };
+        let (pattern, goal) = (self.pattern, self.goal);
+        let mut attempt = Attempt::new(pattern, straight, goal, reach, self.options, work);
+        let [closing, following] = attempt.times;
+        self.plan.times.symmetry += closing;
+        self.plan.times.solve += following;
+        let open = attempt
+            .waypoints
+            .iter()
+            .map(|w| reduction.closure(&w.angles));
+        let open = open.fold(0.0, larger);
+        let closes = open <= reduction.accepted(self.options);
+        if !closes || attempt.rank() <= failed + FARTHER {
+            return None;
+        }
+        attempt.notes.push(format!(
+            "creases turned by up to {:.1e} degrees are folded as if straight through the vertices that they pass",
+            turned.to_degrees()
+        ));
+        (attempt.reduction, attempt.accepted) = (reduction, open);
+        Some(attempt)
     }
 
     /// Crease groups to try one after the other, and whether the goal has to close exactly under them.
@@ -476,6 +576,10 @@ impl<'a> Planning<'a> {
     }
 }
 
+/// Creases up to which a sheet is planned once more without its crease groups for the sake of what is proved, and up to
+/// which for that of an answer.
+const FEW_CREASES: usize = 200;
+const MANY_CREASES: usize = 2000;
 /// Radians: a step that shows which vertex stands in the way.
 const PROBE: f64 = 0.1;
 /// Radians: goal angles of one crease group are the same.

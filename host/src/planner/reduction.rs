@@ -66,6 +66,17 @@ impl Reduction {
         deadline: Option<Instant>,
     ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
+        Self::of_stars(pattern, groups, all, options, deadline)
+    }
+
+    /// The same of other stars.
+    fn of_stars(
+        pattern: &CreasePattern,
+        groups: CreaseGroups,
+        all: ReducedStars,
+        options: &PlanOptions,
+        deadline: Option<Instant>,
+    ) -> Self {
         let tree = SpanningTree::from_central_face(pattern);
         Self {
             essential: all.essential(),
@@ -80,6 +91,18 @@ impl Reduction {
             structure: OnceCell::new(),
             lattice: OnceCell::new(),
         }
+    }
+
+    /// The same of stars through which lines pass straight that pass them nearly so, and by how much (radians) they are
+    /// turned for it; `None` if none is by more than rounding, within what the bound allows.
+    pub(super) fn straightened(
+        &self,
+        pattern: &CreasePattern,
+        options: &PlanOptions,
+    ) -> Option<(Self, f64)> {
+        let (all, turned) = self.all.straightened(BENT * self.accepted(options));
+        let straight = || Self::of_stars(pattern, self.groups.clone(), all, options, self.deadline);
+        (turned > CLOSED).then(|| (straight(), turned))
     }
 
     /// The lattice of the groups along which to look for crossings, if the sheet has one and more than a few faces.
@@ -261,6 +284,8 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 
 /// Radians: an exactly closed configuration this near is the goal that was meant.
 const NEARBY: f64 = 0.02;
+/// Part of the closure residual allowed by which two creases may miss a straight line, radians: both of two lines may.
+const BENT: f64 = 0.25;
 /// Closure residual that rounding may leave at a vertex of many creases.
 const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges

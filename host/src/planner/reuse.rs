@@ -21,7 +21,7 @@ use crate::symmetry::ReducedStars;
 const MOST_KNOTS: usize = 20_000;
 /// Deformation that the motion between knots is certified for where the bound allows more: what `check`
 /// asks for by default.
-const CERTIFIED: f64 = 1e-3;
+pub(super) const CERTIFIED: f64 = 1e-3;
 /// Part of it that is aimed at first, as another route to a certificate may be less sharp.
 pub(super) const FIRST_PART: f64 = 0.5;
 /// Closure residual that the motion between knots that do not close may have, in the largest at a knot.

@@ -168,6 +168,26 @@ impl ReducedStars {
         }
     }
 
+    /// The same stars, the two spokes of each line that passes a vertex straight but for an angle of at most `within`
+    /// (radians) made opposite, and crosses of right angles within as much; and the largest angle by which one was
+    /// turned, 0 if none was.
+    #[must_use]
+    pub fn straightened(&self, within: f64) -> (Self, f64) {
+        let mut turned = 0.0_f64;
+        let stars = self.spokes.iter().map(|spokes| {
+            let mut spokes = spokes.to_vec();
+            turned = straighten(&mut spokes, within).max(turned);
+            spokes
+        });
+        let spokes = stars.collect();
+        let straight = Self {
+            spokes,
+            likeness: OnceLock::new(),
+            ..self.clone()
+        };
+        (straight, turned)
+    }
+
     /// The stars that are the first of those like them, and every loop.
     fn firsts(&self, first: &[usize]) -> Self {
         let stars = || (0..first.len()).filter(|&star| first[star] == star);
@@ -364,6 +384,42 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
     let images = (0..n).flat_map(|first| both.map(|mirrored| StarImage { first, mirrored }));
     let mut images = images.filter(|_| n == b.len());
     images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
+}
+
+/// Makes spokes opposite that nearly are and have no other near them, and two such lines that cross nearly at right
+/// angles do so exactly, or a sheet folded along one could not fold along the other; returns the largest distance by which
+/// the tip of one is moved.
+fn straighten(spokes: &mut [Spoke<f64>], within: f64) -> f64 {
+    let directions: Vec<_> = spokes.iter().map(|s| Vector2::from(s.direction)).collect();
+    let alone = |one: usize| {
+        let near = |other: &&Vector2<f64>| (*other - directions[one]).norm() <= 2.0 * within;
+        directions.iter().filter(near).count() == 1
+    };
+    let mut lines = Vec::new();
+    for (i, a) in directions.iter().enumerate() {
+        for (j, b) in directions.iter().enumerate().skip(i + 1) {
+            if (a + b).norm() <= within && alone(i) && alone(j) {
+                lines.push(([i, j], (a - b).normalize()));
+            }
+        }
+    }
+    if let ([(_, one), (_, other)], 4) = (&mut lines[..], spokes.len())
+        && one.dot(other).abs() <= within
+    {
+        let [sum, difference] = [*one + *other, *one - *other].map(|way| way.normalize());
+        (*one, *other) = (
+            (sum + difference).normalize(),
+            (sum - difference).normalize(),
+        );
+    }
+    let mut moved = 0.0_f64;
+    for ([i, j], along) in lines {
+        for (spoke, way) in [(i, along), (j, -along)] {
+            moved = moved.max((directions[spoke] - way).norm());
+            spokes[spoke].direction = way.into();
+        }
+    }
+    moved
 }
 
 /// How far the residuals of two stars may differ of which one lies on the other.
