@@ -53,6 +53,15 @@ impl Document {
         }
     }
 
+    /// The keys of the key frame, and of those in `file_frames`.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
+        let root = self.json.root();
+        let frames = root.get("file_frames").and_then(|frames| frames.list());
+        let objects = core::iter::once(root).chain(frames.into_iter().flatten());
+        let keys = objects.flat_map(|object| object.members());
+        keys.filter_map(|(key, _)| key.as_str())
+    }
+
     /// The frames beside the key frame, each an object that inherits from none or an earlier one. Cost:
     /// linear.
     pub(super) fn frames(&self) -> Result<Frames<'_>, FileError> {

@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame, Frames, Located};
+use super::keys;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
 use crate::formats::{FileError, stem};
 use crate::pattern::{
@@ -89,7 +90,7 @@ pub(super) fn pattern_of(
     frame: &Frame<'_>,
     goals: Option<Goals>,
 ) -> Result<PatternFile, FileError> {
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals.as_ref(), &mut notes)?;
     let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, &goals) {
         (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
@@ -323,13 +324,21 @@ pub(super) fn letters(
         return Ok(vec![Letter::Unassigned; edges]);
     };
     let mut unknown: BTreeMap<String, usize> = BTreeMap::new();
+    let mut small = 0_usize;
     let mut letters = Vec::with_capacity(edges);
     for entry in list.entries_of(edges, "edge")? {
         let code = entry.text()?;
-        letters.push(Letter::from_code(code).unwrap_or_else(|| {
+        let letter = Letter::from_code(code);
+        small += usize::from(letter.is_some_and(|letter| !code.starts_with(letter.code())));
+        letters.push(letter.unwrap_or_else(|| {
             *unknown.entry(code.chars().take(20).collect()).or_default() += 1;
             Letter::Unassigned
         }));
+    }
+    if small > 0 {
+        notes.push(format!(
+            "letters in edges_assignment that are written small, taken as capitals: {small}"
+        ));
     }
     for (code, count) in unknown {
         notes.push(format!(

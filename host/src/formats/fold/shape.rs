@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::LARGEST_FILE;
 use super::document::{Document, Frame};
+use super::keys;
 use super::pattern::{edges, faces, goals, letters, points, title};
 use crate::formats::{FileError, ShapeFile, read_bytes};
 use crate::unfold::{FoldedShape, ShapeEdge};
@@ -28,7 +29,7 @@ pub fn parse_shape(
 ) -> Result<ShapeFile, FileError> {
     let document = Document::parse(path, bytes)?;
     let (frame, folded) = chosen(&document, frame)?;
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(keys::not_known(&document));
     if folded && frame.own("vertices_coords").is_none() {
         let expected = "the folded positions of the vertices";
         return Err(frame.missing("vertices_coords", expected));
