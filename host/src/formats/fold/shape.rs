@@ -5,7 +5,7 @@ use std::path::Path;
 use super::LARGEST_FILE;
 use super::document::{Document, Frame};
 use super::keys;
-use super::pattern::{edges, faces, goals, letters, points, title};
+use super::pattern::{Goals, edges, faces, goals, letters, points, title};
 use crate::formats::{FileError, ShapeFile, read_bytes};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
@@ -51,6 +51,7 @@ pub fn parse_shape(
     if let Some(goals) = &goals {
         goals.check_count(&document, ends.len())?;
     }
+    let goals = goals.filter(Goals::leads_away);
     let edges = ends.into_iter().enumerate().map(|(index, ends)| ShapeEdge {
         ends,
         letter: letters.get(index).copied(),
