@@ -37,6 +37,8 @@ fn all_refused(folder: &Folder, commands: &str) -> String {
 fn usage() {
     let folder = Folder::with_path();
     folder.done("export path.fold --to traj -o path.traj");
+    folder.write("goal.fold", &folder.read("miura.fold"));
+    folder.write("events.txt", "0 supply 1\n");
     let said = all_refused(
         &folder,
         "
@@ -60,6 +62,8 @@ fn usage() {
         plan miura.fold --timeout=-1
         plan miura.fold --via miura.fold --search random
         plan miura.fold -o miura.fold
+        plan miura.fold --goal goal.fold -o goal.fold
+        plan miura.fold --via miura.fold --via goal.fold -o ./goal.fold
         plan miura.fold -o nowhere/path.fold
         plan nowhere/miura.fold
         generate miura --rows 3
@@ -70,6 +74,9 @@ fn usage() {
         check path.fold --bound 2
         view path.fold
         export path.fold --to dxf -o a.dxf
+        stream path.traj --to sim --log path.traj
+        stream path.traj --to sim --sheet path.fold --log path.fold
+        stream path.traj --to sim --script events.txt --log events.txt
         stream path.traj --to usb
         stream path.traj --to sim --faults drop=2
         stream path.traj --to sim --faults lose=0.1
@@ -413,7 +420,7 @@ const WORDLESS: [(&str, &str); 11] = [
     ),
     ("Shape", "a.obj: the shape: expected at least one face"),
     ("Goal", "bad.fold: edges_assignment: no crease is lettered"),
-    ("Usage", "-o: miura.fold is the input file"),
+    ("Usage", "-o: miura.fold is an input file"),
     ("Hinge", "expected a hinge between two faces"),
     (
         "Options",

@@ -836,7 +836,7 @@ fn bad_files_and_usage_are_told() {
         ("none.traj --to sim", "none.traj: "),
         (
             "path.traj --to sim --log path.traj",
-            "-o: path.traj is the input file",
+            "--log: path.traj is an input file",
         ),
         ("path.traj --to sim --log no/log.csv", "no/log.csv: "),
         (

@@ -17,7 +17,7 @@ mod unfold;
 mod view;
 
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -85,16 +85,20 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Refuses to write a result over the file that it is made of.
-fn check_output(input: &Path, output: &Path) -> Result<(), CliError> {
-    let same = match (input.canonicalize(), output.canonicalize()) {
-        (Ok(input), Ok(output)) => input == output,
-        _ => false,
+/// Refuses to write what `option` names over a file that it is made of.
+fn check_output<'a>(
+    option: &str,
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), CliError> {
+    let Ok(found) = output.canonicalize() else {
+        return Ok(());
     };
-    if same {
+    let same = |input: &PathBuf| input.canonicalize().is_ok_and(|input| input == found);
+    if inputs.into_iter().any(same) {
         let output = output.display();
         return Err(CliError::Usage(format!(
-            "-o: {output} is the input file, expected another"
+            "{option}: {output} is an input file, expected another"
         )));
     }
     Ok(())

@@ -70,7 +70,11 @@ pub(super) fn run(args: &Plan) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
     if let Some(output) = &args.output {
-        check_output(&args.pattern, output)?;
+        let inputs = [&args.pattern]
+            .into_iter()
+            .chain(&args.goal)
+            .chain(&args.via);
+        check_output("-o", output, inputs)?;
     }
     let Planned {
         file,

@@ -39,7 +39,9 @@ struct StreamJson<'a> {
 
 pub(super) fn run(args: &Stream) -> Answer {
     if let Some(log) = &args.log {
-        check_output(&args.path, log)?;
+        let others = [&args.script, &args.sheet, &args.image];
+        let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
+        check_output("--log", log, inputs)?;
     }
     let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
         path: args.path.clone(),

@@ -27,7 +27,7 @@ pub(super) fn run(args: &Unfold) -> Answer {
             "--max-defect: expected degrees above 0 and at most 10, found {degrees}"
         )));
     }
-    check_output(&args.shape, &args.output)?;
+    check_output("-o", &args.output, [&args.shape])?;
     let file = read_shape(&args.shape, args.frame)?;
     let options = UnfoldOptions {
         max_defect: degrees.to_radians(),
