@@ -55,6 +55,7 @@ fn usage() {
         plan miura.fold --limit 4=10..20
         plan miura.fold --limit 1=-20..20
         plan miura.fold --fold 2
+        plan miura.fold --fold=-0.5
         plan miura.fold --bound 0
         plan miura.fold --bound 2
         plan miura.fold --max-speed 0

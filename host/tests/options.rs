@@ -336,6 +336,31 @@ fn the_goal_is_that_of_the_option() {
         .with_status(2);
 }
 
+/// A path of one knot, or of all that lead there and back.
+#[test]
+fn the_flat_sheet_may_be_the_goal() {
+    let folder = Folder::with_path();
+    for (options, knots) in [
+        ("", 1..2),
+        ("--search random --symmetry off", 1..2),
+        ("--via miura.fold", 3..99),
+    ] {
+        let plan = format!("plan miura.fold --fold 0 -o flat.fold --json {options}");
+        let plan = folder.done(&plan).json();
+        assert_eq!(plan["outcome"], "planned");
+        let count = plan["knots"].as_u64().unwrap();
+        assert!(knots.contains(&count), "{options}: {plan}");
+        let last = last_angles(&folder.read_json("flat.fold"));
+        assert!(last.iter().all(|angle| *angle == 0.0), "{last:?}");
+        folder.done("check flat.fold");
+        for to in ["traj", "csv", "glb", "obj"] {
+            folder.done(&format!("export flat.fold --to {to} -o flat.{to}"));
+        }
+        let streamed = folder.done("stream flat.traj --to sim --json").json();
+        assert_eq!(streamed["outcome"], "done", "{streamed}");
+    }
+}
+
 #[test]
 fn the_seed_is_echoed_and_written() {
     let folder = Folder::with_path();

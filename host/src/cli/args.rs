@@ -279,7 +279,8 @@ pub(super) struct Plan {
     /// FOLD file of the same sheet whose angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
     pub(super) goal: Option<PathBuf>,
-    /// Fold each crease by this fraction of a half turn, the way its letter says
+    /// Fold each crease by this fraction of a half turn, the way its letter says; 0 is the flat sheet, to which
+    /// --via leads back
     #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
     pub(super) fold: Option<f64>,
     /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow

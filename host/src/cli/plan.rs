@@ -201,7 +201,7 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     let name = |path: &std::path::Path| path.display().to_string();
     let bad = |source| match source {
-        GoalError::Fraction(_) | GoalError::Crease { .. } => CliError::Usage(source.to_string()),
+        GoalError::Crease { .. } => CliError::Usage(source.to_string()),
         _ => CliError::Goal {
             file: name(&args.pattern),
             source,
@@ -214,6 +214,11 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     };
     let mut goal = match (&args.goal, args.fold, &args.crease) {
         (Some(path), ..) => chosen(path)?,
+        (None, Some(fraction), _) if !(0.0..=1.0).contains(&fraction) => {
+            let text = format!("--fold: expected a fraction from 0 to 1, found {fraction}");
+            return Err(CliError::Usage(text));
+        }
+        (None, Some(fraction), _) if fraction <= 0.0 => flat(&file.pattern),
         (None, Some(fraction), _) => Goal::of_letters(&file.pattern, fraction).map_err(bad)?,
         (None, None, Some(driven)) => {
             let crease = crease(&file.pattern, "--crease", driven.edge)?;
@@ -227,6 +232,12 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
         .map(|path| chosen(path))
         .collect::<Result<_, _>>()?;
     Ok(goal)
+}
+
+/// The flat sheet: where the path begins, or where it goes back to.
+fn flat(pattern: &CreasePattern) -> Goal {
+    let angles = vec![Some(0.0); pattern.creases().len()];
+    Goal::chosen(pattern, angles, "the flat sheet".into())
 }
 
 /// The limits of the hinges.
