@@ -93,6 +93,27 @@ fn quiet_stops_the_notes() {
         let quiet = folder.done(&format!("{arguments} --quiet"));
         assert_eq!(quiet.stderr, "", "{arguments}");
     }
+    for arguments in [
+        "generate miura --rows 2 --cols 2 -o a.fold",
+        "view path.fold -o a.html",
+        "plot path.fold -o a.svg",
+        "export path.fold --to csv -o a.csv",
+        "unfold path.fold -o b.fold",
+        "completions bash",
+    ] {
+        let expected = folder.done(arguments).stdout;
+        for quiet in [
+            format!("{arguments} --quiet"),
+            format!("--quiet {arguments}"),
+        ] {
+            let answer = folder.done(&quiet);
+            assert_eq!(
+                (answer.stdout, answer.stderr),
+                (expected.clone(), String::new()),
+                "{quiet}"
+            );
+        }
+    }
     let assumptions = &folder.done("info miura.fold --json").json()["assumptions"];
     let assumptions = assumptions.as_array().unwrap();
     assert!(

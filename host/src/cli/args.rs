@@ -27,6 +27,9 @@ Examples:
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
+    /// No notes and no bars on stderr
+    #[arg(long, global = true)]
+    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -260,9 +263,6 @@ pub(super) struct Report {
     /// Print one JSON object on stdout
     #[arg(long)]
     pub(super) json: bool,
-    /// No notes and no bars on stderr
-    #[arg(long)]
-    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Args)]

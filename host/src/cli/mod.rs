@@ -62,16 +62,17 @@ type Answer = Result<bool, CliError>;
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = args::Cli::parse();
+    let quiet = cli.quiet;
     let answer = match cli.command {
         args::Command::Generate(args) => generate::run(&args),
-        args::Command::Info(args) => info::run(&args),
-        args::Command::Plan(args) => plan::run(&args),
-        args::Command::Check(args) => check::run(&args),
-        args::Command::Unfold(args) => unfold::run(&args),
+        args::Command::Info(args) => info::run(&args, quiet),
+        args::Command::Plan(args) => plan::run(&args, quiet),
+        args::Command::Check(args) => check::run(&args, quiet),
+        args::Command::Unfold(args) => unfold::run(&args, quiet),
         args::Command::View(args) => view::run(&args),
         args::Command::Plot(args) => plot::run(&args),
         args::Command::Export(args) => export::run(&args),
-        args::Command::Stream(args) => stream::run(&args),
+        args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),
     };

@@ -66,7 +66,7 @@ struct CollisionJson {
     skipped_edges: u64,
 }
 
-pub(super) fn run(args: &Plan) -> Answer {
+pub(super) fn run(args: &Plan, quiet: bool) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
     if let Some(output) = &args.output {
@@ -82,7 +82,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         plan,
         read,
         write,
-    } = watched(&args.report, |progress| {
+    } = watched(&args.report, quiet, |progress| {
         planned(
             args,
             PlanOptions {
@@ -131,9 +131,9 @@ pub(super) fn run(args: &Plan) -> Answer {
         },
         seed: args.seed,
     };
-    print_notes(args.report.quiet, file.pattern.repairs());
-    print_notes(args.report.quiet, file.pattern.assumptions());
-    print_notes(args.report.quiet, &plan.notes);
+    print_notes(quiet, file.pattern.repairs());
+    print_notes(quiet, file.pattern.assumptions());
+    print_notes(quiet, &plan.notes);
     if args.goal.is_none() && args.fold.is_none() && args.crease.is_none() {
         let open = plan.outcome == Outcome::GoalNotClosed;
         let closure = if open {
@@ -142,7 +142,7 @@ pub(super) fn run(args: &Plan) -> Answer {
             plan.goal_closure
         };
         let note = radians(&file.pattern, Some(closure));
-        print_notes(args.report.quiet, note.as_slice());
+        print_notes(quiet, note.as_slice());
     }
     if args.report.json {
         print_json(&json)?;

@@ -20,7 +20,7 @@ struct UnfoldJson<'a> {
     max_closure: Option<f64>,
 }
 
-pub(super) fn run(args: &Unfold) -> Answer {
+pub(super) fn run(args: &Unfold, quiet: bool) -> Answer {
     let degrees = args.max_defect;
     if !(degrees > 0.0 && degrees <= 10.0) {
         return Err(CliError::Usage(format!(
@@ -40,8 +40,8 @@ pub(super) fn run(args: &Unfold) -> Answer {
     if let Some(drawing) = &unfolding.drawing {
         write_whole_with(&args.output, |out| write_pattern(&file.title, drawing, out))?;
     }
-    print_notes(args.report.quiet, &file.notes);
-    print_notes(args.report.quiet, &unfolding.notes);
+    print_notes(quiet, &file.notes);
+    print_notes(quiet, &unfolding.notes);
     if args.report.json {
         print_json(&UnfoldJson {
             outcome: unfolding.outcome.name(),
