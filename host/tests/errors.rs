@@ -79,6 +79,14 @@ fn usage() {
         stream path.traj --to sim --sheet path.fold --log path.fold
         stream path.traj --to sim --script events.txt --log events.txt
         stream path.traj --to usb
+        stream path.traj --to tcp:localhost
+        stream path.traj --to tcp:99999
+        stream path.traj --to tcp:0
+        stream path.traj --to tcp::80
+        stream path.traj --to tcp:::1
+        stream path.traj --to tcp:localhost:port
+        stream path.traj --to qemu --image nowhere
+        stream path.traj --to qemu --image .
         stream path.traj --to sim --faults drop=2
         stream path.traj --to sim --faults lose=0.1
         stream path.traj --to sim --faults seed=x

@@ -681,10 +681,6 @@ fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
             format!("tcp:127.0.0.1:{port}: "),
         ),
         ("serial:nowhere".into(), "serial:nowhere: ".into()),
-        (
-            "qemu --image nowhere".into(),
-            "qemu-system-arm with nowhere: ".into(),
-        ),
     ] {
         let stream = format!("stream path.traj --json --to {target}");
         let json = folder.run(&stream).with_status(1).json();

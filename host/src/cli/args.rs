@@ -787,10 +787,28 @@ impl FromStr for Target {
             None if text == "sim" => Ok(Self::Sim),
             None if text == "qemu" => Ok(Self::Qemu),
             Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.into())),
-            Some(("tcp", address)) if !address.is_empty() => Ok(Self::Tcp(address.into())),
+            Some(("tcp", address)) if is_address(address) => Ok(Self::Tcp(address.into())),
+            Some(("tcp", _)) => {
+                Err("expected tcp:HOST:PORT or tcp:PORT, the port a number from 1 to 65535".into())
+            }
             _ => Err("expected sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT".into()),
         }
     }
+}
+
+/// Whether it is `HOST:PORT`, with the colons of a host in brackets, or a port.
+fn is_address(text: &str) -> bool {
+    let (host, port) = match text.rsplit_once(':') {
+        Some((host, port)) => (Some(host), port),
+        None => (None, text),
+    };
+    let known = |host: &str| {
+        let bare = host
+            .strip_prefix('[')
+            .and_then(|host| host.strip_suffix(']'));
+        !host.is_empty() && (bare.is_some() || !host.contains(':'))
+    };
+    host.is_none_or(known) && port.parse::<u16>().is_ok_and(|port| port > 0)
 }
 
 /// Faults of a line.

@@ -68,7 +68,13 @@ pub(super) fn run(args: &Stream, quiet: bool) -> Answer {
         }
         Target::Qemu => {
             let image = match &args.image {
-                Some(image) => image.clone(),
+                Some(image) if image.is_file() => image.clone(),
+                Some(image) => {
+                    let image = image.display();
+                    let text =
+                        format!("--image: expected the file of an image, found none at {image}");
+                    return Err(CliError::Usage(text));
+                }
                 None => {
                     default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
                 }
