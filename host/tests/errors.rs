@@ -124,6 +124,11 @@ fn lines_of_files() {
         assert!(sheet.contains(from));
         sheet.replace(from, to)
     };
+    let drawing = |element: &str| {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\">\n<g stroke='red'>{element}</g>\n</svg>\n"
+        )
+    };
     let wide = format!(
         "{{\"ä\": \"{}\", \"vertices_coords\": [[0,0], [1, \"ö\"]], {}",
         "é".repeat(90),
@@ -149,6 +154,15 @@ fn lines_of_files() {
             "curve.svg",
             "<svg xmlns=\"http://www.w3.org/2000/svg\">\n  <circle id=\"hole\" r=\"3\" stroke=\"red\"/>\n</svg>\n".into(),
         ),
+        ("word.svg", drawing("<line x1='fifty' y1='0' x2='50'/>")),
+        ("long.svg", drawing("<line\n  x2='1e308' y1='7'/>")),
+        ("longer.svg", drawing("<rect width='1e400' height='1'/>")),
+        ("points.svg", drawing("<polyline points='0,0 1e1,0\n  5,x'/>")),
+        ("wide-points.svg", drawing("<polygon points='0,0 1,0 1,-1e31'/>")),
+        ("path.svg", drawing("<path d='M0 0l1-2h1f'/>")),
+        ("short-path.svg", drawing("<path d='M0 0L1&#32;'/>")),
+        ("arc.svg", drawing("<path d='M0 0A9e99 1 0 0 1 2 3'/>")),
+        ("wide-path.svg", drawing("<path d='m0 0h9e29h9e29'/>")),
         ("far.cp", "1 0 0 1e51 0\n".into()),
     ];
     let mut said = String::new();
