@@ -542,6 +542,14 @@ impl Plan {
                 "--max-speed: expected at least 1e-6 degrees per second, found {found}"
             )));
         }
+        if let Some(found) = self
+            .max_accel
+            .filter(|most| !(*most > 0.0 && most.is_finite()))
+        {
+            return Err(super::CliError::Usage(format!(
+                "--max-accel: expected degrees per second squared above 0, found {found}"
+            )));
+        }
         if !self.via.is_empty() && matches!(self.search, Search::Random) {
             return Err(super::CliError::Usage(
                 "--via: expected --search path, as the randomised search knows no phases".into(),
