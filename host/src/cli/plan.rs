@@ -174,7 +174,8 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
         .validate()
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
-    let plan = planner::plan(&file.pattern, &goal, &options);
+    let mut plan = planner::plan(&file.pattern, &goal, &options);
+    plan.notes.extend(held_flat(args, &file.pattern, &goal));
     options.begin(Stage::Writing);
     let start = Instant::now();
     if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
@@ -250,6 +251,38 @@ fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliEr
         })
     };
     args.limit.iter().map(limit).collect()
+}
+
+/// That limits leave creases no room at all the way they are to turn, which no outcome says.
+fn held_flat(args: &Plan, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
+    let note = |limit: &super::args::LimitedEdge| {
+        let edge = pattern.edges().get(limit.edge)?;
+        let asked = goal.fold_angles[edge.crease?.index()];
+        let (way, what) = match (edge.letter.sign(), asked) {
+            (_, Some(asked)) if asked.abs() <= 0.0 => return None,
+            (sign, _) if sign.abs() > 0.0 => (sign, format!("lettered {}", edge.letter.code())),
+            (_, asked) => {
+                let asked = asked?;
+                (
+                    asked,
+                    format!("whose goal is {:.6} degrees", asked.to_degrees()),
+                )
+            }
+        };
+        let (room, side) = if way < 0.0 {
+            (limit.lower < 0.0, "below")
+        } else {
+            (limit.upper > 0.0, "above")
+        };
+        (!room).then(|| {
+            format!(
+                "--limit: edge {}, {what}, turns to angles {side} 0, of which {}..{} degrees leave it none: it stays \
+                 flat",
+                limit.edge, limit.lower, limit.upper
+            )
+        })
+    };
+    args.limit.iter().filter_map(note).collect()
 }
 
 /// The crease of an edge that an option names.
