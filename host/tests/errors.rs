@@ -253,6 +253,12 @@ fn patterns_and_goals() {
         "/faces_vertices/0 = [4,0]",
         "/faces_vertices/9 = [4,0,1,5]",
         "/faces_vertices = [[4,0,1,2,6,5]]",
+        "/faces_vertices = ; /edges_foldAngle = ; /vertices_coords/16 = [0.7,0.4]; /edges_vertices/24 = [0,16]; \
+         /edges_assignment/24 = \"V\"",
+        "/faces_vertices = ; /edges_foldAngle = ; /vertices_coords/16 = [0.6,0.3]; /vertices_coords/17 = [0.8,0.3]; \
+         /vertices_coords/18 = [0.7,0.5]; /edges_vertices/24 = [16,17]; /edges_vertices/25 = [17,18]; \
+         /edges_vertices/26 = [18,16]; /edges_vertices/27 = [0,16]; /edges_assignment/24 = \"V\"; \
+         /edges_assignment/25 = \"V\"; /edges_assignment/26 = \"V\"; /edges_assignment/27 = \"M\"",
         &nearly,
         &free,
     ] {

@@ -24,6 +24,7 @@ impl CreasePattern {
         let places = places(&drawing, &mut assumptions);
         planarity::check(&drawing, &places)?;
         let mut stars = sorted_stars(&drawing);
+        let traced = drawing.faces.is_none();
         let mut faces = match drawing.faces.take() {
             Some(faces) => {
                 let faces = faces.into_iter();
@@ -56,7 +57,13 @@ impl CreasePattern {
             .flat_map(|(face, cycle)| cycle.iter().map(move |v| (v.index(), FaceId::new(face))));
         let corners = group_by_key(drawing.vertices.len(), corners);
         let real = real_vertices(&stars, &edges);
-        let (triangles, diagonals) = panels(&drawing, &faces)?;
+        let (triangles, diagonals) = panels(&drawing, &faces).map_err(|error| match error {
+            // Nobody drew the face that an edge runs into.
+            PatternError::NoArea { face } if traced => {
+                dead_end(&stars, &edges, face).unwrap_or(error)
+            }
+            _ => error,
+        })?;
         let mut lengths: Vec<f64> = drawing
             .edges
             .iter()
@@ -441,6 +448,25 @@ fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, Pattern
         triangles.push(cut.into_iter().map(|t| t.map(|c| cycle[c])));
     }
     Ok((triangles, diagonals))
+}
+
+/// The edge that has a face on both sides, one that ends there if there is such a one.
+fn dead_end(stars: &Ragged<EdgeId>, edges: &[Edge], face: usize) -> Option<PatternError> {
+    let face = Some(FaceId::new(face));
+    let within = || (0..).zip(edges).filter(|(_, edge)| edge.faces == [face; 2]);
+    let ends = within().find_map(|(index, edge)| {
+        let alone = |end: &VertexId| stars[end.index()].len() == 1;
+        Some((index, edge.ends.into_iter().find(alone)?))
+    });
+    match ends {
+        Some((edge, vertex)) => Some(PatternError::DeadEnd {
+            edge,
+            vertex: vertex.index(),
+        }),
+        None => within()
+            .next()
+            .map(|(edge, _)| PatternError::OneFace { edge }),
+    }
 }
 
 #[cfg(test)]
