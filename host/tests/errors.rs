@@ -188,6 +188,9 @@ fn wrong_files() {
     folder.write("drawing.txt", "1 0 0 4 0\n");
     folder.write("shape.obj.txt", "# a shape\nv 0 0 0\n");
     folder.write("notes.txt", "fold me\n");
+    for name in ["shape.stl", "shape.txt"] {
+        folder.write(name, "solid shape\nendsolid shape\n");
+    }
     folder.write("events.txt", "0 supply 1\n1 stick 12\n");
     folder.done("generate miura --rows 2 --cols 4 -o other.fold");
     folder.done("plan other.fold -o other-path.fold");
@@ -206,6 +209,8 @@ fn wrong_files() {
         info drawing.txt
         info shape.obj.txt
         info notes.txt
+        plan shape.stl
+        info shape.txt
         plan miura.fold --goal missing.fold
         plan miura.fold --goal other.fold
         stream path.traj --to sim --script events.txt
