@@ -125,6 +125,49 @@ fn flat_edges_are_no_creases() {
     }
 }
 
+/// F and a border do not turn. Hinges without an angle beside others with one are free; where none has one, letters
+/// are the goal.
+#[test]
+fn angles_are_for_hinges_and_hinges_may_have_none() {
+    let said = "goal angles of edges that are no hinges left out: 2 (first: edge 0)";
+    let edits = "/edges_assignment/10 = \"F\"; /edges_foldAngle/0 = -30; /edges_foldAngle/1 = 0";
+    let (found, notes) = info(&edited(&pattern(), edits));
+    assert_eq!(notes, json!([said]));
+    assert_eq!(found["creases"], 11);
+
+    let folder = Folder::new();
+    let goals = numbers(&pattern()["edges_foldAngle"]);
+    let one: Vec<_> = (0..goals.len())
+        .map(|edge| if edge == 4 { json!(-90) } else { Value::Null })
+        .collect();
+    for (angles, source) in [
+        (json!(one), "the pattern's goal angles"),
+        (
+            json!(vec![Value::Null; goals.len()]),
+            "the letters at 1.0000 of a half turn",
+        ),
+    ] {
+        let mut document = pattern();
+        document["edges_foldAngle"] = angles;
+        folder.write("null.fold", &document.to_string());
+        let plan = folder.done("plan null.fold -o path.fold");
+        assert!(
+            plan.stdout.contains(&format!("  goal         {source}\n")),
+            "{plan:?}"
+        );
+        let frames = folder.read_json("path.fold")["file_frames"].take();
+        let last = numbers(&frames.as_array().unwrap().last().unwrap()["edges_foldAngle"]);
+        // All turn the way of their letters, whether they were asked to or not.
+        for (asked, found) in goals
+            .iter()
+            .zip(&last)
+            .filter(|(asked, _)| asked.abs() > 0.0)
+        {
+            assert!(asked * found > 0.0, "{last:?}");
+        }
+    }
+}
+
 #[test]
 fn a_sheet_may_stand_upright() {
     let mut upright = pattern();

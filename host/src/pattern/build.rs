@@ -330,6 +330,7 @@ fn resolve_letters(
     let mut creases = Vec::new();
     let mut edges = Vec::with_capacity(drawing.edges.len());
     let mut outer: BTreeMap<Letter, (usize, usize)> = BTreeMap::new();
+    let mut left_out = Vec::new();
     for (index, (drawn, &faces)) in drawing.edges.iter().zip(edge_faces).enumerate() {
         let mut letter = drawn.letter;
         let mut crease = None;
@@ -342,6 +343,9 @@ fn resolve_letters(
             let (_, count) = outer.entry(letter).or_insert((index, 0_usize));
             *count += 1;
             letter = Letter::Boundary;
+        }
+        if crease.is_none() && drawn.goal.is_some_and(|goal| goal.abs() > 0.0) {
+            left_out.push(index);
         }
         edges.push(Edge {
             ends: drawn.ends.map(VertexId::new),
@@ -356,6 +360,12 @@ fn resolve_letters(
             "edges lettered {} with a face on one side at most, taken as boundary: {count} (first: \
              edge {first})",
             letter.code()
+        ));
+    }
+    if let Some(first) = left_out.first() {
+        assumptions.push(format!(
+            "goal angles of edges that are no hinges left out: {} (first: edge {first})",
+            left_out.len()
         ));
     }
     (edges, creases)
