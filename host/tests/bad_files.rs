@@ -217,13 +217,15 @@ fn frames_that_cannot_be_read() {
         &PATTERN,
         r#"
         /file_frames = [{"frame_parent":1,"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found 1
+            file_frames[0].frame_parent: expected another frame than this, found 1
         /file_frames = [{"frame_parent":2,"frame_inherit":true},{"frame_parent":1,"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found 2
+            file_frames[1].frame_parent: expected a frame that does not inherit from this, frame 2, found 1
+        /file_frames = [{"frame_parent":2,"frame_inherit":true}] => \
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found 2
         /file_frames = [{"frame_parent":"0","frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found "0"
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found "0"
         /file_frames = [{"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found none
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found none
         /file_frames = [3] => file_frames[0]: expected a frame, found 3
         /frame_classes = ; /file_frames = [{"frame_classes":["creasePattern"],"frame_inherit":true,\
             "frame_parent":0,"faces_vertices":[[4,0,2,5]]}] => \
@@ -315,7 +317,7 @@ fn frames_that_are_no_knots() {
         /file_frames/3/vertices_coords/2 = [0] => \
             file_frames[3].vertices_coords[2]: expected 2 or 3 coordinates, found a list of 1
         /file_frames/3/frame_parent = 4 => \
-            file_frames[3].frame_parent: expected the number of an earlier frame, found 4
+            file_frames[3].frame_parent: expected another frame than this, found 4
         /foldpath:interpolation = "spline" => \
             foldpath:interpolation: expected "linear", "hermite", "half-angle" or "homogeneous", found "spline"
         /foldpath:interpolation = 3 => foldpath:interpolation: expected a string, found 3

@@ -253,6 +253,10 @@ fn patterns_and_goals() {
         "/file_frames = [{\"frame_classes\":[\"foldedForm\"],\"edges_foldAngle\":[0,0]}]; /edges_foldAngle =",
         "/file_frames = [{\"frame_classes\":[\"foldedForm\"],\"edges_foldAngle\":[1,2]}]",
         "/file_frames = [{\"frame_inherit\":true}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":2}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":1}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":3},{},{\"frame_inherit\":true,\"frame_parent\":4},\
+         {\"frame_inherit\":true,\"frame_parent\":3}]",
         "/faces_vertices/0/0 = 44",
         "/faces_vertices/0 = [4,0,2,5]",
         "/faces_vertices/0 = [4,0]",

@@ -259,7 +259,7 @@ fn frames_inherit_along_chains() {
     };
     let zeros = vec![0.0; numbers(&goal).len()];
     flat["frame_classes"] = json!(["graph"]);
-    flat["file_frames"] = json!([
+    let frames = json!([
         with(
             with(frame(0), "edges_assignment", letters),
             "frame_classes",
@@ -273,6 +273,14 @@ fn frames_inherit_along_chains() {
         with(frame(2), "edges_foldAngle", goal),
         with(frame(3), "frame_title", json!("no angles of its own")),
     ]);
+    flat["file_frames"] = frames.clone();
+    assert_eq!(info(&flat), (expected.clone(), json!([])));
+    // Whatever their order: the second and the fourth are put before those that they inherit from.
+    let mut mixed = [1, 0, 3, 2].map(|index: usize| frames[index].clone());
+    for (frame, parent) in mixed.iter_mut().zip([2, 0, 4, 1]) {
+        frame["frame_parent"] = json!(parent);
+    }
+    flat["file_frames"] = json!(mixed);
     assert_eq!(info(&flat), (expected, json!([])));
 }
 
