@@ -217,13 +217,15 @@ fn frames_that_cannot_be_read() {
         &PATTERN,
         r#"
         /file_frames = [{"frame_parent":1,"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found 1
+            file_frames[0].frame_parent: expected another frame than this, found 1
         /file_frames = [{"frame_parent":2,"frame_inherit":true},{"frame_parent":1,"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found 2
+            file_frames[1].frame_parent: expected a frame that does not inherit from this, frame 2, found 1
+        /file_frames = [{"frame_parent":2,"frame_inherit":true}] => \
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found 2
         /file_frames = [{"frame_parent":"0","frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found "0"
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found "0"
         /file_frames = [{"frame_inherit":true}] => \
-            file_frames[0].frame_parent: expected the number of an earlier frame, found none
+            file_frames[0].frame_parent: expected the number of a frame, 0 to 1, found none
         /file_frames = [3] => file_frames[0]: expected a frame, found 3
         /frame_classes = ; /file_frames = [{"frame_classes":["creasePattern"],"frame_inherit":true,\
             "frame_parent":0,"faces_vertices":[[4,0,2,5]]}] => \
@@ -315,7 +317,7 @@ fn frames_that_are_no_knots() {
         /file_frames/3/vertices_coords/2 = [0] => \
             file_frames[3].vertices_coords[2]: expected 2 or 3 coordinates, found a list of 1
         /file_frames/3/frame_parent = 4 => \
-            file_frames[3].frame_parent: expected the number of an earlier frame, found 4
+            file_frames[3].frame_parent: expected another frame than this, found 4
         /foldpath:interpolation = "spline" => \
             foldpath:interpolation: expected "linear", "hermite", "half-angle" or "homogeneous", found "spline"
         /foldpath:interpolation = 3 => foldpath:interpolation: expected a string, found 3
@@ -408,9 +410,9 @@ fn parameters_out_of_range() {
         generate miura --rows 3 --cols 3 --fold 2 -o a => --fold: expected a fraction above 0 and at most 1, found 2
         generate waterbomb --rows 1 --cols 4 -o a => --rows: expected 2 to 3000, found 1
         generate yoshimura --rows 2 --cols 4 --angle 0 -o a => --angle: expected 1 to 89 degrees, found 0
-        plan miura.fold -o a --fold 0 => --fold: expected a fraction above 0 and at most 1, found 0
-        plan miura.fold -o a --fold 1.5 => --fold: expected a fraction above 0 and at most 1, found 1.5
-        plan miura.fold -o a --fold NaN => --fold: expected a fraction above 0 and at most 1, found NaN
+        plan miura.fold -o a --fold -0.1 => --fold: expected a fraction from 0 to 1, found -0.1
+        plan miura.fold -o a --fold 1.5 => --fold: expected a fraction from 0 to 1, found 1.5
+        plan miura.fold -o a --fold NaN => --fold: expected a fraction from 0 to 1, found NaN
         plan miura.fold -o a --timeout=-1 => --timeout: expected seconds from 0, found -1
         plan miura.fold -o a --timeout NaN => --timeout: expected seconds from 0, found NaN
         check path.fold --bound 0 => --bound: expected a number above 0, found 0

@@ -443,6 +443,24 @@ fn faces_that_meet_in_a_point_alone_are_parted() {
     );
 }
 
+/// Halves that a cut parts touch all along it, and are not looked at for crossings.
+#[test]
+fn halves_of_a_sheet_touch_and_fold() {
+    let document = json!({
+        "vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
+        "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
+        "edges_assignment": ["C", "V", "C", "V", "B", "B", "B", "B"],
+        "edges_foldAngle": [0, 90, 0, 90, 0, 0, 0, 0],
+    });
+    let folder = Folder::new();
+    folder.write("halves.fold", &document.to_string());
+    assert_eq!(folder.done("info halves.fold --json").json()["sheets"], 2);
+    let plan = folder.done("plan halves.fold -o path.fold --json").json();
+    assert_eq!(plan["outcome"], "planned");
+    assert_eq!(plan["collision"]["tested"], 0);
+    folder.done("check path.fold");
+}
+
 /// That `info` names this among its assumptions.
 #[track_caller]
 fn assert_said(info: &Value, said: &str) {

@@ -37,6 +37,8 @@ fn all_refused(folder: &Folder, commands: &str) -> String {
 fn usage() {
     let folder = Folder::with_path();
     folder.done("export path.fold --to traj -o path.traj");
+    folder.write("goal.fold", &folder.read("miura.fold"));
+    folder.write("events.txt", "0 supply 1\n");
     let said = all_refused(
         &folder,
         "
@@ -53,13 +55,20 @@ fn usage() {
         plan miura.fold --limit 4=10..20
         plan miura.fold --limit 1=-20..20
         plan miura.fold --fold 2
+        plan miura.fold --fold=-0.5
         plan miura.fold --bound 0
         plan miura.fold --bound 2
         plan miura.fold --max-speed 0
+        plan miura.fold --max-speed=-1
         plan miura.fold --max-accel 0
+        plan miura.fold --max-accel=-1
+        plan miura.fold --max-accel inf
+        plan miura.fold --max-accel 10 --judge knots
         plan miura.fold --timeout=-1
         plan miura.fold --via miura.fold --search random
         plan miura.fold -o miura.fold
+        plan miura.fold --goal goal.fold -o goal.fold
+        plan miura.fold --via miura.fold --via goal.fold -o ./goal.fold
         plan miura.fold -o nowhere/path.fold
         plan nowhere/miura.fold
         generate miura --rows 3
@@ -70,7 +79,18 @@ fn usage() {
         check path.fold --bound 2
         view path.fold
         export path.fold --to dxf -o a.dxf
+        stream path.traj --to sim --log path.traj
+        stream path.traj --to sim --sheet path.fold --log path.fold
+        stream path.traj --to sim --script events.txt --log events.txt
         stream path.traj --to usb
+        stream path.traj --to tcp:localhost
+        stream path.traj --to tcp:99999
+        stream path.traj --to tcp:0
+        stream path.traj --to tcp::80
+        stream path.traj --to tcp:::1
+        stream path.traj --to tcp:localhost:port
+        stream path.traj --to qemu --image nowhere
+        stream path.traj --to qemu --image .
         stream path.traj --to sim --faults drop=2
         stream path.traj --to sim --faults lose=0.1
         stream path.traj --to sim --faults seed=x
@@ -108,6 +128,11 @@ fn lines_of_files() {
         assert!(sheet.contains(from));
         sheet.replace(from, to)
     };
+    let drawing = |element: &str| {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\">\n<g stroke='red'>{element}</g>\n</svg>\n"
+        )
+    };
     let wide = format!(
         "{{\"ä\": \"{}\", \"vertices_coords\": [[0,0], [1, \"ö\"]], {}",
         "é".repeat(90),
@@ -133,6 +158,15 @@ fn lines_of_files() {
             "curve.svg",
             "<svg xmlns=\"http://www.w3.org/2000/svg\">\n  <circle id=\"hole\" r=\"3\" stroke=\"red\"/>\n</svg>\n".into(),
         ),
+        ("word.svg", drawing("<line x1='fifty' y1='0' x2='50'/>")),
+        ("long.svg", drawing("<line\n  x2='1e308' y1='7'/>")),
+        ("longer.svg", drawing("<rect width='1e400' height='1'/>")),
+        ("points.svg", drawing("<polyline points='0,0 1e1,0\n  5,x'/>")),
+        ("wide-points.svg", drawing("<polygon points='0,0 1,0 1,-1e31'/>")),
+        ("path.svg", drawing("<path d='M0 0l1-2h1f'/>")),
+        ("short-path.svg", drawing("<path d='M0 0L1&#32;'/>")),
+        ("arc.svg", drawing("<path d='M0 0A9e99 1 0 0 1 2 3'/>")),
+        ("wide-path.svg", drawing("<path d='m0 0h9e29h9e29'/>")),
         ("far.cp", "1 0 0 1e51 0\n".into()),
     ];
     let mut said = String::new();
@@ -154,6 +188,9 @@ fn wrong_files() {
     folder.write("drawing.txt", "1 0 0 4 0\n");
     folder.write("shape.obj.txt", "# a shape\nv 0 0 0\n");
     folder.write("notes.txt", "fold me\n");
+    for name in ["shape.stl", "shape.txt"] {
+        folder.write(name, "solid shape\nendsolid shape\n");
+    }
     folder.write("events.txt", "0 supply 1\n1 stick 12\n");
     folder.done("generate miura --rows 2 --cols 4 -o other.fold");
     folder.done("plan other.fold -o other-path.fold");
@@ -172,6 +209,8 @@ fn wrong_files() {
         info drawing.txt
         info shape.obj.txt
         info notes.txt
+        plan shape.stl
+        info shape.txt
         plan miura.fold --goal missing.fold
         plan miura.fold --goal other.fold
         stream path.traj --to sim --script events.txt
@@ -209,13 +248,26 @@ fn patterns_and_goals() {
         "/edges_vertices = ; /faces_vertices =",
         "/edges_foldAngle/2 = 200",
         "/edges_foldAngle/2 = -10",
+        "/edges_foldAngle = [0,0,null]",
+        "/edges_foldAngle = []",
+        "/file_frames = [{\"frame_classes\":[\"foldedForm\"],\"edges_foldAngle\":[0,0]}]; /edges_foldAngle =",
         "/file_frames = [{\"frame_classes\":[\"foldedForm\"],\"edges_foldAngle\":[1,2]}]",
         "/file_frames = [{\"frame_inherit\":true}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":2}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":1}]",
+        "/file_frames = [{\"frame_inherit\":true,\"frame_parent\":3},{},{\"frame_inherit\":true,\"frame_parent\":4},\
+         {\"frame_inherit\":true,\"frame_parent\":3}]",
         "/faces_vertices/0/0 = 44",
         "/faces_vertices/0 = [4,0,2,5]",
         "/faces_vertices/0 = [4,0]",
         "/faces_vertices/9 = [4,0,1,5]",
         "/faces_vertices = [[4,0,1,2,6,5]]",
+        "/faces_vertices = ; /edges_foldAngle = ; /vertices_coords/16 = [0.7,0.4]; /edges_vertices/24 = [0,16]; \
+         /edges_assignment/24 = \"V\"",
+        "/faces_vertices = ; /edges_foldAngle = ; /vertices_coords/16 = [0.6,0.3]; /vertices_coords/17 = [0.8,0.3]; \
+         /vertices_coords/18 = [0.7,0.5]; /edges_vertices/24 = [16,17]; /edges_vertices/25 = [17,18]; \
+         /edges_vertices/26 = [18,16]; /edges_vertices/27 = [0,16]; /edges_assignment/24 = \"V\"; \
+         /edges_assignment/25 = \"V\"; /edges_assignment/26 = \"V\"; /edges_assignment/27 = \"M\"",
         &nearly,
         &free,
     ] {
@@ -410,7 +462,7 @@ const WORDLESS: [(&str, &str); 11] = [
     ),
     ("Shape", "a.obj: the shape: expected at least one face"),
     ("Goal", "bad.fold: edges_assignment: no crease is lettered"),
-    ("Usage", "-o: miura.fold is the input file"),
+    ("Usage", "-o: miura.fold is an input file"),
     ("Hinge", "expected a hinge between two faces"),
     (
         "Options",

@@ -380,6 +380,6 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
     let answer = folder
         .run("export a-0001.obj --to obj -o a.obj")
         .with_status(2);
-    let expected = "-o: a-0001.obj is the input file, expected another";
+    let expected = "-o: a-0001.obj is an input file, expected another";
     assert!(answer.tells(expected), "{}", answer.stderr);
 }

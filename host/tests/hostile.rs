@@ -211,7 +211,7 @@ fn svg_bombs() {
             "arc.svg",
             svg(
                 "",
-                &format!("<path d=\"M0 0a1 1 0 0 1 1 {}\"/>", "5".repeat(60)),
+                &format!("<path d=\"M0 0a1 1 0 0 1 1 {}\"/>", "5".repeat(25)).repeat(1_000),
             ),
             "MiB of attributes and of arcs, each use counted",
         ),

@@ -22,10 +22,9 @@ fn what_is_said_in_other_words_is_the_same_pattern() {
         "/faces_vertices =",
         "/faces_vertices = []",
         "/faces_vertices/0 = [5,1,0,4]",
-        "/edges_assignment/4 = \"m\"",
         "/edges_foldAngle/0 = null",
         "/file_spec = 1; /file_creator =",
-        "/unknown = [1,2]; /other:own = {}",
+        "/frame_unit = \"mm\"; /vertices_edges = []; /foldpath:seed = 1",
         "/file_frames = [{\"frame_title\":\"no angles here\"}]",
     ] {
         assert_eq!(
@@ -67,6 +66,51 @@ fn what_is_left_out_or_unknown_is_assumed_and_said() {
     let unknown = "2 edges lettered \"Q\", which FOLD does not know, taken as U";
     assert_eq!(notes, json!([unknown]));
     assert_eq!(found["free_hinges"], 2);
+
+    let (expected, _) = info(&pattern());
+    let small = "letters in edges_assignment that are written small, taken as capitals: 2";
+    let found = odd("/edges_assignment/4 = \"m\"; /edges_assignment/0 = \"b\"");
+    assert_eq!(found, (expected, json!([small])));
+}
+
+/// Of the key frame and of all others, each once; not too many of them.
+#[test]
+fn keys_that_nobody_knows_are_left_alone_and_said() {
+    let (expected, _) = info(&pattern());
+    let many: Vec<String> = (0..10).map(|key| format!("/key{key} = {{}}")).collect();
+    let long = format!("/a\u{e4}\u{1b}{} = 1", "x".repeat(50));
+    for (edits, named) in [
+        ("/unknown = [1,2]; /other:own = {\"in it\": 1}", "\"other:own\", \"unknown\"".into()),
+        (
+            "/foldpath:edges_groups = []; /file_frames = [{\"edges_foldangle\":[1]},{\"edges_foldangle\":[]}]",
+            "\"edges_foldangle\", \"foldpath:edges_groups\"".into(),
+        ),
+        (
+            &many.join("; "),
+            "\"key0\", \"key1\", \"key2\", \"key3\", \"key4\", \"key5\", \"key6\", \"key7\" and 2 more".into(),
+        ),
+        (&long, format!("\"a\u{e4}\\u{{1b}}{}\"", "x".repeat(37))),
+    ] {
+        let said = format!("keys not known, and left alone: {named}");
+        let found = info(&edited(&pattern(), edits));
+        assert_eq!(found, (expected.clone(), json!([said])), "{edits}");
+    }
+    let letters = pattern()["edges_assignment"].to_string();
+    let misspelt =
+        format!("/edges_assignment = ; /edges_foldAngle = ; /edges_assignments = {letters}");
+    let (_, notes) = info(&edited(&pattern(), &misspelt));
+    let said = "keys not known, and left alone: \"edges_assignments\"";
+    assert!(notes.as_array().unwrap().contains(&json!(said)), "{notes}");
+    let folder = Folder::with_path();
+    let path = edited(&folder.read_json("path.fold"), "/file_frames/2/own = 1");
+    folder.write("path.fold", &path.to_string());
+    for command in ["check path.fold", "unfold path.fold -o again.fold"] {
+        let told = folder.done(command).stderr;
+        assert_eq!(
+            told, "note: keys not known, and left alone: \"own\"\n",
+            "{command}"
+        );
+    }
 }
 
 #[test]
@@ -78,6 +122,49 @@ fn flat_edges_are_no_creases() {
             (&found["creases"], &found["virtual_edges"]),
             (&json!(11), &json!(10))
         );
+    }
+}
+
+/// F and a border do not turn. Hinges without an angle beside others with one are free; where none has one, letters
+/// are the goal.
+#[test]
+fn angles_are_for_hinges_and_hinges_may_have_none() {
+    let said = "goal angles of edges that are no hinges left out: 2 (first: edge 0)";
+    let edits = "/edges_assignment/10 = \"F\"; /edges_foldAngle/0 = -30; /edges_foldAngle/1 = 0";
+    let (found, notes) = info(&edited(&pattern(), edits));
+    assert_eq!(notes, json!([said]));
+    assert_eq!(found["creases"], 11);
+
+    let folder = Folder::new();
+    let goals = numbers(&pattern()["edges_foldAngle"]);
+    let one: Vec<_> = (0..goals.len())
+        .map(|edge| if edge == 4 { json!(-90) } else { Value::Null })
+        .collect();
+    for (angles, source) in [
+        (json!(one), "the pattern's goal angles"),
+        (
+            json!(vec![Value::Null; goals.len()]),
+            "the letters at 1.0000 of a half turn",
+        ),
+    ] {
+        let mut document = pattern();
+        document["edges_foldAngle"] = angles;
+        folder.write("null.fold", &document.to_string());
+        let plan = folder.done("plan null.fold -o path.fold");
+        assert!(
+            plan.stdout.contains(&format!("  goal         {source}\n")),
+            "{plan:?}"
+        );
+        let frames = folder.read_json("path.fold")["file_frames"].take();
+        let last = numbers(&frames.as_array().unwrap().last().unwrap()["edges_foldAngle"]);
+        // All turn the way of their letters, whether they were asked to or not.
+        for (asked, found) in goals
+            .iter()
+            .zip(&last)
+            .filter(|(asked, _)| asked.abs() > 0.0)
+        {
+            assert!(asked * found > 0.0, "{last:?}");
+        }
     }
 }
 
@@ -172,7 +259,7 @@ fn frames_inherit_along_chains() {
     };
     let zeros = vec![0.0; numbers(&goal).len()];
     flat["frame_classes"] = json!(["graph"]);
-    flat["file_frames"] = json!([
+    let frames = json!([
         with(
             with(frame(0), "edges_assignment", letters),
             "frame_classes",
@@ -186,6 +273,14 @@ fn frames_inherit_along_chains() {
         with(frame(2), "edges_foldAngle", goal),
         with(frame(3), "frame_title", json!("no angles of its own")),
     ]);
+    flat["file_frames"] = frames.clone();
+    assert_eq!(info(&flat), (expected.clone(), json!([])));
+    // Whatever their order: the second and the fourth are put before those that they inherit from.
+    let mut mixed = [1, 0, 3, 2].map(|index: usize| frames[index].clone());
+    for (frame, parent) in mixed.iter_mut().zip([2, 0, 4, 1]) {
+        frame["frame_parent"] = json!(parent);
+    }
+    flat["file_frames"] = json!(mixed);
     assert_eq!(info(&flat), (expected, json!([])));
 }
 

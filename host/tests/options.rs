@@ -93,6 +93,27 @@ fn quiet_stops_the_notes() {
         let quiet = folder.done(&format!("{arguments} --quiet"));
         assert_eq!(quiet.stderr, "", "{arguments}");
     }
+    for arguments in [
+        "generate miura --rows 2 --cols 2 -o a.fold",
+        "view path.fold -o a.html",
+        "plot path.fold -o a.svg",
+        "export path.fold --to csv -o a.csv",
+        "unfold path.fold -o b.fold",
+        "completions bash",
+    ] {
+        let expected = folder.done(arguments).stdout;
+        for quiet in [
+            format!("{arguments} --quiet"),
+            format!("--quiet {arguments}"),
+        ] {
+            let answer = folder.done(&quiet);
+            assert_eq!(
+                (answer.stdout, answer.stderr),
+                (expected.clone(), String::new()),
+                "{quiet}"
+            );
+        }
+    }
     let assumptions = &folder.done("info miura.fold --json").json()["assumptions"];
     let assumptions = assumptions.as_array().unwrap();
     assert!(
@@ -334,6 +355,71 @@ fn the_goal_is_that_of_the_option() {
     folder
         .run("plan miura.fold --fold 0.5 --goal goal.fold")
         .with_status(2);
+}
+
+/// Edges 2 and 4 of the Miura are V and M.
+#[test]
+fn limits_that_leave_no_room_are_said() {
+    let folder = Folder::with_path();
+    let free = folder.read("miura.fold").replace("\"V\"", "\"U\"");
+    folder.write("free.fold", &free);
+    let flat = "degrees leave it none: it stays flat";
+    for (arguments, status, note) in [
+        (
+            "miura.fold --limit 4=0..10",
+            1,
+            format!("edge 4, lettered M, turns to angles below 0, of which 0..10 {flat}"),
+        ),
+        (
+            "miura.fold --limit 2=-170..0",
+            1,
+            format!("edge 2, lettered V, turns to angles above 0, of which -170..0 {flat}"),
+        ),
+        (
+            "free.fold --fold 0.5 --limit 4=0..0",
+            1,
+            format!("edge 4, lettered M, turns to angles below 0, of which 0..0 {flat}"),
+        ),
+        (
+            "free.fold --limit 2=-10..0",
+            1,
+            format!(
+                "edge 2, whose goal is 162.000000 degrees, turns to angles above 0, of which -10..0 {flat}"
+            ),
+        ),
+        ("miura.fold --fold 0 --limit 4=0..10", 0, String::new()),
+        ("miura.fold --limit 4=-170..10", 0, String::new()),
+    ] {
+        let answer = folder.run(&format!("plan {arguments}")).with_status(status);
+        let told = answer.stderr.lines().find(|line| line.contains("--limit"));
+        let expected = (!note.is_empty()).then(|| format!("note: --limit: {note}"));
+        assert_eq!(told, expected.as_deref(), "{arguments}: {answer:?}");
+    }
+}
+
+/// A path of one knot, or of all that lead there and back.
+#[test]
+fn the_flat_sheet_may_be_the_goal() {
+    let folder = Folder::with_path();
+    for (options, knots) in [
+        ("", 1..2),
+        ("--search random --symmetry off", 1..2),
+        ("--via miura.fold", 3..99),
+    ] {
+        let plan = format!("plan miura.fold --fold 0 -o flat.fold --json {options}");
+        let plan = folder.done(&plan).json();
+        assert_eq!(plan["outcome"], "planned");
+        let count = plan["knots"].as_u64().unwrap();
+        assert!(knots.contains(&count), "{options}: {plan}");
+        let last = last_angles(&folder.read_json("flat.fold"));
+        assert!(last.iter().all(|angle| *angle == 0.0), "{last:?}");
+        folder.done("check flat.fold");
+        for to in ["traj", "csv", "glb", "obj"] {
+            folder.done(&format!("export flat.fold --to {to} -o flat.{to}"));
+        }
+        let streamed = folder.done("stream flat.traj --to sim --json").json();
+        assert_eq!(streamed["outcome"], "done", "{streamed}");
+    }
 }
 
 #[test]

@@ -681,10 +681,6 @@ fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
             format!("tcp:127.0.0.1:{port}: "),
         ),
         ("serial:nowhere".into(), "serial:nowhere: ".into()),
-        (
-            "qemu --image nowhere".into(),
-            "qemu-system-arm with nowhere: ".into(),
-        ),
     ] {
         let stream = format!("stream path.traj --json --to {target}");
         let json = folder.run(&stream).with_status(1).json();
@@ -836,7 +832,7 @@ fn bad_files_and_usage_are_told() {
         ("none.traj --to sim", "none.traj: "),
         (
             "path.traj --to sim --log path.traj",
-            "-o: path.traj is the input file",
+            "--log: path.traj is an input file",
         ),
         ("path.traj --to sim --log no/log.csv", "no/log.csv: "),
         (

@@ -1026,7 +1026,7 @@ fn bad_files_are_refused_with_the_place() {
         ),
         (
             "unfold a.obj -o a.obj",
-            "-o: a.obj is the input file, expected another",
+            "-o: a.obj is an input file, expected another",
         ),
         (
             "unfold a.obj --max-defect 0 -o b",

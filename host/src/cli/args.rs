@@ -27,6 +27,9 @@ Examples:
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
+    /// No notes and no bars on stderr
+    #[arg(long, global = true)]
+    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -260,9 +263,6 @@ pub(super) struct Report {
     /// Print one JSON object on stdout
     #[arg(long)]
     pub(super) json: bool,
-    /// No notes and no bars on stderr
-    #[arg(long)]
-    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -279,7 +279,8 @@ pub(super) struct Plan {
     /// FOLD file of the same sheet whose angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
     pub(super) goal: Option<PathBuf>,
-    /// Fold each crease by this fraction of a half turn, the way its letter says
+    /// Fold each crease by this fraction of a half turn, the way its letter says; 0 is the flat sheet, to which
+    /// --via leads back
     #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
     pub(super) fold: Option<f64>,
     /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow
@@ -541,6 +542,14 @@ impl Plan {
                 "--max-speed: expected at least 1e-6 degrees per second, found {found}"
             )));
         }
+        if let Some(found) = self
+            .max_accel
+            .filter(|most| !(*most > 0.0 && most.is_finite()))
+        {
+            return Err(super::CliError::Usage(format!(
+                "--max-accel: expected degrees per second squared above 0, found {found}"
+            )));
+        }
         if !self.via.is_empty() && matches!(self.search, Search::Random) {
             return Err(super::CliError::Usage(
                 "--via: expected --search path, as the randomised search knows no phases".into(),
@@ -786,10 +795,28 @@ impl FromStr for Target {
             None if text == "sim" => Ok(Self::Sim),
             None if text == "qemu" => Ok(Self::Qemu),
             Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.into())),
-            Some(("tcp", address)) if !address.is_empty() => Ok(Self::Tcp(address.into())),
+            Some(("tcp", address)) if is_address(address) => Ok(Self::Tcp(address.into())),
+            Some(("tcp", _)) => {
+                Err("expected tcp:HOST:PORT or tcp:PORT, the port a number from 1 to 65535".into())
+            }
             _ => Err("expected sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT".into()),
         }
     }
+}
+
+/// Whether it is `HOST:PORT`, with the colons of a host in brackets, or a port.
+fn is_address(text: &str) -> bool {
+    let (host, port) = match text.rsplit_once(':') {
+        Some((host, port)) => (Some(host), port),
+        None => (None, text),
+    };
+    let known = |host: &str| {
+        let bare = host
+            .strip_prefix('[')
+            .and_then(|host| host.strip_suffix(']'));
+        !host.is_empty() && (bare.is_some() || !host.contains(':'))
+    };
+    host.is_none_or(known) && port.parse::<u16>().is_ok_and(|port| port > 0)
 }
 
 /// Faults of a line.

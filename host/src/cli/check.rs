@@ -29,7 +29,7 @@ struct CrossingJson {
     at: f64,
 }
 
-pub(super) fn run(args: &Check) -> Answer {
+pub(super) fn run(args: &Check, quiet: bool) -> Answer {
     let bound = args.bound;
     if bound > 1.0 && bound.is_finite() {
         let text = format!("--bound: expected a fraction of at most 1, found {bound}");
@@ -40,7 +40,7 @@ pub(super) fn run(args: &Check) -> Answer {
             "--bound: expected a number above 0, found {bound}"
         )));
     }
-    let (path, verdict) = watched(&args.report, |progress| {
+    let (path, verdict) = watched(&args.report, quiet, |progress| {
         let path = read_path(&args.path)?;
         let options = CheckOptions {
             bound,
@@ -72,7 +72,7 @@ pub(super) fn run(args: &Check) -> Answer {
         print_json(&json)?;
         return Ok(holds);
     }
-    print_notes(args.report.quiet, path.pattern.assumptions());
+    print_notes(quiet, path.pattern.assumptions());
     let outcome = outcome(holds, json.outcome);
     let mut text = format!("{}: {outcome}\n", path.title);
     for failure in &verdict.failures {

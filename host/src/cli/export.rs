@@ -23,7 +23,7 @@ pub(super) fn run(args: &Export) -> Answer {
     if args.colour.is_some() && args.to != ExportFormat::Svg {
         return usage("--colour: expected --to svg, which has colours");
     }
-    check_output(&args.path, &args.output)?;
+    check_output("-o", &args.output, [&args.path])?;
     if args.to == ExportFormat::Obj {
         return sequence(args);
     }
@@ -100,7 +100,8 @@ fn sequence(args: &Export) -> Answer {
     }
     let names = [0, path.knots.len() - 1].map(|k| obj_sequence::frame_path(output, folder, k));
     for index in 0..path.knots.len() {
-        check_output(&args.path, &obj_sequence::frame_path(output, folder, index))?;
+        let frame = obj_sequence::frame_path(output, folder, index);
+        check_output("-o", &frame, [&args.path])?;
     }
     write_each_whole(obj_sequence::files(&path, output, folder))?;
     print(&format!(

@@ -111,10 +111,13 @@ fn of_content(path: &Path) -> Option<String> {
         "it seems to be an SVG drawing: its name has to end in .svg"
     } else if first.starts_with("v ") && numbers >= 3 {
         "it seems to be an OBJ file, a folded shape: `foldpath unfold` makes a crease pattern of one"
+    } else if ending == "stl" || first.starts_with("solid ") {
+        "it seems to be an STL file, a folded shape: `foldpath unfold` makes a crease pattern of one"
     } else if numbers == 5 {
         "it seems to be a CP drawing: its name has to end in .cp"
     } else if !first.starts_with('{') && !matches!(ending.as_str(), "fold" | "json") {
-        "a name's ending says its format, .fold, .svg or .cp; all others are read as FOLD"
+        "a name's ending says its format: .fold, .svg or .cp, or for folded shapes .obj or .stl, of which `foldpath \
+         unfold` makes a crease pattern; all others are read as FOLD"
     } else {
         return None;
     };

@@ -32,7 +32,7 @@ struct InfoJson {
     assumptions: Vec<String>,
 }
 
-pub(super) fn run(args: &Info) -> Answer {
+pub(super) fn run(args: &Info, quiet: bool) -> Answer {
     let file = read_pattern(&args.pattern)?;
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
@@ -69,9 +69,9 @@ pub(super) fn run(args: &Info) -> Answer {
         print_json(&info)?;
         return Ok(true);
     }
-    print_notes(args.report.quiet, &info.repairs);
-    print_notes(args.report.quiet, &info.assumptions);
-    print_notes(args.report.quiet, radians(pattern, closure_goal).as_slice());
+    print_notes(quiet, &info.repairs);
+    print_notes(quiet, &info.assumptions);
+    print_notes(quiet, radians(pattern, closure_goal).as_slice());
     let text = summary(&file.title, &info, pattern.holes().len());
     print(&(text + &outlook::text(pattern, &groups, closure_goal, &args.pattern)))?;
     Ok(true)

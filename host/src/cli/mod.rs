@@ -17,7 +17,7 @@ mod unfold;
 mod view;
 
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -62,16 +62,17 @@ type Answer = Result<bool, CliError>;
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = args::Cli::parse();
+    let quiet = cli.quiet;
     let answer = match cli.command {
         args::Command::Generate(args) => generate::run(&args),
-        args::Command::Info(args) => info::run(&args),
-        args::Command::Plan(args) => plan::run(&args),
-        args::Command::Check(args) => check::run(&args),
-        args::Command::Unfold(args) => unfold::run(&args),
+        args::Command::Info(args) => info::run(&args, quiet),
+        args::Command::Plan(args) => plan::run(&args, quiet),
+        args::Command::Check(args) => check::run(&args, quiet),
+        args::Command::Unfold(args) => unfold::run(&args, quiet),
         args::Command::View(args) => view::run(&args),
         args::Command::Plot(args) => plot::run(&args),
         args::Command::Export(args) => export::run(&args),
-        args::Command::Stream(args) => stream::run(&args),
+        args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),
     };
@@ -85,16 +86,20 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Refuses to write a result over the file that it is made of.
-fn check_output(input: &Path, output: &Path) -> Result<(), CliError> {
-    let same = match (input.canonicalize(), output.canonicalize()) {
-        (Ok(input), Ok(output)) => input == output,
-        _ => false,
+/// Refuses to write what `option` names over a file that it is made of.
+fn check_output<'a>(
+    option: &str,
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), CliError> {
+    let Ok(found) = output.canonicalize() else {
+        return Ok(());
     };
-    if same {
+    let same = |input: &PathBuf| input.canonicalize().is_ok_and(|input| input == found);
+    if inputs.into_iter().any(same) {
         let output = output.display();
         return Err(CliError::Usage(format!(
-            "-o: {output} is the input file, expected another"
+            "{option}: {output} is an input file, expected another"
         )));
     }
     Ok(())

@@ -66,11 +66,15 @@ struct CollisionJson {
     skipped_edges: u64,
 }
 
-pub(super) fn run(args: &Plan) -> Answer {
+pub(super) fn run(args: &Plan, quiet: bool) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
     if let Some(output) = &args.output {
-        check_output(&args.pattern, output)?;
+        let inputs = [&args.pattern]
+            .into_iter()
+            .chain(&args.goal)
+            .chain(&args.via);
+        check_output("-o", output, inputs)?;
     }
     let Planned {
         file,
@@ -78,7 +82,7 @@ pub(super) fn run(args: &Plan) -> Answer {
         plan,
         read,
         write,
-    } = watched(&args.report, |progress| {
+    } = watched(&args.report, quiet, |progress| {
         planned(
             args,
             PlanOptions {
@@ -127,9 +131,9 @@ pub(super) fn run(args: &Plan) -> Answer {
         },
         seed: args.seed,
     };
-    print_notes(args.report.quiet, file.pattern.repairs());
-    print_notes(args.report.quiet, file.pattern.assumptions());
-    print_notes(args.report.quiet, &plan.notes);
+    print_notes(quiet, file.pattern.repairs());
+    print_notes(quiet, file.pattern.assumptions());
+    print_notes(quiet, &plan.notes);
     if args.goal.is_none() && args.fold.is_none() && args.crease.is_none() {
         let open = plan.outcome == Outcome::GoalNotClosed;
         let closure = if open {
@@ -138,7 +142,7 @@ pub(super) fn run(args: &Plan) -> Answer {
             plan.goal_closure
         };
         let note = radians(&file.pattern, Some(closure));
-        print_notes(args.report.quiet, note.as_slice());
+        print_notes(quiet, note.as_slice());
     }
     if args.report.json {
         print_json(&json)?;
@@ -170,7 +174,8 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
         .validate()
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
-    let plan = planner::plan(&file.pattern, &goal, &options);
+    let mut plan = planner::plan(&file.pattern, &goal, &options);
+    plan.notes.extend(held_flat(args, &file.pattern, &goal));
     options.begin(Stage::Writing);
     let start = Instant::now();
     if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
@@ -197,7 +202,7 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     let name = |path: &std::path::Path| path.display().to_string();
     let bad = |source| match source {
-        GoalError::Fraction(_) | GoalError::Crease { .. } => CliError::Usage(source.to_string()),
+        GoalError::Crease { .. } => CliError::Usage(source.to_string()),
         _ => CliError::Goal {
             file: name(&args.pattern),
             source,
@@ -210,6 +215,11 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     };
     let mut goal = match (&args.goal, args.fold, &args.crease) {
         (Some(path), ..) => chosen(path)?,
+        (None, Some(fraction), _) if !(0.0..=1.0).contains(&fraction) => {
+            let text = format!("--fold: expected a fraction from 0 to 1, found {fraction}");
+            return Err(CliError::Usage(text));
+        }
+        (None, Some(fraction), _) if fraction <= 0.0 => flat(&file.pattern),
         (None, Some(fraction), _) => Goal::of_letters(&file.pattern, fraction).map_err(bad)?,
         (None, None, Some(driven)) => {
             let crease = crease(&file.pattern, "--crease", driven.edge)?;
@@ -225,6 +235,12 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     Ok(goal)
 }
 
+/// The flat sheet: where the path begins, or where it goes back to.
+fn flat(pattern: &CreasePattern) -> Goal {
+    let angles = vec![Some(0.0); pattern.creases().len()];
+    Goal::chosen(pattern, angles, "the flat sheet".into())
+}
+
 /// The limits of the hinges.
 fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliError> {
     let limit = |limit: &super::args::LimitedEdge| {
@@ -235,6 +251,38 @@ fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliEr
         })
     };
     args.limit.iter().map(limit).collect()
+}
+
+/// That limits leave creases no room at all the way they are to turn, which no outcome says.
+fn held_flat(args: &Plan, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
+    let note = |limit: &super::args::LimitedEdge| {
+        let edge = pattern.edges().get(limit.edge)?;
+        let asked = goal.fold_angles[edge.crease?.index()];
+        let (way, what) = match (edge.letter.sign(), asked) {
+            (_, Some(asked)) if asked.abs() <= 0.0 => return None,
+            (sign, _) if sign.abs() > 0.0 => (sign, format!("lettered {}", edge.letter.code())),
+            (_, asked) => {
+                let asked = asked?;
+                (
+                    asked,
+                    format!("whose goal is {:.6} degrees", asked.to_degrees()),
+                )
+            }
+        };
+        let (room, side) = if way < 0.0 {
+            (limit.lower < 0.0, "below")
+        } else {
+            (limit.upper > 0.0, "above")
+        };
+        (!room).then(|| {
+            format!(
+                "--limit: edge {}, {what}, turns to angles {side} 0, of which {}..{} degrees leave it none: it stays \
+                 flat",
+                limit.edge, limit.lower, limit.upper
+            )
+        })
+    };
+    args.limit.iter().filter_map(note).collect()
 }
 
 /// The crease of an edge that an option names.

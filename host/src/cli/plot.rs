@@ -15,7 +15,7 @@ pub(super) fn run(args: &Plot) -> Answer {
             "-o: expected a name that ends in .svg or .png, found {output}"
         )));
     }
-    check_output(&args.path, &args.output)?;
+    check_output("-o", &args.output, [&args.path])?;
     let path = read_path(&args.path)?;
     let curves = Curves::of_path(&path);
     let text = svg(&curves);

@@ -20,13 +20,17 @@ const FULL: u64 = 1000;
 static PROGRESS: Progress = Progress::new();
 
 /// Whether bars are drawn.
-pub(super) fn shown(report: &Report) -> bool {
-    !report.quiet && !report.json && stderr().is_terminal()
+pub(super) fn shown(report: &Report, quiet: bool) -> bool {
+    !quiet && !report.json && stderr().is_terminal()
 }
 
 /// Does the work, which tells how far it is where that is shown.
-pub(super) fn watched<T>(report: &Report, work: impl FnOnce(Option<&'static Progress>) -> T) -> T {
-    if !shown(report) {
+pub(super) fn watched<T>(
+    report: &Report,
+    quiet: bool,
+    work: impl FnOnce(Option<&'static Progress>) -> T,
+) -> T {
+    if !shown(report, quiet) {
         return work(None);
     }
     let (working, over) = channel();

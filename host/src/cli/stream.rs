@@ -37,9 +37,11 @@ struct StreamJson<'a> {
     max_gap: Option<f64>,
 }
 
-pub(super) fn run(args: &Stream) -> Answer {
+pub(super) fn run(args: &Stream, quiet: bool) -> Answer {
     if let Some(log) = &args.log {
-        check_output(&args.path, log)?;
+        let others = [&args.script, &args.sheet, &args.image];
+        let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
+        check_output("--log", log, inputs)?;
     }
     let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
         path: args.path.clone(),
@@ -51,6 +53,7 @@ pub(super) fn run(args: &Stream) -> Answer {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
+    let shown = progress::shown(&args.report, quiet);
     let mut rigidity = None;
     let summary = match &args.to {
         Target::Sim => {
@@ -59,27 +62,33 @@ pub(super) fn run(args: &Stream) -> Answer {
             } else {
                 Sim::new()
             };
-            let summary = session(&mut sim, args, &path, 1)?;
+            let summary = session(&mut sim, args, &path, 1, shown)?;
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
         Target::Qemu => {
             let image = match &args.image {
-                Some(image) => image.clone(),
+                Some(image) if image.is_file() => image.clone(),
+                Some(image) => {
+                    let image = image.display();
+                    let text =
+                        format!("--image: expected the file of an image, found none at {image}");
+                    return Err(CliError::Usage(text));
+                }
                 None => {
                     default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
                 }
             };
             let name = format!("qemu-system-arm with {}", image.display());
-            connected(&name, Emulator::start(&image), args, &path)?
+            connected(&name, Emulator::start(&image), args, &path, shown)?
         }
         Target::Serial(device) => {
             let link = Wire::open(device, args.baud);
-            connected(&format!("serial:{device}"), link, args, &path)?
+            connected(&format!("serial:{device}"), link, args, &path, shown)?
         }
         Target::Tcp(address) => {
             let link = Wire::connect(address);
-            connected(&format!("tcp:{address}"), link, args, &path)?
+            connected(&format!("tcp:{address}"), link, args, &path, shown)?
         }
     };
     report(args, &path, &summary, rigidity)?;
@@ -106,9 +115,10 @@ fn connected(
     link: io::Result<impl Link>,
     args: &Stream,
     path: &StreamPath,
+    shown: bool,
 ) -> Result<Summary, CliError> {
     match link {
-        Ok(link) => session(link, args, path, id()),
+        Ok(link) => session(link, args, path, id(), shown),
         Err(error) => Ok(Summary {
             outcome: Outcome::NoDevice,
             reason: Some(format!("{name}: {error}")),
@@ -135,11 +145,12 @@ fn session(
     args: &Stream,
     path: &StreamPath,
     id: u32,
+    shown: bool,
 ) -> Result<Summary, CliError> {
     match args.faults {
-        None => logged(&mut link, args, path, id),
+        None => logged(&mut link, args, path, id, shown),
         Some(LineFaults { faults, seed }) => {
-            logged(&mut Faulty::new(link, faults, seed), args, path, id)
+            logged(&mut Faulty::new(link, faults, seed), args, path, id, shown)
         }
     }
 }
@@ -149,6 +160,7 @@ fn logged(
     args: &Stream,
     path: &StreamPath,
     id: u32,
+    shown: bool,
 ) -> Result<Summary, CliError> {
     let pressed = Arc::new(AtomicU8::new(0));
     let count = Arc::clone(&pressed);
@@ -160,7 +172,6 @@ fn logged(
         resume: args.resume,
         id,
     };
-    let shown = progress::shown(&args.report);
     let mut follow = |log: &mut dyn Write| {
         let mut watch = Watch {
             path,

@@ -20,14 +20,14 @@ struct UnfoldJson<'a> {
     max_closure: Option<f64>,
 }
 
-pub(super) fn run(args: &Unfold) -> Answer {
+pub(super) fn run(args: &Unfold, quiet: bool) -> Answer {
     let degrees = args.max_defect;
     if !(degrees > 0.0 && degrees <= 10.0) {
         return Err(CliError::Usage(format!(
             "--max-defect: expected degrees above 0 and at most 10, found {degrees}"
         )));
     }
-    check_output(&args.shape, &args.output)?;
+    check_output("-o", &args.output, [&args.shape])?;
     let file = read_shape(&args.shape, args.frame)?;
     let options = UnfoldOptions {
         max_defect: degrees.to_radians(),
@@ -40,8 +40,8 @@ pub(super) fn run(args: &Unfold) -> Answer {
     if let Some(drawing) = &unfolding.drawing {
         write_whole_with(&args.output, |out| write_pattern(&file.title, drawing, out))?;
     }
-    print_notes(args.report.quiet, &file.notes);
-    print_notes(args.report.quiet, &unfolding.notes);
+    print_notes(quiet, &file.notes);
+    print_notes(quiet, &unfolding.notes);
     if args.report.json {
         print_json(&UnfoldJson {
             outcome: unfolding.outcome.name(),

@@ -7,7 +7,7 @@ use crate::formats::write_whole;
 use crate::view::{Scene, page};
 
 pub(super) fn run(args: &View) -> Answer {
-    check_output(&args.path, &args.output)?;
+    check_output("-o", &args.output, [&args.path])?;
     let path = read_path(&args.path)?;
     let scene = Scene::of_path(&path);
     write_whole(&args.output, page(&scene).as_bytes())?;

@@ -189,7 +189,7 @@ impl Pieces {
         self.joints(a).iter().any(|joint| joint.piece == b)
     }
 
-    /// Pairs of pieces that [`meet`](Self::meet), each once.
+    /// Pairs of pieces of the same sheet that [`meet`](Self::meet), each once.
     pub(super) fn touching(&self) -> Vec<[u32; 2]> {
         let mut corners: Vec<_> = (0..)
             .zip(&self.list)
@@ -205,7 +205,9 @@ impl Pieces {
             let pairs = at.iter().enumerate();
             pairs.flat_map(move |(k, (_, a))| at[k + 1..].iter().map(move |(_, b)| [*a, *b]))
         });
-        let mut pairs: Vec<_> = pairs.filter(|[a, b]| a != b).collect();
+        let sheet = |piece: u32| self.list[piece as usize].sheet;
+        let same = |[a, b]: &[u32; 2]| a != b && sheet(*a) == sheet(*b);
+        let mut pairs: Vec<_> = pairs.filter(same).collect();
         pairs.sort_unstable();
         pairs.dedup();
         pairs

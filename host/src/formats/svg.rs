@@ -11,6 +11,7 @@
 //! digits of single precision, in which usvg resolves shapes: as many as drawing programs write.
 
 mod effort;
+mod numbers;
 
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
@@ -43,10 +44,9 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
         found,
     };
     effort::of_text(text).map_err(|found| error("the drawing".into(), "less of it", found))?;
-    let (tree, mut notes) =
-        tree(text).map_err(|(place, found)| error(place, "an SVG drawing", found))?;
-    let strokes =
-        strokes(tree.root()).map_err(|(place, expected, found)| error(place, &expected, found))?;
+    let told = |(place, expected, found): Wrong| error(place, &expected, found);
+    let (tree, mut notes) = tree(text).map_err(told)?;
+    let strokes = strokes(tree.root()).map_err(told)?;
 
     let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
     // Opacity says how far a mountain or valley folds, and nothing if none is less than 1.
@@ -99,13 +99,16 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     pattern_file(path, segments, rounding.fold(0.0, f64::max), notes)
 }
 
+/// A place, what was expected there and what it is.
+type Wrong = (String, String, String);
+
 /// What usvg need not do: only where strokes run is read.
 const UNUSED: &str = "* { fill: none !important; marker: none !important; filter: none !important; \
                       clip-path: none !important; mask: none !important }";
 
-/// The drawing with styles, transforms and shapes resolved, and notes of what is left out; or the place
-/// and what is wrong there.
-fn tree(text: &str) -> Result<(Tree, Vec<String>), (String, String)> {
+/// The drawing with styles, transforms and shapes resolved, and notes of what is left out.
+fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
+    let no_drawing = |place: String, found: String| (place, "an SVG drawing".into(), found);
     let options = roxmltree::ParsingOptions {
         // Illustrator writes one.
         allow_dtd: true,
@@ -114,16 +117,18 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), (String, String)> {
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
         let place = format!("line {}, column {}", error.pos().row, error.pos().col);
-        (place, format!("no XML ({error})"))
+        no_drawing(place, format!("no XML ({error})"))
     })?;
     let root = document.root_element();
     let place = |node: roxmltree::Node<'_, '_>| {
         format!("line {}", document.text_pos_at(node.range().start).row)
     };
     if root.tag_name().name() != "svg" {
-        return Err((place(root), format!("<{}>", root.tag_name().name())));
+        let found = format!("<{}>", root.tag_name().name());
+        return Err(no_drawing(place(root), found));
     }
-    effort::of_document(&document).map_err(|found| (place(root), found))?;
+    numbers::check(&document)?;
+    effort::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
     let options = Options {
         // Nothing but this file is opened.
         image_href_resolver: ImageHrefResolver {
@@ -134,7 +139,7 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), (String, String)> {
         ..Default::default()
     };
     let tree = Tree::from_xmltree(&document, &options);
-    let tree = tree.map_err(|error| (place(root), error.to_string()))?;
+    let tree = tree.map_err(|error| no_drawing(place(root), error.to_string()))?;
     let count = |names: [&str; 3]| {
         let elements = document.descendants();
         elements
@@ -242,8 +247,8 @@ struct Lines {
     rounding: f64,
 }
 
-/// All strokes in the order in which they are painted; or the element, what was expected and what it is.
-fn strokes(root: &Group) -> Result<Vec<Stroke>, (String, String, String)> {
+/// All strokes in the order in which they are painted.
+fn strokes(root: &Group) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
     let mut open: Vec<(&Node, f64)> = Vec::new();

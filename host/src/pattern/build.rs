@@ -24,6 +24,7 @@ impl CreasePattern {
         let places = places(&drawing, &mut assumptions);
         planarity::check(&drawing, &places)?;
         let mut stars = sorted_stars(&drawing);
+        let traced = drawing.faces.is_none();
         let mut faces = match drawing.faces.take() {
             Some(faces) => {
                 let faces = faces.into_iter();
@@ -56,7 +57,13 @@ impl CreasePattern {
             .flat_map(|(face, cycle)| cycle.iter().map(move |v| (v.index(), FaceId::new(face))));
         let corners = group_by_key(drawing.vertices.len(), corners);
         let real = real_vertices(&stars, &edges);
-        let (triangles, diagonals) = panels(&drawing, &faces)?;
+        let (triangles, diagonals) = panels(&drawing, &faces).map_err(|error| match error {
+            // Nobody drew the face that an edge runs into.
+            PatternError::NoArea { face } if traced => {
+                dead_end(&stars, &edges, face).unwrap_or(error)
+            }
+            _ => error,
+        })?;
         let mut lengths: Vec<f64> = drawing
             .edges
             .iter()
@@ -323,6 +330,7 @@ fn resolve_letters(
     let mut creases = Vec::new();
     let mut edges = Vec::with_capacity(drawing.edges.len());
     let mut outer: BTreeMap<Letter, (usize, usize)> = BTreeMap::new();
+    let mut left_out = Vec::new();
     for (index, (drawn, &faces)) in drawing.edges.iter().zip(edge_faces).enumerate() {
         let mut letter = drawn.letter;
         let mut crease = None;
@@ -335,6 +343,9 @@ fn resolve_letters(
             let (_, count) = outer.entry(letter).or_insert((index, 0_usize));
             *count += 1;
             letter = Letter::Boundary;
+        }
+        if crease.is_none() && drawn.goal.is_some_and(|goal| goal.abs() > 0.0) {
+            left_out.push(index);
         }
         edges.push(Edge {
             ends: drawn.ends.map(VertexId::new),
@@ -349,6 +360,12 @@ fn resolve_letters(
             "edges lettered {} with a face on one side at most, taken as boundary: {count} (first: \
              edge {first})",
             letter.code()
+        ));
+    }
+    if let Some(first) = left_out.first() {
+        assumptions.push(format!(
+            "goal angles of edges that are no hinges left out: {} (first: edge {first})",
+            left_out.len()
         ));
     }
     (edges, creases)
@@ -441,6 +458,25 @@ fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, Pattern
         triangles.push(cut.into_iter().map(|t| t.map(|c| cycle[c])));
     }
     Ok((triangles, diagonals))
+}
+
+/// The edge that has a face on both sides, one that ends there if there is such a one.
+fn dead_end(stars: &Ragged<EdgeId>, edges: &[Edge], face: usize) -> Option<PatternError> {
+    let face = Some(FaceId::new(face));
+    let within = || (0..).zip(edges).filter(|(_, edge)| edge.faces == [face; 2]);
+    let ends = within().find_map(|(index, edge)| {
+        let alone = |end: &VertexId| stars[end.index()].len() == 1;
+        Some((index, edge.ends.into_iter().find(alone)?))
+    });
+    match ends {
+        Some((edge, vertex)) => Some(PatternError::DeadEnd {
+            edge,
+            vertex: vertex.index(),
+        }),
+        None => within()
+            .next()
+            .map(|(edge, _)| PatternError::OneFace { edge }),
+    }
 }
 
 #[cfg(test)]

@@ -115,6 +115,25 @@ pub enum PatternError {
         /// The other vertex of the side.
         b: usize,
     },
+    /// An edge that ends in the middle of a face.
+    #[error(
+        "edges_vertices[{edge}]: ends inside a face, at vertex {vertex} where no other edge does; \
+         expected it to part two faces"
+    )]
+    DeadEnd {
+        /// The edge.
+        edge: usize,
+        /// Its end.
+        vertex: usize,
+    },
+    /// An edge with one and the same face on both sides.
+    #[error(
+        "edges_vertices[{edge}]: has the same face on both sides; expected it to part two faces"
+    )]
+    OneFace {
+        /// The edge.
+        edge: usize,
+    },
     /// A face without area, or one that crosses itself.
     #[error("faces_vertices[{face}]: expected a simple polygon with an area")]
     NoArea {

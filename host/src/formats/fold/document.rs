@@ -53,21 +53,27 @@ impl Document {
         }
     }
 
-    /// The frames beside the key frame, each an object that inherits from none or an earlier one. Cost:
-    /// linear.
+    /// The keys of the key frame, and of those in `file_frames`.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
+        let root = self.json.root();
+        let frames = root.get("file_frames").and_then(|frames| frames.list());
+        let objects = core::iter::once(root).chain(frames.into_iter().flatten());
+        let keys = objects.flat_map(|object| object.members());
+        keys.filter_map(|(key, _)| key.as_str())
+    }
+
+    /// The frames beside the key frame, each an object that inherits from none or another, and none from itself.
+    /// Cost: linear.
     pub(super) fn frames(&self) -> Result<Frames<'_>, FileError> {
         let objects = match self.key_frame().own("file_frames") {
             Some(frames) => frames.list()?.collect(),
             None => Vec::new(),
         };
-        let mut parents = Vec::with_capacity(objects.len());
-        let mut classes = vec![Classes::of(self.json.root(), Classes::default())];
-        for (index, frame) in objects.iter().enumerate() {
-            let parent = self.parent(index, *frame)?;
-            let inherited = parent.map_or(Classes::default(), |parent| classes[parent]);
-            classes.push(Classes::of(*frame, inherited));
-            parents.push(parent);
-        }
+        let last = objects.len();
+        let parents = objects.iter().enumerate();
+        let parents = parents.map(|(index, frame)| self.parent(index, *frame, last));
+        let parents: Vec<Option<usize>> = parents.collect::<Result<_, _>>()?;
+        let classes = self.classes(&objects, &parents)?;
         Ok(Frames {
             document: self,
             objects,
@@ -76,8 +82,61 @@ impl Document {
         })
     }
 
-    /// The frame that frame `index` of `file_frames` inherits from, if any; the key frame is 0.
-    fn parent(&self, index: usize, frame: Value<'_>) -> Result<Option<usize>, FileError> {
+    /// What the key frame and each other frame is, given for each other the one that it inherits from.
+    fn classes(
+        &self,
+        objects: &[Value<'_>],
+        parents: &[Option<usize>],
+    ) -> Result<Vec<Classes>, FileError> {
+        let mut known = vec![None; objects.len() + 1];
+        known[0] = Some(Classes::of(self.json.root(), Classes::default()));
+        // What was seen is known, but for the chain that is followed.
+        let mut seen = vec![false; objects.len() + 1];
+        let mut chain = Vec::new();
+        for number in 1..=objects.len() {
+            let mut next = Some(number);
+            while let Some(frame) = next.filter(|&frame| known[frame].is_none()) {
+                if seen[frame] {
+                    return Err(self.circle(objects, &chain, frame));
+                }
+                seen[frame] = true;
+                chain.push(frame);
+                next = parents[frame - 1];
+            }
+            let mut inherited = next.and_then(|frame| known[frame]).unwrap_or_default();
+            while let Some(frame) = chain.pop() {
+                inherited = Classes::of(objects[frame - 1], inherited);
+                known[frame] = Some(inherited);
+            }
+        }
+        Ok(known.into_iter().flatten().collect())
+    }
+
+    /// That the last frame of a chain inherits from one that is in it.
+    fn circle(&self, objects: &[Value<'_>], chain: &[usize], parent: usize) -> FileError {
+        let index = chain.last().map_or(0, |frame| frame - 1);
+        let place = format!("file_frames[{index}].frame_parent");
+        let expected = if parent == index + 1 {
+            "another frame than this".into()
+        } else {
+            format!(
+                "a frame that does not inherit from this, frame {}",
+                index + 1
+            )
+        };
+        let found = objects[index].get("frame_parent");
+        let found = found.map_or("none".into(), |found| found.kind());
+        self.expected(place, &expected, &found)
+    }
+
+    /// The frame that frame `index` of `file_frames` inherits from, if any; the key frame is 0, and there is none
+    /// behind `last`.
+    fn parent(
+        &self,
+        index: usize,
+        frame: Value<'_>,
+        last: usize,
+    ) -> Result<Option<usize>, FileError> {
         let place = format!("file_frames[{index}]");
         if !frame.is_object() {
             return Err(self.expected(place, "a frame", &frame.kind()));
@@ -86,15 +145,18 @@ impl Document {
             return Ok(None);
         }
         let parent = frame.get("frame_parent");
-        let earlier = parent.and_then(|p| usize::try_from(p.as_u64()?).ok());
-        // Parents come earlier, so that no chain of them is a circle.
-        let earlier = earlier.filter(|parent| *parent <= index);
-        if earlier.is_some() {
-            return Ok(earlier);
+        let known = parent.and_then(|p| usize::try_from(p.as_u64()?).ok());
+        let known = known.filter(|parent| *parent <= last);
+        if known.is_some() {
+            return Ok(known);
         }
         let place = format!("{place}.frame_parent");
         let found = parent.map_or("none".into(), |parent| parent.kind());
-        Err(self.expected(place, "the number of an earlier frame", &found))
+        Err(self.expected(
+            place,
+            &format!("the number of a frame, 0 to {last}"),
+            &found,
+        ))
     }
 
     pub(super) fn expected(&self, place: String, expected: &str, found: &str) -> FileError {

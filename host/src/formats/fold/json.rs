@@ -211,19 +211,25 @@ impl<'a> Value<'a> {
 
     /// The value of a key, the last one if it is there more than once.
     pub(super) fn get(&self, key: &str) -> Option<Self> {
-        let Node::Object { end } = self.node() else {
-            return None;
-        };
-        let mut found = None;
+        let found = self
+            .members()
+            .filter(|(name, _)| name.as_str() == Some(key));
+        found.last().map(|(_, value)| value)
+    }
+
+    /// The keys of an object with their values; of any other value there are none.
+    pub(super) fn members(&self) -> impl Iterator<Item = (Value<'a>, Value<'a>)> + use<'a> {
         let mut next = self.first_inside();
-        while next.at < end {
-            let value = next.next();
-            if next.as_str() == Some(key) {
-                found = Some(value);
-            }
+        let end = match self.node() {
+            Node::Object { end } => end,
+            _ => next.at,
+        };
+        core::iter::from_fn(move || {
+            let key = (next.at < end).then_some(next)?;
+            let value = key.next();
             next = value.next();
-        }
-        found
+            Some((key, value))
+        })
     }
 
     /// What it is, in words short enough for a message.

@@ -6,6 +6,7 @@
 mod animation;
 mod document;
 mod json;
+mod keys;
 mod pattern;
 mod plane;
 mod shape;

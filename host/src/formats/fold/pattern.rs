@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::document::{Document, Frame, Frames, Located};
+use super::keys;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
 use crate::formats::{FileError, stem};
 use crate::pattern::{
@@ -67,7 +68,8 @@ pub fn parse_goal(
 }
 
 fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
-    let Some(goals) = goal_angles(&document.frames()?, &document.key_frame())? else {
+    let goals = goal_angles(&document.frames()?, &document.key_frame())?;
+    let Some(goals) = goals.filter(Goals::leads_away) else {
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
@@ -89,7 +91,7 @@ pub(super) fn pattern_of(
     frame: &Frame<'_>,
     goals: Option<Goals>,
 ) -> Result<PatternFile, FileError> {
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals.as_ref(), &mut notes)?;
     let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, &goals) {
         (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
@@ -136,6 +138,11 @@ pub(super) struct Goals {
 }
 
 impl Goals {
+    /// Whether they are a goal: zeros alone are the flat sheet.
+    pub(super) fn leads_away(&self) -> bool {
+        self.angles.iter().flatten().any(|angle| angle.abs() > 0.0)
+    }
+
     pub(super) fn check_count(&self, document: &Document, edges: usize) -> Result<(), FileError> {
         if self.angles.len() == edges {
             return Ok(());
@@ -154,18 +161,23 @@ impl Goals {
     }
 }
 
-/// The goal of the last folded frame that names one, or else that of the flat frame.
+/// The goal of the last folded frame that names one, or else that of the flat frame; where all are zeros, the first
+/// of these.
 fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     let latest_first = (1..=frames.len()).rev().chain([0]);
-    for number in latest_first.filter(|&number| frames.classes()[number].folded_form) {
-        if let Some(goals) = goals(&frames.own(number))? {
-            return Ok(Some(goals));
+    let folded = latest_first.filter(|&number| frames.classes()[number].folded_form);
+    let folded = folded.map(|number| goals(&frames.own(number)));
+    let mut zeros = None;
+    for found in folded.chain(core::iter::once_with(|| goals(flat))) {
+        match found? {
+            Some(goals) if goals.leads_away() => return Ok(Some(goals)),
+            found => zeros = zeros.or(found),
         }
     }
-    goals(flat)
+    Ok(zeros)
 }
 
-/// The goal that a frame itself names; `None` if it names none, or zeros alone.
+/// The angles that a frame itself names; `None` if it names none.
 pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     // Before FOLD 1.1 the key had an s.
     let list = ["edges_foldAngle", "edges_foldAngles"]
@@ -181,11 +193,8 @@ pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
         Ok(Some(entry.number()?.to_radians()))
     });
     let angles: Vec<Option<f64>> = radians.collect::<Result<_, FileError>>()?;
-    let zero = angles
-        .iter()
-        .all(|angle| angle.is_none_or(|a| a.abs() <= 0.0));
     let frame = frame.prefix();
-    Ok((!zero).then_some(Goals { angles, frame }))
+    Ok(Some(Goals { angles, frame }))
 }
 
 fn drawing(
@@ -203,6 +212,7 @@ fn drawing(
     if let Some(goals) = goals {
         goals.check_count(document, edges.len())?;
     }
+    let goals = goals.filter(|goals| goals.leads_away());
     let letters = letters(frame, edges.len(), notes)?;
     let drawn = edges
         .into_iter()
@@ -323,13 +333,21 @@ pub(super) fn letters(
         return Ok(vec![Letter::Unassigned; edges]);
     };
     let mut unknown: BTreeMap<String, usize> = BTreeMap::new();
+    let mut small = 0_usize;
     let mut letters = Vec::with_capacity(edges);
     for entry in list.entries_of(edges, "edge")? {
         let code = entry.text()?;
-        letters.push(Letter::from_code(code).unwrap_or_else(|| {
+        let letter = Letter::from_code(code);
+        small += usize::from(letter.is_some_and(|letter| !code.starts_with(letter.code())));
+        letters.push(letter.unwrap_or_else(|| {
             *unknown.entry(code.chars().take(20).collect()).or_default() += 1;
             Letter::Unassigned
         }));
+    }
+    if small > 0 {
+        notes.push(format!(
+            "letters in edges_assignment that are written small, taken as capitals: {small}"
+        ));
     }
     for (code, count) in unknown {
         notes.push(format!(

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::LARGEST_FILE;
 use super::document::{Document, Frame};
-use super::pattern::{edges, faces, goals, letters, points, title};
+use super::keys;
+use super::pattern::{Goals, edges, faces, goals, letters, points, title};
 use crate::formats::{FileError, ShapeFile, read_bytes};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
@@ -28,7 +29,7 @@ pub fn parse_shape(
 ) -> Result<ShapeFile, FileError> {
     let document = Document::parse(path, bytes)?;
     let (frame, folded) = chosen(&document, frame)?;
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(keys::not_known(&document));
     if folded && frame.own("vertices_coords").is_none() {
         let expected = "the folded positions of the vertices";
         return Err(frame.missing("vertices_coords", expected));
@@ -50,6 +51,7 @@ pub fn parse_shape(
     if let Some(goals) = &goals {
         goals.check_count(&document, ends.len())?;
     }
+    let goals = goals.filter(Goals::leads_away);
     let edges = ends.into_iter().enumerate().map(|(index, ends)| ShapeEdge {
         ends,
         letter: letters.get(index).copied(),

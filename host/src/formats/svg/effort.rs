@@ -205,7 +205,7 @@ fn reach(node: Node<'_, '_>) -> f64 {
 }
 
 /// Sum of the numbers of a list, all taken for positive.
-fn sum(list: &str) -> f64 {
+pub(super) fn sum(list: &str) -> f64 {
     let (mut sum, mut rest) = (0.0, list);
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit() || c == '.') {
         rest = &rest[start..];

@@ -1,0 +1,93 @@
+//! The numbers of a drawing. usvg takes lengths that are none for 0, reads lists as far as they are right, and leaves
+//! out what is too large for single precision: all without a word.
+
+use svgtypes::{Error, Length, NumberListParser, PathParser};
+use usvg::roxmltree::{Document, Node};
+
+use super::Wrong;
+use super::effort::sum;
+
+/// Largest number: far from where single precision ends, whatever it is multiplied by or added to.
+const LARGEST: f64 = 1e30;
+
+/// The place of the first number that is none or too large, what was expected there and what it is.
+pub(super) fn check(document: &Document<'_>) -> Result<(), Wrong> {
+    document.descendants().try_for_each(|node| {
+        let names: &[&str] = match node.tag_name().name() {
+            "line" => &["x1", "y1", "x2", "y2"],
+            "rect" => &["x", "y", "width", "height"],
+            "polyline" | "polygon" => &["points"],
+            "path" => &["d"],
+            _ => &[],
+        };
+        names
+            .iter()
+            .try_for_each(|name| of_attribute(document, node, name))
+    })
+}
+
+fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Result<(), Wrong> {
+    let Some(attribute) = node.attribute_node(name) else {
+        return Ok(());
+    };
+    let value = attribute.value();
+    let (right, what) = match name {
+        "points" => (points(value), "numbers"),
+        "d" => (data(value), "path data with numbers"),
+        _ => (length(value), "a number"),
+    };
+    let Err(characters) = right else {
+        return Ok(());
+    };
+    let at = value.char_indices().nth(characters);
+    let at = at.map_or(value.len(), |(at, _)| at);
+    let written = attribute.range_value();
+    // Entities are longer than what they stand for.
+    let within = if written.len() == value.len() { at } else { 0 };
+    let place = document.text_pos_at(written.start + within);
+    let found: String = value[at..].chars().take(40).collect();
+    Err((
+        format!("line {}, column {}", place.row, place.col),
+        format!("{name} to be {what} from -{LARGEST:e} to {LARGEST:e}"),
+        match found.as_str() {
+            "" => "its end".into(),
+            found => format!("\"{found}\""),
+        },
+    ))
+}
+
+/// Characters before what is wrong; none of what is too large, somewhere.
+type Right = Result<(), usize>;
+
+fn length(value: &str) -> Right {
+    let length: Length = value.parse().map_err(|_| 0_usize)?;
+    small(length.number.abs())
+}
+
+fn points(value: &str) -> Right {
+    NumberListParser::from(value).try_for_each(|number| number.map(drop).map_err(before))?;
+    small(sum(value))
+}
+
+fn data(value: &str) -> Right {
+    PathParser::from(value).try_for_each(|part| part.map(drop).map_err(before))?;
+    // No point is beyond the sum, be it absolute or relative.
+    small(sum(value))
+}
+
+fn small(number: f64) -> Right {
+    (number <= LARGEST).then_some(()).ok_or(0)
+}
+
+/// Characters before an error. The parser counts them from 1.
+fn before(error: Error) -> usize {
+    match error {
+        Error::UnexpectedData(at)
+        | Error::InvalidChar(_, at)
+        | Error::InvalidString(_, at)
+        | Error::InvalidNumber(at) => at.saturating_sub(1),
+        // What is missing is missing at the end.
+        Error::UnexpectedEndOfStream => usize::MAX,
+        Error::InvalidValue | Error::InvalidIdent => 0,
+    }
+}
