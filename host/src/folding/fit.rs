@@ -79,11 +79,16 @@ pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f6
 /// Times that a fit is mended: where widths are a ten-thousandth of lengths, each leaves a ten-thousandth of the error.
 const MENDINGS: usize = 2;
 
+/// Iterations of the decomposition, where a handful suffice.
+const ROUNDS: usize = 100;
+
 /// The rotation of Kabsch's method.
 fn rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
-    // nalgebra's decomposition of 3x3 matrices squares once more, that of others does not.
-    let svd = MatrixXx3::from_column_slice(covariance.as_slice()).svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+    // nalgebra's decomposition of 3x3 matrices squares once more, that of others does not; of what is no number neither
+    // ends by itself.
+    let svd = MatrixXx3::from_column_slice(covariance.as_slice());
+    let svd = svd.try_svd(true, true, 5.0 * f64::EPSILON, ROUNDS);
+    let Some((Some(u), Some(v_t))) = svd.map(|svd| (svd.u, svd.v_t)) else {
         return Matrix3::identity();
     };
     let (u, v_t) = (u.as_slice(), v_t.as_slice());
@@ -110,6 +115,12 @@ mod tests {
         assert!(worst(laid_on(&moved, &shape)) < 1e-14);
         let mirrored = moved.map(|p| Vector3::new(-p.x, p.y, p.z));
         assert!(worst(laid_on(&mirrored, &shape)) > 0.1);
+    }
+
+    #[test]
+    fn what_is_no_number_is_laid_nowhere() {
+        let shape = [[0., 0., 0.], [1., 0., 0.], [0., f64::NAN, 0.]].map(Vector3::from);
+        assert!(laid_on(&shape, &shape).iter().any(|p| p.x.is_nan()));
     }
 
     #[test]
