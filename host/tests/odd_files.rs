@@ -316,3 +316,32 @@ fn a_byte_order_mark_is_no_part_of_the_text() {
     folder.write("marked.fold", &format!("\u{feff}{}", pattern()));
     assert_eq!(folder.done("info marked.fold --json").json()["faces"], 9);
 }
+
+/// Two lines that cross, one of them drawn twice and one along the border: as in a drawing, the place where they cross is
+/// made a vertex. Where faces say what the sheet is, nothing is mended.
+#[test]
+fn lines_without_faces_are_repaired_and_lines_of_faces_refused() {
+    let loose = json!({
+        "vertices_coords": [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [1, 2], [0, 1], [2, 1]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 4], [6, 7], [0, 4]],
+        "edges_assignment": ["B", "B", "B", "B", "V", "V", "M", "B"],
+        "edges_foldAngle": [0, 0, 0, 0, 30, 30, 0, 0],
+    });
+    let folder = Folder::new();
+    folder.write("loose.fold", &loose.to_string());
+    let found = folder.done("info loose.fold --json").json();
+    assert_eq!(
+        [&found["faces"], &found["creases"], &found["real_vertices"]],
+        [&json!(4), &json!(4), &json!(1)],
+        "{found}"
+    );
+    assert!(!found["repairs"].as_array().unwrap().is_empty());
+    let anew = json!("edges are counted anew, as lines were repaired");
+    assert!(found["assumptions"].as_array().unwrap().contains(&anew));
+    folder.done("plan loose.fold -o path.fold");
+    folder.done("check path.fold");
+
+    let faces = edited(&loose, "/faces_vertices = [[0,1,2,3]]");
+    folder.write("faces.fold", &faces.to_string());
+    folder.run("info faces.fold").with_status(2);
+}

@@ -53,7 +53,7 @@ fn of_pattern(error: &PatternError) -> Option<&'static str> {
         PatternError::Crossing { .. }
         | PatternError::OnEdge { .. }
         | PatternError::Duplicate { .. } => Some(
-            "a FOLD file is taken as it is; in drawings, SVG or CP files, such places are repaired",
+            "where a FOLD file names faces it is taken as it is; such places are repaired in lines without, as in SVG and CP",
         ),
         PatternError::GoalRange { .. } => {
             Some("fold angles are degrees: 0 is flat, 180 folded flat on itself")

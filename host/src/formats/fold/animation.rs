@@ -208,7 +208,7 @@ pub fn parse_path(path: &Path, bytes: &[u8]) -> Result<PathFile, FileError> {
 
 fn path_of(document: &Document) -> Result<PathFile, FileError> {
     let key = document.key_frame();
-    let pattern = pattern_of(document, &key, goals(&key)?)?;
+    let pattern = pattern_of(document, &key, goals(&key)?.as_ref())?;
     let frames = document.frames()?;
     if frames.len() == 0 {
         return Err(document.expected(

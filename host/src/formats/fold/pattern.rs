@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use super::document::{Document, Frame, Frames, Located};
 use super::keys;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
+use crate::formats::segments::{self, Segment};
 use crate::formats::{FileError, stem};
 use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
@@ -43,7 +44,36 @@ fn pattern(document: &Document) -> Result<PatternFile, FileError> {
     let frames = document.frames()?;
     let frame = flat_frame(&frames);
     let angles = goal_angles(&frames, &frame)?;
-    pattern_of(document, &frame, angles)
+    pattern_of(document, &frame, angles.as_ref()).or_else(|error| match &error {
+        FileError::Pattern {
+            source:
+                PatternError::Duplicate { .. }
+                | PatternError::Crossing { .. }
+                | PatternError::OnEdge { .. }
+                | PatternError::Overlap { .. },
+            ..
+        } => repaired(document, &frame, angles.as_ref()).ok_or(error),
+        _ => Err(error),
+    })
+}
+
+/// The crease pattern of lines that are none as they stand, as loose lines are repaired; `None` if that makes none, or if
+/// faces say what the sheet is.
+fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Option<PatternFile> {
+    let mut notes = Vec::from_iter(keys::not_known(document));
+    let drawing = drawing(document, frame, goals, &mut notes).ok()?;
+    if drawing.faces.is_some() {
+        return None;
+    }
+    notes.push("edges are counted anew, as lines were repaired".into());
+    let segments = drawing.edges.iter().map(|edge| Segment {
+        ends: edge.ends.map(|end| drawing.vertices[end]),
+        letter: edge.letter,
+        goal: edge.goal,
+    });
+    let file = segments::pattern_file(document.path(), segments.collect(), 0.0, notes).ok()?;
+    let title = title(document, frame).ok()?;
+    Some(PatternFile { title, ..file })
 }
 
 /// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
@@ -89,11 +119,11 @@ fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>
 pub(super) fn pattern_of(
     document: &Document,
     frame: &Frame<'_>,
-    goals: Option<Goals>,
+    goals: Option<&Goals>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
-    let drawing = drawing(document, frame, goals.as_ref(), &mut notes)?;
-    let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, &goals) {
+    let drawing = drawing(document, frame, goals, &mut notes)?;
+    let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, goals) {
         (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
             goals.place_of(document, source)
         }
