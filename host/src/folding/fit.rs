@@ -79,16 +79,15 @@ pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f6
 /// Times that a fit is mended: where widths are a ten-thousandth of lengths, each leaves a ten-thousandth of the error.
 const MENDINGS: usize = 2;
 
-/// Iterations of the decomposition, where a handful suffice.
-const ROUNDS: usize = 100;
-
 /// The rotation of Kabsch's method.
 fn rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
-    // nalgebra's decomposition of 3x3 matrices squares once more, that of others does not; of what is no number neither
-    // ends by itself.
-    let svd = MatrixXx3::from_column_slice(covariance.as_slice());
-    let svd = svd.try_svd(true, true, 5.0 * f64::EPSILON, ROUNDS);
-    let Some((Some(u), Some(v_t))) = svd.map(|svd| (svd.u, svd.v_t)) else {
+    // Of what is no number there is no decomposition, nor an end of looking for one.
+    if !covariance.iter().all(|entry| entry.is_finite()) {
+        return Matrix3::identity();
+    }
+    // nalgebra's decomposition of 3x3 matrices squares once more, that of others does not.
+    let svd = MatrixXx3::from_column_slice(covariance.as_slice()).svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
         return Matrix3::identity();
     };
     let (u, v_t) = (u.as_slice(), v_t.as_slice());
