@@ -528,6 +528,11 @@ fn bad_drawings_are_refused() {
         ),
         (
             "a.cp",
+            "1 0 0 4 0\n1 4 0 4 4\n1 4 4 0 4\n1 0 4 0 0\n2 4 4 2 3\n2 2 3 3 2\n3 3 2 4 4\n",
+            "near (4, 4), once repaired: faces_vertices[0]: expected a simple polygon with an area",
+        ),
+        (
+            "a.cp",
             &apart,
             "the line from (0, 2) to (1.5, 1.5): expected different faces on its sides, found one face all *",
         ),

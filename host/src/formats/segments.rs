@@ -18,7 +18,6 @@ use self::planar::{Looks, planar};
 use super::FileError;
 use super::fold::PatternFile;
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, PatternError};
-use crate::ragged::group_by_key;
 
 /// Lines and crossings at most: a hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MOST: usize = 1 << 22;
@@ -97,8 +96,8 @@ fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
     // As the file has it, y pointing down.
     let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
     CreasePattern::new(drawing).map_err(|source| {
-        if let Some(bridge) = bridge(vertices.len(), &edges) {
-            let [from, to] = edges[bridge].map(|end| written(vertices[end]));
+        if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
+            let [from, to] = edges[edge].map(|end| written(vertices[end]));
             return FileError::Expected {
                 path: path.to_path_buf(),
                 place: format!("the line from {from} to {to}"),
@@ -186,6 +185,7 @@ fn place(error: &PatternError, edges: &[[usize; 2]]) -> Option<usize> {
     match error {
         PatternError::NotFinite { vertex }
         | PatternError::BrokenStar { vertex }
+        | PatternError::NoArea { vertex, .. }
         | PatternError::OnEdge { vertex, .. } => Some(*vertex),
         PatternError::NoLength { edge }
         | PatternError::Duplicate { edge, .. }
@@ -193,50 +193,4 @@ fn place(error: &PatternError, edges: &[[usize; 2]]) -> Option<usize> {
         | PatternError::Overlap { edge, .. } => edges.get(*edge).map(|ends| ends[0]),
         _ => None,
     }
-}
-
-/// An edge without which its ends are not joined, so that it has the same face on both sides.
-///
-/// Source: R. Tarjan, "A note on finding the bridges of a graph", 1974.
-fn bridge(vertices: usize, edges: &[[usize; 2]]) -> Option<usize> {
-    let numbered = edges.iter().enumerate();
-    let pairs: Vec<_> = numbered
-        .flat_map(|(edge, &[a, b])| [(a, (b, edge)), (b, (a, edge))])
-        .collect();
-    let stars = group_by_key(vertices, &pairs);
-    let none = usize::MAX;
-    // When a vertex was first met, and the earliest vertex that its branch leads back to.
-    let (mut met, mut back) = (vec![none; vertices], vec![none; vertices]);
-    let mut time = 0;
-    for start in 0..vertices {
-        // Vertices on the way, the edge that led there and how far their stars are done.
-        let mut way = Vec::new();
-        if met[start] == none {
-            way.push((start, none, 0));
-        }
-        while let Some((vertex, through, done)) = way.last_mut() {
-            let (at, came) = (*vertex, *through);
-            if *done == 0 {
-                (met[at], back[at]) = (time, time);
-                time += 1;
-            }
-            let Some(&(next, edge)) = stars[at].get(*done) else {
-                way.pop();
-                if let Some(&(before, ..)) = way.last() {
-                    back[before] = back[before].min(back[at]);
-                    if back[at] > met[before] {
-                        return Some(came);
-                    }
-                }
-                continue;
-            };
-            *done += 1;
-            if met[next] == none {
-                way.push((next, edge, 0));
-            } else if edge != came {
-                back[at] = back[at].min(met[next]);
-            }
-        }
-    }
-    None
 }

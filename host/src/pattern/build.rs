@@ -1,6 +1,6 @@
 //! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use nalgebra::Vector2;
 
@@ -41,6 +41,9 @@ impl CreasePattern {
         }
         turn_counter_clockwise(&drawing, &mut faces)?;
         let mut edge_faces = edge_faces(&drawing, &stars, &faces, &places)?;
+        if traced {
+            part_two_faces(&stars, &drawing.edges, &edge_faces)?;
+        }
         order_twins(&drawing, &mut stars, &edge_faces);
         check_stars(&drawing, &stars, &edge_faces)?;
         let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
@@ -57,13 +60,7 @@ impl CreasePattern {
             .flat_map(|(face, cycle)| cycle.iter().map(move |v| (v.index(), FaceId::new(face))));
         let corners = group_by_key(drawing.vertices.len(), corners);
         let real = real_vertices(&stars, &edges);
-        let (triangles, diagonals) = panels(&drawing, &faces).map_err(|error| match error {
-            // Nobody drew the face that an edge runs into.
-            PatternError::NoArea { face } if traced => {
-                dead_end(&stars, &edges, face).unwrap_or(error)
-            }
-            _ => error,
-        })?;
+        let (triangles, diagonals) = panels(&drawing, &faces)?;
         let mut lengths: Vec<f64> = drawing
             .edges
             .iter()
@@ -242,7 +239,7 @@ fn turn_counter_clockwise(
         let cycle = &mut faces[face];
         let area = area(drawing, cycle.iter().copied());
         if cycle.len() < 3 || area.abs() <= 0.0 {
-            return Err(PatternError::NoArea { face });
+            return Err(no_area(face, cycle));
         }
         if area < 0.0 {
             cycle.reverse();
@@ -449,7 +446,7 @@ fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, Pattern
             return Err(PatternError::Corners { face, corners });
         }
         let polygon: Vec<_> = cycle.iter().map(|v| drawing.vertices[v.index()]).collect();
-        let cut = triangulate(&polygon).ok_or(PatternError::NoArea { face })?;
+        let cut = triangulate(&polygon).ok_or_else(|| no_area(face, cycle))?;
         let last = cut.len() - 1;
         // Each triangle but the last was cut off along the side between its first and third corner.
         for &[a, _, c] in &cut[..last] {
@@ -460,23 +457,34 @@ fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, Pattern
     Ok((triangles, diagonals))
 }
 
-/// The edge that has a face on both sides, one that ends there if there is such a one.
-fn dead_end(stars: &Ragged<EdgeId>, edges: &[Edge], face: usize) -> Option<PatternError> {
-    let face = Some(FaceId::new(face));
-    let within = || (0..).zip(edges).filter(|(_, edge)| edge.faces == [face; 2]);
-    let ends = within().find_map(|(index, edge)| {
-        let alone = |end: &VertexId| stars[end.index()].len() == 1;
-        Some((index, edge.ends.into_iter().find(alone)?))
+fn no_area(face: usize, cycle: &[VertexId]) -> PatternError {
+    let mut met = HashSet::new();
+    let again = cycle.iter().find(|vertex| !met.insert(vertex.index()));
+    let vertex = again.or(cycle.first()).map_or(0, |vertex| vertex.index());
+    PatternError::NoArea { face, vertex }
+}
+
+/// Refuses an edge inside one face, first one that ends there: where faces are traced, nobody drew that face.
+fn part_two_faces(
+    stars: &Ragged<EdgeId>,
+    edges: &[DrawnEdge],
+    edge_faces: &EdgeFaces,
+) -> Result<(), PatternError> {
+    let within = || {
+        let edges = edges.iter().zip(edge_faces).enumerate();
+        edges.filter(|(_, (_, [left, right]))| left.is_some() && left == right)
+    };
+    let ends = within().find_map(|(edge, (drawn, _))| {
+        let alone = |&end: &usize| stars[end].len() == 1;
+        let vertex = drawn.ends.into_iter().find(alone)?;
+        Some(PatternError::DeadEnd { edge, vertex })
     });
-    match ends {
-        Some((edge, vertex)) => Some(PatternError::DeadEnd {
-            edge,
-            vertex: vertex.index(),
-        }),
-        None => within()
+    let inside = || {
+        within()
             .next()
-            .map(|(edge, _)| PatternError::OneFace { edge }),
-    }
+            .map(|(edge, _)| PatternError::OneFace { edge })
+    };
+    ends.or_else(inside).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]

@@ -134,11 +134,13 @@ pub enum PatternError {
         /// The edge.
         edge: usize,
     },
-    /// A face without area, or one that crosses itself.
+    /// A face without area, or one that touches or crosses itself.
     #[error("faces_vertices[{face}]: expected a simple polygon with an area")]
     NoArea {
         /// The face.
         face: usize,
+        /// A corner of it: the first where it touches itself, if there is one.
+        vertex: usize,
     },
     /// More than one face on one side of an edge.
     #[error("edges_vertices[{edge}]: faces {first} and {second} lie on the same side of it")]
