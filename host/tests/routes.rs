@@ -245,6 +245,97 @@ fn lines_that_hardly_bend_are_folded_as_straight_ones() {
     }
 }
 
+/// A strip with these widths of its panels and goals of the creases between them, degrees; valleys.
+fn strip(widths: &[f64], goals: &[f64]) -> Value {
+    let ends = widths.iter().scan(0.0, |x, width| {
+        *x += width;
+        Some(*x)
+    });
+    let x: Vec<f64> = core::iter::once(0.0).chain(ends).collect();
+    let last = x.len() - 1;
+    let vertices: Vec<_> = x.iter().flat_map(|x| [[*x, 0.0], [*x, 1.0]]).collect();
+    let across = (0..=last).map(|k| [2 * k, 2 * k + 1]);
+    let along = (0..last).flat_map(|k| [[2 * k, 2 * k + 2], [2 * k + 1, 2 * k + 3]]);
+    let edges: Vec<_> = across.chain(along).collect();
+    let mut letters = vec!["B"; edges.len()];
+    letters[1..last].fill("V");
+    let mut angles = vec![0.0; edges.len()];
+    angles[1..last].copy_from_slice(goals);
+    json!({
+        "file_spec": 1.2,
+        "vertices_coords": vertices,
+        "edges_vertices": edges,
+        "edges_assignment": letters,
+        "edges_foldAngle": angles,
+    })
+}
+
+/// The flaps of a letter, though they are alike; a roll, from its end; a lid, before the flap that goes over it.
+#[test]
+fn parts_are_folded_one_after_the_other_where_they_would_cross() {
+    let folder = Folder::new();
+    let rolled = [1.0, 0.95, 0.9, 0.85, 0.8];
+    for (name, widths, goals, stops) in [
+        ("letter", &[0.9, 1.0, 0.9][..], &[180.0, 180.0][..], 1),
+        ("roll", &rolled, &[180.0; 4], 3),
+        ("lid", &[0.9, 1.0, 0.8], &[170.0, 179.0], 1),
+    ] {
+        folder.write("strip.fold", &strip(widths, goals).to_string());
+        let answer = plan(&folder, "strip.fold -o p.fold");
+        assert_eq!(answer["outcome"], "planned", "{name}: {answer}");
+        holds(&folder, "p.fold");
+        let path = folder.read_json("p.fold");
+        assert_eq!(phases(&path).len(), stops, "{name}");
+        let first = angles_of(&folder, "p.fold", 1);
+        let last = angles_of(&folder, "p.fold", goals.len());
+        let at_once = first.iter().zip(&last);
+        let both =
+            at_once.filter(|&(a, b)| *a % goals[0] > 0.0 && *b % goals[goals.len() - 1] > 0.0);
+        assert_eq!(both.count(), 0, "{name}: {first:?} {last:?}");
+    }
+    // What crosses when it is there is not folded at all.
+    let crossed = strip(&[0.9, 1.0, 0.9], &[178.0, 175.0]);
+    folder.write("strip.fold", &crossed.to_string());
+    let answer = plan(&folder, "strip.fold");
+    assert_eq!(answer["outcome"], "crossing", "{answer}");
+}
+
+/// A map, pleated and rolled up: the roll nearly closes, and would run into itself on the way.
+#[test]
+fn lines_of_a_map_are_folded_one_after_the_other_where_they_would_cross() {
+    let folder = Folder::new();
+    let y = [0.0, 0.857, 2.028, 2.776, 4.112];
+    let vertices: Vec<_> = (0..3).flat_map(|x| y.map(|y| [f64::from(x), y])).collect();
+    let up = (0..3).flat_map(|x| (0..4).map(move |k| [5 * x + k, 5 * x + k + 1]));
+    let right = (0..2).flat_map(|x| (0..5).map(move |k| [5 * x + k, 5 * x + k + 5]));
+    let edges: Vec<_> = up.chain(right).collect();
+    let goal = |[a, b]: [usize; 2]| match (a / 5, a % 5) {
+        (1, _) if b == a + 1 => 180.0,
+        (x, row @ 1..=3) if b == a + 5 => {
+            [140.18, 87.75, 111.87][row - 1] * if x == 0 { 1.0 } else { -1.0 }
+        }
+        _ => 0.0,
+    };
+    let goals: Vec<f64> = edges.iter().map(|&ends| goal(ends)).collect();
+    let letter = |goal: &f64| match goal {
+        g if *g > 0.0 => "V",
+        g if *g < 0.0 => "M",
+        _ => "B",
+    };
+    let map = json!({
+        "file_spec": 1.2,
+        "vertices_coords": vertices,
+        "edges_vertices": edges,
+        "edges_assignment": goals.iter().map(letter).collect::<Vec<_>>(),
+        "edges_foldAngle": goals,
+    });
+    folder.write("map.fold", &map.to_string());
+    let answer = plan(&folder, "map.fold -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    holds(&folder, "p.fold");
+    assert!(!phases(&folder.read_json("p.fold")).is_empty());
+}
+
 /// A waterbomb base, folded flat but for 90 degrees along its valleys.
 fn waterbomb_base() -> Value {
     let rim = [

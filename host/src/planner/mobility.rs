@@ -42,11 +42,7 @@ impl Mobility {
     /// would take long. Cost: rows of the Jacobian times the square of the unknowns.
     #[must_use]
     pub fn at(stars: &ReducedStars, x: &[f64]) -> Option<Self> {
-        let rows = 3 * stars.view().len() + 6 * stars.loops().len();
-        if rows.checked_mul(x.len() * x.len())? > MOST_WORK {
-            return None;
-        }
-        let basis = null_space(jacobian(stars, x)?);
+        let basis = motions(stars, x)?;
         let largest = basis.amax();
         let turns = |row: usize| basis.row(row).amax() > STILL * largest;
         Some(Self {
@@ -55,6 +51,46 @@ impl Mobility {
             drivers: leaders(basis),
         })
     }
+}
+
+/// Unknowns that turn, in sets that do so independently of each other at each of these configurations; those that turn
+/// at none are in no set. `None` where that would take long.
+pub(super) fn independent_parts(
+    stars: &ReducedStars,
+    looks: &[Vec<f64>],
+) -> Option<Vec<Vec<usize>>> {
+    let unknowns = looks.first()?.len();
+    // For each unknown the first one of its set.
+    let mut first: Vec<Option<usize>> = vec![None; unknowns];
+    for look in looks {
+        let basis = motions(stars, look)?;
+        for motion in basis.column_iter() {
+            let still = STILL * motion.amax();
+            let turning: Vec<usize> = (0..unknowns).filter(|&u| motion[u].abs() > still).collect();
+            let joined: Vec<usize> = turning.iter().filter_map(|&u| first[u]).collect();
+            let least = joined.iter().chain(&turning).min().copied();
+            for (unknown, set) in first.iter_mut().enumerate() {
+                if set.is_some_and(|set| joined.contains(&set)) || turning.contains(&unknown) {
+                    *set = least;
+                }
+            }
+        }
+    }
+    let mut parts = vec![Vec::new(); unknowns];
+    for (unknown, set) in first.iter().enumerate() {
+        parts[set.unwrap_or(unknown)].extend(set.map(|_| unknown));
+    }
+    parts.retain(|part| !part.is_empty());
+    Some(parts)
+}
+
+/// A basis of the infinitesimal motions at `x`, one column for each; `None` where that would take long.
+fn motions(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
+    let rows = 3 * stars.view().len() + 6 * stars.loops().len();
+    if rows.checked_mul(x.len() * x.len())? > MOST_WORK {
+        return None;
+    }
+    Some(null_space(jacobian(stars, x)?))
 }
 
 /// The entries of a Jacobian, three rows a block.

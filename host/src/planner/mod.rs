@@ -13,6 +13,7 @@ mod crossings;
 mod depart;
 mod follow;
 mod goal;
+mod in_turn;
 mod judge;
 mod knots;
 mod mobility;

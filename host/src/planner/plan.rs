@@ -145,7 +145,7 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
     if tighter.outcome != Outcome::Planned || tighter.proved() >= plan.proved() {
         return plan;
     }
-    tighter.times = tighter.times.after(&plan.times);
+    tighter.add_effort(&plan);
     tighter.notes.push(format!(
         "{} crease groups dropped: without them less deformation is proved",
         plan.groups
@@ -167,6 +167,13 @@ impl Plan {
         let grouped = options.symmetry == Symmetry::Auto && self.groups < creases;
         let path = grouped && options.search == Search::Path;
         path && held && self.proved().is_some_and(|proved| proved > aim)
+    }
+
+    /// Counts what another took as its own.
+    pub(super) fn add_effort(&mut self, other: &Self) {
+        self.times = self.times.after(&other.times);
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
     }
 
     /// Deformation that the sheet is proved to keep, infinite for none; `None` if nothing was to be proved.
@@ -202,7 +209,11 @@ pub(super) struct Planning<'a> {
 }
 
 impl<'a> Planning<'a> {
-    fn new(pattern: &'a CreasePattern, goal: &'a Goal, options: &'a PlanOptions) -> Self {
+    pub(super) fn new(
+        pattern: &'a CreasePattern,
+        goal: &'a Goal,
+        options: &'a PlanOptions,
+    ) -> Self {
         Self {
             pattern,
             goal,
@@ -220,7 +231,7 @@ impl<'a> Planning<'a> {
             .is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    fn run(mut self) -> Plan {
+    pub(super) fn run(mut self) -> Plan {
         let mut work = Work::default();
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
@@ -400,9 +411,20 @@ impl<'a> Planning<'a> {
             retreats: self.plan.goal_closure > CLOSED,
             part: FIRST_PART,
         };
+        let planning = Planning {
+            plan: Plan::default(),
+            ..self
+        };
         let mut plan = self.judge(&attempt.reduction, &found);
         match plan.outcome {
             Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
+            Outcome::Crossing(_) if outcome == Outcome::Planned => {
+                let Some(mut other) = planning.in_turn(&attempt) else {
+                    return plan;
+                };
+                other.add_effort(&plan);
+                return other;
+            }
             // The goal crosses however far the path is proved.
             Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
             _ => return plan,
@@ -578,7 +600,7 @@ impl<'a> Planning<'a> {
 
 /// Creases up to which a sheet is planned once more without its crease groups for the sake of what is proved, and up to
 /// which for that of an answer.
-const FEW_CREASES: usize = 200;
+pub(super) const FEW_CREASES: usize = 200;
 const MANY_CREASES: usize = 2000;
 /// Radians: a step that shows which vertex stands in the way.
 const PROBE: f64 = 0.1;
