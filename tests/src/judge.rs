@@ -10,8 +10,6 @@ use crate::{Animation, Random, worst};
 /// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of
 /// faces, in both.
 const ROUNDING: f64 = 1e-9;
-/// The oracle folds from another face than the planner: gaps add up along other ways.
-const OTHER_TREE: f64 = 10.0;
 /// Closure residual from which on a path to a goal that closes to rounding is called inexact.
 const CLOSED: f64 = 1e-9;
 /// Radians: how far the end of an exact path may be from a goal that closes.
@@ -74,6 +72,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         limit("off the goal by", missed, plan.goal_error + ROUNDING);
     }
     let (stars, mut random) = (sheet.stars(), Random::new(path.frames.len() as u64));
+    let other_tree = sheet.other_tree(&stars);
     let mut closure = 0.0_f64;
     for (knot, frame) in path.frames.iter().enumerate() {
         let poses = sheet.fold(&frame.angles);
@@ -87,10 +86,10 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         limit(
             "gap",
             sheet.gap(&poses),
-            admitted(OTHER_TREE * plan.rigidity.gap),
+            admitted(other_tree * plan.rigidity.gap),
         );
         for (what, positions) in [("by angles", &placed), ("of positions", &frame.vertices)] {
-            let most = admitted(OTHER_TREE * (plan.rigidity.deformation + plan.rigidity.gap));
+            let most = admitted(other_tree * (plan.rigidity.deformation + plan.rigidity.gap));
             limit(
                 &format!("deformation {what}"),
                 sheet.deformation(positions),
@@ -100,12 +99,12 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         limit(
             "unflatness",
             sheet.unflatness(&frame.vertices),
-            admitted(OTHER_TREE * plan.rigidity.gap),
+            admitted(other_tree * plan.rigidity.gap),
         );
         limit(
             "angles off positions by",
             sheet.angle_error(&frame.vertices, &frame.angles),
-            SAME_ANGLE + OTHER_TREE * plan.rigidity.gap / sheet.narrowest(),
+            SAME_ANGLE + other_tree * plan.rigidity.gap / sheet.narrowest(),
         );
         let shape = Shape {
             sheet,
@@ -146,7 +145,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         for angles in shapes(FOLDED) {
             let poses = sheet.fold(&angles);
             let (placed, gap) = (sheet.positions(&poses), sheet.gap(&poses));
-            let most = certified(plan.certified_deformation, OTHER_TREE);
+            let most = certified(plan.certified_deformation, other_tree);
             limit("gap", gap, most);
             limit("deformation", sheet.deformation(&placed), most);
             let shape = Shape {

@@ -13,7 +13,7 @@ use crate::{Random, Sheet, worst};
 const STEPS: usize = 20;
 /// Part of the median edge: a step so small is the last.
 const SETTLED: f64 = 1e-13;
-/// Part of the median edge by which vertices are moved before the first step.
+/// Part of its shortest edge by which a vertex is moved before the first step.
 const SPREAD: f64 = 0.01;
 /// Part of the largest diagonal entry that is added to all.
 const DAMPING: f64 = 1e-14;
@@ -66,8 +66,15 @@ impl Sheet {
             }
         }
         let mut positions = near.to_vec();
+        let mut shortest = vec![unit; self.flat.len()];
+        for &[a, b] in &self.edges {
+            let length = (self.flat[a] - self.flat[b]).norm();
+            for end in [a, b] {
+                shortest[end] = length.min(shortest[end]);
+            }
+        }
         for &vertex in &free {
-            let mut noise = || random.uniform(-1.0, 1.0) * SPREAD * unit;
+            let mut noise = || random.uniform(-1.0, 1.0) * SPREAD * shortest[vertex];
             positions[vertex] += Vector3::new(noise(), noise(), noise());
         }
         if free.is_empty() {

@@ -11,8 +11,6 @@ const ROUNDING: f64 = 1e-9;
 const LEAST_SQUARES: f64 = 1e-6;
 /// How often two ways from face to face may wind round a vertex.
 const WINDINGS: f64 = 2.0;
-/// By how much gaps add up along other ways.
-const OTHER_TREE: f64 = 10.0;
 /// Vertices beyond which least squares take too long.
 const VERTICES: usize = 120;
 
@@ -54,7 +52,7 @@ impl Shape<'_> {
         let residuals = stars.iter();
         let residuals =
             residuals.map(|star| sheet.closure_round(core::slice::from_ref(star), angles));
-        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + OTHER_TREE * gap;
+        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + sheet.other_tree(stars) * gap;
         let others = sheet.positions_by_matrices(angles);
         limit(
             "positions off those of another tree by",

@@ -7,6 +7,9 @@ use nalgebra::Vector3;
 use crate::sheet::sides;
 use crate::{Sheet, worst};
 
+/// Gaps that add up along other ways.
+const OTHER_WAYS: f64 = 10.0;
+
 impl Sheet {
     /// Largest relative change of length of an edge or of a diagonal of a face, all of them.
     #[must_use]
@@ -34,6 +37,21 @@ impl Sheet {
             worst(heights.map(f64::abs))
         };
         worst(self.faces.iter().map(height)) / self.median_edge()
+    }
+
+    /// By how much a sheet folded from another face, and so torn elsewhere, may gape more: gaps add up along other ways,
+    /// and at a vertex the longest edge may be torn in place of the shortest.
+    #[must_use]
+    pub fn other_tree(&self, stars: &[(usize, Vec<usize>)]) -> f64 {
+        let length = |&edge: &usize| {
+            let [a, b] = self.edges[edge];
+            (self.flat[b] - self.flat[a]).norm()
+        };
+        let uneven = stars.iter().map(|(_, star)| {
+            let lengths = star.iter().map(length);
+            lengths.clone().fold(0.0, f64::max) / lengths.fold(f64::INFINITY, f64::min)
+        });
+        worst(uneven).max(OTHER_WAYS)
     }
 
     /// Height of the lowest face over one of its sides, over the median edge: by a gap over it, fold angles are

@@ -80,6 +80,10 @@ fn a_spoilt_path_finds_no_agreement() {
     for family in Family::ALL.iter().filter(|family| !family.real) {
         let drawing = family.sheet(1);
         let pattern = CreasePattern::new(drawing.clone()).unwrap();
+        if pattern.real_vertices().next().is_none() {
+            // Any angles are as good.
+            continue;
+        }
         let goal = Goal::of_pattern(&pattern).unwrap();
         let plan = plan(&pattern, &goal, &options);
         let writer = PathWriter {
@@ -165,11 +169,11 @@ fn an_unproved_path_ends_where_it_is_proved() {
     let options = PlanOptions::default();
     let mut unproved = 0;
     for (family, seed) in [
-        ("variants", 37),
-        ("variants", 147),
-        ("variants", 787),
-        ("variants", 884),
-        ("variants", 906),
+        ("variants", 30),
+        ("variants", 305),
+        ("variants", 454),
+        ("variants", 944),
+        ("variants", 1008),
         ("chain", 17),
     ] {
         let family = Family::ALL.iter().find(|known| known.name == family);

@@ -23,8 +23,6 @@ use crate::{Animation, HandKnot, HandMade, Planned, Random, exceeds, worst};
 const SWEPT: u64 = 8;
 /// Shapes looked at between two knots.
 const PLACES: u32 = 7;
-/// The oracle folds from another face: gaps add up along other ways.
-const OTHER_TREE: f64 = 10.0;
 /// A sheet that is torn by less crosses where the oracle says so.
 const CLOSED: f64 = 1e-9;
 
@@ -304,7 +302,7 @@ fn judge(path: &Animation, options: &CheckOptions, closure_bound: f64, found: &m
         let other = sheet.positions_by_matrices(angles);
         let apart = placed.iter().zip(&other).map(|(a, b)| (a - b).norm());
         let apart = worst(apart) / sheet.median_edge();
-        let most = OTHER_TREE * options.bound;
+        let most = sheet.other_tree(&stars) * options.bound;
         for (what, value, most) in [
             ("closure", closure, closure_bound + CLOSED),
             ("gap", gap, most),

@@ -3,6 +3,7 @@
 
 mod file;
 mod flat_foldable;
+mod maps;
 mod measured;
 mod moved;
 mod strips;
@@ -15,12 +16,13 @@ use nalgebra::Vector2;
 
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
+pub use maps::{map, roll};
 pub use measured::measured;
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use strips::strips;
 pub use tree::{chain, tree};
 pub use variant::variant;
-pub use vertex::vertex;
+pub use vertex::{slender, vertex};
 
 use crate::{Closure, Random};
 

@@ -19,6 +19,16 @@ const WIDEST: f64 = 0.95 * PI;
 /// flat (I. Streinu, W. Whiteley, "Single-vertex origami and spherical expansive motions", 2005).
 #[must_use]
 pub fn vertex(random: &mut Random) -> Drawing {
+    of_lengths(random, |random| random.uniform(0.7, 1.3))
+}
+
+/// The same with creases of very different lengths.
+#[must_use]
+pub fn slender(random: &mut Random) -> Drawing {
+    of_lengths(random, |random| random.log_uniform(1.0, 1e3))
+}
+
+fn of_lengths(random: &mut Random, length: fn(&mut Random) -> f64) -> Drawing {
     first_good(random, |random| {
         let degree = random.whole(4, 8);
         let directions = directions(random, degree)?;
@@ -26,7 +36,7 @@ pub fn vertex(random: &mut Random) -> Drawing {
         let mut canvas = Canvas::default();
         let centre = canvas.vertex(Vector2::zeros());
         for &direction in &directions {
-            let rim = canvas.vertex(heading(direction) * random.uniform(0.7, 1.3));
+            let rim = canvas.vertex(heading(direction) * length(random));
             canvas.crease([centre, rim], random_angle(random, largest));
         }
         for k in 0..degree {

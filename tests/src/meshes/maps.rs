@@ -1,0 +1,56 @@
+//! Straight lines, alone and across straight lines.
+
+use core::f64::consts::PI;
+
+use foldpath::pattern::Drawing;
+use nalgebra::Vector2;
+
+use super::{alternating, grid, spacings};
+use crate::Random;
+
+/// A map of up to 4 x 4 panels: pleats all folded flat, and then, all layers as one, the lines across them by
+/// any angles of any signs, or left flat.
+///
+/// Where straight lines cross, neither pair can turn unless the other is flat or folded flat: the only way leads
+/// through bifurcations.
+#[must_use]
+pub fn map(random: &mut Random) -> Drawing {
+    let [columns, rows] = [(); 2].map(|()| random.whole(2, 4));
+    let (x, y) = (spacings(random, columns), spacings(random, rows));
+    let column = |&x: &f64| y.iter().map(|&y| Vector2::new(x, y)).collect();
+    let places: Vec<Vec<_>> = x.iter().map(column).collect();
+    let across: Vec<f64> = y.iter().map(|_| across(random)).collect();
+    let pleat = random.sign() * PI;
+    grid(
+        &places,
+        |column, _| alternating(column) * pleat,
+        |column, row| alternating(column) * across[row],
+    )
+}
+
+/// A strip of 3 to 6 panels, rolled up or pleated: any of its goals may be a half turn. Panels that come to lie on
+/// others have to be folded after these.
+#[must_use]
+pub fn roll(random: &mut Random) -> Drawing {
+    let columns = random.whole(3, 6);
+    let column = |&x: &f64| vec![Vector2::new(x, 0.0), Vector2::new(x, 1.0)];
+    let places: Vec<Vec<_>> = spacings(random, columns).iter().map(column).collect();
+    let pleated = random.chance(0.5);
+    let goals: Vec<f64> = (0..=columns)
+        .map(|_| {
+            let sign = if pleated { random.sign() } else { 1.0 };
+            let angle = random.uniform(0.5, 3.1);
+            sign * angle
+        })
+        .collect();
+    grid(&places, |column, _| goals[column], |_, _| 0.0)
+}
+
+/// The angle by which a line turns, radians.
+fn across(random: &mut Random) -> f64 {
+    if random.chance(0.2) {
+        0.0
+    } else {
+        random.sign() * random.uniform(0.1, 2.5)
+    }
+}
