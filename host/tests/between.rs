@@ -8,7 +8,7 @@ use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use nalgebra::Vector2;
 
 /// A unit square with a flap of 0.55 on its left and one on its right. Folded over to 172 and 174 degrees one
-/// lies above the other, but on the way, for two degrees, they pass through each other.
+/// lies above the other, but on the way, for two degrees, they pass through each other if both turn at once.
 fn flaps() -> CreasePattern {
     let xs = [-0.55, 0.0, 1.0, 1.55];
     let vertices = xs
@@ -58,6 +58,15 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         assert!(scene.deepest_crossing(&map, 0.0).is_none(), "{angles:?}");
     }
 
+    // One after the other they do not cross; but phases that somebody chose are kept.
+    let in_turn = plan(&pattern, &goal, &PlanOptions::default());
+    assert_eq!(in_turn.outcome, Outcome::Planned);
+    let halves = goal.fold_angles.iter().map(|angle| angle.map(|a| a / 2.0));
+    let half = Goal::chosen(&pattern, halves.collect(), "half the way".into());
+    let goal = Goal {
+        via: vec![half],
+        ..goal
+    };
     let seen = plan(&pattern, &goal, &PlanOptions::default());
     let Outcome::Crossing(crossing) = seen.outcome else {
         panic!("{:?}", seen.outcome)
