@@ -66,18 +66,23 @@ impl Planning<'_> {
                 effort.add_effort(&plan);
                 continue;
             }
-            for stop in stops.clone() {
-                let mut fewer = stops.clone();
-                fewer.retain(|&other| other != stop);
-                if fewer.is_empty() {
-                    break;
+            // Runs of stops that it does without, long ones first; but not without any.
+            let mut run = stops.len() / 2;
+            while run > 0 {
+                let mut from = 0;
+                while from < stops.len() && stops.len() > run {
+                    let mut fewer = stops.clone();
+                    fewer.drain(from..stops.len().min(from + run));
+                    let mut other = self.by_way_of(&orders, &fewer);
+                    if other.outcome == Outcome::Planned {
+                        core::mem::swap(&mut plan, &mut other);
+                        stops = fewer;
+                    } else {
+                        from += run;
+                    }
+                    effort.add_effort(&other);
                 }
-                let mut other = self.by_way_of(&orders, &fewer);
-                if other.outcome == Outcome::Planned {
-                    core::mem::swap(&mut plan, &mut other);
-                    stops = fewer;
-                }
-                effort.add_effort(&other);
+                run /= 2;
             }
             plan.notes.push(format!(
                 "folded in {} phases, as faces cross if all creases turn at once",
