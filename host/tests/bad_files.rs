@@ -433,3 +433,18 @@ fn plan_options_out_of_range() {
         ",
     );
 }
+
+/// A line drawn twice before one that ends nowhere: found by fuzzing.
+#[test]
+fn lines_that_end_nowhere_are_not_repaired() {
+    let folder = Folder::new();
+    let pattern = json!({
+        "file_spec": 1.2,
+        "vertices_coords": [[0, 0], [6, 0], [6, 6], [0, 6]],
+        "edges_vertices": [[0, 1], [0, 1], [2, 3], [3, 9]],
+        "edges_assignment": ["B", "B", "B", "B"],
+    });
+    folder.write("a.fold", &pattern.to_string());
+    let answer = folder.run("info a.fold").with_status(2);
+    assert!(answer.stderr.contains("edges_vertices[1]"), "{answer:?}");
+}

@@ -66,12 +66,16 @@ fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Op
         return None;
     }
     notes.push("edges are counted anew, as lines were repaired".into());
-    let segments = drawing.edges.iter().map(|edge| Segment {
-        ends: edge.ends.map(|end| drawing.vertices[end]),
-        letter: edge.letter,
-        goal: edge.goal,
+    let segments = drawing.edges.iter().map(|edge| {
+        let [from, to] = edge.ends.map(|end| drawing.vertices.get(end).copied());
+        Some(Segment {
+            ends: [from?, to?],
+            letter: edge.letter,
+            goal: edge.goal,
+        })
     });
-    let file = segments::pattern_file(document.path(), segments.collect(), 0.0, notes).ok()?;
+    let segments = segments.collect::<Option<_>>()?;
+    let file = segments::pattern_file(document.path(), segments, 0.0, notes).ok()?;
     let title = title(document, frame).ok()?;
     Some(PatternFile { title, ..file })
 }
