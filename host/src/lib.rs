@@ -176,6 +176,7 @@ mod colours;
 pub mod folding;
 pub mod formats;
 pub mod generate;
+mod joined;
 mod numbers;
 pub mod pattern;
 pub mod planner;

@@ -60,40 +60,50 @@ impl Planning<'_> {
             if self.is_late() || !orders.extend(0, &mut order) {
                 return None;
             }
-            let mut stops: Vec<u64> = order.iter().skip(1).map(|&(folded, _)| folded).collect();
-            let mut plan = self.by_way_of(&orders, &stops);
-            if plan.outcome != Outcome::Planned {
-                let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-                orders.barred.insert(order[phases.count().min(stops.len())]);
-                effort.add_effort(&plan);
-                continue;
+            let stops: Vec<u64> = order.iter().skip(1).map(|&(folded, _)| folded).collect();
+            let plan = self.by_way_of(&orders, &stops);
+            if plan.outcome == Outcome::Planned {
+                let (mut plan, phases) = self.with_fewer_stops(&orders, plan, stops);
+                plan.add_effort(&effort);
+                plan.notes.push(format!(
+                    "folded in {phases} phases, as faces cross if all creases turn at once"
+                ));
+                return Some(plan);
             }
-            // Runs of stops that it does without, long ones first; but not without any.
-            let mut run = stops.len() / 2;
-            while run > 0 {
-                let mut from = 0;
-                while from < stops.len() && stops.len() > run {
-                    let mut fewer = stops.clone();
-                    fewer.drain(from..stops.len().min(from + run));
-                    let mut other = self.by_way_of(&orders, &fewer);
-                    if other.outcome == Outcome::Planned {
-                        core::mem::swap(&mut plan, &mut other);
-                        stops = fewer;
-                    } else {
-                        from += run;
-                    }
-                    effort.add_effort(&other);
-                }
-                run /= 2;
-            }
-            plan.notes.push(format!(
-                "folded in {} phases, as faces cross if all creases turn at once",
-                stops.len() + 1
-            ));
-            plan.add_effort(&effort);
-            return Some(plan);
+            let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
+            orders.barred.insert(order[phases.count().min(stops.len())]);
+            effort.add_effort(&plan);
         }
         None
+    }
+
+    /// The plan without the stops that it can do without, runs of them first, and its phases; but not without any.
+    fn with_fewer_stops(
+        &self,
+        orders: &Orders<'_>,
+        mut plan: Plan,
+        mut stops: Vec<u64>,
+    ) -> (Plan, usize) {
+        let mut effort = Plan::default();
+        let mut run = stops.len() / 2;
+        while run > 0 {
+            let mut from = 0;
+            while from < stops.len() && stops.len() > run {
+                let mut fewer = stops.clone();
+                fewer.drain(from..stops.len().min(from + run));
+                let mut other = self.by_way_of(orders, &fewer);
+                if other.outcome == Outcome::Planned {
+                    core::mem::swap(&mut plan, &mut other);
+                    stops = fewer;
+                } else {
+                    from += run;
+                }
+                effort.add_effort(&other);
+            }
+            run /= 2;
+        }
+        plan.add_effort(&effort);
+        (plan, stops.len() + 1)
     }
 
     /// The plan by way of these sets of folded parts.

@@ -3,12 +3,12 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
 use super::Path;
 use crate::collision::Crossing;
 use crate::folding::{FoldingMap, Pose, SpanningTree};
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::{CreasePattern, FaceId, VertexId};
 
 /// Part of the median edge: closer faces touch.
 const TOUCH: f64 = 1e-9;
@@ -17,8 +17,8 @@ const OVERLAP: f64 = 1e-9;
 /// Part of a segment beside a knot at which it is seen on which side a face is.
 const BESIDE: f64 = 0.01;
 
-/// The first knot at which a face leaves another on the side on which it did not come, if there is one, and the faces. Cost: pairs of
-/// faces at each knot.
+/// The first knot at which a face leaves another on the side on which it did not come, if there is one, and the faces.
+/// Cost: pairs of faces at each knot.
 pub(super) fn passed(
     pattern: &CreasePattern,
     tree: &SpanningTree,
@@ -38,16 +38,11 @@ pub(super) fn passed(
         for a in 0..at.len() {
             let to_a = at[a].inverse();
             for b in a + 1..at.len() {
-                let Some(point) = overlap(pattern, [a, b], &to_a, &at[b]) else {
+                let Some(point) = overlap(pattern, [a, b], to_a * at[b]) else {
                     continue;
                 };
-                let of_b = at[b].inverse().carry(&at[a].apply(point)).xy();
-                let height = |poses: &[Pose]| {
-                    let over = poses[b].inverse().carry(&poses[a].apply(point));
-                    (over - of_b.push(0.0)).z
-                };
                 let side = |poses: &[Pose]| {
-                    let height = height(poses);
+                    let height = (poses[b].inverse() * poses[a]).apply(point).z;
                     (height.abs() > TOUCH * pattern.median_edge()).then_some(height > 0.0)
                 };
                 if let Some(came) = side(&before) {
@@ -64,26 +59,18 @@ pub(super) fn passed(
     None
 }
 
-/// A point of the first face, in the flat sheet, where the second lies on it; of the triangles that do, the two that do
-/// most.
-fn overlap(
-    pattern: &CreasePattern,
-    faces: [usize; 2],
-    to_a: &Pose,
-    at_b: &Pose,
-) -> Option<Vector2<f64>> {
+/// A point of the first face, in the flat sheet, where the second lies on it, given as it is seen from the first; of the
+/// triangles that do, the two that do most.
+fn overlap(pattern: &CreasePattern, [a, b]: [usize; 2], b_in_a: Pose) -> Option<Vector2<f64>> {
     let unit = pattern.median_edge();
-    let [ours, theirs] = faces.map(|face| &pattern.triangles()[FaceId::new(face).index()]);
-    let flat = |triangle: &[_; 3]| {
-        triangle.map(|corner: crate::pattern::VertexId| pattern.vertices()[corner.index()])
-    };
+    let flat = |triangle: &[VertexId; 3]| triangle.map(|corner| pattern.vertices()[corner.index()]);
     let mut most = (OVERLAP * unit * unit, None);
-    for theirs in theirs {
-        let corners: [Vector3<f64>; 3] = flat(theirs).map(|corner| to_a.carry(&at_b.apply(corner)));
+    for theirs in &pattern.triangles()[b] {
+        let corners = flat(theirs).map(|corner| b_in_a.apply(corner));
         if corners.iter().any(|corner| corner.z.abs() > TOUCH * unit) {
             return None;
         }
-        for ours in ours {
+        for ours in &pattern.triangles()[a] {
             let common = clipped(flat(ours), corners.map(|corner| corner.xy()).to_vec());
             let Some(&first) = common.first() else {
                 continue;

@@ -13,6 +13,7 @@ use super::follow::{largest, max_norm};
 use super::reduction::Reduction;
 use super::solver::Work;
 use super::{Goal, PlanOptions};
+use crate::joined::root;
 use crate::pattern::CreasePattern;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -60,25 +61,25 @@ pub(super) fn independent_parts(
     looks: &[Vec<f64>],
 ) -> Option<Vec<Vec<usize>>> {
     let unknowns = looks.first()?.len();
-    // For each unknown the first one of its set.
-    let mut first: Vec<Option<usize>> = vec![None; unknowns];
+    let mut turns = vec![false; unknowns];
+    let mut roots: Vec<usize> = (0..unknowns).collect();
     for look in looks {
-        let basis = motions(stars, look)?;
-        for motion in basis.column_iter() {
+        for motion in motions(stars, look)?.column_iter() {
             let still = STILL * motion.amax();
-            let turning: Vec<usize> = (0..unknowns).filter(|&u| motion[u].abs() > still).collect();
-            let joined: Vec<usize> = turning.iter().filter_map(|&u| first[u]).collect();
-            let least = joined.iter().chain(&turning).min().copied();
-            for (unknown, set) in first.iter_mut().enumerate() {
-                if set.is_some_and(|set| joined.contains(&set)) || turning.contains(&unknown) {
-                    *set = least;
-                }
+            let turning = (0..unknowns).filter(|&unknown| motion[unknown].abs() > still);
+            let mut first = None;
+            for unknown in turning {
+                turns[unknown] = true;
+                let [a, b] =
+                    [*first.get_or_insert(unknown), unknown].map(|one| root(&mut roots, one));
+                // The first unknown stands for its set.
+                roots[a.max(b)] = a.min(b);
             }
         }
     }
     let mut parts = vec![Vec::new(); unknowns];
-    for (unknown, set) in first.iter().enumerate() {
-        parts[set.unwrap_or(unknown)].extend(set.map(|_| unknown));
+    for unknown in (0..unknowns).filter(|&unknown| turns[unknown]) {
+        parts[root(&mut roots, unknown)].push(unknown);
     }
     parts.retain(|part| !part.is_empty());
     Some(parts)

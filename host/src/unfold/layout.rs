@@ -7,7 +7,8 @@ use nalgebra::{Matrix2, Vector2};
 use super::FoldedShape;
 use super::angles::Creases;
 use super::cuts;
-use super::surface::{Side, Surface, SurfaceEdge, root};
+use super::surface::{Side, Surface, SurfaceEdge};
+use crate::joined::root;
 use crate::numbers::diagonal;
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 

@@ -7,6 +7,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{FoldedShape, ShapeError};
 use crate::folding::in_plane;
+use crate::joined::root;
 use crate::pattern::{LARGEST, Letter};
 
 /// A side of a face that is an edge.
@@ -355,16 +356,6 @@ impl Surface {
         let vertex = self.corner_vertices().nth(worst.0)?;
         Some((vertex, worst.1))
     }
-}
-
-/// The first of those that one is joined to, with the way there made shorter.
-pub(super) fn root(roots: &mut [usize], one: usize) -> usize {
-    let mut here = one;
-    while roots[here] != here {
-        roots[here] = roots[roots[here]];
-        here = roots[here];
-    }
-    here
 }
 
 /// Edges that the shape names and faces have, in its order, then all others.

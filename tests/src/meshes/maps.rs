@@ -28,8 +28,8 @@ pub fn map(random: &mut Random) -> Drawing {
     )
 }
 
-/// A strip of 3 to 6 panels, rolled up or pleated: any of its goals may be a half turn. Panels that come to lie on
-/// others have to be folded after these.
+/// A strip of 3 to 6 panels, rolled up or pleated, none quite onto its neighbour. Panels that come to lie over others
+/// have to be folded after these.
 #[must_use]
 pub fn roll(random: &mut Random) -> Drawing {
     let columns = random.whole(3, 6);
