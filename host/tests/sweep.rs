@@ -1,6 +1,7 @@
 //! Whole motions swept for crossings, against closed forms and dense sampling.
 
 use core::f64::consts::PI;
+use std::collections::HashMap;
 use std::path::Path;
 
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
@@ -215,6 +216,164 @@ fn layers_that_touch_at_half_a_turn_are_contact() {
     let mut sweep = Sweep::new(pattern, memberships, SweepOptions::default());
     assert!(clearance(sweep.sweep(&motion)) < 1e-6);
     assert!(sweep.counts().tested < 500, "{:?}", sweep.counts());
+}
+
+#[test]
+fn flaps_that_turn_about_the_same_line_do_not_pass_through_each_other() {
+    // The third panel lies on the second, and the hinge of the fourth on that of the first: it comes to lie on it.
+    let flaps = strip(&[0.0, 0.6, 1.6, 2.6, 3.1], &[0.0; 5]);
+    let motion = |end: f64| {
+        let still = || line(180.0, 180.0);
+        vec![
+            vec![line(0.0, 0.0), line(0.0, 180.0), line(0.0, 0.0)],
+            vec![line(0.0, 30.0), still(), line(0.0, -60.0)],
+            vec![line(30.0, 90.0), still(), line(-60.0, end)],
+        ]
+    };
+    let (faces, s) = crossing_at(sweep(&flaps, &motion(-40.0)));
+    assert_eq!(faces, [FaceId(0), FaceId(3)]);
+    assert!((s - 0.375).abs() < 1e-5, "{s}");
+    assert!(clearance(sweep(&flaps, &motion(-90.0))) < 1e-12);
+}
+
+#[test]
+fn sectors_that_lie_on_each_other_leave_in_their_order() {
+    let sectors = fan(&[0.0, 60.0, 120.0, 180.0]);
+    let still = || line(180.0, 180.0);
+    let (turns, returns) = (|| line(0.0, 180.0), || line(180.0, 0.0));
+    let motion = |last| vec![vec![turns(), line(0.0, 0.0)], vec![still(), turns()], last];
+    let (faces, s) = crossing_at(sweep(&sectors, &motion(vec![returns(), still()])));
+    assert_eq!(faces, [FaceId(0), FaceId(2)]);
+    assert!(s < 1e-5, "{s}");
+    let free = sweep(&sectors, &motion(vec![still(), returns()]));
+    assert!(matches!(free, SweepVerdict::Free(None)), "{free:?}");
+}
+
+/// The ends of a panel along the strip, and whether its face is up.
+type Place = ([i32; 2], bool);
+
+/// Panels of a strip that lies flat, creases turned by half a turn or not at all, and which of two that overlap is above
+/// the other: followed in whole numbers, without angles.
+struct Layers {
+    widths: Vec<i32>,
+    /// Of each crease: 0, or 1 or -1 for half a turn up or down.
+    turned: Vec<i32>,
+    /// Whether the second of a pair is above the first.
+    above: HashMap<[usize; 2], bool>,
+}
+
+impl Layers {
+    /// Where each panel lies.
+    fn places(&self) -> Vec<Place> {
+        let (mut x, mut up) = (0, true);
+        let mut place = |panel: usize| {
+            if panel > 0 && self.turned[panel - 1] != 0 {
+                up = !up;
+            }
+            let from = x;
+            x += if up { 1 } else { -1 } * self.widths[panel];
+            ([from.min(x), from.max(x)], up)
+        };
+        (0..self.widths.len()).map(&mut place).collect()
+    }
+
+    /// Turns a crease; `false` if what turns with it would have to pass through another panel.
+    fn turn(&mut self, crease: usize, to: i32) -> bool {
+        let (before, from) = (self.places(), self.turned[crease]);
+        self.turned[crease] = to;
+        let after = self.places();
+        let (still, face_up) = before[crease];
+        let hinge = still[usize::from(face_up)];
+        // The panel beyond the crease leaves and comes on this side of the one that stays, and so does all that turns with
+        // it on that side of the hinge; what is beyond the hinge goes the other way.
+        let upward = (from + to > 0) == face_up;
+        let sides = |places: &[Place], pair: [usize; 2], panel_is_left: bool| {
+            let [a, b] = pair.map(|panel| places[panel].0);
+            let [low, high] = [a[0].max(b[0]), a[1].min(b[1])];
+            let left = (low < high.min(hinge)).then_some(panel_is_left == upward);
+            let right = (low.max(hinge) < high).then_some(panel_is_left != upward);
+            left.into_iter().chain(right).collect::<Vec<_>>()
+        };
+        let pairs = (crease + 1..self.widths.len()).flat_map(|m| (0..=crease).map(move |p| [p, m]));
+        let pairs: Vec<_> = pairs.collect();
+        let next_is_left = |places: &[Place]| places[crease + 1].0[0] < hinge;
+        for &pair in &pairs {
+            let left = next_is_left(&before);
+            if sides(&before, pair, left)
+                .contains(&!self.above.get(&pair).copied().unwrap_or_default())
+            {
+                return false;
+            }
+        }
+        // What turns does so upside down.
+        let upside_down = self.above.iter_mut().filter(|(pair, _)| pair[0] > crease);
+        upside_down.for_each(|(_, above)| *above = !*above);
+        for pair in pairs {
+            let left = next_is_left(&after);
+            self.above.extend(
+                sides(&after, pair, left)
+                    .into_iter()
+                    .map(|above| (pair, above)),
+            );
+        }
+        true
+    }
+}
+
+#[test]
+fn panels_that_lie_on_each_other_leave_on_the_side_they_came_from() {
+    let mut random = Pcg64::new(3, 8);
+    let mut met = [0; 2];
+    for case in 0..2000 {
+        let mut below = |most: i32| {
+            let most = u32::try_from(most).unwrap();
+            i32::try_from(random.next_u32() % most).unwrap()
+        };
+        let panels = 4 + below(3);
+        // Creases that come to lie on each other, or hardly ever.
+        let unequal = if below(2) == 0 { 3 } else { 1000 };
+        let widths: Vec<i32> = (0..panels).map(|_| unequal + below(unequal)).collect();
+        let mut layers = Layers {
+            turned: vec![0; widths.len() - 1],
+            above: HashMap::new(),
+            widths,
+        };
+        let mut place = 0.0;
+        let places = layers.widths.iter().map(|&width| {
+            place += f64::from(width) / f64::from(unequal);
+            place
+        });
+        let places: Vec<f64> = [0.0].into_iter().chain(places).collect();
+        let sheet = strip(&places, &vec![0.0; places.len()]);
+        let mut motion = Vec::new();
+        let crossed = (0..8).find(|_| {
+            let crease = usize::try_from(below(panels - 1)).unwrap();
+            let [before, to] = [layers.turned[crease], 2 * below(2) - 1].map(f64::from);
+            let to = if before != 0.0 { 0.0 } else { to };
+            let turning = |k: usize| match f64::from(layers.turned[k]) {
+                from if k == crease => line(180.0 * from, 180.0 * to),
+                from => line(180.0 * from, 180.0 * from),
+            };
+            motion.push((0..layers.turned.len()).map(turning).collect());
+            #[allow(clippy::cast_possible_truncation, reason = "-1, 0 or 1")]
+            let to = to as i32;
+            !layers.turn(crease, to)
+        });
+        let verdict = sweep(&sheet, &motion);
+        let found = match verdict {
+            SweepVerdict::Free(_) => None,
+            SweepVerdict::Crossing { at, .. } => Some(at.segment),
+            SweepVerdict::Undecided { .. } => panic!("{case}: {verdict:?}"),
+        };
+        let expected = crossed.map(|_| motion.len() - 1);
+        assert_eq!(
+            found, expected,
+            "{case}: {:?} {verdict:?} {motion:?}",
+            layers.widths
+        );
+        met[usize::from(found.is_some())] += 1;
+    }
+    assert!(met.iter().all(|&met| met > 50), "{met:?}");
 }
 
 #[test]

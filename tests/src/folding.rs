@@ -14,8 +14,17 @@ pub struct Pose {
 }
 
 impl Pose {
-    fn apply(&self, flat: Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn apply(&self, flat: Vector3<f64>) -> Vector3<f64> {
         self.r_wf * flat + self.p_w
+    }
+
+    pub(crate) fn normal(&self) -> Vector3<f64> {
+        self.r_wf * Vector3::z()
+    }
+
+    /// A place as seen from the face, in the flat sheet.
+    pub(crate) fn seen(&self, place: Vector3<f64>) -> Vector3<f64> {
+        self.r_wf.inverse() * (place - self.p_w)
     }
 }
 

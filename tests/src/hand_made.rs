@@ -26,14 +26,23 @@ impl HandMade {
     /// side they meet where cos(180 - rho) = 1/4.
     #[must_use]
     pub fn strip() -> Self {
-        let x = [-2.0, 0.0, 1.0, 3.0];
-        let sides = [[0, 4], [1, 5], [2, 6], [3, 7]];
-        let rims = (0..3).flat_map(|k| [[k, k + 1], [k + 4, k + 5]]);
+        Self::panels(&[-2.0, 0.0, 1.0, 3.0])
+    }
+
+    /// A strip of panels between lines at these places.
+    #[must_use]
+    pub fn panels(x: &[f64]) -> Self {
+        let (lines, panels) = (x.len(), x.len() - 1);
+        let sides = (0..lines).map(|k| [k, k + lines]);
+        let rims = (0..panels).flat_map(|k| [[k, k + 1], [k + lines, k + 1 + lines]]);
+        let row = |y: f64| x.iter().map(move |&x| [x, y]);
         Self {
-            vertices: [0.0, 1.0].iter().flat_map(|&y| x.map(|x| [x, y])).collect(),
-            edges: sides.into_iter().chain(rims).collect(),
-            faces: (0..3).map(|k| vec![k, k + 1, k + 5, k + 4]).collect(),
-            hinges: vec![1, 2],
+            vertices: row(0.0).chain(row(1.0)).collect(),
+            edges: sides.chain(rims).collect(),
+            faces: (0..panels)
+                .map(|k| vec![k, k + 1, k + 1 + lines, k + lines])
+                .collect(),
+            hinges: (1..panels).collect(),
         }
     }
 

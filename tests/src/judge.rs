@@ -19,6 +19,8 @@ const SAME_ANGLE: f64 = 1e-6;
 /// Places a segment at which its closure is taken, and those at which it is folded.
 const CLOSURES: u32 = 100;
 const FOLDED: u32 = 3;
+/// Part of a segment before and after a knot at which it is seen on which sides of each other faces are.
+const BESIDE: f64 = 0.01;
 /// Radians: against its letter.
 const AGAINST: f64 = 1e-9;
 
@@ -159,6 +161,22 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
             limit("crossings", crossings, 0.0);
         }
     }
+    let shapes = path.frames.iter().enumerate().flat_map(|(knot, frame)| {
+        let inside = (knot + 1 < path.frames.len()).then_some([BESIDE, 1.0 - BESIDE]);
+        let inside = inside
+            .into_iter()
+            .flatten()
+            .map(move |s| path.motion.angles(knot, s));
+        core::iter::once(frame.angles.clone()).chain(inside)
+    });
+    let shapes: Vec<_> = shapes.map(|angles| sheet.fold(&angles)).collect();
+    let passed = sheet.passed(&shapes).into_iter().map(|(faces, shape)| {
+        format!(
+            "faces {faces:?} lay on each other and passed through each other after knot {}",
+            (shape - 1) / 3
+        )
+    });
+    disagreements.extend(passed);
     Verdict {
         disagreements,
         exact: closure <= CLOSED && (!arrives || missed <= AT_GOAL),

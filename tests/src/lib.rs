@@ -19,6 +19,7 @@ pub mod fold_spec;
 mod folding;
 mod hand_made;
 mod judge;
+mod layers;
 mod lengths;
 pub mod matrices;
 pub mod meshes;

@@ -9,7 +9,7 @@ use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
 use foldpath_core::Interpolation;
-use foldpath_tests::{HandKnot, HandMade, Planned, path_file};
+use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Sheet, path_file};
 use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, json};
 
@@ -489,5 +489,44 @@ fn layers_in_contact_hold() {
             [""; 0],
             "sectors of {sector_angle} degrees"
         );
+    }
+}
+
+/// A strip that gets narrower, rolled up: from its narrow end each panel comes to lie on the one before; from its wide end
+/// the first lies on the second and sticks out over the third, which would have to leave through it.
+#[test]
+fn layers_that_leave_through_each_other_are_rejected() {
+    let strip = HandMade::panels(&[0.0, 1.0, 1.95, 2.85, 3.7]);
+    let half = 180.0;
+    for (order, crossed) in [([2, 1, 0], None), ([0, 1, 2], Some([0, 2]))] {
+        let mut angles = vec![0.0; 3];
+        let mut knots = vec![angles.clone()];
+        for hinge in order {
+            angles[hinge] = half;
+            knots.push(angles.clone());
+        }
+        let knots = (0_u32..).zip(knots).map(|(k, angles)| HandKnot {
+            time: f64::from(k),
+            rates: vec![0.0; angles.len()],
+            angles,
+        });
+        let path = strip.path("linear", &knots.collect::<Vec<_>>());
+        let failures = failures(&path);
+        let said = failures.iter().any(|failure| {
+            failure.contains("between knots 1 and 2") && failure.contains("pass through each other")
+        });
+        assert_eq!(said, crossed.is_some(), "{order:?}: {failures:?}");
+        assert_eq!(
+            failures.is_empty(),
+            crossed.is_none(),
+            "{order:?}: {failures:?}"
+        );
+        // And so the oracle finds, shapes before and after knots looked at.
+        let (sheet, motion) = (Sheet::of(&path).unwrap(), Motion::of(&path).unwrap());
+        let places = (0..3).flat_map(|segment| [0.0, 0.01, 0.99].map(|s| (segment, s)));
+        let shapes = places.map(|(segment, s)| sheet.fold(&motion.angles(segment, s)));
+        let passed = sheet.passed(&shapes.collect::<Vec<_>>());
+        let first = passed.first().copied();
+        assert_eq!(first, crossed.map(|faces| (faces, 4)), "{order:?}");
     }
 }

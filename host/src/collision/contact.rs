@@ -45,11 +45,13 @@ pub(super) struct Parted {
 }
 
 /// The planes of a piece and of its sides, upright on it, that have it on one side and `other` on the
-/// other, up to `tolerance`; the turns lead from it to the other.
+/// other, up to `tolerance`; the turns lead from it to the other. Where the other came from `above` the piece, or from
+/// below, it must not go on there on its other side.
 pub(super) fn parted(
     piece: &ConvexPiece<'_>,
     other: &ConvexPiece<'_>,
     turns: &[Turn],
+    above: Option<bool>,
     tolerance: f64,
 ) -> Vec<Parted> {
     let corners = piece.corners;
@@ -58,8 +60,11 @@ pub(super) fn parted(
         let across = (to - from).cross(&piece.normal);
         (across.normalize(), *from)
     });
-    let flat = [piece.normal, -piece.normal].map(|normal| (normal, corners[0]));
-    let planes = flat.into_iter().chain(outward);
+    let flat = [(piece.normal, true), (-piece.normal, false)];
+    let flat = flat
+        .into_iter()
+        .filter(|&(_, side)| above.is_none_or(|above| above == side));
+    let planes = flat.map(|(normal, _)| (normal, corners[0])).chain(outward);
     let heights = |(normal, point): &(Vector3<f64>, Vector3<f64>)| {
         let heights = other.corners.iter().map(|c| normal.dot(&(c - point)));
         heights.fold(f64::INFINITY, f64::min)

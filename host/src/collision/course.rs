@@ -255,10 +255,12 @@ impl Course {
         }
     }
 
-    /// Calls `near` for the pairs of pieces whose boxes come within what it last answered, or meet.
+    /// Calls `near` for the pairs of pieces whose boxes come within what it last answered, or are no farther apart than
+    /// `touching`.
     pub(super) fn near(
         &mut self,
         hierarchy: &Hierarchy,
+        touching: f64,
         mut within: f64,
         mut near: impl FnMut(&Self, [u32; 2]) -> f64,
     ) {
@@ -274,7 +276,7 @@ impl Course {
                     continue;
                 }
                 let gap = self.gap(a, b);
-                if gap > 0.0 && gap >= within {
+                if gap > touching && gap >= within {
                     continue;
                 }
                 // The larger is halved: of one piece are both when that is.
@@ -298,13 +300,19 @@ impl Course {
         apart.sup(&Vector3::zeros()).norm()
     }
 
-    /// How far apart a plane sees two pieces that it keeps apart from the beginning to the end: no farther than they
-    /// are at the beginning and at the end, the first and the last. `None` if no such plane was found.
-    pub(super) fn parted(&self, pieces: &Pieces, pair: [u32; 2]) -> Option<Three<f64>> {
+    /// How far apart a plane sees two pieces that it keeps farther apart than `touching` from the beginning to the end:
+    /// no farther than they are at the beginning and at the end, the first and the last. `None` if no such plane was
+    /// found.
+    pub(super) fn parted(
+        &self,
+        pieces: &Pieces,
+        pair: [u32; 2],
+        touching: f64,
+    ) -> Option<Three<f64>> {
         let pair = pair.map(|piece| pieces.list[piece as usize]);
         let corners = pair.map(|piece| piece.corners());
         let faces = pair.map(|piece| piece.face.index());
-        let slack = self.strays[faces[0]] + self.strays[faces[1]];
+        let slack = self.strays[faces[0]] + self.strays[faces[1]] + touching;
         let center = |corners: &Range<usize>| {
             let sum: Vector3<f64> = self.places[1][corners.clone()].iter().sum();
             #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -313,7 +321,7 @@ impl Course {
         };
         let between = center(&corners[1]) - center(&corners[0]);
         let normals = |which: usize| faces.map(|face| self.normals[which][face]);
-        let along = core::iter::once_with(|| between.normalize());
+        let along = core::iter::once_with(|| between.try_normalize(0.0)).flatten();
         let first = normals(1).into_iter().chain(along);
         let others = [2, 0].into_iter().flat_map(normals);
         for direction in first.chain(others) {
@@ -355,13 +363,48 @@ impl Course {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::PI;
+
     use super::*;
     use crate::folding::FoldingMap;
     use crate::generate::{Miura, Waterbomb};
+    use crate::pattern::{Drawing, DrawnEdge, Letter};
     use crate::symmetry::CreaseGroups;
     use foldpath_core::Curve;
     use rand_pcg::Pcg64;
     use rand_pcg::rand_core::Rng as _;
+
+    #[test]
+    fn pieces_that_lie_on_each_other_are_not_parted() {
+        let vertices = (0..8).map(|k| Vector2::new(f64::from(k / 2), f64::from(k % 2)));
+        let edge = |ends| DrawnEdge {
+            ends,
+            letter: Letter::Unassigned,
+            goal: None,
+        };
+        let across = (0..4).map(|k| edge([2 * k, 2 * k + 1]));
+        let along = (0..6).map(|k| edge([k, k + 2]));
+        let drawing = Drawing {
+            vertices: vertices.collect(),
+            edges: across.chain(along).collect(),
+            faces: None,
+        };
+        let pattern = CreasePattern::new(drawing).unwrap();
+        let groups = CreaseGroups::trivial(&pattern);
+        let tree = SpanningTree::from_central_face(&pattern);
+        let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
+        let motion = Motion::new(&[turned.to_vec()], groups.len());
+        let pieces = Pieces::new(&pattern);
+        let mut course = Course::new(&pattern, groups.memberships(), groups.len(), &tree);
+        course.begin(&motion, &pieces);
+        assert!(course.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
+        assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
+        // Not even along the way between their centers, where that is none.
+        for places in &mut course.places {
+            places.copy_within(pieces.list[0].corners(), pieces.list[2].corners().start);
+        }
+        assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
+    }
 
     /// Torn sheets, each crease on its own: only the tree says where faces are.
     #[test]
@@ -415,8 +458,8 @@ mod tests {
             while course.to < motion.end() {
                 assert!(course.advance(&motion, &pieces, &hierarchy));
                 let mut pairs = Vec::new();
-                course.near(&hierarchy, f64::INFINITY, |course, pair| {
-                    pairs.extend(course.parted(&pieces, pair).map(|_| pair));
+                course.near(&hierarchy, 0.0, f64::INFINITY, |course, pair| {
+                    pairs.extend(course.parted(&pieces, pair, 0.0).map(|_| pair));
                     f64::INFINITY
                 });
                 parted += pairs.len();

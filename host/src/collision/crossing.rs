@@ -38,6 +38,29 @@ impl ConvexPiece<'_> {
         reach
     }
 
+    /// What of a piece lies over or under this one, seen along its normal (I. Sutherland, G. Hodgman, "Reentrant polygon
+    /// clipping", 1974).
+    pub(super) fn part_over(&self, piece: &Self) -> Vec<Vector3<f64>> {
+        let mut part = piece.corners.to_vec();
+        let next = self.corners.iter().cycle().skip(1);
+        for (from, to) in self.corners.iter().zip(next) {
+            let inward = self.normal.cross(&(to - from));
+            let inside = |point: &Vector3<f64>| inward.dot(&(point - from));
+            let mut kept = Vec::with_capacity(part.len() + 1);
+            for (p, q) in part.iter().zip(part.iter().cycle().skip(1)) {
+                let [here, next] = [inside(p), inside(q)];
+                if here >= 0.0 {
+                    kept.push(*p);
+                }
+                if here * next < 0.0 {
+                    kept.push(p + (q - p) * (here / (here - next)));
+                }
+            }
+            part = kept;
+        }
+        part
+    }
+
     /// The part of the line along `direction` in which this piece meets the plane of `other`.
     fn section(&self, other: &Self, direction: &Vector3<f64>) -> [f64; 2] {
         let offset = other.normal.dot(&other.corners[0]);
@@ -170,6 +193,16 @@ pub fn side_crossing_depth(
     let length = along.dot(&(side[1] - side[0]));
     let shared = section[1].min(length) - section[0].max(0.0);
     let depth = depth.min(reach[0]).min(reach[1]).min(shared);
+    if depth <= tolerance {
+        return 0.0;
+    }
+    // What is beyond the other piece goes round its border, not through it.
+    let [a, b] = pieces.map(|piece| {
+        let over = other.part_over(piece);
+        let heights = over.iter().map(|corner| other.normal.dot(corner) - offset);
+        heights.fold([0.0_f64; 2], |[low, high], h| [low.min(h), high.max(h)])
+    });
+    let depth = depth.min(a[1].min(-b[0]).max(b[1].min(-a[0])));
     if depth > tolerance { depth } else { 0.0 }
 }
 

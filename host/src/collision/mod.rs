@@ -12,6 +12,7 @@ mod course;
 mod crossing;
 mod hierarchy;
 mod lattice_scene;
+mod layers;
 mod motion;
 mod near_cells;
 mod pieces;

@@ -9,8 +9,7 @@ use super::knots::Knot;
 use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
-use super::{Goal, GoalKind, Search, layers};
-use crate::folding::SpanningTree;
+use super::{Goal, GoalKind, Search};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Orders tried at most.
@@ -22,7 +21,7 @@ const LOOKS: usize = 16;
 
 impl Planning<'_> {
     /// The plan that folds independent parts of the sheet one after the other, if that leads to where `attempt` does and
-    /// no faces cross, nor pass through each other where they touch; with as few stops as it takes.
+    /// no faces cross; with as few stops as it takes.
     ///
     /// Orders are found depth first over sets of folded parts; a part that crosses others after some of them is not
     /// tried after these again. Source, for parts that are put together: R. Wilson, J.-C. Latombe, "Geometric reasoning
@@ -42,7 +41,6 @@ impl Planning<'_> {
         let reduction = Reduction::new(pattern, groups, options, self.deadline);
         let mut orders = Orders {
             judge: Judge::new(pattern, &reduction, true),
-            tree: &reduction.tree,
             accepted: reduction.accepted(options),
             groups: &reduction.groups,
             goal: goal.into_iter().map(Some).collect(),
@@ -120,14 +118,7 @@ impl Planning<'_> {
             deadline: self.deadline,
             ..Planning::new(self.pattern, &goal, self.options)
         };
-        let mut plan = planning.run();
-        if plan.outcome == Outcome::Planned
-            && let Some((knot, crossing)) = layers::passed(self.pattern, orders.tree, &plan.path)
-        {
-            plan.outcome = Outcome::Crossing(crossing);
-            plan.path.knots.truncate(knot + 1);
-        }
-        plan
+        planning.run()
     }
 
     /// Creases that move each other on the way of `attempt`, in sets that do not; `None` if there is one.
@@ -151,7 +142,6 @@ impl Planning<'_> {
 /// Orders in which parts can be folded. Sets of parts are bits.
 struct Orders<'a> {
     judge: Judge<'a>,
-    tree: &'a SpanningTree,
     /// Closure residual that counts as closed.
     accepted: f64,
     groups: &'a CreaseGroups,

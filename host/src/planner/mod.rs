@@ -16,7 +16,6 @@ mod goal;
 mod in_turn;
 mod judge;
 mod knots;
-mod layers;
 mod mobility;
 mod options;
 mod overshoot;

@@ -28,21 +28,30 @@ pub fn map(random: &mut Random) -> Drawing {
     )
 }
 
-/// A strip of 3 to 6 panels, rolled up or pleated, none quite onto its neighbour. Panels that come to lie over others
-/// have to be folded after these.
+/// A strip of 3 to 6 panels. Either rolled up or pleated, none quite onto its neighbour; or each narrower than the one
+/// before and rolled up quite flat, in which each has to be folded after the narrower ones. Panels that come to lie over
+/// others have to be folded after these.
 #[must_use]
 pub fn roll(random: &mut Random) -> Drawing {
     let columns = random.whole(3, 6);
-    let column = |&x: &f64| vec![Vector2::new(x, 0.0), Vector2::new(x, 1.0)];
-    let places: Vec<Vec<_>> = spacings(random, columns).iter().map(column).collect();
-    let pleated = random.chance(0.5);
-    let goals: Vec<f64> = (0..=columns)
-        .map(|_| {
+    let (mut x, mut goals) = (
+        spacings(random, columns),
+        vec![random.sign() * PI; columns + 1],
+    );
+    if random.chance(0.5) {
+        let wide_first = random.chance(0.5);
+        let wider = |k: usize| 1.1_f64.powi(i32::try_from(k).unwrap_or(0));
+        let width = |k: usize| wider(if wide_first { columns - k } else { k });
+        x = (0..=columns).map(|k| (0..k).map(width).sum()).collect();
+    } else {
+        let pleated = random.chance(0.5);
+        for goal in &mut goals {
             let sign = if pleated { random.sign() } else { 1.0 };
-            let angle = random.uniform(0.5, 3.1);
-            sign * angle
-        })
-        .collect();
+            *goal = sign * random.uniform(0.5, 3.1);
+        }
+    }
+    let column = |&x: &f64| vec![Vector2::new(x, 0.0), Vector2::new(x, 1.0)];
+    let places: Vec<Vec<_>> = x.iter().map(column).collect();
     grid(&places, |column, _| goals[column], |_, _| 0.0)
 }
 

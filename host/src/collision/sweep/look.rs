@@ -7,6 +7,7 @@ use crate::collision::cells::AHEAD;
 use crate::collision::chains::Chain;
 use crate::collision::contact::{Change, Parted, Turn, parted};
 use crate::collision::hierarchy::Sphere;
+use crate::collision::layers::heights;
 use crate::collision::motion::{Motion, Tick};
 use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
@@ -115,6 +116,7 @@ impl Sweep<'_> {
             self.add_roots(time);
             return Look::Part;
         }
+        let touching = self.tolerance(Kind::Pieces);
         let (pieces, hierarchy) = (&self.pieces, &self.hierarchy);
         let mut nearest = self.clearance;
         let best = |nearest: &Option<Clearance>| nearest.map_or(f64::INFINITY, |n| n.distance);
@@ -128,12 +130,12 @@ impl Sweep<'_> {
         } else {
             &[]
         };
-        course.near(hierarchy, best(&nearest), |course, pair| {
+        course.near(hierarchy, touching, best(&nearest), |course, pair| {
             if pieces.comparable(pair[0], pair[1]).is_none() || pieces.meet(pair[0], pair[1]) {
                 return best(&nearest);
             }
             tested += 1;
-            let apart = course.parted(pieces, pair).unwrap_or_else(|| {
+            let apart = course.parted(pieces, pair, touching).unwrap_or_else(|| {
                 unseen.push(pair);
                 [0.0; 3]
             });
@@ -291,6 +293,7 @@ impl Sweep<'_> {
         let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
+            self.pairs[index as usize].above = None;
             if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
                 return look;
             }
@@ -313,6 +316,9 @@ impl Sweep<'_> {
             if depth > tolerance {
                 return Look::Crossing(depth);
             }
+        }
+        if let Some(depth) = self.passed(motion, index, apart) {
+            return Look::Crossing(depth);
         }
         if counts {
             self.note(motion, [a, b], apart);
@@ -354,6 +360,9 @@ impl Sweep<'_> {
                 return Look::Crossing(depth);
             }
         }
+        if let Some(depth) = self.passed(motion, index, angle * reach) {
+            return Look::Crossing(depth);
+        }
         self.levers.clear();
         // Pairs of creases do not turn what is beyond.
         let chain = self.chain(index);
@@ -362,6 +371,70 @@ impl Sweep<'_> {
         }
         let look = self.after(motion, angle, angle + tolerance / reach, false);
         self.at_contact(motion, index, pair.kind, angle * reach, look)
+    }
+
+    /// How far two pieces that lay flat on each other have left through each other, if they have: each is on the
+    /// other side of the other than it came from. Notes from where they came when they begin to lie so.
+    fn passed(&mut self, motion: &Motion, index: u32, apart: f64) -> Option<f64> {
+        let (time, pair) = (self.sheet.time, &self.pairs[index as usize]);
+        let (nodes, above, last) = (pair.nodes, pair.above, pair.last);
+        let tolerance = self.tolerance(pair.kind);
+        if above.is_none() && apart > tolerance {
+            return None;
+        }
+        let heights = self.heights(nodes, tolerance);
+        let most = |heights: [f64; 2]| heights[0].abs().max(heights[1].abs());
+        let flat = heights.is_some_and(|heights| most(heights) <= tolerance);
+        let came = match above {
+            None if flat => last.and_then(|last| {
+                let came = self.came_from(motion, nodes, [last, time], tolerance);
+                self.sheet.time = time;
+                self.put(motion, nodes, false);
+                came
+            }),
+            above => above,
+        };
+        self.pairs[index as usize].above = came.filter(|_| flat);
+        let (came, heights) = (came?, heights.filter(|_| !flat)?);
+        let turned = heights
+            .iter()
+            .zip(came)
+            .all(|(height, above)| (*height > 0.0) != above);
+        turned.then(|| most(heights))
+    }
+
+    /// Whether each of two pieces that lie flat on each other at the second time was above the other before; they do
+    /// not cross since the first. `None` if they lay like that all the time.
+    fn came_from(
+        &mut self,
+        motion: &Motion,
+        nodes: [u32; 2],
+        [mut from, mut to]: [Tick; 2],
+        tolerance: f64,
+    ) -> Option<[bool; 2]> {
+        let mut time = from;
+        loop {
+            self.sheet.time = time;
+            self.put(motion, nodes, false);
+            match self.heights(nodes, tolerance) {
+                Some(heights) if heights.iter().all(|h| h.abs() > tolerance) => {
+                    return Some(heights.map(|height| height > 0.0));
+                }
+                Some(_) => to = time,
+                None => from = time,
+            }
+            if to - from <= 1 {
+                return None;
+            }
+            time = (from + to) / 2;
+        }
+    }
+
+    /// How high pieces in their places lie over each other, each over the other.
+    fn heights(&self, nodes: [u32; 2], tolerance: f64) -> Option<[f64; 2]> {
+        let placed = self.sheet.placed(&self.pieces);
+        let [a, b] = nodes.map(|node| placed.piece(node));
+        heights(&a, &b, tolerance)
     }
 
     /// The next look at a pair that nearly touches: later, if a plane parts it for longer.
@@ -427,13 +500,15 @@ impl Sweep<'_> {
         }
         let placed = self.sheet.placed(&self.pieces);
         let [a, b] = nodes.map(|node| placed.piece(node));
-        let mut all = parted(&a, &b, &self.turns, tolerance);
+        let above = self.pairs[index as usize].above;
+        let above = [0, 1].map(|k| above.map(|above| above[k]));
+        let mut all = parted(&a, &b, &self.turns, above[0], tolerance);
         // Seen from the other end, creases come the other way round and turn the other way.
         self.turns.reverse();
         for turn in &mut self.turns {
             turn.about = -turn.about;
         }
-        all.extend(parted(&b, &a, &self.turns, tolerance));
+        all.extend(parted(&b, &a, &self.turns, above[1], tolerance));
         all
     }
 

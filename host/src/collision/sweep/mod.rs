@@ -60,6 +60,9 @@ struct Pair {
     last: Option<Tick>,
     /// From when on the course sees that it is free.
     end: Tick,
+    /// While one lies flat on the other: whether the second came from above the first, and the first from above the
+    /// second.
+    above: Option<[bool; 2]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -427,6 +430,7 @@ impl<'a> Sweep<'a> {
             chain,
             last: None,
             end: Tick::MAX,
+            above: None,
         });
         self.due.entry(time).or_default().push(index);
     }
@@ -443,7 +447,11 @@ impl<'a> Sweep<'a> {
     fn add_unseen(&mut self, [a, b]: [u32; 2], [before, time, end]: [Tick; 3]) {
         let pair = [a.min(b), a.max(b)];
         if let Some(&index) = self.unseen.get(&pair) {
-            self.pairs[index as usize].end = end;
+            let pair = &mut self.pairs[index as usize];
+            if pair.end < time {
+                pair.above = None;
+            }
+            pair.end = end;
             self.due.entry(time).or_default().push(index);
         } else {
             let index = FaceId::new(self.pairs.len()).0;

@@ -1,0 +1,81 @@
+//! Faces that lie flat on each other and leave through each other, followed by points of the one on the other.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use crate::sheet::sides;
+use crate::{Pose, Sheet};
+
+/// Part of the median edge within which a point lies on a face; it is on one side of it beyond.
+const CONTACT: f64 = 1e-6;
+/// The sine of the angle between faces that lie flat on each other.
+const PARALLEL: f64 = 1e-4;
+/// Part of the median edge that a point lies inside the sides of a face.
+const INSIDE: f64 = 1e-3;
+
+impl Sheet {
+    /// Pairs of faces of which the second came to lie flat on the first from one side and left it on the other, in a
+    /// motion of these shapes, and the shape by which it had. Faces must be convex, and shapes shortly before and after
+    /// those in which they touch among them.
+    #[must_use]
+    pub fn passed(&self, shapes: &[Vec<Pose>]) -> Vec<([usize; 2], usize)> {
+        let contact = CONTACT * self.median_edge();
+        // For each pair that touches a point of the second face, and whether it came from above the first.
+        let mut came: HashMap<[usize; 2], (Vector3<f64>, bool)> = HashMap::new();
+        let mut passed = Vec::new();
+        for (index, shape) in shapes.iter().enumerate() {
+            let height =
+                |shape: &[Pose], [a, b]: [usize; 2], point| shape[a].seen(shape[b].apply(point)).z;
+            let normals: Vec<_> = shape.iter().map(Pose::normal).collect();
+            let count = normals.len();
+            let pairs = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
+            let parallel = |[a, b]: &[usize; 2]| normals[*a].cross(&normals[*b]).norm() < PARALLEL;
+            let flat = pairs.filter(|pair| pair[0] != pair[1] && parallel(pair));
+            let flat = flat.filter_map(|pair| Some((pair, self.common(shape, pair)?)));
+            let flat: HashMap<_, _> = flat.collect();
+            came.retain(|&pair, &mut (point, above)| {
+                let height = height(shape, pair, point);
+                let left = !flat.contains_key(&pair) && height.abs() > contact;
+                if left && (height > 0.0) != above {
+                    passed.push((pair, index));
+                }
+                !left
+            });
+            for (pair, point) in flat {
+                let before = shapes[..index].iter().rev();
+                let mut heights = before.map(|before| height(before, pair, point));
+                if !came.contains_key(&pair)
+                    && let Some(height) = heights.find(|height| height.abs() > contact)
+                {
+                    came.insert(pair, (point, height > 0.0));
+                }
+            }
+        }
+        passed.sort_by_key(|&(pair, index)| (index, pair));
+        passed
+    }
+
+    /// A point of the second face, in the flat sheet, that lies on the first.
+    fn common(&self, shape: &[Pose], [a, b]: [usize; 2]) -> Option<Vector3<f64>> {
+        let unit = self.median_edge();
+        let corners = || self.faces[b].iter().map(|&v| self.flat[v]);
+        let seen = |point| shape[a].seen(shape[b].apply(point));
+        if corners().any(|corner| seen(corner).z.abs() > CONTACT * unit) {
+            return None;
+        }
+        let inside = |point: &Vector3<f64>| {
+            let place = seen(*point);
+            sides(&self.faces[a]).all(|[p, q]| {
+                let way = (self.flat[q] - self.flat[p]).normalize();
+                way.cross(&(place - self.flat[p])).z > INSIDE * unit
+            })
+        };
+        #[allow(clippy::cast_precision_loss, reason = "a few corners")]
+        let middle = corners().sum::<Vector3<f64>>() / self.faces[b].len() as f64;
+        let parts = [0.0, 0.95, 0.5].into_iter();
+        let mut points =
+            parts.flat_map(|part| corners().map(move |c| middle + (c - middle) * part));
+        points.find(inside)
+    }
+}
