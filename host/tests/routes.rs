@@ -308,6 +308,25 @@ fn parts_are_folded_one_after_the_other_where_they_would_cross() {
     assert_eq!(answer["outcome"], "crossing", "{answer}");
 }
 
+/// In whatever order a file has its lines: each has one order in which it rolls up.
+#[test]
+fn a_roll_is_found_however_its_creases_are_numbered() {
+    let folder = Folder::new();
+    let widths = [1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55];
+    for step in [7, 11, 13] {
+        let mut roll = strip(&widths, &[180.0; 9]);
+        for key in ["edges_vertices", "edges_assignment", "edges_foldAngle"] {
+            let edges = roll[key].as_array().unwrap();
+            let mixed = (0..edges.len()).map(|k| edges[(3 + step * k) % edges.len()].clone());
+            roll[key] = mixed.collect();
+        }
+        folder.write("roll.fold", &roll.to_string());
+        let answer = plan(&folder, "roll.fold -o p.fold");
+        assert_eq!(answer["outcome"], "planned", "{step}: {answer}");
+        holds(&folder, "p.fold");
+    }
+}
+
 /// A map, pleated and rolled up: the roll nearly closes, and would run into itself on the way.
 #[test]
 fn lines_of_a_map_are_folded_one_after_the_other_where_they_would_cross() {

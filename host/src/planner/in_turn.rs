@@ -10,12 +10,16 @@ use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use super::{Goal, GoalKind, Search};
+use crate::folding::SpanningTree;
+use crate::pattern::FaceId;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Orders tried at most.
-const TRIES: usize = 100;
+const TRIES: usize = 200;
 /// Sets of folded parts looked at, at most.
 const MOST_SETS: usize = 2000;
+/// Steps of orders tried, at most.
+const MOST_STEPS: usize = 100_000;
 /// Configurations of the path at which it is found what moves what.
 const LOOKS: usize = 16;
 
@@ -23,9 +27,10 @@ impl Planning<'_> {
     /// The plan that folds independent parts of the sheet one after the other, if that leads to where `attempt` does and
     /// no faces cross; with as few stops as it takes.
     ///
-    /// Orders are found depth first over sets of folded parts; a part that crosses others after some of them is not
-    /// tried after these again. Source, for parts that are put together: R. Wilson, J.-C. Latombe, "Geometric reasoning
-    /// about mechanical assembly", 1994.
+    /// Orders are found depth first. Where a part cannot be next as two faces cross, it is not tried again wherever the
+    /// parts between these have been folded in the same order: they alone say where the two are, and which lies on
+    /// which. Source, for parts that are put together: R. Wilson, J.-C. Latombe, "Geometric reasoning about mechanical
+    /// assembly", 1994.
     pub(super) fn in_turn(&self, attempt: &Attempt) -> Option<Plan> {
         let (pattern, options) = (self.pattern, self.options);
         let fits = self.goal.via.is_empty()
@@ -42,12 +47,14 @@ impl Planning<'_> {
         let mut orders = Orders {
             judge: Judge::new(pattern, &reduction, true),
             accepted: reduction.accepted(options),
+            tree: &reduction.tree,
             groups: &reduction.groups,
             goal: goal.into_iter().map(Some).collect(),
             parts,
             free: HashMap::new(),
             dead: HashSet::new(),
-            barred: HashSet::new(),
+            barred: Vec::new(),
+            steps: 0,
         };
         if !orders.is_free(orders.all()) {
             return None;
@@ -55,10 +62,10 @@ impl Planning<'_> {
         let mut effort = Plan::default();
         for _ in 0..TRIES {
             let mut order = Vec::new();
-            if self.is_late() || !orders.extend(0, &mut order) {
+            if self.is_late() || orders.extend(&mut order).is_err() {
                 return None;
             }
-            let stops: Vec<u64> = order.iter().skip(1).map(|&(folded, _)| folded).collect();
+            let stops: Vec<u64> = (1..order.len()).map(|k| set(&order[..k])).collect();
             let plan = self.by_way_of(&orders, &stops);
             if plan.outcome == Outcome::Planned {
                 let (mut plan, phases) = self.with_fewer_stops(&orders, plan, stops);
@@ -69,7 +76,8 @@ impl Planning<'_> {
                 return Some(plan);
             }
             let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-            orders.barred.insert(order[phases.count().min(stops.len())]);
+            let next = phases.count().min(stops.len());
+            orders.bar(&order[..next], order[next], &plan.outcome);
             effort.add_effort(&plan);
         }
         None
@@ -139,9 +147,24 @@ impl Planning<'_> {
     }
 }
 
+/// The set of parts, as bits.
+fn set(parts: &[usize]) -> u64 {
+    parts.iter().fold(0, |set, part| set | 1 << part)
+}
+
+/// A part that cannot be next after others.
+struct Barred {
+    /// The parts that matter, a set.
+    between: u64,
+    /// Those of them that are folded, in their order.
+    before: Vec<usize>,
+    next: usize,
+}
+
 /// Orders in which parts can be folded. Sets of parts are bits.
 struct Orders<'a> {
     judge: Judge<'a>,
+    tree: &'a SpanningTree,
     /// Closure residual that counts as closed.
     accepted: f64,
     groups: &'a CreaseGroups,
@@ -151,10 +174,11 @@ struct Orders<'a> {
     parts: Vec<Vec<usize>>,
     /// Whether the sheet closes with these parts folded, and no faces cross.
     free: HashMap<u64, bool>,
-    /// From where no order leads on.
+    /// Sets from which nothing leads on, in whatever order they were folded.
     dead: HashSet<u64>,
-    /// Folded parts and one that cannot be next.
-    barred: HashSet<(u64, usize)>,
+    barred: Vec<Barred>,
+    /// Steps tried.
+    steps: usize,
 }
 
 impl Orders<'_> {
@@ -189,27 +213,83 @@ impl Orders<'_> {
         free
     }
 
-    /// Extends an order, a set of folded parts and the next one at each place, to all parts, if that can be.
-    fn extend(&mut self, folded: u64, order: &mut Vec<(u64, usize)>) -> bool {
+    /// Extends an order to all parts, if that can be; and whether it cannot in any order of the parts so far.
+    fn extend(&mut self, order: &mut Vec<usize>) -> Result<(), bool> {
+        let folded = set(order);
         if folded == self.all() {
-            return true;
+            return Ok(());
         }
-        for part in 0..self.parts.len() {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err(false);
+        }
+        let mut in_any_order = true;
+        // Those that were seldom in the way first.
+        let in_the_way = |part: &usize| {
+            let barred = self.barred.iter();
+            barred.filter(|barred| barred.before.contains(part)).count()
+        };
+        let mut parts: Vec<usize> = (0..self.parts.len()).collect();
+        parts.sort_by_cached_key(in_the_way);
+        for part in parts {
             let after = folded | 1 << part;
-            if after == folded
-                || self.barred.contains(&(folded, part))
-                || self.dead.contains(&after)
-                || !self.is_free(after)
-            {
+            if after == folded || self.dead.contains(&after) || !self.is_free(after) {
                 continue;
             }
-            order.push((folded, part));
-            if self.extend(after, order) {
-                return true;
+            let mut barred = self.barred.iter();
+            if let Some(barred) = barred.find(|barred| barred.bars(order, part)) {
+                in_any_order &= barred.before.len() < 2;
+                continue;
+            }
+            order.push(part);
+            match self.extend(order) {
+                Ok(()) => return Ok(()),
+                Err(whatever) => in_any_order &= whatever,
             }
             order.pop();
         }
-        self.dead.insert(folded);
-        false
+        if in_any_order {
+            self.dead.insert(folded);
+        }
+        Err(in_any_order)
+    }
+
+    /// Bars a part from being next after others, as it ended like this.
+    fn bar(&mut self, order: &[usize], next: usize, outcome: &Outcome) {
+        let between = match outcome {
+            Outcome::Crossing(crossing) => self.between(crossing.faces),
+            _ => self.all(),
+        };
+        let before = order
+            .iter()
+            .copied()
+            .filter(|part| between >> part & 1 == 1);
+        self.barred.push(Barred {
+            between,
+            before: before.collect(),
+            next,
+        });
+    }
+
+    /// The parts of which creases lie on the way from one face to another.
+    fn between(&self, faces: [FaceId; 2]) -> u64 {
+        let [a, b] = faces.map(|face| {
+            let step = |face: FaceId| self.tree.steps().iter().find(|step| step.face == face);
+            let way = core::iter::successors(step(face), |at| step(at.parent));
+            way.filter_map(|step| step.crease).collect::<HashSet<_>>()
+        });
+        let creases = a.symmetric_difference(&b);
+        let parts = creases.filter_map(|crease| {
+            let holds = |part: &Vec<usize>| part.contains(&crease.index());
+            self.parts.iter().position(holds)
+        });
+        set(&parts.collect::<Vec<_>>())
+    }
+}
+
+impl Barred {
+    fn bars(&self, order: &[usize], next: usize) -> bool {
+        let before = order.iter().filter(|&part| self.between >> part & 1 == 1);
+        self.next == next && before.eq(&self.before)
     }
 }
