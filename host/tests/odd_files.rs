@@ -345,3 +345,105 @@ fn lines_without_faces_are_repaired_and_lines_of_faces_refused() {
     folder.write("faces.fold", &faces.to_string());
     folder.run("info faces.fold").with_status(2);
 }
+
+/// The pattern without goal angles, and its folded frame: each vertex where the goal of the pattern has it, moved by `place`.
+fn shown(place: impl Fn([f64; 3]) -> Vec<f64>) -> (Value, Value) {
+    let folder = Folder::new();
+    folder.write("p.fold", &pattern().to_string());
+    folder.done("plan p.fold -o path.fold");
+    let path = folder.read_json("path.fold");
+    let goal = path["file_frames"].as_array().unwrap().last().unwrap();
+    let vertices = goal["vertices_coords"].as_array().unwrap();
+    let vertices = vertices.iter().map(|vertex| {
+        let at: [f64; 3] = serde_json::from_value(vertex.clone()).unwrap();
+        json!(place(at))
+    });
+    let mut flat = edited(&pattern(), "/edges_foldAngle =");
+    flat["file_frames"] = json!([{
+        "frame_classes": ["foldedForm"],
+        "frame_parent": 0,
+        "frame_inherit": true,
+        "vertices_coords": vertices.collect::<Vec<_>>(),
+    }]);
+    (flat, goal["edges_foldAngle"].clone())
+}
+
+#[test]
+fn a_goal_may_be_shown() {
+    let near = |found: &Value, expected: &Value, error: f64| {
+        let pairs = numbers(found).into_iter().zip(numbers(expected));
+        for (edge, (found, expected)) in pairs.enumerate() {
+            assert!(
+                (found - expected).abs() <= error,
+                "{edge}: {found}, not {expected}"
+            );
+        }
+    };
+    let goal_of = |folder: &Folder, arguments: &str| {
+        let answer = folder.done(arguments).json();
+        assert_eq!(answer["outcome"], "planned", "{answer}");
+        let path = folder.read_json("path.fold");
+        path["file_frames"].as_array().unwrap().last().unwrap()["edges_foldAngle"].clone()
+    };
+    for (name, error, place) in [
+        (
+            "as it is",
+            1e-6,
+            (|at| at.to_vec()) as fn([f64; 3]) -> Vec<f64>,
+        ),
+        ("elsewhere, larger", 1e-6, |[x, y, z]| {
+            vec![7.0 - 2.0 * y, 2.0 * x, 2.0 * z]
+        }),
+        ("from below", 1e-6, |[x, y, z]| vec![x, y, -z]),
+        ("rounded", 0.01, |at| {
+            at.map(|x| (x * 1e6).round() / 1e6).to_vec()
+        }),
+    ] {
+        let (shown, expected) = shown(place);
+        let folder = Folder::new();
+        folder.write("shown.fold", &shown.to_string());
+        near(
+            &goal_of(&folder, "plan shown.fold -o path.fold --json"),
+            &expected,
+            error,
+        );
+        let notes = folder.done("info shown.fold --json").json()["assumptions"].take();
+        let said = json!(["the goal is measured on file_frames[0].vertices_coords"]);
+        assert_eq!(notes, said, "{name}");
+        // And so of another file.
+        folder.write("flat.fold", &edited(&shown, "/file_frames =").to_string());
+        let other = "plan flat.fold --goal shown.fold -o path.fold --json";
+        near(&goal_of(&folder, other), &expected, error);
+    }
+}
+
+#[test]
+fn a_frame_that_shows_another_sheet_is_no_goal() {
+    let (whole, _) = shown(|at| at.to_vec());
+    for (edits, expected) in [
+        (
+            "/file_frames/0/vertices_coords = [[0,0,0]]",
+            "16 entries, one for each vertex, found 1",
+        ),
+        (
+            "/file_frames/0/vertices_coords/5 = [9,9,9]",
+            "the sheet, its edges as long as in the crease pattern, found edge",
+        ),
+        ("/file_frames/0/vertices_coords/5/0 = \"x\"", "a number"),
+    ] {
+        let folder = Folder::new();
+        let odd = edited(&whole, edits);
+        folder.write("odd.fold", &odd.to_string());
+        let notes = folder.done("info odd.fold --json").json()["assumptions"].take();
+        let note = notes[0].as_str().unwrap();
+        assert!(
+            note.contains("the folded frame is no goal"),
+            "{edits}: {note}"
+        );
+        assert!(note.contains(expected), "{edits}: {note}");
+        folder.write("flat.fold", &edited(&odd, "/file_frames =").to_string());
+        let failed = folder.run("plan flat.fold --goal odd.fold").with_status(2);
+        let line = failed.stderr.replace('\n', " ");
+        assert!(line.contains(expected), "{edits}: {line}");
+    }
+}

@@ -308,6 +308,18 @@ fn parts_are_folded_one_after_the_other_where_they_would_cross() {
     assert_eq!(answer["outcome"], "crossing", "{answer}");
 }
 
+/// The flap at the other end turns with either of those that have to turn one after the other.
+#[test]
+fn parts_that_may_turn_together_do() {
+    let folder = Folder::new();
+    let letter = strip(&[0.9, 1.0, 0.9, 2.5, 0.4], &[180.0, 180.0, 0.0, 170.0]);
+    folder.write("strip.fold", &letter.to_string());
+    let answer = plan(&folder, "strip.fold -o p.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    holds(&folder, "p.fold");
+    assert_eq!(phases(&folder.read_json("p.fold")).len(), 1);
+}
+
 /// In whatever order a file has its lines: each has one order in which it rolls up.
 #[test]
 fn a_roll_is_found_however_its_creases_are_numbered() {

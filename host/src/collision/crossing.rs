@@ -300,6 +300,28 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_that_goes_round_the_border_is_no_crossing() {
+        let square = SQUARE.map(Vector3::from);
+        let square = ConvexPiece {
+            corners: &square,
+            normal: Vector3::z(),
+        };
+        // A plane, in two pieces, that rises to the left of x and falls to the right.
+        let depth = |x: f64| {
+            let at = |k: f64, y: f64| Vector3::new(k, y, 4e-6 * (x - k));
+            let left = [at(-1., 0.), at(x, 0.), at(x, 1.), at(-1., 1.)];
+            let right = [at(x, 0.), at(3., 0.), at(3., 1.), at(x, 1.)];
+            let [left, right] = [&left, &right].map(|corners| ConvexPiece {
+                corners,
+                normal: Vector3::new(4e-6, 0., 1.).normalize(),
+            });
+            side_crossing_depth([&left, &right], [at(x, 0.), at(x, 1.)], &square, 1e-6)
+        };
+        assert!((depth(0.5) - 2e-6).abs() < 1e-12, "{}", depth(0.5));
+        assert!(depth(0.999) <= 0.0);
+    }
+
+    #[test]
     fn depth_is_measured() {
         let pierced = |z: f64| [[0.4, 0.4, z], [0.4, 0.4, z + 1.], [0.6, 0.6, z + 1.]];
         // The tip is 0.01 below; the line that both share is shorter, and that counts.

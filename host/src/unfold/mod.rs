@@ -169,6 +169,18 @@ pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding,
     Ok(unfolding)
 }
 
+/// Fold angles (radians, valley positive) measured on a shape at the edges that it names; 0 where there is one face.
+///
+/// # Errors
+/// If the shape is no surface with two sides, made of flat faces.
+pub(crate) fn fold_angles(shape: &FoldedShape) -> Result<Vec<f64>, ShapeError> {
+    let (mut notes, UnfoldOptions { max_defect, .. }) = (Vec::new(), UnfoldOptions::default());
+    let mut surface = Surface::new(shape, max_defect, &mut notes)?;
+    let mut angles = Creases::measure(shape, &mut surface, max_defect, &mut notes).angles;
+    angles.truncate(shape.edges.len());
+    Ok(angles)
+}
+
 /// Notes what the pattern is, and how well its goal is the shape. `sources` has for each vertex of the
 /// drawing that of the shape.
 fn measure(

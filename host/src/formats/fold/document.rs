@@ -282,8 +282,13 @@ impl<'a> Frame<'a> {
 
     /// That the frame lacks a key.
     pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
+        self.expected(key, expected, "nothing")
+    }
+
+    /// That something else was expected at a key.
+    pub(super) fn expected(&self, key: &str, expected: &str, found: &str) -> FileError {
         let place = format!("{}{key}", self.prefix());
-        self.document.expected(place, expected, "nothing")
+        self.document.expected(place, expected, found)
     }
 
     /// What stands before a place that begins with one of the frame's keys, which may be inherited.

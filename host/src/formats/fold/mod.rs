@@ -7,6 +7,7 @@ mod animation;
 mod document;
 mod json;
 mod keys;
+mod measured;
 mod pattern;
 mod plane;
 mod shape;

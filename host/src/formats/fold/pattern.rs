@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::document::{Document, Frame, Frames, Located};
 use super::keys;
+use super::measured::measured;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
 use crate::formats::segments::{self, Segment};
 use crate::formats::{FileError, stem};
@@ -24,7 +25,8 @@ pub struct PatternFile {
 }
 
 /// Reads a crease pattern. Goal angles are those of the last folded frame that has some, or else
-/// those of the pattern's own frame; a goal of zeros alone is the flat sheet, and no goal.
+/// those of the pattern's own frame, or else measured on the last folded frame that has positions; a goal of zeros alone
+/// is the flat sheet, and no goal.
 ///
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
@@ -42,19 +44,41 @@ pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError
 
 fn pattern(document: &Document) -> Result<PatternFile, FileError> {
     let frames = document.frames()?;
-    let frame = flat_frame(&frames);
+    let flat = flat_frame(&frames);
+    let frame = frames.get(flat);
     let angles = goal_angles(&frames, &frame)?;
-    pattern_of(document, &frame, angles.as_ref()).or_else(|error| match &error {
-        FileError::Pattern {
-            source:
-                PatternError::Duplicate { .. }
-                | PatternError::Crossing { .. }
-                | PatternError::OnEdge { .. }
-                | PatternError::Overlap { .. },
-            ..
-        } => repaired(document, &frame, angles.as_ref()).ok_or(error),
-        _ => Err(error),
-    })
+    let mut file = match pattern_of(document, &frame, angles.as_ref()) {
+        Ok(file) => file,
+        Err(error) => {
+            let repairable = matches!(
+                &error,
+                FileError::Pattern {
+                    source: PatternError::Duplicate { .. }
+                        | PatternError::Crossing { .. }
+                        | PatternError::OnEdge { .. }
+                        | PatternError::Overlap { .. },
+                    ..
+                }
+            );
+            let repaired = repairable.then(|| repaired(document, &frame, angles.as_ref()));
+            return repaired.flatten().ok_or(error);
+        }
+    };
+    if angles.is_none() {
+        match measured(&frames, Some(flat), &file.pattern) {
+            Ok(Some(goals)) if goals.leads_away() => {
+                file = pattern_of(document, &frame, Some(&goals))?;
+                let note = format!("the goal is measured on {}vertices_coords", goals.frame);
+                file.pattern.assume(note);
+            }
+            Ok(_) => {}
+            Err(error) => {
+                let note = format!("the folded frame is no goal: {error}");
+                file.pattern.assume(note);
+            }
+        }
+    }
+    Ok(file)
 }
 
 /// The crease pattern of lines that are none as they stand, as loose lines are repaired; `None` if that makes none, or if
@@ -81,10 +105,10 @@ fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Op
 }
 
 /// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
-/// `pattern`, `None` where the file names none.
+/// `pattern`, `None` where the file names none; measured on its folded frame where it names none at all.
 ///
 /// # Errors
-/// If the file cannot be read, has no angles, or not one for each edge of the pattern.
+/// If the file cannot be read, has neither angles nor the folded sheet, or not one for each edge of the pattern.
 pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
     goal(&Document::read(path)?, pattern)
 }
@@ -102,7 +126,11 @@ pub fn parse_goal(
 }
 
 fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
-    let goals = goal_angles(&document.frames()?, &document.key_frame())?;
+    let frames = document.frames()?;
+    let goals = match goal_angles(&frames, &document.key_frame())? {
+        None => measured(&frames, None, pattern)?,
+        goals => goals,
+    };
     let Some(goals) = goals.filter(Goals::leads_away) else {
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
@@ -157,10 +185,10 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
     }
 }
 
-/// The frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
-fn flat_frame<'a>(frames: &Frames<'a>) -> Frame<'a> {
+/// The number of the frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
+fn flat_frame(frames: &Frames<'_>) -> usize {
     let first = frames.classes().iter().position(|it| it.crease_pattern);
-    frames.get(first.unwrap_or(0))
+    first.unwrap_or(0)
 }
 
 /// Goal angles of all edges.
@@ -168,7 +196,7 @@ pub(super) struct Goals {
     /// Radians; `None` for null.
     pub(super) angles: Vec<Option<f64>>,
     /// The frame they come from, as a prefix of its keys.
-    frame: String,
+    pub(super) frame: String,
 }
 
 impl Goals {

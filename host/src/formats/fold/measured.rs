@@ -1,0 +1,105 @@
+//! The goal of a file that shows the folded sheet and names no fold angles.
+
+use core::f64::consts::PI;
+
+use super::document::Frames;
+use super::pattern::{Goals, points};
+use crate::formats::FileError;
+use crate::pattern::{CreasePattern, Edge, Letter};
+use crate::unfold::{FoldedShape, ShapeEdge, fold_angles};
+
+/// By how much edges of the folded sheet may be longer or shorter than of the flat one, as far as both are drawn to the
+/// same scale.
+const STRETCH: f64 = 0.01;
+/// Radians within which of half a turn an angle has no sign that could be measured.
+const HALF_TURN: f64 = 1e-6;
+
+/// The goal angles measured on the last folded frame that has positions, of the sheet of `pattern`, which is in frame
+/// `flat` if that is in the same file; `None` if no frame has.
+///
+/// # Errors
+/// If the frame does not show that sheet.
+pub(super) fn measured(
+    frames: &Frames<'_>,
+    flat: Option<usize>,
+    pattern: &CreasePattern,
+) -> Result<Option<Goals>, FileError> {
+    let shows = |number: &usize| {
+        Some(*number) != flat
+            && frames.classes()[*number].folded_form
+            && frames.own(*number).own("vertices_coords").is_some()
+    };
+    let Some(number) = (1..=frames.len()).rev().chain([0]).find(shows) else {
+        return Ok(None);
+    };
+    let frame = frames.own(number);
+    let no_such_sheet =
+        |expected: &str, found: &str| Err(frame.expected("vertices_coords", expected, found));
+    let vertices = points(&frame)?;
+    if vertices.len() != pattern.vertices().len() {
+        let expected = format!("{} entries, one for each vertex", pattern.vertices().len());
+        return no_such_sheet(&expected, &vertices.len().to_string());
+    }
+    let edges = &pattern.edges()[..pattern.drawn_edges()];
+    let lengths = edges.iter().map(|Edge { ends: [a, b], .. }| {
+        let flat = pattern.vertices()[b.index()] - pattern.vertices()[a.index()];
+        [
+            flat.norm(),
+            (vertices[b.index()] - vertices[a.index()]).norm(),
+        ]
+    });
+    let sum = |which: usize| lengths.clone().map(|pair| pair[which]).sum::<f64>();
+    let scale = sum(1) / sum(0);
+    let stretch = lengths.map(|[flat, folded]| (folded / (scale * flat) - 1.0).abs());
+    let within = |stretch: f64| stretch <= STRETCH;
+    if let Some((edge, stretch)) = stretch.enumerate().find(|&(_, stretch)| !within(stretch)) {
+        let found = format!("edge {edge} off by {:.1} %", 100.0 * stretch);
+        return no_such_sheet(
+            "the sheet, its edges as long as in the crease pattern",
+            &found,
+        );
+    }
+    let shape = FoldedShape {
+        vertices,
+        faces: pattern
+            .faces()
+            .iter()
+            .map(|face| face.iter().map(|v| v.index()).collect())
+            .collect(),
+        edges: edges
+            .iter()
+            .map(|edge| ShapeEdge {
+                ends: edge.ends.map(|end| end.index()),
+                letter: Some(edge.letter),
+                angle: None,
+            })
+            .collect(),
+    };
+    let angles = match fold_angles(&shape) {
+        Ok(angles) => angles,
+        Err(error) => return no_such_sheet("flat panels", &error.to_string()),
+    };
+    let against = |(edge, &angle): (&Edge, &f64)| {
+        angle.abs() > 0.0 && edge.letter.sign() * angle <= 0.0 && says(edge)
+    };
+    if let Some(edge) = edges.iter().zip(&angles).position(against) {
+        let found = format!(
+            "edge {edge} folded by {:.3} degrees",
+            angles[edge].to_degrees()
+        );
+        return no_such_sheet("edges folded as their letters say", &found);
+    }
+    let goals = edges.iter().zip(angles).map(|(edge, angle)| {
+        let signless = PI - angle.abs() <= HALF_TURN && !says(edge);
+        (!signless).then_some(angle)
+    });
+    Ok(Some(Goals {
+        angles: goals.collect(),
+        frame: frame.prefix(),
+    }))
+}
+
+/// Whether the letter of an edge says how it folds.
+fn says(edge: &Edge) -> bool {
+    edge.letter != Letter::Unassigned
+}
