@@ -376,6 +376,52 @@ fn panels_that_lie_on_each_other_leave_on_the_side_they_came_from() {
     assert!(met.iter().all(|&met| met > 50), "{met:?}");
 }
 
+/// Panels that rest on each other while others turn, and then leave through each other: the walks that were missed once.
+#[test]
+fn panels_that_lay_on_each_other_for_long_are_not_forgotten() {
+    for (widths, turns, faces) in [
+        // The last panel sticks out over the fourth, by rounding alone apart from it.
+        (
+            &[1.347, 1.309, 1.411, 1.791, 1.616, 1.666],
+            &[(4, 1), (4, 0), (4, 1), (2, -1), (1, 1), (3, 1)][..],
+            [3, 5],
+        ),
+        // The centers of both fall together to the last bit.
+        (
+            &[4.0, 3.0, 4.0, 3.0, 3.0, 3.0],
+            &[(4, -1), (3, -1), (2, -1), (1, 1), (2, 0), (0, -1), (4, 0)],
+            [3, 5],
+        ),
+    ] {
+        let mut place = 0.0;
+        let next = widths.iter().map(|width| {
+            place += width;
+            place
+        });
+        let places: Vec<f64> = core::iter::once(0.0).chain(next).collect();
+        let sheet = strip(&places, &vec![0.0; places.len()]);
+        let mut turned = [0.0; 5];
+        let motion: Motion = turns
+            .iter()
+            .map(|&(crease, to)| {
+                let before = turned;
+                turned[crease] = 180.0 * f64::from(to);
+                before
+                    .iter()
+                    .zip(turned)
+                    .map(|(&from, to)| line(from, to))
+                    .collect()
+            })
+            .collect();
+        let verdict = sweep(&sheet, &motion);
+        let SweepVerdict::Crossing { crossing, at, .. } = verdict else {
+            panic!("{widths:?}: {verdict:?}");
+        };
+        assert_eq!(crossing.faces, faces.map(FaceId), "{verdict:?}");
+        assert_eq!(at.segment, turns.len() - 1, "{verdict:?}");
+    }
+}
+
 #[test]
 fn a_hinge_that_turns_past_half_a_turn_is_found() {
     let pair = strip(&[0.0, 1.0, 2.0], &[0.0; 3]);

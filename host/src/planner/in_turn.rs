@@ -50,6 +50,7 @@ impl Planning<'_> {
             tree: &reduction.tree,
             groups: &reduction.groups,
             goal: goal.into_iter().map(Some).collect(),
+            seldom: (0..parts.len()).collect(),
             parts,
             free: HashMap::new(),
             dead: HashSet::new(),
@@ -177,6 +178,8 @@ struct Orders<'a> {
     /// Sets from which nothing leads on, in whatever order they were folded.
     dead: HashSet<u64>,
     barred: Vec<Barred>,
+    /// Parts, those that were seldom in the way first.
+    seldom: Vec<usize>,
     /// Steps tried.
     steps: usize,
 }
@@ -224,14 +227,7 @@ impl Orders<'_> {
             return Err(false);
         }
         let mut in_any_order = true;
-        // Those that were seldom in the way first.
-        let in_the_way = |part: &usize| {
-            let barred = self.barred.iter();
-            barred.filter(|barred| barred.before.contains(part)).count()
-        };
-        let mut parts: Vec<usize> = (0..self.parts.len()).collect();
-        parts.sort_by_cached_key(in_the_way);
-        for part in parts {
+        for part in self.seldom.clone() {
             let after = folded | 1 << part;
             if after == folded || self.dead.contains(&after) || !self.is_free(after) {
                 continue;
@@ -268,6 +264,11 @@ impl Orders<'_> {
             between,
             before: before.collect(),
             next,
+        });
+        let barred = &self.barred;
+        self.seldom.sort_by_cached_key(|part| {
+            let in_the_way = barred.iter().filter(|barred| barred.before.contains(part));
+            (in_the_way.count(), *part)
         });
     }
 

@@ -45,6 +45,7 @@ impl Sweep<'_> {
 
     pub(super) fn look(&mut self, motion: &Motion, index: u32) -> Look {
         let pair = self.pairs[index as usize].clone();
+        self.pairs[index as usize].above = None;
         let nodes = pair.nodes;
         match pair.kind {
             Kind::Clusters => self.look_at_clusters(motion, index, &pair),
@@ -293,7 +294,6 @@ impl Sweep<'_> {
         let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
-            self.pairs[index as usize].above = None;
             if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
                 return look;
             }
@@ -311,13 +311,7 @@ impl Sweep<'_> {
         if astray > 0.0 && apart <= astray + tolerance {
             return Look::Unsure;
         }
-        if apart <= tolerance {
-            let depth = self.depth(motion, [a, b]);
-            if depth > tolerance {
-                return Look::Crossing(depth);
-            }
-        }
-        if let Some(depth) = self.passed(motion, index, apart) {
+        if let Some(depth) = self.crosses(motion, index, pair, apart) {
             return Look::Crossing(depth);
         }
         if counts {
@@ -354,13 +348,7 @@ impl Sweep<'_> {
         let reach = reach(0).min(reach(1));
         let angle = sectors[0].separation(&sectors[1]);
         let tolerance = self.tolerance(pair.kind);
-        if angle * reach <= tolerance {
-            let depth = self.depth(motion, [a, b]);
-            if depth > tolerance {
-                return Look::Crossing(depth);
-            }
-        }
-        if let Some(depth) = self.passed(motion, index, angle * reach) {
+        if let Some(depth) = self.crosses(motion, index, pair, angle * reach) {
             return Look::Crossing(depth);
         }
         self.levers.clear();
@@ -373,34 +361,35 @@ impl Sweep<'_> {
         self.at_contact(motion, index, pair.kind, angle * reach, look)
     }
 
-    /// How far two pieces that lay flat on each other have left through each other, if they have: each is on the
-    /// other side of the other than it came from. Notes from where they came when they begin to lie so.
-    fn passed(&mut self, motion: &Motion, index: u32, apart: f64) -> Option<f64> {
-        let (time, pair) = (self.sheet.time, &self.pairs[index as usize]);
-        let (nodes, above, last) = (pair.nodes, pair.above, pair.last);
-        let tolerance = self.tolerance(pair.kind);
-        if above.is_none() && apart > tolerance {
+    /// How deep two pieces in their places cross, or how far they have left through each other where they lay flat on
+    /// each other: each is on the other side of the other than it came from. Notes from where they came as long as they
+    /// lie so.
+    fn crosses(&mut self, motion: &Motion, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
+        let (nodes, tolerance) = (pair.nodes, self.tolerance(pair.kind));
+        if apart <= tolerance {
+            let depth = self.depth(motion, nodes);
+            if depth > tolerance {
+                return Some(depth);
+            }
+        } else if pair.above.is_none() {
             return None;
         }
-        let heights = self.heights(nodes, tolerance);
-        let most = |heights: [f64; 2]| heights[0].abs().max(heights[1].abs());
-        let flat = heights.is_some_and(|heights| most(heights) <= tolerance);
-        let came = match above {
-            None if flat => last.and_then(|last| {
-                let came = self.came_from(motion, nodes, [last, time], tolerance);
-                self.sheet.time = time;
-                self.put(motion, nodes, false);
-                came
-            }),
-            above => above,
-        };
-        self.pairs[index as usize].above = came.filter(|_| flat);
-        let (came, heights) = (came?, heights.filter(|_| !flat)?);
-        let turned = heights
-            .iter()
-            .zip(came)
-            .all(|(height, above)| (*height > 0.0) != above);
-        turned.then(|| most(heights))
+        let heights = self.heights(nodes, tolerance)?;
+        let most = heights[0].abs().max(heights[1].abs());
+        if most > tolerance {
+            let mut sides = heights.into_iter().zip(pair.above?);
+            let through = sides.all(|(height, above)| (height > 0.0) != above);
+            return through.then_some(most);
+        }
+        let came = pair.above.or_else(|| {
+            let time = self.sheet.time;
+            let came = self.came_from(motion, nodes, [pair.last?, time], tolerance);
+            self.sheet.time = time;
+            self.put(motion, nodes, false);
+            came
+        });
+        self.pairs[index as usize].above = came;
+        None
     }
 
     /// Whether each of two pieces that lie flat on each other at the second time was above the other before; they do
