@@ -9,3 +9,15 @@ pub(crate) fn root(roots: &mut [usize], one: usize) -> usize {
     }
     here
 }
+
+/// Joins two, and all that they are joined to.
+pub(crate) fn join(roots: &mut [usize], pair: [usize; 2]) {
+    let [a, b] = pair.map(|one| root(roots, one));
+    roots[a] = b;
+}
+
+/// Whether two are joined.
+pub(crate) fn are_joined(roots: &mut [usize], pair: [usize; 2]) -> bool {
+    let [a, b] = pair.map(|one| root(roots, one));
+    a == b
+}

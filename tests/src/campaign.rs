@@ -45,6 +45,7 @@ impl Family {
         Self::plain("slender", meshes::slender),
         Self::plain("map", meshes::map),
         Self::plain("roll", meshes::roll),
+        Self::plain("simple-folds", meshes::simple_folds),
         Self::plain("chain", meshes::chain),
         Self::plain("tree", meshes::tree),
         Self::plain("moved-waterbomb", meshes::moved_waterbomb),

@@ -1,6 +1,7 @@
 //! The creases between two faces of a sheet, along a shortest chain of faces.
 
-use std::collections::VecDeque;
+use core::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use foldpath_core::Membership;
 use nalgebra::Vector2;
@@ -54,8 +55,10 @@ impl Crossed {
 #[derive(Clone, Debug)]
 pub(super) struct Chains<'a> {
     memberships: &'a [Membership],
+    /// Groups that do not turn for now.
+    still: Vec<bool>,
     links: Vec<Link>,
-    /// For each face, once it was asked for, the steps from it to all others; none on large sheets.
+    /// For each face, once it was asked for, how far it is from it to all others; none on large sheets.
     known: Vec<Vec<u32>>,
     keeps: bool,
     searched: Search,
@@ -63,33 +66,39 @@ pub(super) struct Chains<'a> {
     way: Vec<(EdgeId, FaceId)>,
 }
 
-/// Sheets of more faces keep no steps from each face to each other: 2^24 numbers.
+/// Sheets of more faces do not keep how far it is from each face to each other: 2^24 numbers.
 const MANY: usize = 1 << 12;
+/// How far it is across a crease that turns; across others, 1.
+const TURNING: u32 = 1 << 12;
 
-/// A search that passes from face to face.
+/// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with graphs",
+/// 1959.
 #[derive(Clone, Debug, Default)]
 struct Search {
-    /// For each face found the steps to it and one; 0 for the others.
-    steps: Vec<u32>,
-    /// The faces found.
-    open: VecDeque<FaceId>,
-    found: Vec<FaceId>,
+    /// For each face reached how far it is, and one; 0 for the others.
+    far: Vec<u32>,
+    /// Faces to go on from, and how far they are, and one.
+    open: BinaryHeap<Reverse<(u32, FaceId)>>,
+    reached: Vec<FaceId>,
 }
 
 impl Search {
     fn forget(&mut self) {
-        for face in self.found.drain(..) {
-            self.steps[face.index()] = 0;
+        for face in self.reached.drain(..) {
+            self.far[face.index()] = 0;
         }
         self.open.clear();
     }
 
-    fn reach(&mut self, face: FaceId, steps: u32) {
-        if self.steps[face.index()] == 0 {
-            self.steps[face.index()] = steps;
-            self.found.push(face);
-            self.open.push_back(face);
+    fn reach(&mut self, face: FaceId, far: u32) {
+        let known = &mut self.far[face.index()];
+        if *known == 0 {
+            self.reached.push(face);
+        } else if *known <= far {
+            return;
         }
+        *known = far;
+        self.open.push(Reverse((far, face)));
     }
 }
 
@@ -100,15 +109,24 @@ impl<'a> Chains<'a> {
         let keeps = !near && faces <= MANY;
         Self {
             memberships,
+            still: Vec::new(),
             links: Vec::new(),
             known: vec![Vec::new(); if keeps { faces } else { 0 }],
             keeps,
             searched: Search {
-                steps: vec![0; faces],
+                far: vec![0; faces],
                 ..Search::default()
             },
             crossed: Vec::new(),
             way: Vec::new(),
+        }
+    }
+
+    /// From now on these groups do not turn, one flag each; none for all that may.
+    pub(super) fn keep_still(&mut self, still: Vec<bool>) {
+        if self.still != still {
+            self.still = still;
+            self.known.iter_mut().for_each(Vec::clear);
         }
     }
 
@@ -137,8 +155,8 @@ impl<'a> Chains<'a> {
         &self.links[chain.pairs..chain.end]
     }
 
-    /// A shortest chain from a face to another of the same sheet, with few bends; round a vertex, if one
-    /// is given. Cost: O(faces not farther away).
+    /// A shortest chain from a face to another of the same sheet, across few creases that turn, and with few bends; round
+    /// a vertex, if one is given. Cost: O(n log n) for n faces not farther away.
     pub(super) fn find(
         &mut self,
         pattern: &CreasePattern,
@@ -149,15 +167,15 @@ impl<'a> Chains<'a> {
         if !whole || self.known[to.index()].is_empty() {
             self.search(pattern, to, round, (!whole).then_some(from));
             if whole {
-                self.known[to.index()] = self.searched.steps.clone();
+                self.known[to.index()] = self.searched.far.clone();
             }
         }
-        let steps = if whole {
+        let far = if whole {
             &self.known[to.index()]
         } else {
-            &self.searched.steps
+            &self.searched.far
         };
-        if steps[from.index()] == 0 {
+        if far[from.index()] == 0 {
             return None;
         }
         let start = self.links.len();
@@ -167,7 +185,10 @@ impl<'a> Chains<'a> {
         while face != to {
             let ahead = pattern.neighbours()[face.index()].iter().copied();
             let ahead = ahead.filter(|&(next, edge)| {
-                steps[next.index()] + 1 == steps[face.index()] && ends_at(pattern, edge, round)
+                let there = far[next.index()];
+                there > 0
+                    && there + self.across(pattern, edge) == far[face.index()]
+                    && ends_at(pattern, edge, round)
             });
             let bend = |edge: EdgeId| direction(pattern, edge).perp(&heading).abs();
             let (next, edge) = ahead.min_by(|a, b| bend(a.1).total_cmp(&bend(b.1)))?;
@@ -196,7 +217,7 @@ impl<'a> Chains<'a> {
         })
     }
 
-    /// Finds the steps to `to` from all faces round a vertex or everywhere: to all, or up to one.
+    /// Finds how far it is to `to` from all faces round a vertex or everywhere: from all, or up to one.
     fn search(
         &mut self,
         pattern: &CreasePattern,
@@ -204,20 +225,31 @@ impl<'a> Chains<'a> {
         round: Option<VertexId>,
         from: Option<FaceId>,
     ) {
-        let search = &mut self.searched;
+        let mut search = core::mem::take(&mut self.searched);
         search.forget();
         search.reach(to, 1);
-        while let Some(face) = search.open.pop_front() {
-            let steps = search.steps[face.index()] + 1;
-            if from.is_some_and(|from| (1..steps).contains(&search.steps[from.index()])) {
-                return;
+        while let Some(Reverse((far, face))) = search.open.pop() {
+            if from == Some(face) {
+                break;
+            }
+            if far > search.far[face.index()] {
+                continue;
             }
             for &(beyond, edge) in &pattern.neighbours()[face.index()] {
                 if ends_at(pattern, edge, round) {
-                    search.reach(beyond, steps);
+                    search.reach(beyond, far + self.across(pattern, edge));
                 }
             }
         }
+        self.searched = search;
+    }
+
+    /// How far it is across an edge.
+    fn across(&self, pattern: &CreasePattern, edge: EdgeId) -> u32 {
+        let crease = pattern.edge(edge).crease;
+        let member = crease.and_then(|crease| self.memberships.get(crease.index()));
+        let still = member.and_then(|member| self.still.get(member.group.index()));
+        if still == Some(&false) { TURNING } else { 1 }
     }
 
     /// Goes across an edge to the face beyond.

@@ -20,6 +20,7 @@ mod scene;
 mod separation;
 mod sheet;
 mod sweep;
+mod together;
 mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};

@@ -3,7 +3,7 @@
 //!
 //! Times are ticks, 2^36 a segment, so that halves of steps are times too, without rounding.
 
-use foldpath_core::{Curve, HalfAngle};
+use foldpath_core::{Curve, HalfAngle, Membership};
 
 use super::contact::Change;
 use super::variation::Variation;
@@ -19,6 +19,9 @@ const MOST_TABULATED: usize = 1 << 16;
 const PLACES: u64 = 4;
 /// Small parts of the interval between tabulated times.
 const SMALL_PARTS: u32 = 64;
+
+/// Radians that a group turns over a segment at most where it is taken to be still.
+const STILL: f64 = 1e-9;
 
 /// A time: segments, in units of 2^-36.
 pub(super) type Tick = u64;
@@ -128,9 +131,69 @@ impl Motion {
         curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
+    /// For each segment a number, the same for those after each other over which the same groups turn.
+    pub(super) fn phases(&self) -> Vec<usize> {
+        let still: Vec<_> = (0..self.segments)
+            .map(|segment| self.still(segment))
+            .collect();
+        let phases = (0..self.segments).scan(0, |phase, segment| {
+            *phase += usize::from(segment > 0 && still[segment - 1] != still[segment]);
+            Some(*phase)
+        });
+        phases.collect()
+    }
+
+    /// For each group whether it does not turn over a segment, but for rounding; empty if all do.
+    pub(super) fn still(&self, segment: usize) -> Vec<bool> {
+        let variations = self
+            .variations
+            .iter()
+            .skip(segment * self.groups)
+            .take(self.groups);
+        let still: Vec<bool> = variations.map(|v| v.until(1.0) <= STILL).collect();
+        if still.contains(&true) {
+            still
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// How much a crease turns over a segment at most, to and fro, radians.
+    pub(super) fn turned(&self, segment: usize, crease: Membership) -> f64 {
+        self.variation(segment, crease).until(1.0)
+    }
+
+    /// By how much two creases turn otherwise than alike over a segment at most, or than `opposite` to each other,
+    /// radians; infinite where that is not seen.
+    pub(super) fn unlike(&self, segment: usize, creases: [Membership; 2], opposite: bool) -> f64 {
+        let opposite = opposite != (creases[0].negative != creases[1].negative);
+        let sign = if opposite { -1.0 } else { 1.0 };
+        let [a, b] = creases.map(|crease| *self.variation(segment, crease).curve());
+        let (Curve::Angle(a), Curve::Angle(b)) = (a, b) else {
+            return f64::INFINITY;
+        };
+        // A cubic is within its coefficients.
+        let difference: [f64; 4] = core::array::from_fn(|k| a[k] - sign * b[k]);
+        let [low, high] = difference
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
+                [low.min(*d), high.max(*d)]
+            });
+        high - low
+    }
+
+    fn variation(&self, segment: usize, crease: Membership) -> &Variation {
+        &self.variations[segment * self.groups + crease.group.index()]
+    }
+
     /// The last time.
     pub(super) fn end(&self) -> Tick {
         (self.segments as Tick) << TICKS
+    }
+
+    /// The end of a segment.
+    pub(super) fn end_of(&self, segment: usize) -> Tick {
+        ((segment + 1) as Tick) << TICKS
     }
 
     /// Segment and place in it, 0 to 1.

@@ -71,6 +71,10 @@ const TURNED: f64 = 0.1;
 const ROUGH: f64 = 1e-2;
 /// Iterations that close what is predicted along a motion; a handful suffice, unless nothing closes there.
 const ITERATIONS: u32 = 25;
+/// Closure residual that rounding may leave on a straight way.
+const STRAIGHT: f64 = 1e-12;
+/// Steps of it at least: any two configurations close.
+const STEPS: f64 = 4.0;
 /// Branches that are followed from flat.
 const BRANCHES: usize = 4;
 /// Starts again of the randomised search as a last resort.
@@ -327,6 +331,9 @@ impl<'a> Route<'a> {
 
     /// From flat to the first target: followed from there, or else from flat, or else searched.
     fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+        if let Some(straight) = self.straight(&vec![0.0; target.angles.len()], &target.angles) {
+            return straight;
+        }
         let backwards = self.backwards(target, work);
         if matches!(backwards.stop, None | Some(Stop::Timeout)) {
             return backwards;
@@ -371,6 +378,28 @@ impl<'a> Route<'a> {
         }
     }
 
+    /// The straight way between two configurations, if the sheet closes all along: what turns does so about the same
+    /// line, or on its own.
+    fn straight(&self, from: &[f64], to: &[f64]) -> Option<Followed> {
+        let far = max_difference(from, to);
+        if far <= 0.0 {
+            return None;
+        }
+        let steps = (far / self.options.max_step).ceil().max(STEPS);
+        let parts = core::iter::successors(Some(0.0), |step| Some(step + 1.0));
+        let parts = parts.take_while(|step| *step <= steps);
+        let knots = parts.map(|step| {
+            let pairs = from.iter().zip(to);
+            let angles: Vec<f64> = pairs.map(|(a, b)| a + (b - a) * (step / steps)).collect();
+            (self.reduction.closure(&angles) <= STRAIGHT).then_some(angles)
+        });
+        let knots: Vec<_> = knots.collect::<Option<_>>()?;
+        Some(Followed {
+            waypoints: polyline(&knots),
+            stop: None,
+        })
+    }
+
     /// From the target to flat, turned round.
     fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
         let mut solver = self.solver(target.accepted);
@@ -400,6 +429,9 @@ impl<'a> Route<'a> {
 
     /// Between two targets.
     fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
+        if let Some(straight) = self.straight(from, &to.angles) {
+            return straight;
+        }
         let accepted = self.accepted.max(to.accepted);
         let mut solver = self.solver(accepted);
         let mut followed = follow(

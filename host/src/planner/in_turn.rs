@@ -2,6 +2,9 @@
 //! map.
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+use fixedbitset::FixedBitSet;
 
 use super::attempt::Attempt;
 use super::judge::Judge;
@@ -9,14 +12,16 @@ use super::knots::Knot;
 use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
+use super::reuse::{FIRST_PART, LEAST_PART};
+use super::simple_folds::simple_folds;
 use super::{Goal, GoalKind, Search};
-use crate::folding::SpanningTree;
-use crate::pattern::FaceId;
+use crate::folding::{FoldingMap, SpanningTree};
+use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Orders tried at most.
 const TRIES: usize = 200;
-/// Sets of folded parts looked at, at most.
+/// Sets of folded creases looked at, at most.
 const MOST_SETS: usize = 2000;
 /// Steps of orders tried, at most.
 const MOST_STEPS: usize = 100_000;
@@ -41,23 +46,33 @@ impl Planning<'_> {
             return None;
         }
         let goal = attempt.reduction.groups.expand(attempt.last());
-        let parts = self.parts(attempt, &goal)?;
+        let turned = goal.iter().enumerate();
+        let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
+        let all = set(&goal, turned.map(|(crease, _)| crease));
+        let mut parts = self.parts(attempt, &goal).unwrap_or_default();
+        for part in &mut parts {
+            part.intersect_with(&all);
+        }
+        parts.retain(|part| !part.is_clear());
         let groups = CreaseGroups::trivial(pattern);
         let reduction = Reduction::new(pattern, groups, options, self.deadline);
         let mut orders = Orders {
+            pattern,
             judge: Judge::new(pattern, &reduction, true),
             accepted: reduction.accepted(options),
             tree: &reduction.tree,
             groups: &reduction.groups,
-            goal: goal.into_iter().map(Some).collect(),
-            seldom: (0..parts.len()).collect(),
+            in_the_way: vec![0; goal.len()],
+            goal,
+            all,
             parts,
+            moves: HashMap::new(),
             free: HashMap::new(),
             dead: HashSet::new(),
             barred: Vec::new(),
             steps: 0,
         };
-        if !orders.is_free(orders.all()) {
+        if !orders.is_free(&orders.all.clone()) {
             return None;
         }
         let mut effort = Plan::default();
@@ -66,57 +81,75 @@ impl Planning<'_> {
             if self.is_late() || orders.extend(&mut order).is_err() {
                 return None;
             }
-            let stops: Vec<u64> = (1..order.len()).map(|k| set(&order[..k])).collect();
-            let plan = self.by_way_of(&orders, &stops);
+            // As near to the course as it gets: what crosses there does.
+            let plan = self.by_way_of(&orders, &orders.stops(&order), LEAST_PART);
             if plan.outcome == Outcome::Planned {
-                let (mut plan, phases) = self.with_fewer_stops(&orders, plan, stops);
+                let mut plan = self.with_fewer_stops(&mut orders, plan, order);
                 plan.add_effort(&effort);
-                plan.notes.push(format!(
-                    "folded in {phases} phases, as faces cross if all creases turn at once"
-                ));
                 return Some(plan);
             }
             let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-            let next = phases.count().min(stops.len());
-            orders.bar(&order[..next], order[next], &plan.outcome);
+            let next = phases.count().min(order.len() - 1);
+            orders.bar(&order[..next], &order[next], &plan.outcome);
             effort.add_effort(&plan);
         }
         None
     }
 
-    /// The plan without the stops that it can do without, runs of them first, and its phases; but not without any.
+    /// The plan with fewer phases than there are creases in order: runs of them at once that could each be next, if no
+    /// faces cross then.
     fn with_fewer_stops(
         &self,
-        orders: &Orders<'_>,
+        orders: &mut Orders<'_>,
         mut plan: Plan,
-        mut stops: Vec<u64>,
-    ) -> (Plan, usize) {
+        order: Vec<FixedBitSet>,
+    ) -> Plan {
         let mut effort = Plan::default();
-        let mut run = stops.len() / 2;
-        while run > 0 {
+        let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
+        let stops = |orders: &Orders<'_>, phases: &[Vec<_>]| {
+            let phases: Vec<_> = phases.iter().map(|once| orders.folded(once)).collect();
+            orders.stops(&phases)
+        };
+        let mut run = phases.len().div_ceil(2);
+        while run > 1 {
             let mut from = 0;
-            while from < stops.len() && stops.len() > run {
-                let mut fewer = stops.clone();
-                fewer.drain(from..stops.len().min(from + run));
-                let mut other = self.by_way_of(orders, &fewer);
+            while from + 1 < phases.len() && phases.len() > run {
+                let to = phases.len().min(from + run);
+                let once = phases[from..to].concat();
+                let next = orders.moves(&orders.folded(&phases[..from].concat()));
+                let mut fewer = phases.clone();
+                fewer.splice(from..to, [once.clone()]);
+                from += run - 1;
+                if !once.iter().all(|creases| next.contains(creases)) {
+                    continue;
+                }
+                let mut other = self.by_way_of(orders, &stops(orders, &fewer), LEAST_PART);
                 if other.outcome == Outcome::Planned {
                     core::mem::swap(&mut plan, &mut other);
-                    stops = fewer;
-                } else {
-                    from += run;
+                    phases = fewer;
+                    from -= run - 1;
                 }
                 effort.add_effort(&other);
             }
-            run /= 2;
+            run = run.div_ceil(2).min(run - 1);
         }
+        let mut other = self.by_way_of(orders, &stops(orders, &phases), FIRST_PART);
+        if other.outcome == Outcome::Planned {
+            core::mem::swap(&mut plan, &mut other);
+        }
+        plan.add_effort(&other);
         plan.add_effort(&effort);
-        (plan, stops.len() + 1)
+        plan.notes.push(format!(
+            "folded in {} phases, as faces cross if all creases turn at once",
+            phases.len()
+        ));
+        plan
     }
 
-    /// The plan by way of these sets of folded parts.
-    fn by_way_of(&self, orders: &Orders<'_>, stops: &[u64]) -> Plan {
-        let via = stops.iter().map(|&folded| {
-            let angles = orders.angles(folded);
+    /// The plan by way of these sets of folded creases, certified for this part of the bound at first.
+    fn by_way_of(&self, orders: &Orders<'_>, stops: &[FixedBitSet], part: f64) -> Plan {
+        let via = stops.iter().map(|folded| {
+            let angles = orders.angles(folded).into_iter().map(Some).collect();
             Goal::chosen(self.pattern, angles, "a part of the goal".into())
         });
         let goal = Goal {
@@ -125,13 +158,14 @@ impl Planning<'_> {
         };
         let planning = Planning {
             deadline: self.deadline,
+            part,
             ..Planning::new(self.pattern, &goal, self.options)
         };
         planning.run()
     }
 
-    /// Creases that move each other on the way of `attempt`, in sets that do not; `None` if there is one.
-    fn parts(&self, attempt: &Attempt, goal: &[f64]) -> Option<Vec<Vec<usize>>> {
+    /// Creases that move each other on the way of `attempt`, in sets that do not.
+    fn parts(&self, attempt: &Attempt, goal: &[f64]) -> Option<Vec<FixedBitSet>> {
         let groups = &attempt.reduction.groups;
         let waypoints = &attempt.waypoints;
         // Where the sheet is flat it is singular, and often so at the goal.
@@ -142,69 +176,84 @@ impl Planning<'_> {
         if looks.is_empty() {
             looks.push(goal.iter().map(|angle| angle / 2.0).collect());
         }
-        let mut parts = independent_parts(&ReducedStars::of_creases(self.pattern), &looks)?;
-        parts.retain(|part| part.iter().any(|&crease| goal[crease].abs() > CLOSED));
-        (2..=64).contains(&parts.len()).then_some(parts)
+        let parts = independent_parts(&ReducedStars::of_creases(self.pattern), &looks)?;
+        Some(parts.into_iter().map(|part| set(goal, part)).collect())
     }
 }
 
-/// The set of parts, as bits.
-fn set(parts: &[usize]) -> u64 {
-    parts.iter().fold(0, |set, part| set | 1 << part)
+/// A set of the creases that a list has an item for.
+fn set<T>(all: &[T], creases: impl IntoIterator<Item = usize>) -> FixedBitSet {
+    let mut set = FixedBitSet::with_capacity(all.len());
+    set.extend(creases);
+    set
 }
 
-/// A part that cannot be next after others.
+/// Creases that cannot be next after others.
 struct Barred {
-    /// The parts that matter, a set.
-    between: u64,
+    /// The creases that matter.
+    between: FixedBitSet,
     /// Those of them that are folded, in their order.
-    before: Vec<usize>,
-    next: usize,
+    before: Vec<FixedBitSet>,
+    next: FixedBitSet,
 }
 
-/// Orders in which parts can be folded. Sets of parts are bits.
+/// Orders in which sets of creases can be folded.
 struct Orders<'a> {
+    pattern: &'a CreasePattern,
     judge: Judge<'a>,
     tree: &'a SpanningTree,
     /// Closure residual that counts as closed.
     accepted: f64,
     groups: &'a CreaseGroups,
-    /// Fold angles of the creases with all parts folded, radians.
-    goal: Vec<Option<f64>>,
-    /// Creases of each part.
-    parts: Vec<Vec<usize>>,
-    /// Whether the sheet closes with these parts folded, and no faces cross.
-    free: HashMap<u64, bool>,
+    /// Fold angles of the creases with all folded, radians.
+    goal: Vec<f64>,
+    /// The creases that turn.
+    all: FixedBitSet,
+    /// Those that move each other.
+    parts: Vec<FixedBitSet>,
+    /// What can turn next where these are folded.
+    moves: HashMap<FixedBitSet, Rc<[FixedBitSet]>>,
+    /// Whether the sheet closes with these folded, and no faces cross.
+    free: HashMap<FixedBitSet, bool>,
     /// Sets from which nothing leads on, in whatever order they were folded.
-    dead: HashSet<u64>,
+    dead: HashSet<FixedBitSet>,
     barred: Vec<Barred>,
-    /// Parts, those that were seldom in the way first.
-    seldom: Vec<usize>,
+    /// How often each crease was in the way.
+    in_the_way: Vec<usize>,
     /// Steps tried.
     steps: usize,
 }
 
 impl Orders<'_> {
-    /// All parts.
-    fn all(&self) -> u64 {
-        u64::MAX >> (64 - self.parts.len())
-    }
-
-    /// Fold angles of the creases with these parts folded and the others flat.
-    fn angles(&self, folded: u64) -> Vec<Option<f64>> {
-        let mut angles = self.goal.clone();
-        let flat = (0..self.parts.len()).filter(|part| folded >> part & 1 == 0);
-        for &crease in flat.flat_map(|part| &self.parts[part]) {
-            angles[crease] = Some(0.0);
+    /// All creases of an order.
+    fn folded(&self, order: &[FixedBitSet]) -> FixedBitSet {
+        let mut folded = set(&self.goal, []);
+        for creases in order {
+            folded.union_with(creases);
         }
-        angles
+        folded
     }
 
-    fn is_free(&mut self, folded: u64) -> bool {
-        if let Some(&free) = self.free.get(&folded) {
+    /// What is folded after each step of an order but the last.
+    fn stops(&self, order: &[FixedBitSet]) -> Vec<FixedBitSet> {
+        let stops = (1..order.len()).map(|k| self.folded(&order[..k]));
+        stops.collect()
+    }
+
+    /// Fold angles of the creases with these folded and the others flat, radians.
+    fn angles(&self, folded: &FixedBitSet) -> Vec<f64> {
+        let angles = self.goal.iter().enumerate();
+        angles
+            .map(|(crease, &angle)| if folded[crease] { angle } else { 0.0 })
+            .collect()
+    }
+
+    fn is_free(&mut self, folded: &FixedBitSet) -> bool {
+        if let Some(&free) = self.free.get(folded) {
             return free;
         }
-        let angles = self.groups.reduce(&self.angles(folded));
+        let angles = self.angles(folded).into_iter().map(Some);
+        let angles = self.groups.reduce(&angles.collect::<Vec<_>>());
         let mut knot = Knot {
             angles: angles.into_iter().flatten().collect(),
             ..Knot::default()
@@ -212,14 +261,45 @@ impl Orders<'_> {
         let free = self.free.len() < MOST_SETS
             && self.judge.judge(&mut knot).is_none()
             && knot.closure <= self.accepted;
-        self.free.insert(folded, free);
+        self.free.insert(folded.clone(), free);
         free
     }
 
-    /// Extends an order to all parts, if that can be; and whether it cannot in any order of the parts so far.
-    fn extend(&mut self, order: &mut Vec<usize>) -> Result<(), bool> {
-        let folded = set(order);
-        if folded == self.all() {
+    /// What can turn next: simple folds, and parts that move on their own, or what is left of them.
+    fn moves(&mut self, folded: &FixedBitSet) -> Rc<[FixedBitSet]> {
+        if let Some(moves) = self.moves.get(folded) {
+            return moves.clone();
+        }
+        let map = FoldingMap::new(self.pattern, self.tree, &self.angles(folded));
+        let turns = self.goal.iter().enumerate();
+        let turns = turns.map(|(crease, &angle)| {
+            let turns = self.all[crease] && !folded[crease];
+            if turns { angle } else { 0.0 }
+        });
+        let turns: Vec<f64> = turns.collect();
+        let folds = simple_folds(self.pattern, map.vertices(), &turns);
+        let rest = self
+            .parts
+            .iter()
+            .map(|part| part.difference(folded).collect());
+        let mut moves: Vec<FixedBitSet> = Vec::new();
+        for creases in folds.into_iter().chain(rest) {
+            let creases: Vec<usize> = creases;
+            let creases = set(&self.goal, creases);
+            // That all turn at once was the first try.
+            if !creases.is_clear() && creases != self.all && !moves.contains(&creases) {
+                moves.push(creases);
+            }
+        }
+        let moves: Rc<[FixedBitSet]> = moves.into();
+        self.moves.insert(folded.clone(), moves.clone());
+        moves
+    }
+
+    /// Extends an order to all creases, if that can be; and whether it cannot in any order of those so far.
+    fn extend(&mut self, order: &mut Vec<FixedBitSet>) -> Result<(), bool> {
+        let folded = self.folded(order);
+        if folded == self.all {
             return Ok(());
         }
         self.steps += 1;
@@ -227,17 +307,20 @@ impl Orders<'_> {
             return Err(false);
         }
         let mut in_any_order = true;
-        for part in self.seldom.clone() {
-            let after = folded | 1 << part;
-            if after == folded || self.dead.contains(&after) || !self.is_free(after) {
+        let mut moves = self.moves(&folded).to_vec();
+        // Those that were seldom in the way first.
+        moves.sort_by_cached_key(|next| next.ones().map(|crease| self.in_the_way[crease]).max());
+        for next in moves {
+            let after = &folded | &next;
+            if self.dead.contains(&after) || !self.is_free(&after) {
                 continue;
             }
             let mut barred = self.barred.iter();
-            if let Some(barred) = barred.find(|barred| barred.bars(order, part)) {
+            if let Some(barred) = barred.find(|barred| barred.bars(order, &next)) {
                 in_any_order &= barred.before.len() < 2;
                 continue;
             }
-            order.push(part);
+            order.push(next);
             match self.extend(order) {
                 Ok(()) => return Ok(()),
                 Err(whatever) => in_any_order &= whatever,
@@ -250,47 +333,46 @@ impl Orders<'_> {
         Err(in_any_order)
     }
 
-    /// Bars a part from being next after others, as it ended like this.
-    fn bar(&mut self, order: &[usize], next: usize, outcome: &Outcome) {
+    /// Bars creases from being next after others, as it ended like this.
+    fn bar(&mut self, order: &[FixedBitSet], next: &FixedBitSet, outcome: &Outcome) {
         let between = match outcome {
             Outcome::Crossing(crossing) => self.between(crossing.faces),
-            _ => self.all(),
+            _ => self.all.clone(),
         };
-        let before = order
-            .iter()
-            .copied()
-            .filter(|part| between >> part & 1 == 1);
+        let before: Vec<_> = of_those(order, &between).collect();
+        for crease in before.iter().flat_map(FixedBitSet::ones) {
+            self.in_the_way[crease] += 1;
+        }
         self.barred.push(Barred {
             between,
-            before: before.collect(),
-            next,
-        });
-        let barred = &self.barred;
-        self.seldom.sort_by_cached_key(|part| {
-            let in_the_way = barred.iter().filter(|barred| barred.before.contains(part));
-            (in_the_way.count(), *part)
+            before,
+            next: next.clone(),
         });
     }
 
-    /// The parts of which creases lie on the way from one face to another.
-    fn between(&self, faces: [FaceId; 2]) -> u64 {
+    /// The creases on the way from one face to another.
+    fn between(&self, faces: [FaceId; 2]) -> FixedBitSet {
         let [a, b] = faces.map(|face| {
             let step = |face: FaceId| self.tree.steps().iter().find(|step| step.face == face);
             let way = core::iter::successors(step(face), |at| step(at.parent));
-            way.filter_map(|step| step.crease).collect::<HashSet<_>>()
+            let creases = way.filter_map(|step| step.crease);
+            set(&self.goal, creases.map(|crease| crease.index()))
         });
-        let creases = a.symmetric_difference(&b);
-        let parts = creases.filter_map(|crease| {
-            let holds = |part: &Vec<usize>| part.contains(&crease.index());
-            self.parts.iter().position(holds)
-        });
-        set(&parts.collect::<Vec<_>>())
+        set(&self.goal, a.symmetric_difference(&b))
     }
 }
 
+/// What of an order lies in `between`.
+fn of_those<'a>(
+    order: &'a [FixedBitSet],
+    between: &'a FixedBitSet,
+) -> impl Iterator<Item = FixedBitSet> + 'a {
+    let parts = order.iter().map(move |creases| creases & between);
+    parts.filter(|creases| !creases.is_clear())
+}
+
 impl Barred {
-    fn bars(&self, order: &[usize], next: usize) -> bool {
-        let before = order.iter().filter(|&part| self.between >> part & 1 == 1);
-        self.next == next && before.eq(&self.before)
+    fn bars(&self, order: &[FixedBitSet], next: &FixedBitSet) -> bool {
+        self.next == *next && of_those(order, &self.between).eq(self.before.iter().cloned())
     }
 }

@@ -25,6 +25,7 @@ mod reachability;
 mod reduction;
 mod reuse;
 mod search;
+mod simple_folds;
 mod solver;
 mod sparse;
 pub mod timing;

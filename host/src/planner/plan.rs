@@ -205,6 +205,8 @@ pub(super) struct Planning<'a> {
     /// Closure residual of the goal as it stands, all creases on their own, if they all have an angle and it
     /// was asked for.
     pub(super) asked_closure: Option<f64>,
+    /// Part of the bound that the motion between knots is certified for at first.
+    pub(super) part: f64,
     pub(super) plan: Plan,
 }
 
@@ -222,6 +224,7 @@ impl<'a> Planning<'a> {
                 .timeout
                 .and_then(|timeout| Instant::now().checked_add(timeout)),
             asked_closure: None,
+            part: FIRST_PART,
             plan: Plan::default(),
         }
     }
@@ -409,7 +412,7 @@ impl<'a> Planning<'a> {
             accepted: attempt.accepted,
             reached: attempt.reached,
             retreats: self.plan.goal_closure > CLOSED,
-            part: FIRST_PART,
+            part: self.part,
         };
         let planning = Planning {
             plan: Plan::default(),

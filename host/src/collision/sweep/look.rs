@@ -291,9 +291,13 @@ impl Sweep<'_> {
         let best = self.best();
         let counts = pair.kind == Kind::Pieces;
         let astray = self.astray();
+        let together = self.together_until(motion, pair.nodes);
         let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
+            if let Some(until) = together {
+                return self.next(motion, until, apart, false);
+            }
             if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
                 return look;
             }
@@ -316,6 +320,9 @@ impl Sweep<'_> {
         }
         if counts {
             self.note(motion, [a, b], apart);
+        }
+        if let Some(until) = together {
+            return self.next(motion, until, apart, false);
         }
         if let Some(look) = self.along_lattice(motion, index, apart - astray, counts) {
             return look;
@@ -350,6 +357,9 @@ impl Sweep<'_> {
         let tolerance = self.tolerance(pair.kind);
         if let Some(depth) = self.crosses(motion, index, pair, angle * reach) {
             return Look::Crossing(depth);
+        }
+        if let Some(until) = self.together_until(motion, pair.nodes) {
+            return self.next(motion, until, angle, false);
         }
         self.levers.clear();
         // Pairs of creases do not turn what is beyond.

@@ -38,6 +38,7 @@ use super::motion::{Levers, Motion, Tick};
 use super::pieces::Pieces;
 use super::scene::Crossing;
 use super::sheet::Sheet;
+use super::together::together;
 use crate::folding::SpanningTree;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::symmetry::Lattice;
@@ -54,8 +55,9 @@ const OVERTURNED: f64 = 1e-6;
 struct Pair {
     nodes: [u32; 2],
     kind: Kind,
-    /// The creases between, once they were asked for.
+    /// The creases between, once they were asked for, and in which phase that was.
     chain: Option<Chain>,
+    phase: usize,
     /// When it was last looked at.
     last: Option<Tick>,
     /// From when on the course sees that it is free.
@@ -115,6 +117,12 @@ pub struct Sweep<'a> {
     levers: Levers,
     turns: Vec<Turn>,
     changes: Vec<Change>,
+    /// Segments over which the same groups turn have the same number, and the one for now.
+    phases: Vec<usize>,
+    phase: usize,
+    /// The segment for now, and for each face the one that stands for all that move with it there; none if nothing does.
+    segment: usize,
+    bodies: Option<Vec<usize>>,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
     /// Where there is no lattice.
@@ -208,6 +216,10 @@ impl<'a> Sweep<'a> {
             levers: Levers::new(groups),
             turns: Vec::new(),
             changes: Vec::new(),
+            phases: Vec::new(),
+            phase: 0,
+            segment: 0,
+            bodies: None,
             pairs: Vec::new(),
             due: BTreeMap::new(),
             clearance: None,
@@ -238,6 +250,8 @@ impl<'a> Sweep<'a> {
         self.due.clear();
         self.chains.truncate(self.kept);
         self.sheet.forget();
+        (self.phases, self.segment, self.bodies) = (motion.phases(), usize::MAX, None);
+        self.enter(&motion, 0);
         let before = self.counts;
         if let Some(cells) = &mut self.sheet.cells {
             cells.begin(&motion);
@@ -343,6 +357,7 @@ impl<'a> Sweep<'a> {
         mut due: Vec<u32>,
     ) -> Option<SweepVerdict> {
         self.sheet.time = time;
+        self.enter(motion, time);
         let mut deepest: Option<(Crossing, u32)> = None;
         while let Some(index) = due.pop() {
             if self.is_spent() {
@@ -376,6 +391,45 @@ impl<'a> Sweep<'a> {
             }
         }
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
+    }
+
+    /// Enters the segment of a time: finds what moves together there, and lets chains cross few creases that turn.
+    fn enter(&mut self, motion: &Motion, time: Tick) {
+        let (segment, _) = motion.place(time);
+        if self.sheet.cells.is_some() || self.segment == segment {
+            return;
+        }
+        let phase = self.phases.get(segment).copied().unwrap_or_default();
+        (self.segment, self.phase) = (segment, phase);
+        let still = motion.still(segment);
+        self.sheet.time = time;
+        let mut bodies = || {
+            let roots = self.hierarchy.roots.iter();
+            let radius = roots.map(|&root| {
+                self.sheet
+                    .sphere(motion, &self.pieces, &self.hierarchy, root)
+                    .radius
+            });
+            let length = 2.0 * radius.fold(0.0, f64::max);
+            let tolerance = self.options.tolerance * self.pattern.median_edge();
+            together(
+                self.pattern,
+                self.memberships,
+                (motion, segment),
+                &still,
+                |crease| self.sheet.axis(motion, crease),
+                [length, tolerance],
+            )
+        };
+        self.bodies = (!still.is_empty()).then(&mut bodies).flatten();
+        self.chains.keep_still(still);
+    }
+
+    /// Until when two pieces keep their places to each other, if they do for a while.
+    fn together_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
+        let bodies = self.bodies.as_ref()?;
+        let [a, b] = nodes.map(|node| bodies[self.hierarchy.nodes[node as usize].face.index()]);
+        (a == b && self.options.skip_motion).then(|| motion.end_of(self.segment))
     }
 
     fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
@@ -428,6 +482,7 @@ impl<'a> Sweep<'a> {
             nodes,
             kind,
             chain,
+            phase: self.phase,
             last: None,
             end: Tick::MAX,
             above: None,
@@ -504,13 +559,25 @@ impl<'a> Sweep<'a> {
 
     /// The creases between the two of a pair.
     fn chain(&mut self, index: u32) -> Chain {
-        if let Some(chain) = &self.pairs[index as usize].chain {
+        let pair = &self.pairs[index as usize];
+        let nodes = pair.nodes;
+        if let Some(chain) = &pair.chain
+            && pair.phase == self.phase
+        {
             return chain.clone();
         }
+        let round = match pair.kind {
+            Kind::Vertex(_) => self
+                .shared(nodes[0], nodes[1])
+                .first()
+                .map(|(vertex, _)| *vertex),
+            _ => None,
+        };
         let faces = self.faces(index);
-        let chain = self.chains.find(self.pattern, faces, None);
+        let chain = self.chains.find(self.pattern, faces, round);
         let chain = chain.unwrap_or_default();
-        self.pairs[index as usize].chain = Some(chain.clone());
+        let pair = &mut self.pairs[index as usize];
+        (pair.chain, pair.phase) = (Some(chain.clone()), self.phase);
         chain
     }
 

@@ -1,0 +1,219 @@
+//! Faces that keep their places to each other over a segment of a motion: those joined by what does not turn, and
+//! those hinged to one of these about the same line that turn about it alike. Layers that are folded over together.
+
+use core::f64::consts::TAU;
+
+use foldpath_core::Membership;
+
+use super::motion::Motion;
+use super::sheet::Axis;
+use crate::joined::{are_joined, join, root};
+use crate::pattern::{CreaseId, CreasePattern, FaceId};
+
+/// Hinges against one body up to which each is compared with all others.
+const MOST_HINGES: usize = 1000;
+
+/// A crease that turns, seen from one of its faces.
+struct Hinge {
+    face: usize,
+    against: usize,
+    member: Membership,
+    /// About which a positive fold angle turns the face against the other.
+    line: Axis,
+}
+
+/// For each face the face that stands for all those from which it moves by no more than a tolerance over a segment. Groups
+/// that are `still` hardly turn there, `axis` is the line of a crease in the folded sheet, and no two points of that are
+/// farther from each other than a length, now. `None` if nothing moves by so little.
+pub(super) fn together(
+    pattern: &CreasePattern,
+    memberships: &[Membership],
+    (motion, segment): (&Motion, usize),
+    still: &[bool],
+    mut axis: impl FnMut(CreaseId) -> Axis,
+    [length, tolerance]: [f64; 2],
+) -> Option<Vec<usize>> {
+    let mut roots: Vec<usize> = (0..pattern.faces().len()).collect();
+    let mut hinges = Vec::new();
+    let mut moved = 0.0;
+    for edge in pattern.edges() {
+        let Some(faces) = edge.inner_faces() else {
+            continue;
+        };
+        let [left, right] = faces.map(FaceId::index);
+        let member = |crease: CreaseId| Some((crease, *memberships.get(crease.index())?));
+        let member = edge.crease.and_then(member);
+        match member {
+            Some((crease, member)) if !still[member.group.index()] => {
+                let Axis { point, direction } = axis(crease);
+                for (face, against, direction) in
+                    [(left, right, direction), (right, left, -direction)]
+                {
+                    let line = Axis { point, direction };
+                    hinges.push(Hinge {
+                        face,
+                        against,
+                        member,
+                        line,
+                    });
+                }
+            }
+            _ => {
+                let turned = member.map_or(0.0, |(_, member)| motion.turned(segment, member));
+                moved += length * turned;
+                join(&mut roots, [left, right]);
+            }
+        }
+    }
+    if moved > tolerance {
+        return None;
+    }
+    let mut found = true;
+    while found {
+        found = false;
+        for hinge in &mut hinges {
+            hinge.against = root(&mut roots, hinge.against);
+        }
+        hinges.sort_by_key(|hinge| hinge.against);
+        let bodies = hinges.chunk_by(|a, b| a.against == b.against);
+        for hinges in bodies.filter(|hinges| hinges.len() <= MOST_HINGES) {
+            for (k, hinge) in hinges.iter().enumerate() {
+                for other in &hinges[..k] {
+                    if are_joined(&mut roots, [hinge.face, other.face]) {
+                        continue;
+                    }
+                    let more = hinge.parts_from(other, (motion, segment), length);
+                    if moved + more <= tolerance {
+                        join(&mut roots, [hinge.face, other.face]);
+                        moved += more;
+                        found = true;
+                    }
+                }
+            }
+        }
+    }
+    let faces = 0..roots.len();
+    Some(faces.map(|face| root(&mut roots, face)).collect())
+}
+
+impl Hinge {
+    /// How far the face moves at most from that of another hinge over a segment, where both turn against one body.
+    fn parts_from(&self, other: &Self, (motion, segment): (&Motion, usize), length: f64) -> f64 {
+        let [a, b] = [&self.line, &other.line];
+        let opposite = a.direction.dot(&b.direction) < 0.0;
+        let unlike = motion.unlike(segment, [self.member, other.member], opposite);
+        let off = a.distance(&b.point) + length * a.direction.cross(&b.direction).norm();
+        length * unlike + TAU * off
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::{Curve, GroupId};
+    use nalgebra::{Vector2, Vector3};
+
+    use super::*;
+    use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+    /// A panel, and beyond a line two flaps with a slit between them.
+    fn flaps() -> CreasePattern {
+        let vertices = [
+            [0, 0],
+            [2, 0],
+            [2, 1],
+            [2, 2],
+            [1, 2],
+            [0, 2],
+            [0, 1],
+            [1, 1],
+        ];
+        let rim = (0..7).map(|k| ([k, (k + 1) % 7], Letter::Boundary));
+        let inner = [
+            ([6, 7], Letter::Valley),
+            ([7, 2], Letter::Valley),
+            ([7, 4], Letter::Cut),
+        ];
+        let edge = |(ends, letter)| DrawnEdge {
+            ends,
+            letter,
+            goal: None,
+        };
+        CreasePattern::new(Drawing {
+            vertices: vertices
+                .map(|[x, y]| Vector2::new(f64::from(x), f64::from(y)))
+                .to_vec(),
+            edges: rim.chain(inner).map(edge).collect(),
+            ..Drawing::default()
+        })
+        .unwrap()
+    }
+
+    /// Numbers of faces that move together.
+    fn bodies(angles: [[f64; 4]; 2], negative: bool) -> usize {
+        let pattern = flaps();
+        let memberships = [(0, false), (1, negative)].map(|(group, negative)| Membership {
+            group: GroupId(group),
+            negative,
+        });
+        let motion = Motion::new(&[angles.map(Curve::Angle).to_vec()], 2);
+        let axis = |crease: CreaseId| {
+            let ends = pattern.edge(pattern.creases()[crease.index()]).ends;
+            let [a, b] = ends.map(|end| pattern.point(end));
+            Axis {
+                point: a,
+                direction: (b - a).normalize(),
+            }
+        };
+        let still = angles.map(|angle| (angle[3] - angle[0]).abs() <= 0.0);
+        let segment = (&motion, 0);
+        let found = together(&pattern, &memberships, segment, &still, axis, [4.0, 1e-6]);
+        let mut found = found.unwrap();
+        found.sort_unstable();
+        found.dedup();
+        found.len()
+    }
+
+    #[test]
+    fn flaps_on_one_line_move_together_if_they_turn_alike() {
+        assert_eq!(flaps().faces().len(), 3);
+        let angle = [0.1, 0.4, 0.9, 1.0];
+        // From wherever they begin.
+        let ahead = angle.map(|a| a + 0.5);
+        assert_eq!(bodies([angle, ahead], false), 2);
+        assert_eq!(bodies([angle, angle.map(|a| -a)], true), 2);
+        // By nearly as much.
+        let near = |off: f64| bodies([angle, [0.1, 0.4, 0.9, 1.0 + off]], false);
+        assert_eq!([near(1e-7), near(1e-6)], [2, 3]);
+        // The other way, or not at all.
+        assert_eq!(bodies([angle, angle.map(|a| -a)], false), 3);
+        assert_eq!(bodies([angle, angle], true), 3);
+        assert_eq!(bodies([angle, [0.3; 4]], false), 2);
+        assert_eq!(bodies([[0.1; 4], [0.3; 4]], false), 1);
+    }
+
+    #[test]
+    fn lines_apart_turn_what_they_carry_apart() {
+        let hinge = |point: Vector3<f64>, direction: Vector3<f64>| Hinge {
+            face: 0,
+            against: 1,
+            member: Membership {
+                group: GroupId(0),
+                negative: false,
+            },
+            line: Axis { point, direction },
+        };
+        let motion = Motion::new(&[vec![Curve::Angle([0.0, 1.0, 2.0, 3.0])]], 1);
+        let first = hinge(Vector3::zeros(), Vector3::x());
+        let parts = |point, direction| {
+            let other = hinge(point, direction);
+            first.parts_from(&other, (&motion, 0), 10.0)
+        };
+        assert!(parts(Vector3::x(), Vector3::x()) < 1e-12);
+        // Half a turn about lines 1e-3 apart moves points apart by 2e-3; about lines askew by 1e-3, 20e-3.
+        assert!(parts(Vector3::y() * 1e-3, Vector3::x()) >= 2e-3);
+        let askew = Vector3::new(1.0, 1e-3, 0.0).normalize();
+        assert!(parts(Vector3::zeros(), askew) >= 20e-3);
+        // Seen from its other end, a line turns the other way.
+        assert!(parts(Vector3::zeros(), -Vector3::x()) >= 60.0);
+    }
+}
