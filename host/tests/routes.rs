@@ -320,6 +320,20 @@ fn parts_that_may_turn_together_do() {
     assert_eq!(phases(&folder.read_json("p.fold")).len(), 1);
 }
 
+/// The sheet is flat at one end of a step and at its goal at the other, and closes at both; in between not on a straight
+/// line.
+#[test]
+fn a_goal_one_step_away_is_not_gone_to_straight() {
+    let folder = Folder::new();
+    folder.done("generate miura --rows 4 --cols 4 --fold 0.04 -o miura.fold");
+    let answer = plan(&folder, "miura.fold");
+    assert_eq!(answer["outcome"], "planned", "{answer}");
+    assert!(
+        answer["certified_deformation"].as_f64().unwrap() < 1e-9,
+        "{answer}"
+    );
+}
+
 /// In whatever order a file has its lines: each has one order in which it rolls up.
 #[test]
 fn a_roll_is_found_however_its_creases_are_numbered() {

@@ -162,6 +162,19 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
     }
 }
 
+/// Squares whose lines cannot fold all at once, and hardly any of them on its own. Found by the campaign.
+#[test]
+fn squares_are_folded_line_by_line() {
+    for seed in [43, 111] {
+        let drawing = meshes::simple_folds(&mut Random::new(seed));
+        let pattern = CreasePattern::new(drawing).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let planned = plan(&pattern, &goal, &PlanOptions::default());
+        assert_eq!(planned.outcome, Outcome::Planned, "{seed}: {planned:?}");
+        assert!(planned.notes.iter().any(|note| note.contains("phases")));
+    }
+}
+
 /// Goals that cross, and ways to them that close where they were looked at but turn too sharply to be proved between: the
 /// answer is that of the same sheet drawn otherwise, and the path ends where it is proved. Found by the campaign.
 #[test]

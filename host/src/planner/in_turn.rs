@@ -1,5 +1,5 @@
-//! One part of the sheet after the other, where faces cross if all fold at once: the flaps of a letter, the lines of a
-//! map.
+//! One part of the sheet after the other, where faces cross if all fold at once: the flaps of a letter, the lines along
+//! which a sheet is folded by hand.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -29,8 +29,8 @@ const MOST_STEPS: usize = 100_000;
 const LOOKS: usize = 16;
 
 impl Planning<'_> {
-    /// The plan that folds independent parts of the sheet one after the other, if that leads to where `attempt` does and
-    /// no faces cross; with as few stops as it takes.
+    /// The plan that folds independent parts of the sheet and along lines, one after the other, if that leads to where
+    /// `attempt` does and no faces cross; with as few stops as it takes.
     ///
     /// Orders are found depth first. Where a part cannot be next as two faces cross, it is not tried again wherever the
     /// parts between these have been folded in the same order: they alone say where the two are, and which lies on
