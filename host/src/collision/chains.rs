@@ -122,12 +122,14 @@ impl<'a> Chains<'a> {
         }
     }
 
-    /// From now on these groups do not turn, one flag each; none for all that may.
-    pub(super) fn keep_still(&mut self, still: Vec<bool>) {
-        if self.still != still {
+    /// From now on these groups do not turn, one flag each; none for all that may. Whether others did not before.
+    pub(super) fn keep_still(&mut self, still: Vec<bool>) -> bool {
+        let others = self.still != still;
+        if others {
             self.still = still;
             self.known.iter_mut().for_each(Vec::clear);
         }
+        others
     }
 
     /// Length of the list of links.

@@ -131,18 +131,6 @@ impl Motion {
         curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
-    /// For each segment a number, the same for those after each other over which the same groups turn.
-    pub(super) fn phases(&self) -> Vec<usize> {
-        let still: Vec<_> = (0..self.segments)
-            .map(|segment| self.still(segment))
-            .collect();
-        let phases = (0..self.segments).scan(0, |phase, segment| {
-            *phase += usize::from(segment > 0 && still[segment - 1] != still[segment]);
-            Some(*phase)
-        });
-        phases.collect()
-    }
-
     /// For each group whether it does not turn over a segment, but for rounding; empty if all do.
     pub(super) fn still(&self, segment: usize) -> Vec<bool> {
         let variations = self

@@ -331,7 +331,7 @@ impl<'a> Route<'a> {
 
     /// From flat to the first target: followed from there, or else from flat, or else searched.
     fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
-        if let Some(straight) = self.straight(&vec![0.0; target.angles.len()], &target.angles) {
+        if let Some(straight) = self.straight_way(&vec![0.0; target.angles.len()], &target.angles) {
             return straight;
         }
         let backwards = self.backwards(target, work);
@@ -380,7 +380,7 @@ impl<'a> Route<'a> {
 
     /// The straight way between two configurations, if the sheet closes all along: what turns does so about the same
     /// line, or on its own.
-    fn straight(&self, from: &[f64], to: &[f64]) -> Option<Followed> {
+    fn straight_way(&self, from: &[f64], to: &[f64]) -> Option<Followed> {
         let far = max_difference(from, to);
         if far <= 0.0 {
             return None;
@@ -429,7 +429,7 @@ impl<'a> Route<'a> {
 
     /// Between two targets.
     fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
-        if let Some(straight) = self.straight(from, &to.angles) {
+        if let Some(straight) = self.straight_way(from, &to.angles) {
             return straight;
         }
         let accepted = self.accepted.max(to.accepted);

@@ -49,11 +49,6 @@ impl Planning<'_> {
         let turned = goal.iter().enumerate();
         let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
         let all = set(&goal, turned.map(|(crease, _)| crease));
-        let mut parts = self.parts(attempt, &goal).unwrap_or_default();
-        for part in &mut parts {
-            part.intersect_with(&all);
-        }
-        parts.retain(|part| !part.is_clear());
         let groups = CreaseGroups::trivial(pattern);
         let reduction = Reduction::new(pattern, groups, options, self.deadline);
         let mut orders = Orders {
@@ -63,9 +58,9 @@ impl Planning<'_> {
             tree: &reduction.tree,
             groups: &reduction.groups,
             in_the_way: vec![0; goal.len()],
+            parts: self.parts(attempt, &goal).unwrap_or_default(),
             goal,
             all,
-            parts,
             moves: HashMap::new(),
             free: HashMap::new(),
             dead: HashSet::new(),
@@ -164,7 +159,7 @@ impl Planning<'_> {
         planning.run()
     }
 
-    /// Creases that move each other on the way of `attempt`, in sets that do not.
+    /// Creases that turn and move each other on the way of `attempt`, in sets that do not.
     fn parts(&self, attempt: &Attempt, goal: &[f64]) -> Option<Vec<FixedBitSet>> {
         let groups = &attempt.reduction.groups;
         let waypoints = &attempt.waypoints;
@@ -177,7 +172,11 @@ impl Planning<'_> {
             looks.push(goal.iter().map(|angle| angle / 2.0).collect());
         }
         let parts = independent_parts(&ReducedStars::of_creases(self.pattern), &looks)?;
-        Some(parts.into_iter().map(|part| set(goal, part)).collect())
+        let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
+        let parts = parts
+            .into_iter()
+            .map(|part| part.into_iter().filter(turned));
+        Some(parts.map(|part| set(goal, part)).collect())
     }
 }
 
@@ -271,12 +270,10 @@ impl Orders<'_> {
             return moves.clone();
         }
         let map = FoldingMap::new(self.pattern, self.tree, &self.angles(folded));
-        let turns = self.goal.iter().enumerate();
-        let turns = turns.map(|(crease, &angle)| {
-            let turns = self.all[crease] && !folded[crease];
-            if turns { angle } else { 0.0 }
-        });
-        let turns: Vec<f64> = turns.collect();
+        let mut turns = vec![0.0; self.goal.len()];
+        for crease in self.all.difference(folded) {
+            turns[crease] = self.goal[crease];
+        }
         let folds = simple_folds(self.pattern, map.vertices(), &turns);
         let rest = self
             .parts

@@ -117,8 +117,7 @@ pub struct Sweep<'a> {
     levers: Levers,
     turns: Vec<Turn>,
     changes: Vec<Change>,
-    /// Segments over which the same groups turn have the same number, and the one for now.
-    phases: Vec<usize>,
+    /// The number of the phase for now: segments after each other over which the same groups turn.
     phase: usize,
     /// The segment for now, and for each face the one that stands for all that move with it there; none if nothing does.
     segment: usize,
@@ -216,7 +215,6 @@ impl<'a> Sweep<'a> {
             levers: Levers::new(groups),
             turns: Vec::new(),
             changes: Vec::new(),
-            phases: Vec::new(),
             phase: 0,
             segment: 0,
             bodies: None,
@@ -250,7 +248,7 @@ impl<'a> Sweep<'a> {
         self.due.clear();
         self.chains.truncate(self.kept);
         self.sheet.forget();
-        (self.phases, self.segment, self.bodies) = (motion.phases(), usize::MAX, None);
+        (self.segment, self.bodies) = (usize::MAX, None);
         self.enter(&motion, 0);
         let before = self.counts;
         if let Some(cells) = &mut self.sheet.cells {
@@ -356,7 +354,6 @@ impl<'a> Sweep<'a> {
         time: Tick,
         mut due: Vec<u32>,
     ) -> Option<SweepVerdict> {
-        self.sheet.time = time;
         self.enter(motion, time);
         let mut deepest: Option<(Crossing, u32)> = None;
         while let Some(index) = due.pop() {
@@ -393,16 +390,15 @@ impl<'a> Sweep<'a> {
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
     }
 
-    /// Enters the segment of a time: finds what moves together there, and lets chains cross few creases that turn.
+    /// Goes to a time. If another segment begins there, finds what moves together there, and lets chains cross few creases that turn.
     fn enter(&mut self, motion: &Motion, time: Tick) {
+        self.sheet.time = time;
         let (segment, _) = motion.place(time);
         if self.sheet.cells.is_some() || self.segment == segment {
             return;
         }
-        let phase = self.phases.get(segment).copied().unwrap_or_default();
-        (self.segment, self.phase) = (segment, phase);
+        self.segment = segment;
         let still = motion.still(segment);
-        self.sheet.time = time;
         let mut bodies = || {
             let roots = self.hierarchy.roots.iter();
             let radius = roots.map(|&root| {
@@ -422,7 +418,7 @@ impl<'a> Sweep<'a> {
             )
         };
         self.bodies = (!still.is_empty()).then(&mut bodies).flatten();
-        self.chains.keep_still(still);
+        self.phase += usize::from(self.chains.keep_still(still));
     }
 
     /// Until when two pieces keep their places to each other, if they do for a while.
