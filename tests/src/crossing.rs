@@ -26,10 +26,31 @@ impl Sheet {
         self.crossings_beyond(positions, 0.0)
     }
 
-    /// Those of a sheet that is torn by gaps (over the median edge), where faces that meet in a vertex may cross by
-    /// twice as much: one is off by the gap there, and turned by about as much.
+    /// Those of a sheet that these fold angles of the edges (radians) tear: they are there in these positions, and
+    /// whichever face it is folded from. That takes faces elsewhere, and what crosses from some faces only is no deeper
+    /// than the tear.
     #[must_use]
-    pub fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64) -> Vec<[usize; 2]> {
+    pub fn crossings_beyond_tears(
+        &self,
+        angles: &[f64],
+        positions: &[Vector3<f64>],
+    ) -> Vec<[usize; 2]> {
+        let gap = self.gap(&self.fold(angles));
+        let mut crossings = self.crossings_beyond(positions, gap);
+        for root in 0..self.faces.len() {
+            if crossings.is_empty() {
+                break;
+            }
+            let others = self.positions(&self.fold_from(root, angles));
+            let others = self.crossings_beyond(&others, gap);
+            crossings.retain(|pair| others.contains(pair));
+        }
+        crossings
+    }
+
+    /// Those where faces that meet in a vertex may cross by twice the gap (over the median edge): one is off by the
+    /// gap there, and turned by about as much.
+    fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64) -> Vec<[usize; 2]> {
         let unit = self.median_edge();
         let contact = |a: usize, b: usize| {
             let meet = self.faces[a].iter().any(|v| self.faces[b].contains(v));

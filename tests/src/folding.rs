@@ -1,4 +1,4 @@
-//! The folding map: faces turned about their edges one after another, from face 0 outwards.
+//! The folding map: faces turned about their edges one after another, from a face outwards.
 
 use std::collections::VecDeque;
 
@@ -35,6 +35,15 @@ impl Sheet {
     /// If the sheet is in more than one part.
     #[must_use]
     pub fn fold(&self, angles: &[f64]) -> Vec<Pose> {
+        self.fold_from(0, angles)
+    }
+
+    /// The same, but that face `root` stays: a sheet that these angles tear is torn elsewhere.
+    ///
+    /// # Panics
+    /// If the sheet is in more than one part.
+    #[must_use]
+    pub fn fold_from(&self, root: usize, angles: &[f64]) -> Vec<Pose> {
         let mut beyond = vec![Vec::new(); self.faces.len()];
         for (edge, sides) in self.sides.iter().enumerate() {
             if let [Some(left), Some(right)] = *sides {
@@ -45,7 +54,7 @@ impl Sheet {
         }
         let mut poses: Vec<Option<Pose>> = vec![None; self.faces.len()];
         let mut next = VecDeque::from([(
-            0,
+            root,
             Pose {
                 r_wf: Rotation3::identity(),
                 p_w: Vector3::zeros(),

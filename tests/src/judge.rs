@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 
 use foldpath::planner::{Outcome, Plan};
+use nalgebra::Vector3;
 
 use crate::second::Shape;
 use crate::{Animation, Random, worst};
@@ -36,6 +37,15 @@ pub struct Verdict {
 /// So many places inside a segment, evenly.
 fn places(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
+}
+
+/// How many pairs of faces cross in a shape whose positions are given.
+#[allow(clippy::cast_precision_loss, reason = "a small count")]
+fn crossings(shape: &Shape, positions: &[Vector3<f64>]) -> f64 {
+    shape
+        .sheet
+        .crossings_beyond_tears(shape.angles, positions)
+        .len() as f64
 }
 
 /// The way an edge turns by its goal.
@@ -116,11 +126,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         shape.compare(&placed, sheet.gap(&poses), &mut random, &mut limit);
         let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
         limit("a crease against its letter by", worst(against), AGAINST);
-        #[allow(clippy::cast_precision_loss, reason = "a small count")]
-        let crossings = sheet
-            .crossings_beyond(&frame.vertices, sheet.gap(&poses))
-            .len() as f64;
-        limit("crossings", crossings, 0.0);
+        limit("crossings", crossings(&shape, &frame.vertices), 0.0);
     }
     let certified = |value: Option<f64>, other: f64| {
         value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
@@ -156,9 +162,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
                 angles: &angles,
             };
             shape.compare(&placed, gap, &mut random, &mut limit);
-            #[allow(clippy::cast_precision_loss, reason = "a small count")]
-            let crossings = sheet.crossings_beyond(&placed, gap).len() as f64;
-            limit("crossings", crossings, 0.0);
+            limit("crossings", crossings(&shape, &placed), 0.0);
         }
     }
     let shapes = path.frames.iter().enumerate().flat_map(|(knot, frame)| {

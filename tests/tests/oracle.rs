@@ -1,7 +1,9 @@
 //! The oracle itself can say no: good paths spoilt by hand, measured by it.
 
+use core::f64::consts::PI;
 use foldpath::planner::PlanOptions;
-use foldpath_tests::{Animation, Frame, Planned, Sheet};
+
+use foldpath_tests::{Animation, Frame, Planned, Random, Sheet};
 use serde_json::json;
 
 /// What the oracle measures of a knot: closure, gap, deformation, unflatness, error of fold angles.
@@ -69,12 +71,62 @@ fn flaps_cross_just_beyond_where_they_meet() {
         (angles[7], angles[8]) = (rho, rho);
         sheet.crossings(&sheet.positions(&sheet.fold(&angles)))
     };
-    let meets = core::f64::consts::PI - 0.25_f64.acos();
+    let meets = PI - 0.25_f64.acos();
     assert_eq!(crossings(meets - 1e-3), [[0; 2]; 0]);
     assert_eq!(crossings(meets + 1e-3), [[0, 2]]);
-    assert_eq!(
-        crossings(core::f64::consts::PI),
-        [[0; 2]; 0],
-        "layers in contact"
-    );
+    assert_eq!(crossings(PI), [[0; 2]; 0], "layers in contact");
+}
+
+/// Layers of a map of 3x3 panels that is measured, turned together: those that share nothing lie in each other by what
+/// the sheet is torn, where it is folded from some faces. Its outer columns, two long, cross over the middle one in
+/// earnest.
+#[test]
+fn what_crosses_as_folded_from_some_faces_is_a_tear() {
+    let places = || (0..4).flat_map(|row| (0..4).map(move |column| [row, column]));
+    let edge = |[row, column]: [usize; 2], rows: usize, columns: usize| {
+        [4 * row + column, 4 * (row + rows) + column + columns]
+    };
+    let across = places().filter(|place| place[1] < 3);
+    let along = places().filter(|place| place[0] < 3);
+    let edges: Vec<[usize; 2]> = (across.map(|place| edge(place, 0, 1)))
+        .chain(along.map(|place| edge(place, 1, 0)))
+        .collect();
+    let panels = edges.iter().filter(|&&[a, b]| b == a + 1 && a < 12);
+    let faces: Vec<[usize; 4]> = panels.map(|&[a, b]| [a, b, b + 4, a + 4]).collect();
+    let angles = |angle: fn([usize; 2]) -> f64| edges.iter().map(|&e| angle(e)).collect();
+    let layers: Vec<f64> = angles(|[a, b]| match (b - a, a / 4, a % 4) {
+        (4, _, 1) => -PI,
+        (4, _, 2) => PI,
+        (1, 2, 1) => -1.5,
+        (1, 2, _) => 1.5,
+        _ => 0.0,
+    });
+    let flaps: Vec<f64> = angles(|[a, b]| match (b - a, a % 4) {
+        (4, 1 | 2) => 2.0,
+        _ => 0.0,
+    });
+    let mut torn = 0;
+    for seed in 0..100 {
+        let mut random = Random::new(seed);
+        let mut place = |x: f64, y: f64| [x, y].map(|x| x + random.uniform(-1e-5, 1e-5));
+        let flat = [0.0, 1.5, 3.0, 4.5].map(|y| [-2.0, 0.0, 1.0, 3.0].map(|x| place(x, y)));
+        let sheet = Sheet::of(&json!({
+            "vertices_coords": flat.concat(), "edges_vertices": edges, "faces_vertices": faces,
+        }))
+        .unwrap();
+        let positions = sheet.positions(&sheet.fold(&layers));
+        torn += sheet.crossings(&positions).len();
+        assert_eq!(
+            sheet.crossings_beyond_tears(&layers, &positions),
+            [[0; 2]; 0],
+            "{seed}"
+        );
+        let positions = sheet.positions(&sheet.fold(&flaps));
+        let crossings = sheet.crossings_beyond_tears(&flaps, &positions);
+        for row in 0..3 {
+            let flaps = [3 * row, 3 * row + 2];
+            assert!(crossings.contains(&flaps), "{seed}: {crossings:?}");
+        }
+    }
+    assert!(torn > 0, "nothing to tell apart");
 }
