@@ -55,7 +55,10 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         let member = |m: &foldpath_core::Membership| m.apply(knot.angles[m.group.index()]);
         let angles: Vec<f64> = unseen.path.memberships.iter().map(member).collect();
         let map = FoldingMap::new(&pattern, &tree, &angles);
-        assert!(scene.deepest_crossing(&map, 0.0).is_none(), "{angles:?}");
+        assert!(
+            scene.deepest_crossing(&map, 0.0, 0.0).is_none(),
+            "{angles:?}"
+        );
     }
 
     // One after the other they do not cross; but phases that somebody chose are kept.

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use std::collections::HashMap;
 use std::path::Path;
 
-use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
+use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict, rounding};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
 use foldpath::generate::Yoshimura;
@@ -184,6 +184,40 @@ fn a_flap_that_passes_through_within_a_segment_is_found() {
     let ends = [0.0, 1.0].map(|s| sampler.depth(&motion(150.0), 0, s));
     assert!(ends.iter().all(|&depth| depth <= 0.0));
     assert!(clearance(sweep(&box_, &motion(89.0))) > 0.01);
+}
+
+#[test]
+fn what_rounded_coordinates_explain_is_contact() {
+    // The box above: past a right angle the flap is as deep in the floor, 1 below it, as it has turned.
+    let box_ = strip(&[0.0, 2.0, 3.0, 5.0, 6.5], &[0.0; 5]);
+    let motion = vec![vec![line(90.0, 90.0), line(90.0, 90.0), line(0.0, 150.0)]];
+    let (pattern, memberships) = &box_;
+    for gap in [0.0, 1e-6, 1e-5, 1e-4, 1.0] {
+        let rounding = rounding(gap);
+        assert!(rounding <= 1e-3);
+        let options = SweepOptions {
+            rounding,
+            ..SweepOptions::default()
+        };
+        let (faces, s) = crossing_at(Sweep::new(pattern, memberships, options).sweep(&motion));
+        assert_eq!(faces, [FaceId(0), FaceId(3)]);
+        let turned = (150.0 * s - 90.0).to_radians();
+        let depth = (options.tolerance + rounding) * pattern.median_edge();
+        let sooner = turned / depth;
+        assert!(
+            (0.9..2.0).contains(&sooner),
+            "{gap:e}: {turned:e}, {depth:e}"
+        );
+        // At one configuration likewise.
+        let tree = SpanningTree::from_central_face(pattern);
+        let mut scene = CollisionScene::new(pattern);
+        let mut crosses = |turned: f64| {
+            let angles = [PI / 2.0, PI / 2.0, PI / 2.0 + turned];
+            let map = FoldingMap::new(pattern, &tree, &angles);
+            scene.deepest_crossing(&map, 0.0, rounding).is_some()
+        };
+        assert!(crosses(1.01 * turned) && !crosses(0.9 * depth));
+    }
 }
 
 #[test]
@@ -466,7 +500,7 @@ impl<'a> Sampler<'a> {
         let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
         let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
         let map = FoldingMap::new(self.pattern, &self.tree, &angles);
-        let crossing = self.scene.deepest_crossing(&map, 0.0);
+        let crossing = self.scene.deepest_crossing(&map, 0.0, 0.0);
         crossing.map_or(0.0, |crossing| crossing.depth)
     }
 }

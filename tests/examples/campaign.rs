@@ -122,9 +122,11 @@ fn write_plans(report: &Report, folder: &Path) -> std::io::Result<()> {
         let disputes = tally.disagreements.iter().chain(&tally.panics);
         let disputes = disputes.map(|(seed, _)| seed);
         for &seed in tally.others.values().flatten().chain(disputes) {
-            let title = format!("{}-{seed}", family.name);
-            let text = pattern_text(&title, &family.sheet(seed));
-            std::fs::write(folder.join(title + ".fold"), text)?;
+            for (otherwise, sheet) in ["", "-otherwise"].into_iter().zip(family.sheets(seed)) {
+                let title = format!("{}-{seed}{otherwise}", family.name);
+                let text = pattern_text(&title, &sheet);
+                std::fs::write(folder.join(title + ".fold"), text)?;
+            }
         }
     }
     Ok(())

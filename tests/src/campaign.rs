@@ -57,6 +57,12 @@ impl Family {
             real: false,
         },
         Self {
+            name: "rounded",
+            draw: rounded,
+            varied: false,
+            real: true,
+        },
+        Self {
             name: "files",
             draw: meshes::file,
             varied: false,
@@ -84,6 +90,14 @@ impl Family {
     pub fn sheet(&self, seed: u64) -> Drawing {
         (self.draw)(&mut Random::new(seed))
     }
+
+    /// The sheet of that seed, and as it is drawn otherwise, if it is.
+    pub fn sheets(&self, seed: u64) -> impl Iterator<Item = Drawing> {
+        let sheet = self.sheet(seed);
+        let other = || meshes::variant(&sheet, &mut Random::new(seed));
+        let other = self.varied.then(other);
+        core::iter::once(sheet).chain(other)
+    }
 }
 
 /// A sheet of any of the other families.
@@ -91,6 +105,13 @@ fn any(random: &mut Random) -> Drawing {
     let others = |family: &&Family| !family.varied && !family.real;
     let plain = Family::ALL.iter().filter(others).count();
     (Family::ALL[random.whole(0, plain - 1)].draw)(random)
+}
+
+/// Any of these, with 4 to 9 decimals of its coordinates.
+fn rounded(random: &mut Random) -> Drawing {
+    let units = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+    let drawing = any(random);
+    meshes::rounded(drawing, units[random.whole(0, units.len() - 1)])
 }
 
 /// Any of these or of the files, its vertices off a little.
@@ -134,14 +155,13 @@ pub struct Tally {
 pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tally {
     let mut tally = Tally::default();
     for seed in seed..seed + count {
-        let drawing = family.sheet(seed);
-        let first = tally.one(seed, &drawing, options, family.real);
-        if !family.varied {
-            continue;
-        }
-        let other = meshes::variant(&drawing, &mut Random::new(seed));
-        let second = tally.one(seed, &other, options, family.real);
-        if first != second {
+        let sheets = family.sheets(seed);
+        let names: Vec<_> = sheets
+            .map(|sheet| tally.one(seed, &sheet, options, family.real))
+            .collect();
+        if let [first, second] = names[..]
+            && first != second
+        {
             let difference = format!("drawn otherwise {second:?}, at first {first:?}");
             tally.disagreements.push((seed, difference));
         }
@@ -283,7 +303,7 @@ fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
     known.for_each(|(angle, goal)| *angle = goal.unwrap_or(0.0));
     let angles = &angles;
     let positions = sheet.positions(&sheet.fold(angles));
-    !sheet.crossings(&positions).is_empty()
+    !sheet.crossings_beyond_tears(angles, &positions).is_empty()
 }
 
 /// Rows of the table, one a family, and what there is to tell below.

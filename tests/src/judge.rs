@@ -174,12 +174,16 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         core::iter::once(frame.angles.clone()).chain(inside)
     });
     let shapes: Vec<_> = shapes.map(|angles| sheet.fold(&angles)).collect();
-    let passed = sheet.passed(&shapes).into_iter().map(|(faces, shape)| {
-        format!(
-            "faces {faces:?} lay on each other and passed through each other after knot {}",
-            (shape - 1) / 3
-        )
-    });
+    let torn = other_tree * worst(shapes.iter().map(|shape| sheet.gap(shape)));
+    let passed = sheet
+        .passed(&shapes, torn)
+        .into_iter()
+        .map(|(faces, shape)| {
+            format!(
+                "faces {faces:?} lay on each other and passed through each other after knot {}",
+                (shape - 1) / 3
+            )
+        });
     disagreements.extend(passed);
     Verdict {
         disagreements,

@@ -17,10 +17,11 @@ const INSIDE: f64 = 1e-3;
 impl Sheet {
     /// Pairs of faces of which the second came to lie flat on the first from one side and left it on the other, in a
     /// motion of these shapes, and the shape by which it had. Faces must be convex, and shapes shortly before and after
-    /// those in which they touch among them.
+    /// those in which they touch among them. Where a sheet is `torn` its layers are known only to that, over the median
+    /// edge.
     #[must_use]
-    pub fn passed(&self, shapes: &[Vec<Pose>]) -> Vec<([usize; 2], usize)> {
-        let contact = CONTACT * self.median_edge();
+    pub fn passed(&self, shapes: &[Vec<Pose>], torn: f64) -> Vec<([usize; 2], usize)> {
+        let contact = (CONTACT + torn) * self.median_edge();
         // For each pair that touches a point of the second face, and whether it came from above the first.
         let mut came: HashMap<[usize; 2], (Vector3<f64>, bool)> = HashMap::new();
         let mut passed = Vec::new();
@@ -32,7 +33,7 @@ impl Sheet {
             let pairs = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
             let parallel = |[a, b]: &[usize; 2]| normals[*a].cross(&normals[*b]).norm() < PARALLEL;
             let flat = pairs.filter(|pair| pair[0] != pair[1] && parallel(pair));
-            let flat = flat.filter_map(|pair| Some((pair, self.common(shape, pair)?)));
+            let flat = flat.filter_map(|pair| Some((pair, self.common(shape, pair, contact)?)));
             let flat: HashMap<_, _> = flat.collect();
             came.retain(|&pair, &mut (point, above)| {
                 let height = height(shape, pair, point);
@@ -57,11 +58,11 @@ impl Sheet {
     }
 
     /// A point of the second face, in the flat sheet, that lies on the first.
-    fn common(&self, shape: &[Pose], [a, b]: [usize; 2]) -> Option<Vector3<f64>> {
+    fn common(&self, shape: &[Pose], [a, b]: [usize; 2], contact: f64) -> Option<Vector3<f64>> {
         let unit = self.median_edge();
         let corners = || self.faces[b].iter().map(|&v| self.flat[v]);
         let seen = |point| shape[a].seen(shape[b].apply(point));
-        if corners().any(|corner| seen(corner).z.abs() > CONTACT * unit) {
+        if corners().any(|corner| seen(corner).z.abs() > contact) {
             return None;
         }
         let inside = |point: &Vector3<f64>| {

@@ -109,7 +109,7 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
         let mut map = FoldingMap::flat(&pattern);
         for knot in &plan.path.knots {
             map.fold_groups(&pattern, &tree, &plan.path.memberships, &knot.angles);
-            let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0);
+            let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0, 0.0);
             assert_eq!(found, None);
         }
         (plan.path.knots.len(), crossing.depth)

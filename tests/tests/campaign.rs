@@ -175,6 +175,61 @@ fn squares_are_folded_line_by_line() {
     }
 }
 
+/// Such squares with coordinates as files have them, where no line is quite straight: they fold as they were meant to, and
+/// what is torn is of the size of what was rounded. Folded all at once, they cross as before.
+#[test]
+fn squares_are_folded_as_they_were_before_rounding() {
+    for (seed, unit) in [43, 111]
+        .into_iter()
+        .flat_map(|seed| [(seed, 1e-5), (seed, 1e-7), (seed, 1e-9)])
+    {
+        let drawing = meshes::simple_folds(&mut Random::new(seed));
+        let drawing = meshes::rounded(drawing, unit);
+        let pattern = CreasePattern::new(drawing.clone()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let all_at_once = PlanOptions {
+            collision: false,
+            ..PlanOptions::default()
+        };
+        for options in [PlanOptions::default(), all_at_once] {
+            let planned = plan(&pattern, &goal, &options);
+            let what = format!("{seed} {unit:e}: {planned:?}");
+            assert_eq!(planned.outcome, Outcome::Planned, "{what}");
+            // What was rounded, over the shortest edge, over some lines and faces.
+            assert!(planned.rigidity.gap <= 100.0 * unit, "{what}");
+            assert!(
+                planned.certified_deformation.unwrap() <= 1000.0 * unit,
+                "{what}"
+            );
+            let writer = PathWriter {
+                title: "",
+                pattern: &pattern,
+                vertices: true,
+                seed: 0,
+                max_speed: options.max_speed,
+                max_acceleration: options.max_acceleration,
+            };
+            let text = writer.text(&planned.path);
+            let bound = options.bound;
+            let judged = CheckOptions {
+                bound,
+                ..CheckOptions::default()
+            };
+            let verdict = check(&path_file(&text).unwrap(), &judged);
+            let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
+            let path = Animation::parse(&text).unwrap();
+            let opinion = judge(&path, &goal, &planned, bound);
+            if options.collision {
+                assert_eq!(verdict.failures, [""; 0], "{what}");
+                assert_eq!(opinion.disagreements, [""; 0], "{what}");
+            } else {
+                assert_eq!(verdict.crossings.len(), 1, "{what}");
+                assert!(!opinion.disagreements.is_empty(), "{what}");
+            }
+        }
+    }
+}
+
 /// Goals that cross, and ways to them that close where they were looked at but turn too sharply to be proved between: the
 /// answer is that of the same sheet drawn otherwise, and the path ends where it is proved. Found by the campaign.
 #[test]

@@ -525,7 +525,7 @@ fn layers_that_leave_through_each_other_are_rejected() {
         let (sheet, motion) = (Sheet::of(&path).unwrap(), Motion::of(&path).unwrap());
         let places = (0..3).flat_map(|segment| [0.0, 0.01, 0.99].map(|s| (segment, s)));
         let shapes = places.map(|(segment, s)| sheet.fold(&motion.angles(segment, s)));
-        let passed = sheet.passed(&shapes.collect::<Vec<_>>());
+        let passed = sheet.passed(&shapes.collect::<Vec<_>>(), 0.0);
         let first = passed.first().copied();
         assert_eq!(first, crossed.map(|faces| (faces, 4)), "{order:?}");
     }

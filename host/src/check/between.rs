@@ -7,7 +7,7 @@ use super::knots::crease_angles;
 use super::motion::Motion;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, SheetCertifier};
-use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict};
+use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
 use crate::symmetry::{Lattice, ReducedStars};
@@ -100,6 +100,7 @@ pub(super) fn check_crossings(
     let certified = certified.filter(|gap| *gap <= options.bound);
     let mut options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
+        rounding: rounded(verdict),
         progress: options.progress,
         ..SweepOptions::default()
     };
@@ -149,6 +150,13 @@ pub(super) fn check_crossings(
     }
 }
 
+/// How much deeper than others faces may cross that meet nowhere. Between knots a motion tears what would close, so that
+/// it is by gaps at knots that coordinates are known to be rounded.
+fn rounded(verdict: &Verdict) -> f64 {
+    let gaps = verdict.knots.iter().map(|knot| knot.rigidity.gap);
+    rounding(gaps.fold(0.0, f64::max))
+}
+
 /// The first knot at which faces pass through each other.
 fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
     let pattern = &path.pattern;
@@ -157,7 +165,8 @@ fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
     let mut knots = path.knots.iter().zip(&verdict.knots).enumerate();
     knots.find_map(|(index, (knot, measured))| {
         map.fold(pattern, &tree, &crease_angles(pattern, knot));
-        let crossing = scene.deepest_crossing(&map, measured.rigidity.gap)?;
+        let gap = measured.rigidity.gap;
+        let crossing = scene.deepest_crossing(&map, gap, rounding(gap))?;
         Some(PathCrossing {
             crossing,
             between_knots: [index.saturating_sub(1), index],
@@ -178,6 +187,7 @@ pub(super) fn check_shapes(
     let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
+    let rounded = rounded(verdict);
     for (index, knot) in path.knots.iter().enumerate() {
         options.done(index, path.knots.len());
         let segment = index.checked_sub(1).filter(|_| options.samples > 0);
@@ -200,7 +210,7 @@ pub(super) fn check_shapes(
                 rigidity,
             }));
             let found = scene.as_mut();
-            let found = found.and_then(|scene| scene.deepest_crossing(&map, rigidity.gap));
+            let found = found.and_then(|scene| scene.deepest_crossing(&map, rigidity.gap, rounded));
             if let Some(found) = found.filter(|f| deepest.is_none_or(|d| d.depth < f.depth)) {
                 (deepest, place) = (Some(found), at);
             }

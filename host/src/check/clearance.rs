@@ -4,8 +4,8 @@ use foldpath_core::Curve;
 
 use super::Measured;
 use super::motion::Motion;
-use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict};
-use crate::formats::fold::PathFile;
+use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict, rounding};
+use crate::formats::fold::{PathFile, PathKnot};
 use crate::pattern::FaceId;
 use crate::symmetry::Lattice;
 
@@ -50,6 +50,16 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
     let motion = Motion::of(path);
     let members = motion.groups.memberships();
     let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
+    // Between knots the motion tears what would close.
+    let is_knot = |shape: &PathKnot| {
+        let knots = path
+            .knots
+            .binary_search_by(|knot| knot.time.total_cmp(&shape.time));
+        knots.is_ok()
+    };
+    let at_knots = shapes.knots.iter().zip(measured);
+    let at_knots = at_knots.filter(|(shape, _)| is_knot(shape));
+    let rounded = at_knots.map(|(_, m)| m.rigidity.gap).fold(0.0, f64::max);
     let torn = gap.is_nan() || gap > SweepOptions::default().tolerance;
     let lattice = (!torn).then(|| Lattice::find(pattern, members)).flatten();
     if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {
@@ -58,6 +68,7 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
     let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_looks| {
         let options = SweepOptions {
             gap,
+            rounding: rounding(rounded),
             max_looks,
             ..SweepOptions::default()
         };

@@ -25,6 +25,7 @@ mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use lattice_scene::LatticeScene;
+pub use pieces::rounding;
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};

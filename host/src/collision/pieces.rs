@@ -9,6 +9,18 @@ use crate::pattern::{CreasePattern, FaceId, VertexId};
 
 /// A crossing deeper than this part of the median edge counts; what is less is contact.
 pub(super) const CROSSING: f64 = 1e-6;
+/// Times its gap that faces may be off which meet nowhere: gaps add up along the way from one to the other.
+const FARTHER: f64 = 10.0;
+/// The most (over the median edge) that rounded coordinates are taken to leave.
+const ROUNDED: f64 = 1e-3;
+
+/// How much deeper (over the median edge) than others faces that meet nowhere may cross in a sheet torn by a gap, in units
+/// of the median edge, too: as far as it may be one of rounded coordinates, they lie elsewhere if it is folded from another
+/// face.
+#[must_use]
+pub fn rounding(gap: f64) -> f64 {
+    (FARTHER * gap).min(ROUNDED)
+}
 
 /// A convex part of a face.
 #[derive(Clone, Copy, Debug)]

@@ -82,15 +82,20 @@ impl CollisionScene {
         }
     }
 
-    /// The deepest crossing under a folding map, if any. Where the map tears the sheet by a `gap`
-    /// (over the median edge), faces that meet in a vertex may lie across each other by as much: of
-    /// those only what is deeper counts. Cost: about O(faces log faces) while few bounding boxes meet.
-    pub fn deepest_crossing(&mut self, map: &FoldingMap, gap: f64) -> Option<Crossing> {
+    /// The deepest crossing under a folding map, if any. Where the map tears the sheet by a `gap` (over the median edge),
+    /// of faces that meet in a vertex only what is deeper counts, of others what is deeper than the
+    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes meet.
+    pub fn deepest_crossing(
+        &mut self,
+        map: &FoldingMap,
+        gap: f64,
+        rounding: f64,
+    ) -> Option<Crossing> {
         self.place(map, 0.0);
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
-        let tolerance = CROSSING * self.median_edge;
-        let torn = tolerance + gap * self.median_edge;
+        let unit = self.median_edge;
+        let tolerance = CROSSING * unit;
         let pieces = &self.pieces;
         let placed = Placed {
             pieces,
@@ -103,7 +108,11 @@ impl CollisionScene {
             };
             tested += 1;
             let depth = placed.depth(a, b, tolerance);
-            if depth <= 0.0 || depth <= torn && pieces.meet(a, b) {
+            if depth <= 0.0 {
+                return;
+            }
+            let torn = if pieces.meet(a, b) { gap } else { rounding };
+            if depth <= tolerance + torn * unit {
                 return;
             }
             let crossing = Crossing::new(faces, depth);

@@ -12,7 +12,7 @@ use super::options::Skips;
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use super::reuse::{Found, LEAST_PART};
-use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict};
+use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding};
 use crate::folding::Rigidity;
 use crate::progress::Stage;
 use crate::symmetry::Lattice;
@@ -38,6 +38,7 @@ impl Planning<'_> {
         let usual = SweepOptions::default();
         SweepOptions {
             gap,
+            rounding: rounding(self.plan.rigidity.gap),
             deadline: self.deadline,
             progress: self.options.progress,
             // Who wants to look at everything may.

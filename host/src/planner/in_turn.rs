@@ -6,12 +6,12 @@ use std::rc::Rc;
 
 use fixedbitset::FixedBitSet;
 
-use super::attempt::Attempt;
+use super::attempt::{Attempt, End};
 use super::judge::Judge;
 use super::knots::Knot;
 use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
-use super::reduction::{CLOSED, Reduction};
+use super::reduction::{CLOSED, Reduction, rounding};
 use super::reuse::{FIRST_PART, LEAST_PART};
 use super::simple_folds::simple_folds;
 use super::{Goal, GoalKind, Search};
@@ -42,10 +42,12 @@ impl Planning<'_> {
             && self.goal.kind != GoalKind::Driven
             && options.search == Search::Path
             && pattern.creases().len() <= FEW_CREASES;
-        if !fits {
-            return None;
-        }
-        let goal = attempt.reduction.groups.expand(attempt.last());
+        let end = match attempt.end {
+            End::Reached => Some(attempt.last()),
+            _ => attempt.goal.as_deref(),
+        };
+        let end = end.filter(|_| fits && (self.unrounded || self.rounding(attempt).is_none()))?;
+        let goal = attempt.reduction.groups.expand(end);
         let turned = goal.iter().enumerate();
         let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
         let all = set(&goal, turned.map(|(crease, _)| crease));
@@ -89,6 +91,13 @@ impl Planning<'_> {
             effort.add_effort(&plan);
         }
         None
+    }
+
+    /// Radians by which creases are off, if the goal closes but for rounding; so do its parts.
+    fn rounding(&self, attempt: &Attempt) -> Option<f64> {
+        let stars = ReducedStars::of_creases(self.pattern);
+        let most = attempt.reduction.accepted(self.options);
+        rounding(&stars, &self.goal.fold_angles, most)
     }
 
     /// The plan with fewer phases than there are creases in order: runs of them at once that could each be next, if no
@@ -154,6 +163,7 @@ impl Planning<'_> {
         let planning = Planning {
             deadline: self.deadline,
             part,
+            unrounded: self.unrounded,
             ..Planning::new(self.pattern, &goal, self.options)
         };
         planning.run()
@@ -171,7 +181,11 @@ impl Planning<'_> {
         if looks.is_empty() {
             looks.push(goal.iter().map(|angle| angle / 2.0).collect());
         }
-        let parts = independent_parts(&ReducedStars::of_creases(self.pattern), &looks)?;
+        let mut stars = ReducedStars::of_creases(self.pattern);
+        if self.unrounded {
+            stars = stars.unrounded(self.rounding(attempt)?).0;
+        }
+        let parts = independent_parts(&stars, &looks)?;
         let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
         let parts = parts
             .into_iter()

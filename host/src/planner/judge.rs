@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::knots::Knot;
 use super::reduction::Reduction;
-use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts};
+use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::symmetry::essential_pattern;
@@ -49,7 +49,10 @@ impl<'a> Judge<'a> {
         let start = Instant::now();
         self.place(&knot.angles);
         let rigidity = self.map.rigidity(self.pattern, self.tree);
-        knot.closure = self.reduction.closure(&knot.angles).max(rigidity.twist);
+        knot.closure = self
+            .reduction
+            .closure_of_sheet(&knot.angles)
+            .max(rigidity.twist);
         knot.deformation = rigidity.deformation;
         knot.gap = rigidity.gap;
         if self.keep_vertices {
@@ -90,7 +93,7 @@ impl<'a> Judge<'a> {
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
         let scene = self.scene.as_mut()?;
-        scene.deepest_crossing(&self.map, gap)
+        scene.deepest_crossing(&self.map, gap, rounding(gap))
     }
 
     /// Worst deformation and gap of the essential crease pattern over some configurations, and its number
@@ -126,7 +129,8 @@ impl<'a> Judge<'a> {
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
                 part.fold(self.reduction, &knot.angles);
-                scene.deepest_crossing(&part.map, part.rigidity().gap)?;
+                let gap = part.rigidity().gap;
+                scene.deepest_crossing(&part.map, gap, rounding(gap))?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);

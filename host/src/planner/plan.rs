@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::attempt::{Attempt, End, Reach, straight};
-use super::follow::{Stop, largest, max_norm, way_to};
+use super::follow::{Stop, Waypoint, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
 use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
@@ -13,7 +13,6 @@ use super::solver::Work;
 use super::{Goal, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
-use crate::numbers::larger;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
@@ -127,21 +126,28 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    let planning = Planning::new(pattern, goal, options);
-    let deadline = planning.deadline;
-    let plan = planning.run();
-    if !plan.is_loose(pattern, options) {
-        return plan;
-    }
     let alone = PlanOptions {
         symmetry: Symmetry::Off,
         ..options.clone()
     };
-    let planning = Planning {
+    let planning = Planning::new(pattern, goal, options);
+    let deadline = planning.deadline;
+    let again = || Planning {
         deadline,
         ..Planning::new(pattern, goal, &alone)
     };
-    let mut tighter = planning.run();
+    let mut plan = planning.run();
+    if plan.is_loose(pattern, options) {
+        plan = tighter(plan, again().run());
+    }
+    if !matches!(plan.outcome, Outcome::Planned | Outcome::Timeout) {
+        plan = again().unrounded(plan);
+    }
+    plan
+}
+
+/// A plan, or the same without crease groups if that proves less deformation.
+fn tighter(plan: Plan, mut tighter: Plan) -> Plan {
     if tighter.outcome != Outcome::Planned || tighter.proved() >= plan.proved() {
         return plan;
     }
@@ -207,6 +213,8 @@ pub(super) struct Planning<'a> {
     pub(super) asked_closure: Option<f64>,
     /// Part of the bound that the motion between knots is certified for at first.
     pub(super) part: f64,
+    /// Whether what nearly folds flat is taken to do so exactly.
+    pub(super) unrounded: bool,
     pub(super) plan: Plan,
 }
 
@@ -225,6 +233,7 @@ impl<'a> Planning<'a> {
                 .and_then(|timeout| Instant::now().checked_add(timeout)),
             asked_closure: None,
             part: FIRST_PART,
+            unrounded: false,
             plan: Plan::default(),
         }
     }
@@ -234,7 +243,17 @@ impl<'a> Planning<'a> {
             .is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    pub(super) fn run(mut self) -> Plan {
+    pub(super) fn run(self) -> Plan {
+        if self.unrounded {
+            return self.run_unrounded().unwrap_or(Plan {
+                outcome: Outcome::Partial,
+                ..Plan::default()
+            });
+        }
+        self.run_exactly()
+    }
+
+    fn run_exactly(mut self) -> Plan {
         let mut work = Work::default();
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
@@ -298,12 +317,6 @@ impl<'a> Planning<'a> {
                 break;
             }
         }
-        let failed = best.as_ref().filter(|best| !best.is_complete());
-        if let Some(failed) = failed.map(Attempt::rank)
-            && let Some(attempt) = self.straightened(failed, &mut work)
-        {
-            best = Some(attempt);
-        }
         self.plan.iterations = work.iterations;
         self.plan.evaluations = work.evaluations;
         match best {
@@ -312,37 +325,52 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// An attempt that takes lines for straight which are so within what the bound allows, and comes farther than one of
-    /// this rank: where two lines cross, one can turn while the other is flat, unless they bend there by the
-    /// least, and once it is folded flat, so can the other.
-    fn straightened(&mut self, failed: f64, work: &mut Work) -> Option<Attempt> {
-        let alone = CreaseGroups::trivial(self.pattern);
-        let reduction = Reduction::new(self.pattern, alone, self.options, self.deadline);
-        let (straight, turned) = reduction.straightened(self.pattern, self.options)?;
+    /// The plan that takes for exact what folds flat within what the bound allows, if it comes farther than one without:
+    /// where two lines cross, one can turn while the other is flat, unless they bend there by the least, and once it is
+    /// folded flat, so can the other.
+    fn unrounded(mut self, without: Plan) -> Plan {
+        self.unrounded = true;
+        let Some(mut plan) = self.run_unrounded() else {
+            return without;
+        };
+        let short = matches!(without.outcome, Outcome::Partial | Outcome::GoalNotClosed);
+        let farther = short && plan.reached > without.reached + FARTHER;
+        if plan.outcome != Outcome::Planned && !farther {
+            return without;
+        }
+        plan.add_effort(&without);
+        plan
+    }
+
+    fn run_unrounded(mut self) -> Option<Plan> {
+        let mut work = Work::default();
+        let start = Instant::now();
+        let (pattern, goal, options) = (self.pattern, self.goal, self.options);
+        let alone = CreaseGroups::trivial(pattern);
+        let reduction = Reduction::new(pattern, alone, options, self.deadline);
+        let (reduction, turned) = reduction.unrounded(pattern, goal, options)?;
         let reach = Reach {
-            radians: self.goal.reach,
+            radians: goal.reach,
             exactly: false,
         };
-        let (pattern, goal) = (self.pattern, self.goal);
-        let mut attempt = Attempt::new(pattern, straight, goal, reach, self.options, work);
-        let [closing, following] = attempt.times;
-        self.plan.times.symmetry += closing;
-        self.plan.times.solve += following;
-        let open = attempt
-            .waypoints
-            .iter()
-            .map(|w| reduction.closure(&w.angles));
-        let open = open.fold(0.0, larger);
-        let closes = open <= reduction.accepted(self.options);
-        if !closes || attempt.rank() <= failed + FARTHER {
+        self.plan.times.symmetry += start.elapsed();
+        let mut attempt = Attempt::new(pattern, reduction, goal, reach, options, &mut work);
+        self.plan.times.symmetry += attempt.times[0];
+        self.plan.times.solve += attempt.times[1];
+        self.plan.iterations = work.iterations;
+        self.plan.evaluations = work.evaluations;
+        let reduction = &attempt.reduction;
+        let open = |waypoint: &Waypoint| reduction.closure_of_sheet(&waypoint.angles);
+        let closes = |waypoint| open(waypoint) <= reduction.accepted(options);
+        if attempt.waypoints.is_empty() || !attempt.waypoints.iter().all(closes) {
             return None;
         }
         attempt.notes.push(format!(
-            "creases turned by up to {:.1e} degrees are folded as if straight through the vertices that they pass",
+            "creases turned by up to {:.1e} degrees are folded as if the sheet folded flat exactly: its coordinates are \
+             rounded",
             turned.to_degrees()
         ));
-        (attempt.reduction, attempt.accepted) = (reduction, open);
-        Some(attempt)
+        Some(self.conclude(attempt, None))
     }
 
     /// Crease groups to try one after the other, and whether the goal has to close exactly under them.
@@ -411,7 +439,7 @@ impl<'a> Planning<'a> {
             waypoints: &attempt.waypoints,
             accepted: attempt.accepted,
             reached: attempt.reached,
-            retreats: self.plan.goal_closure > CLOSED,
+            retreats: self.plan.goal_closure > CLOSED && !self.unrounded,
             part: self.part,
         };
         let planning = Planning {
@@ -419,18 +447,20 @@ impl<'a> Planning<'a> {
             ..self
         };
         let mut plan = self.judge(&attempt.reduction, &found);
+        let crossed = matches!(plan.outcome, Outcome::Crossing(_));
         match plan.outcome {
             Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
-            Outcome::Crossing(_) if outcome == Outcome::Planned => {
-                let Some(mut other) = planning.in_turn(&attempt) else {
-                    return plan;
-                };
-                other.add_effort(&plan);
-                return other;
-            }
             // The goal crosses however far the path is proved.
             Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
-            _ => return plan,
+            _ => {}
+        }
+        let in_turn = crossed && outcome == Outcome::Planned || plan.outcome == Outcome::Partial;
+        if in_turn && let Some(mut other) = planning.in_turn(&attempt) {
+            other.add_effort(&plan);
+            return other;
+        }
+        if crossed {
+            return plan;
         }
         if let Outcome::Crossing(Crossing { faces: [a, b], .. }) = plan.outcome {
             let reason = plan.reason.unwrap_or_default();

@@ -26,6 +26,8 @@ pub(super) struct Reduction {
     pub(super) essential: ReducedStars,
     /// Those of all stars that differ in some bit.
     distinct: ReducedStars,
+    /// The same of the stars as the sheet has them, if these are not.
+    rounded: Option<ReducedStars>,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
@@ -81,6 +83,7 @@ impl Reduction {
         Self {
             essential: all.essential(),
             distinct: all.distinct(),
+            rounded: None,
             all,
             vertices: options.vertices,
             limits: group_limits(&groups, options),
@@ -93,16 +96,28 @@ impl Reduction {
         }
     }
 
-    /// The same of stars through which lines pass straight that pass them nearly so, and by how much (radians) they are
-    /// turned for it; `None` if none is by more than rounding, within what the bound allows.
-    pub(super) fn straightened(
+    /// The same of stars that fold flat where they nearly do, and by how much (radians) their creases are turned for it;
+    /// `None` if none is by more than rounding, within what the bound allows, or a goal closes as it stands, or not at all.
+    pub(super) fn unrounded(
         &self,
         pattern: &CreasePattern,
+        goal: &Goal,
         options: &PlanOptions,
     ) -> Option<(Self, f64)> {
-        let (all, turned) = self.all.straightened(BENT * self.accepted(options));
-        let straight = || Self::of_stars(pattern, self.groups.clone(), all, options, self.deadline);
-        (turned > CLOSED).then(|| (straight(), turned))
+        let most = self.accepted(options);
+        let asked = self.groups.reduce(&goal.fold_angles);
+        let within = if asked.iter().all(Option::is_some) {
+            rounding(&self.all, &asked, most)?
+        } else {
+            ROUNDED * most
+        };
+        let (all, turned) = self.all.unrounded(within);
+        let groups = self.groups.clone();
+        let unrounded = || Self {
+            rounded: Some(self.distinct.clone()),
+            ..Self::of_stars(pattern, groups, all, options, self.deadline)
+        };
+        (turned > ROUNDING).then(|| (unrounded(), turned))
     }
 
     /// The lattice of the groups along which to look for crossings, if the sheet has one and more than a few faces.
@@ -208,9 +223,15 @@ impl Reduction {
         }
     }
 
-    /// Largest closure residual of the whole sheet.
+    /// Largest closure residual of all stars.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
         self.distinct.largest_residual(angles)
+    }
+
+    /// The same of the stars as the sheet has them.
+    pub(super) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
+        let stars = self.rounded.as_ref().unwrap_or(&self.distinct);
+        stars.largest_residual(angles)
     }
 
     /// Largest difference, over all creases, of a configuration from a goal, radians.
@@ -284,8 +305,11 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 
 /// Radians: an exactly closed configuration this near is the goal that was meant.
 const NEARBY: f64 = 0.02;
-/// Part of the closure residual allowed by which two creases may miss a straight line, radians: both of two lines may.
-const BENT: f64 = 0.25;
+/// Part of the closure residual allowed by which a crease may be turned where the goal has not all angles, radians.
+const ROUNDED: f64 = 0.25;
+/// Parts of it that are tried as what creases are off: powers of the second up to the first.
+const FINER: i32 = 10;
+const FINE: f64 = 0.25;
 /// Closure residual that rounding may leave at a vertex of many creases.
 const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
@@ -319,6 +343,20 @@ fn nearest_closed(
 pub const CLOSED: f64 = 1e-9;
 /// Radians: angles this near are the same, but for rounding.
 pub(super) const SAME: f64 = 1e-7;
+
+/// Radians by which creases are off as coordinates are rounded, `most` at most, if a goal closes but for that. More may
+/// have the sheet fold flat where it was not meant to.
+pub(super) fn rounding(stars: &ReducedStars, goal: &[Option<f64>], most: f64) -> Option<f64> {
+    let goal = goal.iter().copied().collect::<Option<Vec<f64>>>()?;
+    let closes = |stars: &ReducedStars| stars.largest_residual(&goal) <= CLOSED;
+    if closes(stars) {
+        return None;
+    }
+    let mut tried = (0..=FINER).rev().map(|k| most * FINE.powi(k));
+    let within = tried.find(|within| closes(&stars.unrounded(*within).0))?;
+    // Lines that are part of the goal may be off by more than it is.
+    Some(most.min(within / (FINE * FINE)))
+}
 
 /// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a
 /// crease has none.

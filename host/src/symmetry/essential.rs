@@ -10,6 +10,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
 use super::isometry::StarImage;
+use super::unrounded::unround;
 use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
@@ -44,6 +45,8 @@ pub struct ReducedStars {
     unknowns: usize,
     /// Sector angles this close, in radians, are the same.
     same_angle: f64,
+    /// For each star by how much the residual of the sheet's own may differ; none for no star.
+    rounded: Vec<f64>,
     /// What stars are alike, once somebody asked.
     likeness: OnceLock<Likeness>,
 }
@@ -89,6 +92,7 @@ impl ReducedStars {
             places: Vec::new(),
             unknowns,
             same_angle: SAME_ANGLE * tolerance,
+            rounded: Vec::new(),
             likeness: OnceLock::new(),
         };
         for hole in 0..pattern.holes().len() {
@@ -168,24 +172,29 @@ impl ReducedStars {
         }
     }
 
-    /// The same stars, the two spokes of each line that passes a vertex straight but for an angle of at most `within`
-    /// (radians) made opposite, and crosses of right angles within as much; and the largest angle by which one was
-    /// turned, 0 if none was.
+    /// The same stars with spokes turned the least so that all sets of them fold flat that do so but for `within` (radians)
+    /// at each, as lines that pass a vertex straight: as they were before coordinates were rounded. And the largest angle
+    /// by which one is turned, 0 if none is.
     #[must_use]
-    pub fn straightened(&self, within: f64) -> (Self, f64) {
-        let mut turned = 0.0_f64;
+    pub fn unrounded(&self, within: f64) -> (Self, f64) {
+        let mut most = 0.0_f64;
+        let mut rounded = Vec::with_capacity(self.spokes.len());
         let stars = self.spokes.iter().map(|spokes| {
             let mut spokes = spokes.to_vec();
-            turned = straighten(&mut spokes, within).max(turned);
+            let turns = unround(&mut spokes, within);
+            most = turns.iter().copied().fold(most, f64::max);
+            // A crease off by an angle takes the residual along by twice that at most.
+            rounded.push(2.0 * turns.iter().sum::<f64>());
             spokes
         });
         let spokes = stars.collect();
-        let straight = Self {
+        let unrounded = Self {
             spokes,
+            rounded,
             likeness: OnceLock::new(),
             ..self.clone()
         };
-        (straight, turned)
+        (unrounded, most)
     }
 
     /// The stars that are the first of those like them, and every loop.
@@ -199,13 +208,16 @@ impl ReducedStars {
             places: self.places.clone(),
             unknowns: self.unknowns,
             same_angle: self.same_angle,
+            rounded: stars()
+                .filter_map(|star| self.rounded.get(star).copied())
+                .collect(),
             likeness: OnceLock::new(),
         }
     }
 
     /// For each star the one of [`essential`](Self::essential) that stands for it, and by how much their
-    /// residuals may differ at any angles: stars that count as the same are so up to roundings, or up to
-    /// the roughness of the sheet.
+    /// residuals may differ at any angles, as the sheet has the first: stars that count as the same are so up to
+    /// roundings, or up to the roughness of the sheet.
     #[must_use]
     pub fn represented(&self) -> Vec<(usize, f64)> {
         let Likeness { twins, conditions } = self.likeness();
@@ -223,6 +235,9 @@ impl ReducedStars {
                 count += 1;
                 (count - 1, 0.0)
             });
+        }
+        for ((_, off), rounded) in stars.iter_mut().zip(&self.rounded) {
+            *off += rounded;
         }
         stars
     }
@@ -384,42 +399,6 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
     let images = (0..n).flat_map(|first| both.map(|mirrored| StarImage { first, mirrored }));
     let mut images = images.filter(|_| n == b.len());
     images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
-}
-
-/// Makes spokes opposite that nearly are and have no other near them, and two such lines that cross nearly at right
-/// angles do so exactly, or a sheet folded along one could not fold along the other; returns the largest distance by which
-/// the tip of one is moved.
-fn straighten(spokes: &mut [Spoke<f64>], within: f64) -> f64 {
-    let directions: Vec<_> = spokes.iter().map(|s| Vector2::from(s.direction)).collect();
-    let alone = |one: usize| {
-        let near = |other: &&Vector2<f64>| (*other - directions[one]).norm() <= 2.0 * within;
-        directions.iter().filter(near).count() == 1
-    };
-    let mut lines = Vec::new();
-    for (i, a) in directions.iter().enumerate() {
-        for (j, b) in directions.iter().enumerate().skip(i + 1) {
-            if (a + b).norm() <= within && alone(i) && alone(j) {
-                lines.push(([i, j], (a - b).normalize()));
-            }
-        }
-    }
-    if let ([(_, one), (_, other)], 4) = (&mut lines[..], spokes.len())
-        && one.dot(other).abs() <= within
-    {
-        let [sum, difference] = [*one + *other, *one - *other].map(|way| way.normalize());
-        (*one, *other) = (
-            (sum + difference).normalize(),
-            (sum - difference).normalize(),
-        );
-    }
-    let mut moved = 0.0_f64;
-    for ([i, j], along) in lines {
-        for (spoke, way) in [(i, along), (j, -along)] {
-            moved = moved.max((directions[spoke] - way).norm());
-            spokes[spoke].direction = way.into();
-        }
-    }
-    moved
 }
 
 /// How far the residuals of two stars may differ of which one lies on the other.

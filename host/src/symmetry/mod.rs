@@ -8,6 +8,7 @@ mod pair_classes;
 mod parity;
 mod places;
 mod steps;
+mod unrounded;
 
 pub use essential::{ReducedStars, essential_pattern, largest_star_residual};
 pub use groups::CreaseGroups;

@@ -230,7 +230,7 @@ fn a_scene_is_asked_again_without_allocating() {
     // Room for the hierarchy's stack is made in the first round.
     let round = |scene: &mut CollisionScene| {
         for map in &maps {
-            assert_eq!(scene.deepest_crossing(map, 0.0), None);
+            assert_eq!(scene.deepest_crossing(map, 0.0, 0.0), None);
             assert!(scene.clearance(map).is_some());
         }
     };

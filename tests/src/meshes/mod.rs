@@ -18,7 +18,7 @@ use nalgebra::Vector2;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
 pub use maps::{map, roll};
-pub use measured::measured;
+pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use simple_folds::simple_folds;
 pub use strips::strips;

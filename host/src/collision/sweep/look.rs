@@ -515,7 +515,8 @@ impl Sweep<'_> {
     pub(super) fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Clusters | Kind::Interval | Kind::Far | Kind::Cells(_) | Kind::Pieces => 0.0,
+            Kind::Pieces => self.options.rounding,
+            Kind::Clusters | Kind::Interval | Kind::Far | Kind::Cells(_) => 0.0,
         };
         (self.options.tolerance + gap) * self.pattern.median_edge()
     }

@@ -16,6 +16,9 @@ pub struct SweepOptions {
     /// vertex may cross by as much more. Where it tears, the bounds on motion hold up to the gaps along
     /// the chains of faces.
     pub gap: f64,
+    /// How much deeper (over the median edge) pairs that meet nowhere may cross: [`rounding`](crate::collision::rounding)
+    /// of a gap.
+    pub rounding: f64,
     /// How far (over the median edge) a face may be, as seen from any other, from where the lattice has it
     /// if the motion tears the sheet. Faces without a common vertex that come so near to each other are
     /// not decided along the lattice.
@@ -45,6 +48,7 @@ impl Default for SweepOptions {
         Self {
             tolerance: CROSSING,
             gap: 0.0,
+            rounding: 0.0,
             astray: 0.0,
             skip_motion: true,
             skip_bounds: true,

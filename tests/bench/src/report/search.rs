@@ -320,7 +320,7 @@ impl<'a> Judge<'a> {
         };
         let gap = self.map.rigidity(&sheet.pattern, &sheet.tree).gap;
         let start = Instant::now();
-        let crossing = scene.deepest_crossing(&self.map, gap);
+        let crossing = scene.deepest_crossing(&self.map, gap, 0.0);
         self.collision += start.elapsed();
         match crossing {
             Some(_) => Verdict::Crossed,

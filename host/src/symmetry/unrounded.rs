@@ -1,0 +1,159 @@
+//! Stars as they were meant before their coordinates were rounded: what nearly folds flat does so exactly.
+//!
+//! Spokes that are turned half round while the others of a star stay flat close if their directions, taken with
+//! alternating signs, add up to a multiple of π: two are a line that passes straight, all those of a star are the condition
+//! of T. Kawasaki, "On the relation between mountain-creases and valley-creases of a flat origami", 1989. Each of these
+//! conditions that nearly holds is linear in what the directions are off, and they contradict each other never: what they
+//! miss are roundings, and no sum of these is a multiple of π.
+
+use core::f64::consts::PI;
+
+use foldpath_core::Spoke;
+use nalgebra::{DMatrix, DVector};
+
+/// Spokes up to which all sets of them are looked at.
+const MOST_SPOKES: usize = 12;
+/// Times what a spoke may be off, by which two have to differ.
+const NARROW: f64 = 4.0;
+/// Radians by which a direction may be off and be that of its bits.
+const BITS: f64 = 1e-15;
+/// Part of the largest eigenvalue of equations of whole numbers below which one is nought.
+const RANK: f64 = 1e-9;
+
+/// Turns spokes the least so that all sets of them fold flat that do so but for `within` (radians) at each spoke; returns
+/// by what angle (radians) each is turned. A star of two spokes that nearly point the same way is left as it is.
+pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
+    let bearings: Vec<f64> = spokes.iter().map(bearing).collect();
+    let n = bearings.len();
+    let sector = |k: usize| bearings[if k + 1 < n { k + 1 } else { 0 }] - bearings[k];
+    let narrow = |k: usize| sector(k).rem_euclid(2.0 * PI) <= NARROW * within;
+    if n < 2 || (0..n).any(narrow) {
+        return vec![0.0; n];
+    }
+    // Aᵀ A and Aᵀ b of the equations A δ = b.
+    let (mut squares, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for set in sets(n) {
+        let signs = set.iter().zip([1.0, -1.0].into_iter().cycle());
+        let sum: f64 = signs.clone().map(|(&k, sign)| sign * bearings[k]).sum();
+        let off = sum - PI * (sum / PI).round();
+        #[allow(clippy::cast_precision_loss, reason = "a few spokes")]
+        let most = within * set.len() as f64 / 2.0;
+        if off.abs() > most {
+            continue;
+        }
+        for (&k, sign) in signs.clone() {
+            right[k] -= sign * off;
+            for (&l, other) in signs.clone() {
+                squares[(k, l)] += sign * other;
+            }
+        }
+    }
+    let eigen = squares.symmetric_eigen();
+    let least = RANK * eigen.eigenvalues.amax();
+    let mut turns = DVector::zeros(n);
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > least {
+            turns.axpy(vector.dot(&right) / value, &vector, 1.0);
+        }
+    }
+    if turns.amax() <= BITS {
+        return vec![0.0; n];
+    }
+    for ((spoke, bearing), turn) in spokes.iter_mut().zip(bearings).zip(turns.iter()) {
+        let (sin, cos) = (bearing + turn).sin_cos();
+        spoke.direction = [cos, sin];
+    }
+    // As the bits have it.
+    turns.iter().map(|turn| turn.abs() + BITS).collect()
+}
+
+/// Where a spoke points, radians.
+fn bearing(spoke: &Spoke<f64>) -> f64 {
+    spoke.direction[1].atan2(spoke.direction[0])
+}
+
+/// All sets of an even number of spokes, in their order; of many spokes the pairs and all.
+fn sets(n: usize) -> Vec<Vec<usize>> {
+    if n <= MOST_SPOKES {
+        let even = (1..1_u32 << n).filter(|set| set.count_ones() % 2 == 0);
+        return even
+            .map(|set| (0..n).filter(|k| set >> k & 1 == 1).collect())
+            .collect();
+    }
+    let pairs = (0..n).flat_map(|l| (0..l).map(move |k| vec![k, l]));
+    let all = n.is_multiple_of(2).then(|| (0..n).collect());
+    pairs.chain(all).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foldpath_core::GroupId;
+
+    /// A star of these bearings, degrees.
+    fn star(bearings: &[f64]) -> Vec<Spoke<f64>> {
+        let spoke = |bearing: &f64| {
+            let (sin, cos) = bearing.to_radians().sin_cos();
+            Spoke {
+                group: GroupId(0),
+                negative: false,
+                direction: [cos, sin],
+            }
+        };
+        bearings.iter().map(spoke).collect()
+    }
+
+    /// The sets of spokes that fold flat to rounding.
+    fn flat(spokes: &[Spoke<f64>]) -> Vec<Vec<usize>> {
+        let closes = |set: &Vec<usize>| {
+            let signs = set.iter().zip([1.0, -1.0].into_iter().cycle());
+            let turns = signs.map(|(&k, sign)| sign * bearing(&spokes[k]));
+            let sum = turns.sum::<f64>() / PI;
+            (sum - sum.round()).abs() < 1e-14
+        };
+        sets(spokes.len()).into_iter().filter(closes).collect()
+    }
+
+    #[test]
+    fn what_was_meant_to_fold_flat_does() {
+        // A line that passes, and one that is mirrored at it; a cross; a waterbomb; lines folded one after the other.
+        let meant: [&[f64]; 4] = [
+            &[0.0, 50.0, 180.0, 310.0],
+            &[10.0, 100.0, 190.0, 280.0],
+            &[0.0, 45.0, 135.0, 180.0, 225.0, 315.0],
+            &[0.0, 20.0, 65.0, 180.0, 295.0, 340.0],
+        ];
+        for (meant, scale) in meant
+            .into_iter()
+            .flat_map(|meant| [(meant, 1e-4), (meant, 1e-9)])
+        {
+            let off = [0.3, -0.5, 0.2, 0.9, -0.7, 0.4];
+            let rounded = meant
+                .iter()
+                .zip(off)
+                .map(|(meant, off)| meant + scale * off);
+            let mut spokes = star(&rounded.collect::<Vec<_>>());
+            assert_eq!(flat(&spokes), [[0; 0]; 0]);
+            let turned = unround(&mut spokes, 1e-4);
+            let turned = turned.into_iter().fold(0.0, f64::max).to_degrees();
+            assert!(turned > 0.0 && turned <= scale, "{meant:?}: {turned:e}");
+            assert!(!flat(&spokes).is_empty());
+            assert_eq!(flat(&spokes), flat(&star(meant)), "{meant:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_far_from_it_is_left_to_the_last_bit() {
+        for bearings in [&[0.0, 50.0, 170.0, 300.0][..], &[0.0, 1e-4, 180.0, 270.0]] {
+            let mut spokes = star(bearings);
+            assert!(unround(&mut spokes, 1e-4).iter().all(|turn| *turn <= 0.0));
+            let same = spokes.iter().zip(star(bearings));
+            let bits = |spoke: &Spoke<f64>| spoke.direction.map(f64::to_bits);
+            assert!(same.clone().all(|(a, b)| bits(a) == bits(&b)));
+        }
+    }
+}
