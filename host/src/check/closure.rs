@@ -49,8 +49,10 @@ impl Effort {
     };
 }
 
-/// Intervals are halved this often at most.
+/// Intervals are halved this often at most, and a few of a segment oftener: where a weight goes towards 0.
 const HALVINGS: u32 = 7;
+const MORE_HALVINGS: u32 = 14;
+const FEW: usize = 64;
 /// Margins below this are small enough.
 const MARGIN: f64 = 1e-11;
 
@@ -133,6 +135,7 @@ pub(super) fn certify(
             samples: 0,
             rigidity: None,
         },
+        short: 0,
     };
     segment.refine(0.5, 0.5, &all, 0);
     (segment.found, segment.bounds)
@@ -194,6 +197,8 @@ struct Segment<'a> {
     effort: &'a Effort,
     decided: f64,
     found: SegmentClosure,
+    /// Intervals that are halved as often as most are.
+    short: usize,
 }
 
 impl Segment<'_> {
@@ -229,7 +234,13 @@ impl Segment<'_> {
         }
         let sampled = self.found.sampled;
         let enough = self.effort.loose * sampled + MARGIN;
-        let give_up = halvings == HALVINGS || sampled > self.decided || sampled.is_nan();
+        self.short += usize::from(halvings >= HALVINGS);
+        let most = if self.short > FEW {
+            HALVINGS
+        } else {
+            MORE_HALVINGS
+        };
+        let give_up = halvings >= most || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
             .into_iter()
             .partition(|&(_, bound)| give_up || bound <= enough);
@@ -319,4 +330,43 @@ fn turn([x, y]: [f64; 2], sin: f64, cos: f64) -> Matrix3<f64> {
         x * sin,
         cos,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::pattern::{Drawing, DrawnEdge, Letter};
+
+    /// A cross folds along one line, while the hinges of the other stay flat and their weights go as that of the first.
+    #[test]
+    fn weights_that_nearly_vanish_are_bounded() {
+        let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let rim = (1..=4).map(|k| ([k, k % 4 + 1], Letter::Boundary));
+        let spokes = (1..=4).map(|k| ([0, k], Letter::Valley));
+        let edges = rim.chain(spokes).map(|(ends, letter)| DrawnEdge {
+            ends,
+            letter,
+            goal: None,
+        });
+        let pattern = CreasePattern::new(Drawing {
+            vertices: places.map(Vector2::from).to_vec(),
+            edges: edges.collect(),
+            ..Drawing::default()
+        });
+        let stars = ReducedStars::of_creases(&pattern.unwrap());
+        let [moving, still] = [[0.0, 0.55, 1.0, 1.0], [0.0; 4]].map(|sin| Curve::HalfAngle {
+            cos: [1.0, 1.0, 0.5, 0.002],
+            sin,
+        });
+        for effort in [Effort::ROUGH, Effort::FINE] {
+            let (segment, _) = certify(&stars, &[moving, still, moving, still], &effort, 1e-3);
+            assert!(segment.bound <= 2e-11, "{segment:?}");
+        }
+        // One hinge of the line turns otherwise than the other: hopeless, and soon known.
+        let (segment, _) = certify(&stars, &[moving, still, still, still], &Effort::ROUGH, 1e3);
+        assert!(segment.bound >= 1.0, "{segment:?}");
+        assert!(segment.samples <= 24 * 600, "{segment:?}");
+    }
 }
