@@ -97,7 +97,7 @@ impl Reduction {
     }
 
     /// The same of stars that fold flat where they nearly do, and by how much (radians) their creases are turned for it;
-    /// `None` if none is by more than rounding, within what the bound allows, or a goal closes as it stands, or not at all.
+    /// `None` if none is by more than rounding, within what the bound allows.
     pub(super) fn unrounded(
         &self,
         pattern: &CreasePattern,
@@ -106,11 +106,7 @@ impl Reduction {
     ) -> Option<(Self, f64)> {
         let most = self.accepted(options);
         let asked = self.groups.reduce(&goal.fold_angles);
-        let within = if asked.iter().all(Option::is_some) {
-            rounding(&self.all, &asked, most)?
-        } else {
-            ROUNDED * most
-        };
+        let within = rounding(&self.all, &asked, most).unwrap_or(ROUNDED * most);
         let (all, turned) = self.all.unrounded(within);
         let groups = self.groups.clone();
         let unrounded = || Self {
@@ -305,7 +301,7 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 
 /// Radians: an exactly closed configuration this near is the goal that was meant.
 const NEARBY: f64 = 0.02;
-/// Part of the closure residual allowed by which a crease may be turned where the goal has not all angles, radians.
+/// Part of the closure residual allowed by which a crease may be turned where the goal does not tell, radians.
 const ROUNDED: f64 = 0.25;
 /// Parts of it that are tried as what creases are off: powers of the second up to the first.
 const FINER: i32 = 10;
