@@ -6,16 +6,25 @@
 use core::time::Duration;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::PathWriter;
+use foldpath::formats::fold::{PathWriter, PatternFile};
 use foldpath::generate::Quad;
-use foldpath::pattern::CreasePattern;
+use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath_tests::campaign::{Family, Report, paths, run, stars};
 use foldpath_tests::meshes::{self, variant};
-use foldpath_tests::{Animation, Random, judge, path_file};
+use foldpath_tests::{Animation, Planned, Random, judge, path_file};
 
 /// Sheets of each family.
 const EACH: u64 = 20;
+
+/// The plan of a sheet to its own goal.
+fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {
+    let file = PatternFile {
+        title: String::new(),
+        pattern: CreasePattern::new(drawing).unwrap(),
+    };
+    Planned::of(file, options)
+}
 
 #[test]
 fn a_campaign_finds_no_wrong_path() {
@@ -113,29 +122,18 @@ fn a_spoilt_path_finds_no_agreement() {
 #[test]
 fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let vertex = Family::ALL.iter().find(|family| family.name == "vertex");
-    let pattern = CreasePattern::new(vertex.unwrap().sheet(637)).unwrap();
-    let goal = Goal::of_pattern(&pattern).unwrap();
-    let planned = plan(&pattern, &goal, &PlanOptions::default());
-    assert!(
-        matches!(planned.outcome, Outcome::Crossing(_)),
-        "{planned:?}"
-    );
+    let sheet = vertex.unwrap().sheet(637);
+    let plan = planned(sheet.clone(), &PlanOptions::default()).plan;
+    assert!(matches!(plan.outcome, Outcome::Crossing(_)), "{plan:?}");
     let options = PlanOptions {
         collision: false,
         ..PlanOptions::default()
     };
-    let blind = plan(&pattern, &goal, &options);
-    assert_eq!(blind.outcome, Outcome::Planned);
-    assert!(blind.certified_deformation.unwrap() > 3e-4, "{blind:?}");
-    let writer = PathWriter {
-        title: "",
-        pattern: &pattern,
-        vertices: true,
-        seed: 0,
-        max_speed: options.max_speed,
-        max_acceleration: None,
-    };
-    let file = path_file(&writer.text(&blind.path)).unwrap();
+    let blind = planned(sheet, &options);
+    assert_eq!(blind.plan.outcome, Outcome::Planned);
+    let certified = blind.plan.certified_deformation.unwrap();
+    assert!(certified > 3e-4, "{certified:e}");
+    let file = path_file(&blind.text()).unwrap();
     let failures = check(&file, &CheckOptions::default()).failures;
     assert_eq!(failures.len(), 1, "{failures:?}");
     assert!(
@@ -167,11 +165,9 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
 fn squares_are_folded_line_by_line() {
     for seed in [43, 111] {
         let drawing = meshes::simple_folds(&mut Random::new(seed));
-        let pattern = CreasePattern::new(drawing).unwrap();
-        let goal = Goal::of_pattern(&pattern).unwrap();
-        let planned = plan(&pattern, &goal, &PlanOptions::default());
-        assert_eq!(planned.outcome, Outcome::Planned, "{seed}: {planned:?}");
-        assert!(planned.notes.iter().any(|note| note.contains("phases")));
+        let plan = planned(drawing, &PlanOptions::default()).plan;
+        assert_eq!(plan.outcome, Outcome::Planned, "{seed}: {plan:?}");
+        assert!(plan.notes.iter().any(|note| note.contains("phases")));
     }
 }
 
@@ -185,40 +181,28 @@ fn squares_are_folded_as_they_were_before_rounding() {
     {
         let drawing = meshes::simple_folds(&mut Random::new(seed));
         let drawing = meshes::rounded(drawing, unit);
-        let pattern = CreasePattern::new(drawing.clone()).unwrap();
-        let goal = Goal::of_pattern(&pattern).unwrap();
+        let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
         let all_at_once = PlanOptions {
             collision: false,
             ..PlanOptions::default()
         };
         for options in [PlanOptions::default(), all_at_once] {
-            let planned = plan(&pattern, &goal, &options);
-            let what = format!("{seed} {unit:e}: {planned:?}");
-            assert_eq!(planned.outcome, Outcome::Planned, "{what}");
+            let planned = planned(drawing.clone(), &options);
+            let (plan, text) = (&planned.plan, planned.text());
+            let what = format!("{seed} {unit:e}: {plan:?}");
+            assert_eq!(plan.outcome, Outcome::Planned, "{what}");
             // What was rounded, over the shortest edge, over some lines and faces.
-            assert!(planned.rigidity.gap <= 100.0 * unit, "{what}");
-            assert!(
-                planned.certified_deformation.unwrap() <= 1000.0 * unit,
-                "{what}"
-            );
-            let writer = PathWriter {
-                title: "",
-                pattern: &pattern,
-                vertices: true,
-                seed: 0,
-                max_speed: options.max_speed,
-                max_acceleration: options.max_acceleration,
-            };
-            let text = writer.text(&planned.path);
+            assert!(plan.rigidity.gap <= 100.0 * unit, "{what}");
+            let certified = plan.certified_deformation.unwrap();
+            assert!(certified <= 1000.0 * unit, "{what}");
             let bound = options.bound;
             let judged = CheckOptions {
                 bound,
                 ..CheckOptions::default()
             };
             let verdict = check(&path_file(&text).unwrap(), &judged);
-            let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
             let path = Animation::parse(&text).unwrap();
-            let opinion = judge(&path, &goal, &planned, bound);
+            let opinion = judge(&path, &goal, plan, bound);
             if options.collision {
                 assert_eq!(verdict.failures, [""; 0], "{what}");
                 assert_eq!(opinion.disagreements, [""; 0], "{what}");
