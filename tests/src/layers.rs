@@ -31,7 +31,8 @@ impl Sheet {
             let normals: Vec<_> = shape.iter().map(Pose::normal).collect();
             let count = normals.len();
             let pairs = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
-            let parallel = |[a, b]: &[usize; 2]| normals[*a].cross(&normals[*b]).norm() < PARALLEL;
+            let parallel =
+                |[a, b]: &[usize; 2]| normals[*a].cross(&normals[*b]).norm() < PARALLEL + torn;
             let flat = pairs.filter(|pair| pair[0] != pair[1] && parallel(pair));
             let flat = flat.filter_map(|pair| Some((pair, self.common(shape, pair, contact)?)));
             let flat: HashMap<_, _> = flat.collect();

@@ -153,7 +153,7 @@ pub(super) fn check_crossings(
 /// How much deeper than others faces may cross that meet nowhere. Between knots a motion tears what would close, so that
 /// it is by gaps at knots that coordinates are known to be rounded.
 fn rounded(verdict: &Verdict) -> f64 {
-    let gaps = verdict.knots.iter().map(|knot| knot.rigidity.gap);
+    let gaps = verdict.knots.iter().map(|knot| knot.gap);
     rounding(gaps.fold(0.0, f64::max))
 }
 
@@ -165,8 +165,7 @@ fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
     let mut knots = path.knots.iter().zip(&verdict.knots).enumerate();
     knots.find_map(|(index, (knot, measured))| {
         map.fold(pattern, &tree, &crease_angles(pattern, knot));
-        let gap = measured.rigidity.gap;
-        let crossing = scene.deepest_crossing(&map, gap, rounding(gap))?;
+        let crossing = scene.deepest_crossing(&map, measured.gap, rounding(measured.gap))?;
         Some(PathCrossing {
             crossing,
             between_knots: [index.saturating_sub(1), index],
@@ -209,6 +208,7 @@ pub(super) fn check_shapes(
                 at,
                 rigidity,
             }));
+            let rounded = between.map_or_else(|| rounding(rigidity.gap), |_| rounded);
             let found = scene.as_mut();
             let found = found.and_then(|scene| scene.deepest_crossing(&map, rigidity.gap, rounded));
             if let Some(found) = found.filter(|f| deepest.is_none_or(|d| d.depth < f.depth)) {

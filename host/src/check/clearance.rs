@@ -59,7 +59,7 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
     };
     let at_knots = shapes.knots.iter().zip(measured);
     let at_knots = at_knots.filter(|(shape, _)| is_knot(shape));
-    let rounded = at_knots.map(|(_, m)| m.rigidity.gap).fold(0.0, f64::max);
+    let rounded = at_knots.map(|(_, m)| m.gap).fold(0.0, f64::max);
     let torn = gap.is_nan() || gap > SweepOptions::default().tolerance;
     let lattice = (!torn).then(|| Lattice::find(pattern, members)).flatten();
     if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {

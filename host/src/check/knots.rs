@@ -25,6 +25,7 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
         let angles = crease_angles(pattern, knot);
         map.fold(pattern, &tree, &angles);
         let mut rigidity = map.rigidity(pattern, &tree);
+        let gap = rigidity.gap;
         if let Some(written) = &knot.vertices {
             rigidity = rigidity.worse(Rigidity {
                 deformation: deformation(pattern, written),
@@ -35,6 +36,7 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
         let (closure, vertex) = closure(pattern, knot);
         Measured {
             rigidity,
+            gap,
             closure: closure.max(rigidity.twist),
             vertex,
         }

@@ -96,6 +96,8 @@ pub struct Measured {
     /// Deformation, and gap. Where the file has positions they count as one more opinion on where
     /// each vertex is.
     pub rigidity: Rigidity,
+    /// Gap of the sheet as it is folded, over the median edge, whatever positions the file has.
+    pub gap: f64,
     /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
     pub closure: f64,
     /// The vertex that closes worst.

@@ -19,6 +19,9 @@ const ROUNDED: f64 = 1e-3;
 /// face.
 #[must_use]
 pub fn rounding(gap: f64) -> f64 {
+    if gap.is_nan() {
+        return 0.0;
+    }
     (FARTHER * gap).min(ROUNDED)
 }
 

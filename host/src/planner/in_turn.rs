@@ -55,7 +55,7 @@ impl Planning<'_> {
         let reduction = Reduction::new(pattern, groups, options, self.deadline);
         let mut orders = Orders {
             pattern,
-            judge: Judge::new(pattern, &reduction, true),
+            judge: Judge::new(pattern, &reduction, options.collision),
             accepted: reduction.accepted(options),
             tree: &reduction.tree,
             groups: &reduction.groups,
@@ -144,7 +144,7 @@ impl Planning<'_> {
         plan.add_effort(&other);
         plan.add_effort(&effort);
         plan.notes.push(format!(
-            "folded in {} phases, as faces cross if all creases turn at once",
+            "folded in {} phases: all creases cannot turn at once",
             phases.len()
         ));
         plan
@@ -181,10 +181,12 @@ impl Planning<'_> {
         if looks.is_empty() {
             looks.push(goal.iter().map(|angle| angle / 2.0).collect());
         }
-        let mut stars = ReducedStars::of_creases(self.pattern);
-        if self.unrounded {
-            stars = stars.unrounded(self.rounding(attempt)?).0;
-        }
+        let stars = ReducedStars::of_creases(self.pattern);
+        let stars = if self.unrounded {
+            stars.unrounded(attempt.reduction.within).0
+        } else {
+            stars
+        };
         let parts = independent_parts(&stars, &looks)?;
         let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
         let parts = parts

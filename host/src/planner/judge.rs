@@ -62,10 +62,12 @@ impl<'a> Judge<'a> {
         self.crossing(rigidity.gap)
     }
 
-    /// The deepest crossing at a knot that has been judged.
+    /// The deepest crossing at a knot.
     pub(super) fn crossing_at(&mut self, knot: &Knot) -> Option<Crossing> {
         self.place(&knot.angles);
-        self.crossing(knot.gap)
+        // What a knot has may be a bound.
+        let gap = self.map.rigidity(self.pattern, self.tree).gap;
+        self.crossing(gap.min(knot.gap))
     }
 
     /// Folds the sheet.

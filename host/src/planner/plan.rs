@@ -334,8 +334,8 @@ impl<'a> Planning<'a> {
             return without;
         };
         let short = matches!(without.outcome, Outcome::Partial | Outcome::GoalNotClosed);
-        let farther = short && plan.reached > without.reached + FARTHER;
-        if plan.outcome != Outcome::Planned && !farther {
+        let farther = plan.outcome == Outcome::Partial && plan.reached > without.reached + FARTHER;
+        if plan.outcome != Outcome::Planned && !(short && farther) {
             return without;
         }
         plan.add_effort(&without);
@@ -492,7 +492,8 @@ impl<'a> Planning<'a> {
         });
         self.plan.goal_closure = closure.unwrap_or(0.0);
         self.plan.times.symmetry += start.elapsed();
-        if self.plan.goal_closure > CLOSED {
+        let moved = !self.unrounded || self.plan.goal_error > SAME;
+        if self.plan.goal_closure > CLOSED && moved {
             self.plan.notes.push(format!(
                 "not closed: {} (residual {:.1e}); moved to the nearest configuration found that is, \
                  {:.2e} degrees away",

@@ -28,6 +28,8 @@ pub(super) struct Reduction {
     distinct: ReducedStars,
     /// The same of the stars as the sheet has them, if these are not.
     rounded: Option<ReducedStars>,
+    /// Radians by which creases may have been turned for that.
+    pub(super) within: f64,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
@@ -84,6 +86,7 @@ impl Reduction {
             essential: all.essential(),
             distinct: all.distinct(),
             rounded: None,
+            within: 0.0,
             all,
             vertices: options.vertices,
             limits: group_limits(&groups, options),
@@ -111,6 +114,7 @@ impl Reduction {
         let groups = self.groups.clone();
         let unrounded = || Self {
             rounded: Some(self.distinct.clone()),
+            within,
             ..Self::of_stars(pattern, groups, all, options, self.deadline)
         };
         (turned > ROUNDING).then(|| (unrounded(), turned))
@@ -349,9 +353,11 @@ pub(super) fn rounding(stars: &ReducedStars, goal: &[Option<f64>], most: f64) ->
         return None;
     }
     let mut tried = (0..=FINER).rev().map(|k| most * FINE.powi(k));
-    let within = tried.find(|within| closes(&stars.unrounded(*within).0))?;
+    let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
+    let within = tried.find(closes_within)?;
     // Lines that are part of the goal may be off by more than it is.
-    Some(most.min(within / (FINE * FINE)))
+    let more = [2, 1, 0].map(|k| most.min(within * FINE.powi(-k)));
+    more.into_iter().find(closes_within)
 }
 
 /// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a

@@ -45,7 +45,7 @@ pub struct ReducedStars {
     unknowns: usize,
     /// Sector angles this close, in radians, are the same.
     same_angle: f64,
-    /// For each star by how much the residual of the sheet's own may differ; none for no star.
+    /// For each star by how much the residual of the sheet's own may differ; empty where they are the sheet's own.
     rounded: Vec<f64>,
     /// What stars are alike, once somebody asked.
     likeness: OnceLock<Likeness>,
@@ -173,18 +173,19 @@ impl ReducedStars {
     }
 
     /// The same stars with spokes turned the least so that all sets of them fold flat that do so but for `within` (radians)
-    /// at each, as lines that pass a vertex straight: as they were before coordinates were rounded. And the largest angle
+    /// at each two, as lines that pass a vertex straight: as they were before coordinates were rounded. And the largest angle
     /// by which one is turned, 0 if none is.
     #[must_use]
     pub fn unrounded(&self, within: f64) -> (Self, f64) {
         let mut most = 0.0_f64;
         let mut rounded = Vec::with_capacity(self.spokes.len());
-        let stars = self.spokes.iter().map(|spokes| {
+        let stars = self.spokes.iter().enumerate().map(|(star, spokes)| {
             let mut spokes = spokes.to_vec();
             let turns = unround(&mut spokes, within);
             most = turns.iter().copied().fold(most, f64::max);
             // A crease off by an angle takes the residual along by twice that at most.
-            rounded.push(2.0 * turns.iter().sum::<f64>());
+            let before = self.rounded.get(star).copied().unwrap_or(0.0);
+            rounded.push(before + 2.0 * turns.iter().sum::<f64>());
             spokes
         });
         let spokes = stars.collect();

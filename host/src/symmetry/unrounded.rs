@@ -3,8 +3,8 @@
 //! Spokes that are turned half round while the others of a star stay flat close if their directions, taken with
 //! alternating signs, add up to a multiple of π: two are a line that passes straight, all those of a star are the condition
 //! of T. Kawasaki, "On the relation between mountain-creases and valley-creases of a flat origami", 1989. Each of these
-//! conditions that nearly holds is linear in what the directions are off, and they contradict each other never: what they
-//! miss are roundings, and no sum of these is a multiple of π.
+//! conditions that nearly holds is linear in what the directions are off, and they do not contradict each other: what they
+//! miss are roundings, and no sum of a few of these is a multiple of π.
 
 use core::f64::consts::PI;
 
@@ -20,7 +20,7 @@ const BITS: f64 = 1e-15;
 /// Part of the largest eigenvalue of equations of whole numbers below which one is nought.
 const RANK: f64 = 1e-9;
 
-/// Turns spokes the least so that all sets of them fold flat that do so but for `within` (radians) at each spoke; returns
+/// Turns spokes the least so that all sets of them fold flat that do so but for `within` (radians) at each two; returns
 /// by what angle (radians) each is turned. A star of two spokes that nearly point the same way is left as it is.
 pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
     let bearings: Vec<f64> = spokes.iter().map(bearing).collect();

@@ -10,7 +10,7 @@ use core::f64::consts::PI;
 use core::time::Duration;
 use std::time::Instant;
 
-use foldpath::collision::CollisionScene;
+use foldpath::collision::{CollisionScene, rounding};
 use foldpath::folding::FoldingMap;
 use nlopt::{FailState, Nlopt, Target};
 use rand_core::Rng;
@@ -320,7 +320,7 @@ impl<'a> Judge<'a> {
         };
         let gap = self.map.rigidity(&sheet.pattern, &sheet.tree).gap;
         let start = Instant::now();
-        let crossing = scene.deepest_crossing(&self.map, gap, 0.0);
+        let crossing = scene.deepest_crossing(&self.map, gap, rounding(gap));
         self.collision += start.elapsed();
         match crossing {
             Some(_) => Verdict::Crossed,
