@@ -160,6 +160,26 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
     }
 }
 
+/// A vertex with long creases and short ones: folded from some faces a long one is torn, between knots. Found by the campaign.
+#[test]
+fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
+    let options = PlanOptions::default();
+    let planned = planned(meshes::slender(&mut Random::new(300_189)), &options);
+    let path = Animation::parse(&planned.text()).unwrap();
+    let mut widest = 0.0_f64;
+    for root in 0..path.sheet.faces.len() {
+        for place in 0..100 * path.motion.segments() {
+            let angles = path
+                .motion
+                .angles(place / 100, (place % 100) as f64 / 100.0);
+            let gap = path.sheet.gap(&path.sheet.fold_from(root, &angles));
+            widest = widest.max(gap);
+        }
+    }
+    assert!(widest > 1e-6, "nothing to bound");
+    assert!(widest <= options.bound, "{widest:e}");
+}
+
 /// Squares whose lines cannot fold all at once, and hardly any of them on its own. Found by the campaign.
 #[test]
 fn squares_are_folded_line_by_line() {
