@@ -160,7 +160,8 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
     }
 }
 
-/// A vertex with long creases and short ones: folded from some faces a long one is torn, between knots. Found by the campaign.
+/// A vertex with long creases and short ones: folded from some faces a long one is torn, between knots. Found by the
+/// campaign.
 #[test]
 fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
     let options = PlanOptions::default();

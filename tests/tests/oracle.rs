@@ -1,8 +1,8 @@
 //! The oracle itself can say no: good paths spoilt by hand, measured by it.
 
 use core::f64::consts::PI;
-use foldpath::planner::PlanOptions;
 
+use foldpath::planner::PlanOptions;
 use foldpath_tests::{Animation, Frame, Planned, Random, Sheet};
 use serde_json::json;
 

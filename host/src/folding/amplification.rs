@@ -8,9 +8,10 @@ use crate::pattern::{CreasePattern, EdgeId, Passage};
 /// than its factor times the largest residual |r(v)| of a real vertex. Answers an open question of
 /// [XiLien2015](crate#references): what essential bound a bound on the whole sheet asks for.
 ///
-/// It is what [`Holonomy`](super::Holonomy), where the reasons are, says of residuals of 1, and no less than the length of the
-/// longest crease at a real vertex over the median edge: folded from another face, that may be the one that is torn. A sheet with holes has a residual
-/// |r(v)| of rotation and one |t| of translation, in units of its size, of each hole too.
+/// It is what [`Holonomy`](super::Holonomy), where the reasons are, says of residuals of 1, that of the gap no less than the
+/// length of the longest crease at a real vertex over the median edge: folded from another face, that may be the one that
+/// is torn. A sheet with holes has a residual |r(v)| of rotation and one |t| of translation, in units of its size, of each
+/// hole too.
 ///
 /// It holds for every configuration. How much of it was filled, at most, in `host/tests/amplification.rs`:
 ///
@@ -46,14 +47,11 @@ impl Amplification {
             gap,
             twist,
         } = tree.holonomy(pattern)?.rigidity(&vertices, &holes);
-        let length = |edge: &EdgeId| {
-            let [a, b] = pattern.edge(*edge).ends.map(|end| pattern.point(end));
-            (b - a).norm()
-        };
         let creases = pattern.real_vertices();
         let creases = creases.flat_map(|vertex| pattern.stars()[vertex.index()].iter());
-        let longest = creases.filter(|edge| turns(edge)).map(length);
-        let longest = longest.fold(0.0, f64::max) / pattern.median_edge();
+        let lengths = creases.filter(|edge| turns(edge));
+        let lengths = lengths.map(|&edge| pattern.length(pattern.edge(edge).ends));
+        let longest = lengths.fold(0.0, f64::max) / pattern.median_edge();
         Some(Self {
             gap: gap.max(longest),
             deformation,

@@ -65,9 +65,9 @@ impl<'a> Judge<'a> {
     /// The deepest crossing at a knot.
     pub(super) fn crossing_at(&mut self, knot: &Knot) -> Option<Crossing> {
         self.place(&knot.angles);
-        // What a knot has may be a bound.
+        // The gap that a knot has may be a bound.
         let gap = self.map.rigidity(self.pattern, self.tree).gap;
-        self.crossing(gap.min(knot.gap))
+        self.crossing(gap)
     }
 
     /// Folds the sheet.

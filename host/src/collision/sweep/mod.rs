@@ -390,7 +390,8 @@ impl<'a> Sweep<'a> {
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
     }
 
-    /// Goes to a time. If another segment begins there, finds what moves together there, and lets chains cross few creases that turn.
+    /// Goes to a time. If another segment begins there, finds what moves together there, and lets chains cross few creases
+    /// that turn.
     fn enter(&mut self, motion: &Motion, time: Tick) {
         self.sheet.time = time;
         let (segment, _) = motion.place(time);
