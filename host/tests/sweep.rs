@@ -271,6 +271,33 @@ fn flaps_that_turn_about_the_same_line_do_not_pass_through_each_other() {
 }
 
 #[test]
+fn layers_that_turn_nearly_alike_are_followed_together() {
+    let flaps = strip(&[0.0, 0.6, 1.6, 2.6, 3.1], &[0.0; 5]);
+    // The fourth panel lies on the first, and goes ahead of it on the way, or lags behind it, by about this (radians).
+    let looks = |ahead: f64| {
+        let turns = [0.0, 0.5 + ahead, 1.0 + ahead, 1.5];
+        let back = Curve::Angle(turns.map(|turn| -turn));
+        let motion = vec![
+            vec![line(0.0, 0.0), line(0.0, 180.0), line(0.0, 0.0)],
+            vec![Curve::Angle([0.0, 0.5, 1.0, 1.5]), line(180.0, 180.0), back],
+        ];
+        let mut sweep = Sweep::new(&flaps.0, &flaps.1, SweepOptions::default());
+        (sweep.sweep(&motion), sweep.counts().tested)
+    };
+    let (_, alike) = looks(0.0);
+    for ahead in [1e-7, 1e-6, 1e-5, 5e-5] {
+        let (verdict, tested) = looks(ahead);
+        assert!(clearance(verdict) < 1e-12);
+        assert!(tested < 20 * alike, "{ahead:e}: {tested}, {alike} alike");
+    }
+    let (faces, s) = crossing_at(looks(-1e-5).0);
+    assert_eq!(faces, [FaceId(0), FaceId(3)]);
+    // As deep as counts where 3 s (1 - s) 1e-5 turns the shorter one through: at 0.035 and beyond.
+    let part = 1e-6 / 0.5 / 3e-5;
+    assert!((part..3.0 * part).contains(&s), "{s}");
+}
+
+#[test]
 fn sectors_that_lie_on_each_other_leave_in_their_order() {
     let sectors = fan(&[0.0, 60.0, 120.0, 180.0]);
     let still = || line(180.0, 180.0);

@@ -181,6 +181,15 @@ fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
     assert!(widest <= options.bound, "{widest:e}");
 }
 
+/// A square whose layers turn nearly alike: looked at one by one, they were not decided. Found by the campaign.
+#[test]
+fn a_square_is_swept_whose_layers_turn_nearly_alike() {
+    let drawing = meshes::simple_folds(&mut Random::new(100));
+    let planned = planned(drawing, &PlanOptions::default());
+    assert_eq!(planned.plan.outcome, Outcome::Planned, "{:?}", planned.plan);
+    assert!(planned.plan.notes.is_empty(), "{:?}", planned.plan.notes);
+}
+
 /// Squares whose lines cannot fold all at once, and hardly any of them on its own. Found by the campaign.
 #[test]
 fn squares_are_folded_line_by_line() {

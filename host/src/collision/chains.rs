@@ -132,6 +132,11 @@ impl<'a> Chains<'a> {
         others
     }
 
+    /// Whether each group does not turn for now; empty if all may.
+    pub(super) fn still(&self) -> &[bool] {
+        &self.still
+    }
+
     /// Length of the list of links.
     pub(super) fn len(&self) -> usize {
         self.links.len()

@@ -6,7 +6,7 @@
 use foldpath_core::{Curve, HalfAngle, Membership};
 
 use super::contact::Change;
-use super::variation::Variation;
+use super::variation::{Variation, between};
 use crate::folding::{Bend, Stretch};
 
 /// log2 of the ticks of a segment.
@@ -146,14 +146,17 @@ impl Motion {
         }
     }
 
-    /// How much a crease turns over a segment at most, to and fro, radians.
-    pub(super) fn turned(&self, segment: usize, crease: Membership) -> f64 {
-        self.variation(segment, crease).until(1.0)
+    /// How much a crease turns at most from one time to another of the same segment, to and fro, radians.
+    pub(super) fn turned(&self, times: [Tick; 2], crease: Membership) -> f64 {
+        let (segment, [s, end]) = self.stretch(times);
+        let variation = self.variation(segment, crease);
+        variation.until(end) - variation.until(s)
     }
 
-    /// By how much two creases turn otherwise than alike over a segment at most, or than `opposite` to each other,
-    /// radians; infinite where that is not seen.
-    pub(super) fn unlike(&self, segment: usize, creases: [Membership; 2], opposite: bool) -> f64 {
+    /// By how much two creases turn otherwise than alike at most, or than `opposite` to each other, from one time to
+    /// another of the same segment, radians; infinite where that is not seen.
+    pub(super) fn unlike(&self, times: [Tick; 2], creases: [Membership; 2], opposite: bool) -> f64 {
+        let (segment, [s, end]) = self.stretch(times);
         let opposite = opposite != (creases[0].negative != creases[1].negative);
         let sign = if opposite { -1.0 } else { 1.0 };
         let [a, b] = creases.map(|crease| *self.variation(segment, crease).curve());
@@ -162,7 +165,7 @@ impl Motion {
         };
         // A cubic is within its coefficients.
         let difference: [f64; 4] = core::array::from_fn(|k| a[k] - sign * b[k]);
-        let [low, high] = difference
+        let [low, high] = between(&difference, s, end)
             .iter()
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
                 [low.min(*d), high.max(*d)]
@@ -191,6 +194,14 @@ impl Motion {
         let rest = tick - ((segment as Tick) << TICKS);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
         (segment, rest as f64 / (1_u64 << TICKS) as f64)
+    }
+
+    /// The segment of two times, and the places in it.
+    fn stretch(&self, [from, to]: [Tick; 2]) -> (usize, [f64; 2]) {
+        let (segment, s) = self.place(from);
+        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
+        let end = s + (to - from) as f64 / SEGMENT as f64;
+        (segment, [s, end])
     }
 
     /// The first place found at which a group turns past half a turn by more than `slack` radians: its
@@ -246,9 +257,7 @@ impl Motion {
 
     /// Changes of all groups that are asked for, from one time to another of the same segment.
     pub(super) fn changes(&self, groups: &[u32], from: Tick, to: Tick, changes: &mut [Change]) {
-        let (segment, s) = self.place(from);
-        #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
-        let end = s + (to - from) as f64 / (1_u64 << TICKS) as f64;
+        let (segment, [s, end]) = self.stretch([from, to]);
         for &group in groups {
             let variation = &self.variations[segment * self.groups + group as usize];
             changes[group as usize] = variation.change(s, end);

@@ -1,17 +1,19 @@
-//! Faces that keep their places to each other over a segment of a motion: those joined by what does not turn, and
+//! Faces that keep their places to each other over a part of a motion: those joined by what does not turn, and
 //! those hinged to one of these about the same line that turn about it alike. Layers that are folded over together.
 
-use core::f64::consts::TAU;
+use core::f64::consts::PI;
 
 use foldpath_core::Membership;
 
-use super::motion::Motion;
+use super::motion::{Motion, Tick};
 use super::sheet::Axis;
 use crate::joined::{are_joined, join, root};
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
 /// Hinges against one body up to which each is compared with all others.
 const MOST_HINGES: usize = 1000;
+/// Tolerances by which faces may move from each other that are together over a shorter part.
+const NEARLY: f64 = 64.0;
 
 /// A crease that turns, seen from one of its faces.
 struct Hinge {
@@ -22,17 +24,25 @@ struct Hinge {
     line: Axis,
 }
 
-/// For each face the face that stands for all those from which it moves by no more than a tolerance over a segment. Groups
-/// that are `still` hardly turn there, `axis` is the line of a crease in the folded sheet, and no two points of that are
-/// farther from each other than a length, now. `None` if nothing moves by so little.
+/// What moves together from one time to another.
+pub(super) struct Together {
+    /// For each face the face that stands for all those from which it moves by no more than a tolerance.
+    pub(super) bodies: Vec<usize>,
+    /// Whether others move from each other by little more.
+    pub(super) nearly: bool,
+}
+
+/// What moves together from one time to another of the same segment. Groups that are `still` hardly turn there, `axis` is
+/// the line of a crease in the folded sheet at the first time, and no two points of that are farther from each other than
+/// a length, then.
 pub(super) fn together(
     pattern: &CreasePattern,
     memberships: &[Membership],
-    (motion, segment): (&Motion, usize),
+    (motion, times): (&Motion, [Tick; 2]),
     still: &[bool],
     mut axis: impl FnMut(CreaseId) -> Axis,
     [length, tolerance]: [f64; 2],
-) -> Option<Vec<usize>> {
+) -> Together {
     let mut roots: Vec<usize> = (0..pattern.faces().len()).collect();
     let mut hinges = Vec::new();
     let mut moved = 0.0;
@@ -59,16 +69,19 @@ pub(super) fn together(
                 }
             }
             _ => {
-                let turned = member.map_or(0.0, |(_, member)| motion.turned(segment, member));
+                let turned = member.map_or(0.0, |(_, member)| motion.turned(times, member));
                 moved += length * turned;
                 join(&mut roots, [left, right]);
             }
         }
     }
     if moved > tolerance {
-        return None;
+        return Together {
+            bodies: (0..roots.len()).collect(),
+            nearly: moved <= NEARLY * tolerance,
+        };
     }
-    let mut found = true;
+    let (mut found, mut nearly) = (true, false);
     while found {
         found = false;
         for hinge in &mut hinges {
@@ -82,7 +95,8 @@ pub(super) fn together(
                     if are_joined(&mut roots, [hinge.face, other.face]) {
                         continue;
                     }
-                    let more = hinge.parts_from(other, (motion, segment), length);
+                    let more = hinge.parts_from(other, (motion, times), length);
+                    nearly |= moved + more > tolerance && more <= NEARLY * tolerance;
                     if moved + more <= tolerance {
                         join(&mut roots, [hinge.face, other.face]);
                         moved += more;
@@ -93,17 +107,20 @@ pub(super) fn together(
         }
     }
     let faces = 0..roots.len();
-    Some(faces.map(|face| root(&mut roots, face)).collect())
+    Together {
+        bodies: faces.map(|face| root(&mut roots, face)).collect(),
+        nearly,
+    }
 }
 
 impl Hinge {
-    /// How far the face moves at most from that of another hinge over a segment, where both turn against one body.
-    fn parts_from(&self, other: &Self, (motion, segment): (&Motion, usize), length: f64) -> f64 {
+    /// How far the face moves at most from that of another hinge, where both turn against one body.
+    fn parts_from(&self, other: &Self, (motion, times): (&Motion, [Tick; 2]), length: f64) -> f64 {
         let [a, b] = [&self.line, &other.line];
         let opposite = a.direction.dot(&b.direction) < 0.0;
-        let unlike = motion.unlike(segment, [self.member, other.member], opposite);
+        let unlike = motion.unlike(times, [self.member, other.member], opposite);
         let off = a.distance(&b.point) + length * a.direction.cross(&b.direction).norm();
-        length * unlike + TAU * off
+        length * unlike + 2.0 * motion.turned(times, other.member).min(PI) * off
     }
 }
 
@@ -113,6 +130,7 @@ mod tests {
     use nalgebra::{Vector2, Vector3};
 
     use super::*;
+    use crate::collision::motion::SEGMENT;
     use crate::pattern::{Drawing, DrawnEdge, Letter};
 
     /// A panel, and beyond a line two flaps with a slit between them.
@@ -165,9 +183,9 @@ mod tests {
             }
         };
         let still = angles.map(|angle| (angle[3] - angle[0]).abs() <= 0.0);
-        let segment = (&motion, 0);
+        let segment = (&motion, [0, SEGMENT]);
         let found = together(&pattern, &memberships, segment, &still, axis, [4.0, 1e-6]);
-        let mut found = found.unwrap();
+        let mut found = found.bodies;
         found.sort_unstable();
         found.dedup();
         found.len()
@@ -206,7 +224,7 @@ mod tests {
         let first = hinge(Vector3::zeros(), Vector3::x());
         let parts = |point, direction| {
             let other = hinge(point, direction);
-            first.parts_from(&other, (&motion, 0), 10.0)
+            first.parts_from(&other, (&motion, [0, SEGMENT]), 10.0)
         };
         assert!(parts(Vector3::x(), Vector3::x()) < 1e-12);
         // Half a turn about lines 1e-3 apart moves points apart by 2e-3; about lines askew by 1e-3, 20e-3.

@@ -278,7 +278,7 @@ fn steepest(b: &[f64]) -> f64 {
 }
 
 /// A cubic from one place to another, by its polar form.
-fn between(b: &[f64; 4], s: f64, end: f64) -> [f64; 4] {
+pub(super) fn between(b: &[f64; 4], s: f64, end: f64) -> [f64; 4] {
     let mix = |a: f64, b: f64, s: f64| a + (b - a) * s;
     let polar = |u: f64, v: f64, w: f64| {
         let first: [f64; 3] = core::array::from_fn(|k| mix(b[k], b[k + 1], u));

@@ -34,7 +34,7 @@ use super::chains::{Chain, Chains};
 use super::contact::{Change, Turn};
 use super::course::Course;
 use super::hierarchy::Hierarchy;
-use super::motion::{Levers, Motion, Tick};
+use super::motion::{Levers, Motion, SEGMENT, Tick};
 use super::pieces::Pieces;
 use super::scene::Crossing;
 use super::sheet::Sheet;
@@ -49,6 +49,8 @@ const CLOCK: u64 = 256;
 const LAST_FREE: Tick = 1 << 16;
 /// The same for hinges that turn past half a turn.
 const OVERTURNED: f64 = 1e-6;
+/// log2 of the parts of a segment over which faces are found that move together, at most.
+const MOST_PARTS: u32 = 6;
 
 /// Two clusters, or two pieces, to look at again.
 #[derive(Clone, Debug)]
@@ -119,9 +121,12 @@ pub struct Sweep<'a> {
     changes: Vec<Change>,
     /// The number of the phase for now: segments after each other over which the same groups turn.
     phase: usize,
-    /// The segment for now, and for each face the one that stands for all that move with it there; none if nothing does.
+    /// The segment for now, and for each face the one that stands for all that move with it there; empty if nothing does.
     segment: usize,
-    bodies: Option<Vec<usize>>,
+    bodies: Vec<usize>,
+    /// Until when they do, and log2 of how many such parts the segment has for now.
+    apart: Tick,
+    parts: u32,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
     /// Where there is no lattice.
@@ -217,7 +222,9 @@ impl<'a> Sweep<'a> {
             changes: Vec::new(),
             phase: 0,
             segment: 0,
-            bodies: None,
+            bodies: Vec::new(),
+            apart: 0,
+            parts: 0,
             pairs: Vec::new(),
             due: BTreeMap::new(),
             clearance: None,
@@ -248,7 +255,7 @@ impl<'a> Sweep<'a> {
         self.due.clear();
         self.chains.truncate(self.kept);
         self.sheet.forget();
-        (self.segment, self.bodies) = (usize::MAX, None);
+        self.segment = usize::MAX;
         self.enter(&motion, 0);
         let before = self.counts;
         if let Some(cells) = &mut self.sheet.cells {
@@ -390,43 +397,59 @@ impl<'a> Sweep<'a> {
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
     }
 
-    /// Goes to a time. If another segment begins there, finds what moves together there, and lets chains cross few creases
-    /// that turn.
+    /// Goes to a time. If another segment begins there, lets chains cross few creases that turn; where what moved together
+    /// may part, finds what does from there on.
     fn enter(&mut self, motion: &Motion, time: Tick) {
         self.sheet.time = time;
         let (segment, _) = motion.place(time);
-        if self.sheet.cells.is_some() || self.segment == segment {
+        if self.sheet.cells.is_some() || self.segment == segment && time < self.apart {
             return;
         }
-        self.segment = segment;
-        let still = motion.still(segment);
-        let mut bodies = || {
-            let roots = self.hierarchy.roots.iter();
-            let radius = roots.map(|&root| {
-                self.sheet
-                    .sphere(motion, &self.pieces, &self.hierarchy, root)
-                    .radius
-            });
-            let length = 2.0 * radius.fold(0.0, f64::max);
-            let tolerance = self.options.tolerance * self.pattern.median_edge();
-            together(
+        if self.segment != segment {
+            (self.segment, self.parts) = (segment, 0);
+            self.phase += usize::from(self.chains.keep_still(motion.still(segment)));
+        }
+        self.apart = motion.end_of(segment);
+        self.bodies.clear();
+        if self.chains.still().is_empty() || time == motion.end() {
+            return;
+        }
+        let roots = self.hierarchy.roots.iter();
+        let radius = roots.map(|&root| {
+            self.sheet
+                .sphere(motion, &self.pieces, &self.hierarchy, root)
+                .radius
+        });
+        let length = 2.0 * radius.fold(0.0, f64::max);
+        let tolerance = self.options.tolerance * self.pattern.median_edge();
+        self.parts = self.parts.saturating_sub(1);
+        loop {
+            let part = SEGMENT >> self.parts;
+            self.apart = (time / part + 1) * part;
+            let found = together(
                 self.pattern,
                 self.memberships,
-                (motion, segment),
-                &still,
+                (motion, [time, self.apart]),
+                self.chains.still(),
                 |crease| self.sheet.axis(motion, crease),
                 [length, tolerance],
-            )
-        };
-        self.bodies = (!still.is_empty()).then(&mut bodies).flatten();
-        self.phase += usize::from(self.chains.keep_still(still));
+            );
+            self.bodies = found.bodies;
+            if !found.nearly || self.parts == MOST_PARTS {
+                break;
+            }
+            self.parts += 1;
+        }
     }
 
     /// Until when two pieces keep their places to each other, if they do for a while.
-    fn together_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
-        let bodies = self.bodies.as_ref()?;
-        let [a, b] = nodes.map(|node| bodies[self.hierarchy.nodes[node as usize].face.index()]);
-        (a == b && self.options.skip_motion).then(|| motion.end_of(self.segment))
+    fn together_until(&self, nodes: [u32; 2]) -> Option<Tick> {
+        let body = |node: u32| {
+            let face = self.hierarchy.nodes[node as usize].face;
+            self.bodies.get(face.index())
+        };
+        let [a, b] = nodes.map(body);
+        (a? == b? && self.options.skip_motion).then_some(self.apart)
     }
 
     fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
