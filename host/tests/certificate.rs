@@ -1,8 +1,8 @@
 //! Certificates of whole segments are never below what is sampled by another way of computation, and
 //! not far above it.
 
-use foldpath::certificate::{SegmentCertifier, SheetCertifier, range, rate};
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::certificate::{FoldingCertifier, SegmentCertifier, SheetCertifier, range, rate};
+use foldpath::folding::{FoldingMap, Rigidity, SpanningTree, rounding};
 use foldpath::generate::{Miura, Waterbomb};
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
@@ -430,8 +430,8 @@ fn ranges_and_rates_hold_all_samples() {
     assert!(loosest < 1.5);
 }
 
-/// Deformation, gap and twist of the whole folded sheet stay below what the closure of its essential
-/// vertices proves of it, closing to rounding or not.
+/// Deformation, gap and twist of the whole folded sheet stay below what the closure of its essential vertices proves of
+/// it, closing to rounding or not, and half of what folding it proves, which is near.
 #[test]
 fn errors_of_the_folded_sheet_are_certified() {
     let mut loosest = 0.0_f64;
@@ -449,6 +449,13 @@ fn errors_of_the_folded_sheet_are_certified() {
         let within = if all.loops().is_empty() { 1e3 } else { 1e4 };
         let mut closure = SegmentCertifier::default();
         let mut certifier = SheetCertifier::new(&sheet.pattern, &tree, &all).unwrap();
+        let memberships = sheet.groups.memberships();
+        let mut folded = FoldingCertifier::new(&sheet.pattern, memberships);
+        let trees = SpanningTree::diverse(&sheet.pattern);
+        let lost = trees
+            .each_ref()
+            .map(|tree| rounding(&sheet.pattern, tree).worst());
+        let lost = lost.into_iter().fold(0.0, f64::max);
         let mut map = FoldingMap::new(
             &sheet.pattern,
             &tree,
@@ -467,13 +474,29 @@ fn errors_of_the_folded_sheet_are_certified() {
             let curves = sheet.curves(kind, ends, by_t);
             let closed = closure.closure(sheet.stars.view(), sheet.stars.loops(), &curves);
             let bound = certifier.rigidity(&closed);
-            let mut worst = foldpath::folding::Rigidity::default();
+            let (mut worst, mut all) = (Rigidity::default(), Rigidity::default());
             for sample in 0..=200 {
                 let s = f64::from(sample) / 200.0;
                 let x: Vec<f64> = curves.iter().map(|curve| curve.angle(s)).collect();
                 let angles = sheet.groups.expand(&x);
                 map.fold(&sheet.pattern, &tree, &angles);
                 worst = worst.worse(map.rigidity(&sheet.pattern, &tree));
+                for tree in &trees {
+                    map.fold(&sheet.pattern, tree, &angles);
+                    all = all.worse(map.rigidity(&sheet.pattern, tree));
+                }
+            }
+            let near = folded.rigidity(&curves, 3.4 * all.worst());
+            for (near, seen) in [
+                (near.deformation, all.deformation),
+                (near.gap, all.gap),
+                (near.twist, all.twist),
+            ] {
+                assert!(
+                    (2.0 * seen..=3.2 * seen + 8.0 * lost).contains(&near),
+                    "{} {kind:?}: {near:e} is not near {seen:e}, {lost:e} lost",
+                    sheet.name
+                );
             }
             for (bound, seen) in [
                 (bound.deformation, worst.deformation),

@@ -63,6 +63,12 @@ impl Family {
             real: true,
         },
         Self {
+            name: "wide",
+            draw: wide,
+            varied: false,
+            real: true,
+        },
+        Self {
             name: "files",
             draw: meshes::file,
             varied: false,
@@ -111,6 +117,13 @@ fn any(random: &mut Random) -> Drawing {
 fn rounded(random: &mut Random) -> Drawing {
     let units = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
     let drawing = any(random);
+    meshes::rounded(drawing, units[random.whole(0, units.len() - 1)])
+}
+
+/// Many strips without symmetry, with 3 to 6 decimals of their coordinates: errors of a hundred vertices and more.
+fn wide(random: &mut Random) -> Drawing {
+    let units = [1e-3, 1e-4, 1e-5, 1e-6];
+    let drawing = meshes::wide_strips(random);
     meshes::rounded(drawing, units[random.whole(0, units.len() - 1)])
 }
 

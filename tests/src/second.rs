@@ -65,7 +65,9 @@ impl Shape<'_> {
         match sheet.solved(angles, positions, random) {
             Some(solved) => {
                 limit("left of least squares", solved.left, torn + ROUNDING);
-                let most = torn + LEAST_SQUARES;
+                // What an edge is torn by turns what is beyond it by that over its length.
+                let turned = WINDINGS * gap / self.shortest();
+                let most = torn + turned * self.span() + LEAST_SQUARES;
                 limit(
                     "positions off least squares by",
                     apart(&solved.positions),
@@ -74,6 +76,13 @@ impl Shape<'_> {
             }
             None => limit("least squares without a solution", f64::NAN, 0.0),
         }
+    }
+
+    /// The shortest edge, over the median one.
+    fn shortest(&self) -> f64 {
+        let Sheet { flat, edges, .. } = self.sheet;
+        let lengths = edges.iter().map(|&[a, b]| (flat[b] - flat[a]).norm());
+        lengths.fold(f64::INFINITY, f64::min) / self.sheet.median_edge()
     }
 
     /// From one corner of the flat sheet's box to the other, over the median edge.

@@ -181,6 +181,40 @@ fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
     assert!(widest <= options.bound, "{widest:e}");
 }
 
+/// Sheets of a hundred vertices and more with rounded coordinates: what these fail to close by could add up to more than the
+/// bound, and does not.
+#[test]
+fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
+    let wide = Family::ALL.iter().find(|family| family.name == "wide");
+    let (wide, options) = (*wide.unwrap(), PlanOptions::default());
+    for seed in [9, 45, 135] {
+        let planned = planned(wide.sheet(seed), &options);
+        let plan = &planned.plan;
+        assert_eq!(plan.outcome, Outcome::Planned, "{seed}: {plan:?}");
+        let worst = plan.max_closure * plan.amplification.unwrap();
+        assert!(worst > options.bound, "{seed}: {worst:e}");
+        assert!(
+            plan.rigidity.worst() < plan.certified_deformation.unwrap(),
+            "{seed}: {plan:?}"
+        );
+        let verdict = |bound| {
+            let options = CheckOptions {
+                bound,
+                ..CheckOptions::default()
+            };
+            check(&path_file(&planned.text()).unwrap(), &options)
+        };
+        assert_eq!(verdict(options.bound).failures, [""; 0], "{seed}");
+        // What is measured is not passed over.
+        assert!(
+            !verdict(plan.rigidity.gap / 2.0).failures.is_empty(),
+            "{seed}"
+        );
+        let tally = run(wide, seed, 1, &options);
+        assert_eq!(tally.disagreements, [], "{seed}");
+    }
+}
+
 /// A square whose layers turn nearly alike: looked at one by one, they were not decided. Found by the campaign.
 #[test]
 fn a_square_is_swept_whose_layers_turn_nearly_alike() {

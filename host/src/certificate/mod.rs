@@ -8,9 +8,11 @@
 mod bernstein;
 mod chebyshev;
 mod closure;
+mod folding;
 mod range;
 mod sheet;
 
 pub use closure::{Closure, SegmentCertifier};
+pub use folding::FoldingCertifier;
 pub use range::{range, rate};
 pub use sheet::SheetCertifier;

@@ -6,7 +6,7 @@ use super::closure::{Effort, Place, SegmentClosure, certify};
 use super::knots::crease_angles;
 use super::motion::Motion;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
-use crate::certificate::{Closure, SheetCertifier};
+use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
@@ -18,7 +18,8 @@ const ENOUGH_LOOKS: u64 = 200_000;
 /// Up to so many faces all pairs are swept, where the planner lets one stand for those that move alike.
 const MANY_FACES: usize = 4000;
 
-/// Closure between knots, and with it the deformation of the whole sheet, by the most that it adds up to.
+/// Closure between knots, and with it the deformation of the whole sheet: by the most that it adds up to, or, where that is
+/// too much, by what it adds up to where the sheet is folded from its middle and from its rim.
 pub(super) fn check_closure(
     path: &PathFile,
     motion: &Motion,
@@ -42,15 +43,25 @@ pub(super) fn check_closure(
         segment.rigidity = rigidity.filter(|r| r.worst().is_finite());
         segment
     };
+    let mut folded: Option<FoldingCertifier<'_>> = None;
     let segments = motion.segments.iter().enumerate();
     let segments = segments.map(|(index, curves)| {
         options.done(index, motion.segments.len());
         let rough = bound(curves, &Effort::ROUGH);
         if rough.error() <= options.bound || rough.sampled > options.bound {
-            rough
-        } else {
-            bound(curves, &Effort::FINE)
+            return rough;
         }
+        let mut fine = bound(curves, &Effort::FINE);
+        if fine.error() > options.bound && fine.bound <= options.bound {
+            let certifier = || FoldingCertifier::new(pattern, motion.groups.memberships());
+            let folded = folded.get_or_insert_with(certifier);
+            let folded = folded.rigidity(curves, options.bound);
+            fine.rigidity = fine
+                .rigidity
+                .filter(|r| r.worst() <= folded.worst())
+                .or(Some(folded));
+        }
+        fine
     });
     verdict.segments = segments.collect();
     verdict.failures.extend(uncertified(path, options, verdict));

@@ -25,4 +25,4 @@ pub use map::{FoldingMap, Pose, Rigidity, deformation};
 pub(crate) use plane::in_plane;
 pub use rounding::rounding;
 pub use screw::Screw;
-pub use tree::SpanningTree;
+pub use tree::{SpanningTree, Step};

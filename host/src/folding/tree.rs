@@ -42,24 +42,36 @@ impl SpanningTree {
     /// the growth of errors. Cost: linear.
     #[must_use]
     pub fn from_central_face(pattern: &CreasePattern) -> Self {
-        Self::from_faces(pattern, central)
+        Self::from_faces(pattern, pattern.neighbours(), central)
     }
 
     /// A breadth-first tree from a face of each sheet that is as far as can be from the central one. Cost: linear.
     #[must_use]
     pub fn from_outer_face(pattern: &CreasePattern) -> Self {
-        Self::from_faces(pattern, |neighbours, start| {
-            let (sheet, _) = distances(neighbours, central(neighbours, start));
-            sheet.last().copied().unwrap_or(start)
-        })
+        Self::from_faces(pattern, pattern.neighbours(), outer)
+    }
+
+    /// Trees that tear a sheet that does not close in many ways: both of these, and both with the neighbours of each face
+    /// taken the other way round, so that what one reaches along a row the other does along a column. Cost: linear.
+    #[must_use]
+    pub fn diverse(pattern: &CreasePattern) -> [Self; 4] {
+        let around = pattern.neighbours();
+        let backwards = around.iter().map(|faces| faces.iter().rev().copied());
+        let backwards: Ragged<_> = backwards.map(Iterator::collect::<Vec<_>>).collect();
+        [
+            Self::from_faces(pattern, around, central),
+            Self::from_faces(pattern, &backwards, central),
+            Self::from_faces(pattern, around, outer),
+            Self::from_faces(pattern, &backwards, outer),
+        ]
     }
 
     /// A breadth-first tree from a face of each sheet, which is found from another.
     fn from_faces(
         pattern: &CreasePattern,
+        neighbours: &Ragged<(FaceId, EdgeId)>,
         root: impl Fn(&Ragged<(FaceId, EdgeId)>, FaceId) -> FaceId,
     ) -> Self {
-        let neighbours = pattern.neighbours();
         let mut tree = Self {
             roots: Vec::new(),
             steps: Vec::with_capacity(pattern.faces().len()),
@@ -70,20 +82,27 @@ impl SpanningTree {
         let mut done = vec![false; tree.faces];
         for start in 0..tree.faces {
             if !done[start] {
-                tree.grow(pattern, root(neighbours, FaceId::new(start)), &mut done);
+                let root = root(neighbours, FaceId::new(start));
+                tree.grow(pattern, neighbours, root, &mut done);
             }
         }
         tree
     }
 
-    fn grow(&mut self, pattern: &CreasePattern, root: FaceId, done: &mut [bool]) {
+    fn grow(
+        &mut self,
+        pattern: &CreasePattern,
+        neighbours: &Ragged<(FaceId, EdgeId)>,
+        root: FaceId,
+        done: &mut [bool],
+    ) {
         self.roots.push(root);
         done[root.index()] = true;
         // The edge by which a face was reached.
         let mut by = vec![None; self.faces];
         let mut open = VecDeque::from([root]);
         while let Some(parent) = open.pop_front() {
-            for &(face, edge_id) in &pattern.neighbours()[parent.index()] {
+            for &(face, edge_id) in &neighbours[parent.index()] {
                 let new = !done[face.index()];
                 // Every edge is met from both sides; once is enough.
                 if !new && (by[parent.index()] == Some(edge_id) || parent > face) {
@@ -146,6 +165,12 @@ impl SpanningTree {
 
 /// Corners of the sheet to which the way from the centre is to be short.
 const CORNERS: usize = 4;
+
+/// A face of the sheet of `start` that is as far as can be from the central one.
+fn outer(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
+    let (sheet, _) = distances(neighbours, central(neighbours, start));
+    sheet.last().copied().unwrap_or(start)
+}
 
 /// A face from which the farthest others are near: of all, the one whose greatest distance from some
 /// far corners of the sheet, each chosen as far from those before as can be, is least.

@@ -164,6 +164,7 @@ impl Planning<'_> {
             deadline: self.deadline,
             part,
             unrounded: self.unrounded,
+            measured: self.measured,
             ..Planning::new(self.pattern, &goal, self.options)
         };
         planning.run()

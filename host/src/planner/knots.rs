@@ -42,19 +42,24 @@ impl Path {
     /// For each segment between two knots the motion of each group.
     #[must_use]
     pub fn curves(&self) -> Vec<Vec<Curve<f64>>> {
-        let segments = self.knots.windows(2);
-        segments
-            .map(|pair| {
-                let span = pair[1].time - pair[0].time;
-                let groups = 0..pair[0].angles.len();
-                let curve = |group| {
-                    let [from, to] = [0, 1].map(|end| pair[end].node(group));
-                    Curve::between(self.interpolation, span, from, to)
-                };
-                groups.map(curve).collect()
-            })
-            .collect()
+        curves(self.interpolation, &self.knots).collect()
     }
+}
+
+/// For each segment between two knots the motion of each group.
+pub(super) fn curves(
+    interpolation: Interpolation,
+    knots: &[Knot],
+) -> impl Iterator<Item = Vec<Curve<f64>>> {
+    knots.windows(2).map(move |pair| {
+        let span = pair[1].time - pair[0].time;
+        let groups = 0..pair[0].angles.len();
+        let curve = |group| {
+            let [from, to] = [0, 1].map(|end| pair[end].node(group));
+            Curve::between(interpolation, span, from, to)
+        };
+        groups.map(curve).collect()
+    })
 }
 
 impl Knot {

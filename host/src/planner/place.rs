@@ -13,7 +13,7 @@ use super::options::{PlanOptions, Timing};
 use super::overshoot::peaks;
 use super::solver::ClosureSolver;
 use super::timing::Law;
-use crate::certificate::{Closure, SegmentCertifier, range};
+use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
 use crate::symmetry::ReducedStars;
 
 /// What the motion between knots has to keep.
@@ -22,6 +22,8 @@ pub(super) struct Terms<'a> {
     pub(super) stars: &'a ReducedStars,
     /// Largest closure residual; with `None`, any, and all waypoints are knots.
     pub(super) closure: Option<f64>,
+    /// What makes sure that the whole sheet deforms, gapes and twists by no more than this, if asked to.
+    pub(super) folded: Option<(FoldingCertifier<'a>, f64)>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
     /// Largest speed of a hinge, radians per second.
@@ -147,6 +149,7 @@ pub(super) fn place(
         solver,
         most: terms.most,
         certifier: SegmentCertifier::default(),
+        folded: terms.folded.clone(),
         found: Vec::new(),
         curves: Vec::new(),
         known: HashMap::new(),
@@ -161,8 +164,8 @@ pub(super) fn place(
     ];
     let kinds = match &options.interpolation {
         Some(kind) => core::slice::from_ref(kind),
-        // Nothing to close: hinges turn evenly.
-        None if terms.stars.is_empty() => &all[1..2],
+        // Nothing to close: hinges turn evenly. Nothing that closes: none is nearer to it, and this one is followed best.
+        None if terms.stars.is_empty() || terms.folded.is_some() => &all[1..2],
         None => &all,
     };
     let optimal = (options.pace == Timing::Optimal).then(|| [fastest(course, terms)]);
@@ -248,6 +251,7 @@ struct Placer<'a, 's> {
     /// Knots beyond which to give up.
     most: usize,
     certifier: SegmentCertifier,
+    folded: Option<(FoldingCertifier<'a>, f64)>,
     /// Configurations found on the course apart from its waypoints.
     found: Vec<Site>,
     curves: Vec<Curve<f64>>,
@@ -413,11 +417,20 @@ impl Placer<'_, '_> {
             return Some(false);
         }
         let bounds = self.bounds();
-        let fits = bounds.closure().worst() <= most;
+        let closes = bounds.closure().worst() <= most;
+        let fits = closes && self.deforms_little();
         if fits {
             self.known.insert(key(from, to), bounds);
         }
         Some(fits)
+    }
+
+    /// Whether the whole sheet keeps what it is asked for over the present curves, if anything.
+    fn deforms_little(&mut self) -> bool {
+        let Some((certifier, most)) = &mut self.folded else {
+            return true;
+        };
+        certifier.rigidity(&self.curves, *most).worst() <= *most
     }
 
     /// Bounds on the closure over the present curves.

@@ -7,7 +7,7 @@ use super::attempt::{Attempt, End, Reach, straight};
 use super::follow::{Stop, Waypoint, largest, max_norm, way_to};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
-use super::reduction::{Blame, CLOSED, Reduction, SAME, closure_of};
+use super::reduction::{Blame, CLOSED, EXPECTED, Reduction, SAME, closure_of};
 use super::reuse::{CERTIFIED, FIRST_PART, Found};
 use super::solver::Work;
 use super::{Goal, PlanOptions, Search, Symmetry};
@@ -143,7 +143,27 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
     if !matches!(plan.outcome, Outcome::Planned | Outcome::Timeout) {
         plan = again().unrounded(plan);
     }
+    let open = matches!(
+        plan.outcome,
+        Outcome::GoalNotClosed | Outcome::Partial | Outcome::NotRigidlyFoldable
+    );
+    if open && nearly_closes(pattern, goal, options) {
+        let again = || Planning {
+            measured: true,
+            ..again()
+        };
+        plan = again().measured(plan);
+        if plan.outcome != Outcome::Planned {
+            plan = again().unrounded(plan);
+        }
+    }
     plan
+}
+
+/// Whether a goal closes but for what rounded coordinates may be off.
+fn nearly_closes(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> bool {
+    let off = closure_of(pattern, &goal.fold_angles);
+    off.is_some_and(|off| off > CLOSED && off <= options.bound / EXPECTED)
 }
 
 /// A plan, or the same without crease groups if that proves less deformation.
@@ -215,6 +235,8 @@ pub(super) struct Planning<'a> {
     pub(super) part: f64,
     /// Whether what nearly folds flat is taken to do so exactly.
     pub(super) unrounded: bool,
+    /// Whether what errors of vertices add up to is not bounded beforehand, but measured.
+    pub(super) measured: bool,
     pub(super) plan: Plan,
 }
 
@@ -234,6 +256,7 @@ impl<'a> Planning<'a> {
             asked_closure: None,
             part: FIRST_PART,
             unrounded: false,
+            measured: false,
             plan: Plan::default(),
         }
     }
@@ -281,6 +304,11 @@ impl<'a> Planning<'a> {
             let reach = Reach { radians, exactly };
             let (options, deadline) = (self.options, self.deadline);
             let reduction = Reduction::new(self.pattern, groups, options, deadline);
+            let reduction = if self.measured {
+                reduction.measured()
+            } else {
+                reduction
+            };
             self.plan.times.symmetry += start.elapsed();
             self.options.begin(Stage::Following);
             let attempt = Attempt::new(
@@ -342,12 +370,32 @@ impl<'a> Planning<'a> {
         plan
     }
 
+    /// The plan that lets vertices fail to close by more than what would add up to the bound at worst, if it keeps it.
+    fn measured(self, without: Plan) -> Plan {
+        let mut plan = self.run();
+        if plan.outcome != Outcome::Planned {
+            return without;
+        }
+        plan.notes.push(format!(
+            "vertices fail to close by up to {:.1e}: at worst that adds up to more than the bound; what it does add up to \
+             is certified of the sheet folded from its middle and from its rim",
+            plan.max_closure
+        ));
+        plan.add_effort(&without);
+        plan
+    }
+
     fn run_unrounded(mut self) -> Option<Plan> {
         let mut work = Work::default();
         let start = Instant::now();
         let (pattern, goal, options) = (self.pattern, self.goal, self.options);
         let alone = CreaseGroups::trivial(pattern);
         let reduction = Reduction::new(pattern, alone, options, self.deadline);
+        let reduction = if self.measured {
+            reduction.measured()
+        } else {
+            reduction
+        };
         let (reduction, turned) = reduction.unrounded(pattern, goal, options)?;
         let reach = Reach {
             radians: goal.reach,

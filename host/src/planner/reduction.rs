@@ -38,6 +38,8 @@ pub(super) struct Reduction {
     pub(super) tree: SpanningTree,
     /// How much larger than the closure residuals errors of the whole sheet can be.
     pub(super) amplification: Option<f64>,
+    /// How much larger they are taken to be, at most.
+    expected: f64,
     /// The structure of sparse equations of the stars to solve, once a solver has found it.
     structure: OnceCell<Option<Rc<Structure>>>,
     /// The lattice of the groups, if it was asked for.
@@ -94,8 +96,18 @@ impl Reduction {
             deadline,
             amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
             tree,
+            expected: f64::INFINITY,
             structure: OnceCell::new(),
             lattice: OnceCell::new(),
+        }
+    }
+
+    /// The same where errors of vertices are not taken to add up, as those of rounded coordinates do not: what they add up
+    /// to is to be measured.
+    pub(super) fn measured(self) -> Self {
+        Self {
+            expected: EXPECTED,
+            ..self
         }
     }
 
@@ -115,6 +127,7 @@ impl Reduction {
         let unrounded = || Self {
             rounded: Some(self.distinct.clone()),
             within,
+            expected: self.expected,
             ..Self::of_stars(pattern, groups, all, options, self.deadline)
         };
         (turned > ROUNDING).then(|| (unrounded(), turned))
@@ -211,7 +224,8 @@ impl Reduction {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
         // Where nothing is known for certain, each vertex may add to the next.
-        (bound / self.amplification.unwrap_or(vertices)).max(ROUNDING)
+        let worst = self.amplification.unwrap_or(vertices);
+        (bound / worst.min(self.expected)).max(ROUNDING)
     }
 
     /// The stars to solve.
@@ -303,6 +317,8 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
     limits
 }
 
+/// How much larger than closure residuals errors of a sheet with rounded coordinates are expected to be.
+pub(super) const EXPECTED: f64 = 4.0;
 /// Radians: an exactly closed configuration this near is the goal that was meant.
 const NEARBY: f64 = 0.02;
 /// Part of the closure residual allowed by which a crease may be turned where the goal does not tell, radians.

@@ -3,15 +3,17 @@
 
 use std::time::Instant;
 
+use foldpath_core::Curve;
+
 use super::course::Course;
 use super::follow::Waypoint;
 use super::judge::Judge;
-use super::knots::Knot;
+use super::knots::{Knot, curves};
 use super::options::Judged;
 use super::place::{Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
-use crate::certificate::SheetCertifier;
+use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::numbers::larger;
 use crate::progress::Stage;
@@ -46,6 +48,14 @@ pub(super) struct Found<'a> {
     /// Part of the bound that the motion between knots is certified for.
     pub(super) part: f64,
 }
+
+/// Stars, how well they are to close between knots, so many knots at most, and what the whole sheet is to keep.
+type Between<'a> = (
+    &'a ReducedStars,
+    Option<f64>,
+    usize,
+    Option<(FoldingCertifier<'a>, f64)>,
+);
 
 impl Planning<'_> {
     /// Reuses a path on the whole sheet and judges it there.
@@ -128,10 +138,12 @@ impl Planning<'_> {
         let start = Instant::now();
         self.options.begin(Stage::Placing);
         let stars = &reduction.essential;
-        let placed = if most_open(stars, found) <= CLOSED {
-            let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
-            let placed =
-                self.place_to(reduction, found, course, (stars, Some(aim), self.most()))?;
+        let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
+        let placed = if self.measured {
+            self.place_measured(reduction, found, course)?
+        } else if most_open(stars, found) <= CLOSED.max(aim / NEAR) {
+            let terms = (stars, Some(aim), self.most(), None);
+            let placed = self.place_to(reduction, found, course, terms)?;
             self.certify(reduction, &reduction.all, &placed);
             placed
         } else {
@@ -152,7 +164,7 @@ impl Planning<'_> {
         let most = self.most();
         let few = most.min(MORE * found.waypoints.len());
         let mut near = |all: &ReducedStars, stars: &ReducedStars| {
-            let terms = (stars, Some(NEAR * most_open(stars, found)), few);
+            let terms = (stars, Some(NEAR * most_open(stars, found)), few, None);
             let placed = self.place_to(reduction, found, course, terms)?;
             self.certify(reduction, all, &placed);
             self.uncertified().is_none().then_some(placed)
@@ -167,18 +179,49 @@ impl Planning<'_> {
         if placed.is_some() {
             return placed;
         }
-        let placed = self.place_to(reduction, found, course, (&stars, None, most))?;
+        let placed = self.place_to(reduction, found, course, (&stars, None, most, None))?;
         self.certify(reduction, &apart, &placed);
         Some(placed)
     }
 
-    /// Places at most so many knots on the course, between which these stars close to within what is given with them.
+    /// The same where what errors of vertices add up to is measured: between waypoints to hardly more than at them, or to
+    /// what is aimed at.
+    fn place_measured(
+        &mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+    ) -> Option<Placed> {
+        let memberships = reduction.groups.memberships();
+        let mut certifier = FoldingCertifier::new(self.pattern, memberships);
+        let mut most = self.options.bound.min(CERTIFIED) * found.part;
+        for waypoint in found.waypoints {
+            let still: Vec<_> = waypoint
+                .angles
+                .iter()
+                .map(|&a| Curve::Angle([a; 4]))
+                .collect();
+            let here = certifier.rigidity(&still, self.options.bound).worst();
+            most = larger(most, NEAR * here);
+            if most > self.options.bound || self.is_late() {
+                return None;
+            }
+        }
+        let folded = Some((certifier, most));
+        let terms = (&reduction.essential, Some(most), self.most(), folded);
+        let placed = self.place_to(reduction, found, course, terms)?;
+        self.certify(reduction, &reduction.all, &placed);
+        Some(placed)
+    }
+
+    /// Places at most so many knots on the course, between which these stars close to within what is given with them, and
+    /// the whole sheet deforms by no more than is asked, if it is.
     fn place_to(
         &self,
         reduction: &Reduction,
         found: &Found<'_>,
         course: &Course,
-        (stars, closure, most): (&ReducedStars, Option<f64>, usize),
+        (stars, closure, most, folded): Between<'_>,
     ) -> Option<Placed> {
         let (_, signs) = reduction.asked(self.goal);
         let limits = reduction.orthant(&signs);
@@ -187,6 +230,7 @@ impl Planning<'_> {
         let terms = Terms {
             stars,
             closure,
+            folded,
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
@@ -210,7 +254,8 @@ impl Planning<'_> {
         self.end(Outcome::Partial, reason)
     }
 
-    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars.
+    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars. Where they add up to more
+    /// than the bound, what they do add up to is found where the sheet is folded from its middle and from its rim.
     fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) {
         let closure = placed.closure();
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
@@ -219,6 +264,26 @@ impl Planning<'_> {
             let bounds = sheet.rigidity(&closure);
             bounds.deformation.max(bounds.gap)
         });
+        if let Some(certified) = self.uncertified() {
+            let folded = self.folded(reduction, placed);
+            self.plan.certified_deformation = Some(certified.min(folded));
+        }
+    }
+
+    /// A bound on what the sheet deforms or tears by where it is folded from its middle and from its rim; infinite without
+    /// the time to find it.
+    fn folded(&self, reduction: &Reduction, placed: &Placed) -> f64 {
+        let memberships = reduction.groups.memberships();
+        let mut certifier = FoldingCertifier::new(self.pattern, memberships);
+        let mut worst = 0.0;
+        for curves in curves(placed.interpolation, &placed.knots) {
+            if worst > self.options.bound || self.is_late() {
+                return f64::INFINITY;
+            }
+            let bounds = certifier.rigidity(&curves, self.options.bound);
+            worst = larger(worst, bounds.worst());
+        }
+        worst
     }
 
     /// What the sheet may deform or tear by for all that is proved, if that is over the bound.

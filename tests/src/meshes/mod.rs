@@ -21,7 +21,7 @@ pub use maps::{map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use simple_folds::simple_folds;
-pub use strips::strips;
+pub use strips::{strips, wide_strips};
 pub use tree::{chain, tree};
 pub use variant::variant;
 pub use vertex::{slender, vertex};

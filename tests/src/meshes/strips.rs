@@ -18,34 +18,48 @@ use crate::Random;
 #[must_use]
 pub fn strips(random: &mut Random) -> Drawing {
     first_good(random, |random| {
-        let (rows, columns) = (random.whole(2, 6), random.whole(2, 7));
-        let lean: Vec<f64> = (0..rows)
-            .map(|row| {
-                let side = alternating(row) * if random.chance(0.85) { 1.0 } else { -1.0 };
-                (90.0 - side * random.uniform(12.0, 50.0)).to_radians()
-            })
-            .collect();
-        let flattest = lean.iter().map(|lean| lean.sin()).fold(1.0, f64::min);
-        let drive = flattest * (random.uniform(20.0, 150.0).to_radians() / 2.0).sin();
-        let zigzag: Vec<f64> = lean
-            .iter()
-            .map(|l| 2.0 * (drive / l.sin()).asin())
-            .collect();
-        let phi = |row: usize| ((zigzag[row] / 2.0).tan() * lean[row].cos()).atan();
-        let (x, y) = (spacings(random, columns), spacings(random, rows));
-        let mut shift = vec![0.0; rows + 1];
-        for row in 0..rows {
-            shift[row + 1] = shift[row] + (y[row + 1] - y[row]) / lean[row].tan();
-        }
-        let place = |column: usize, row: usize| Vector2::new(x[column] + shift[row], y[row]);
-        let places: Vec<Vec<_>> = (0..=columns)
-            .map(|column| (0..=rows).map(|row| place(column, row)).collect())
-            .collect();
-        let drawing = grid(
-            &places,
-            |column, row| alternating(column) * zigzag[row],
-            |column, row| alternating(column) * (phi(row - 1) - phi(row)),
-        );
-        turns_well(&drawing).then_some(drawing)
+        let size = [random.whole(2, 6), random.whole(2, 7)];
+        sheet(random, size)
     })
+}
+
+/// The same of 8 to 16 strips and columns.
+#[must_use]
+pub fn wide_strips(random: &mut Random) -> Drawing {
+    first_good(random, |random| {
+        let size = [random.whole(8, 16), random.whole(8, 16)];
+        sheet(random, size)
+    })
+}
+
+/// Of so many strips and columns, if its creases turn well.
+fn sheet(random: &mut Random, [rows, columns]: [usize; 2]) -> Option<Drawing> {
+    let lean: Vec<f64> = (0..rows)
+        .map(|row| {
+            let side = alternating(row) * if random.chance(0.85) { 1.0 } else { -1.0 };
+            (90.0 - side * random.uniform(12.0, 50.0)).to_radians()
+        })
+        .collect();
+    let flattest = lean.iter().map(|lean| lean.sin()).fold(1.0, f64::min);
+    let drive = flattest * (random.uniform(20.0, 150.0).to_radians() / 2.0).sin();
+    let zigzag: Vec<f64> = lean
+        .iter()
+        .map(|l| 2.0 * (drive / l.sin()).asin())
+        .collect();
+    let phi = |row: usize| ((zigzag[row] / 2.0).tan() * lean[row].cos()).atan();
+    let (x, y) = (spacings(random, columns), spacings(random, rows));
+    let mut shift = vec![0.0; rows + 1];
+    for row in 0..rows {
+        shift[row + 1] = shift[row] + (y[row + 1] - y[row]) / lean[row].tan();
+    }
+    let place = |column: usize, row: usize| Vector2::new(x[column] + shift[row], y[row]);
+    let places: Vec<Vec<_>> = (0..=columns)
+        .map(|column| (0..=rows).map(|row| place(column, row)).collect())
+        .collect();
+    let drawing = grid(
+        &places,
+        |column, row| alternating(column) * zigzag[row],
+        |column, row| alternating(column) * (phi(row - 1) - phi(row)),
+    );
+    turns_well(&drawing).then_some(drawing)
 }
