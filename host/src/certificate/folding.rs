@@ -23,11 +23,13 @@ const HALVINGS: u8 = 8;
 /// Rounding counts twice: in the values here, and for those who evaluate the same motion.
 const TWICE: f64 = 2.0;
 
-/// Gap, deformation and twist: each with ln M on the ellipses, and how many weights of faces it is to be multiplied by.
-type Growth = [([f64; RADII], f64); 3];
-
+/// Roundings of a half angle, in ε, that [`rounding`] allows.
+const HALF_ANGLE: f64 = 16.0 * f64::EPSILON;
 /// By how much more than along four trees a sheet may be torn along others, which no proof knows.
 const OTHER_TREES: f64 = 2.0;
+
+/// Gap, deformation and twist: each with ln M on the ellipses, and how many weights of faces it is to be multiplied by.
+type Growth = [([f64; RADII], f64); 3];
 
 /// Bounds deformation, gap and twist of a whole sheet, as [`FoldingMap::rigidity`] measures them where it is folded from
 /// its middle and from its rim, along rows or columns of its faces: one that does not close is torn elsewhere each time.
@@ -43,25 +45,22 @@ impl<'a> FoldingCertifier<'a> {
         Self(trees.map(|tree| Folded::new(pattern, tree, memberships)))
     }
 
-    /// Bounds over a segment; infinite where nothing can be said, as of curves that are not finite. Those below half of
-    /// `most` are not made finer, nor are any where more than that is seen.
+    /// Bounds over a segment that are no more than `most`; `None` if they are, or nothing can be said, as of curves that
+    /// are not finite. Those below half of it are not made finer.
     ///
     /// Cost: the sheet is folded 9 to 49 times each way, times the number of parts that the segment is halved
     /// into: 1 where no way from the root to a face turns by more than some ten radians in all, at most 256.
-    pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Rigidity {
+    pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let most = most / OTHER_TREES;
-        let worst = |worst: Rigidity, folded: &mut Folded<'_>| {
-            if worst.worst() > most {
-                return worst;
-            }
-            worst.worse(folded.rigidity(curves, most))
+        let worse = |worst: Rigidity, folded: &mut Folded<'_>| {
+            Some(worst.worse(folded.rigidity(curves, most)?))
         };
-        let worst = self.0.iter_mut().fold(Rigidity::default(), worst);
-        Rigidity {
+        let worst = self.0.iter_mut().try_fold(Rigidity::default(), worse)?;
+        Some(Rigidity {
             deformation: OTHER_TREES * worst.deformation,
             gap: OTHER_TREES * worst.gap,
             twist: OTHER_TREES * worst.twist,
-        }
+        })
     }
 }
 
@@ -73,7 +72,7 @@ struct Folded<'a> {
     memberships: &'a [Membership],
     map: FoldingMap,
     rounding: Rigidity,
-    /// The longest way from a root to a corner, from crease to crease, and the shortest distance that panels hold.
+    /// As of [`SpanningTree::reach`], and the shortest distance that panels hold.
     reach: f64,
     shortest: f64,
     radii: [Radius; RADII],
@@ -84,29 +83,15 @@ struct Folded<'a> {
     /// For each face the sum along its way.
     growths: Vec<[f64; RADII]>,
     sums: Vec<f64>,
+    /// How often rounding counts.
+    coarse: f64,
 }
 
 impl<'a> Folded<'a> {
     fn new(pattern: &'a CreasePattern, tree: SpanningTree, memberships: &'a [Membership]) -> Self {
-        let corners = |face: usize| {
-            let corners = pattern.faces()[face].iter();
-            corners.map(|v| pattern.vertices()[v.index()])
-        };
-        // Where each face is entered, and how long the way there is.
-        let mut ways: Vec<_> = (0..tree.faces())
-            .map(|face| (corners(face).next().unwrap_or_default(), 0.0))
-            .collect();
-        for step in tree.steps() {
-            let (before, way) = ways[step.parent.index()];
-            ways[step.face.index()] = (step.pivot, way + (step.pivot - before).norm());
-        }
-        let reaches = ways.iter().enumerate().map(|(face, (pivot, way))| {
-            let far = corners(face).map(|corner| (corner - pivot).norm());
-            way + far.fold(0.0, f64::max)
-        });
         let lengths = pattern.struts().map(|ends| pattern.length(ends));
         Self {
-            reach: reaches.fold(0.0, f64::max),
+            reach: tree.reach(pattern),
             shortest: lengths.fold(f64::INFINITY, f64::min),
             map: FoldingMap::flat(pattern),
             rounding: rounding(pattern, &tree),
@@ -117,13 +102,14 @@ impl<'a> Folded<'a> {
             weights: Vec::new(),
             growths: vec![[0.0; RADII]; tree.faces()],
             sums: vec![0.0; tree.faces()],
+            coarse: TWICE,
             pattern,
             tree,
             memberships,
         }
     }
 
-    fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Rigidity {
+    fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let enough = most / 2.0;
         let mut open = vec![(0_u8, 0_u32)];
         let (mut seen, mut worst) = (Rigidity::default(), Rigidity::default());
@@ -136,9 +122,13 @@ impl<'a> Folded<'a> {
                 errors.all(|error| error <= ERROR.max(PART * enough))
             };
             let points = self.points.iter().position(serves);
-            let last = depth == HALVINGS || seen.worst() > most;
+            let last = depth == HALVINGS;
             if let Some(points) = points.or(last.then_some(self.points.len() - 1)) {
                 let bound = self.bound(curves, part, points, &growth, &mut seen);
+                let within = |found: Rigidity| found.worst() <= most;
+                if !within(seen) || last && !within(bound) {
+                    return None;
+                }
                 if last || bound.worst() <= enough || self.is_tight(bound, seen) {
                     worst = worst.worse(bound);
                     continue;
@@ -146,7 +136,7 @@ impl<'a> Folded<'a> {
             }
             open.extend([(depth + 1, 2 * index + 1), (depth + 1, 2 * index)]);
         }
-        worst
+        (worst.worst() <= most).then_some(worst)
     }
 
     /// What is known of a part without folding the sheet.
@@ -154,7 +144,10 @@ impl<'a> Folded<'a> {
         let piece = |curve| Piece::new(curve, part, &self.radii);
         self.pieces.clear();
         self.pieces.extend(curves.iter().map(piece));
-        let known = self.pieces.iter().all(|piece| piece.least > 0.0);
+        let mut pieces = self.pieces.iter();
+        let known = pieces.all(|p| p.least > 0.0 && p.growth.iter().all(|g| !g.is_nan()));
+        let roundings = self.pieces.iter().map(|piece| piece.rounding / HALF_ANGLE);
+        self.coarse = roundings.fold(TWICE, |most, times| most.max(TWICE * times));
         let add = |a: [f64; RADII], b: [f64; RADII]| core::array::from_fn(|k| a[k] + b[k]);
         let larger = |a: [f64; RADII], b: [f64; RADII]| core::array::from_fn(|k| a[k].max(b[k]));
         let mut growths = core::mem::take(&mut self.growths);
@@ -195,9 +188,11 @@ impl<'a> Folded<'a> {
         ]
     }
 
-    /// The group of the crease that a step crosses.
+    /// The group of the crease that a step crosses, or the crease's own number, if it turns.
     fn piece_of(&self, step: &Step) -> Option<usize> {
-        let group = self.memberships.get(step.crease?.index())?.group.index();
+        let crease = step.crease?.index();
+        let group = self.memberships.get(crease).map(|of| of.group.index());
+        let group = group.unwrap_or(crease);
         (group < self.pieces.len()).then_some(group)
     }
 
@@ -253,11 +248,11 @@ impl<'a> Folded<'a> {
 
     /// What a sheet may have for values of the functions, if this is measured of it.
     fn values(&self, found: Rigidity) -> [f64; 3] {
-        let deformation = found.deformation + TWICE * self.rounding.deformation;
+        let deformation = found.deformation + self.coarse * self.rounding.deformation;
         [
-            found.gap + TWICE * self.rounding.gap,
+            found.gap + self.coarse * self.rounding.gap,
             deformation * (2.0 + deformation),
-            (found.twist + TWICE * self.rounding.twist) / 2.0,
+            (found.twist + self.coarse * self.rounding.twist) / 2.0,
         ]
     }
 
@@ -281,7 +276,7 @@ impl<'a> Folded<'a> {
     /// Whether every bound is near what was seen in the segment.
     fn is_tight(&self, bound: Rigidity, seen: Rigidity) -> bool {
         let tight = |bound: f64, seen: f64, rounding: f64| {
-            bound <= LOOSE * (seen + TWICE * rounding) + ERROR
+            bound <= LOOSE * (seen + self.coarse * rounding) + ERROR
         };
         tight(bound.gap, seen.gap, self.rounding.gap)
             && tight(

@@ -55,11 +55,7 @@ pub(super) fn check_closure(
         if fine.error() > options.bound && fine.bound <= options.bound {
             let certifier = || FoldingCertifier::new(pattern, motion.groups.memberships());
             let folded = folded.get_or_insert_with(certifier);
-            let folded = folded.rigidity(curves, options.bound);
-            fine.rigidity = fine
-                .rigidity
-                .filter(|r| r.worst() <= folded.worst())
-                .or(Some(folded));
+            fine.rigidity = folded.rigidity(curves, options.bound).or(fine.rigidity);
         }
         fine
     });

@@ -12,7 +12,7 @@ use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
 /// Hinges against one body up to which each is compared with all others.
 const MOST_HINGES: usize = 1000;
-/// Tolerances by which faces may move from each other that are together over a shorter part.
+/// Tolerances by which faces may move from each other that are together over a shorter part: as many as it is shorter.
 const NEARLY: f64 = 64.0;
 
 /// A crease that turns, seen from one of its faces.
@@ -33,8 +33,8 @@ pub(super) struct Together {
 }
 
 /// What moves together from one time to another of the same segment. Groups that are `still` hardly turn there, `axis` is
-/// the line of a crease in the folded sheet at the first time, and no two points of that are farther from each other than
-/// a length, then.
+/// the line of a crease in the folded sheet at the first time, and no two points of that are ever farther from each other
+/// than a length.
 pub(super) fn together(
     pattern: &CreasePattern,
     memberships: &[Membership],

@@ -66,6 +66,28 @@ impl SpanningTree {
         ]
     }
 
+    /// The longest way in the flat sheet from the first corner of a root to a corner, from step to step: nothing is ever
+    /// farther from the root. Cost: linear.
+    #[must_use]
+    pub fn reach(&self, pattern: &CreasePattern) -> f64 {
+        let corners = |face: usize| {
+            let corners = pattern.faces()[face].iter();
+            corners.map(|v| pattern.vertices()[v.index()])
+        };
+        let mut ways: Vec<_> = (0..self.faces)
+            .map(|face| (corners(face).next().unwrap_or_default(), 0.0))
+            .collect();
+        for step in &self.steps {
+            let (before, way) = ways[step.parent.index()];
+            ways[step.face.index()] = (step.pivot, way + (step.pivot - before).norm());
+        }
+        let reaches = ways.iter().enumerate().map(|(face, (pivot, way))| {
+            let far = corners(face).map(|corner| (corner - pivot).norm());
+            way + far.fold(0.0, f64::max)
+        });
+        reaches.fold(0.0, f64::max)
+    }
+
     /// A breadth-first tree from a face of each sheet, which is found from another.
     fn from_faces(
         pattern: &CreasePattern,

@@ -11,7 +11,7 @@ use super::judge::Judge;
 use super::knots::Knot;
 use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
-use super::reduction::{CLOSED, Reduction, rounding};
+use super::reduction::{CLOSED, rounding};
 use super::reuse::{FIRST_PART, LEAST_PART};
 use super::simple_folds::simple_folds;
 use super::{Goal, GoalKind, Search};
@@ -52,7 +52,7 @@ impl Planning<'_> {
         let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
         let all = set(&goal, turned.map(|(crease, _)| crease));
         let groups = CreaseGroups::trivial(pattern);
-        let reduction = Reduction::new(pattern, groups, options, self.deadline);
+        let reduction = self.reduction(groups);
         let mut orders = Orders {
             pattern,
             judge: Judge::new(pattern, &reduction, options.collision),

@@ -22,7 +22,7 @@ pub(super) struct Terms<'a> {
     pub(super) stars: &'a ReducedStars,
     /// Largest closure residual; with `None`, any, and all waypoints are knots.
     pub(super) closure: Option<f64>,
-    /// What makes sure that the whole sheet deforms, gapes and twists by no more than this, if asked to.
+    /// What makes sure that the whole sheet deforms by no more than this, if it is asked to.
     pub(super) folded: Option<(FoldingCertifier<'a>, f64)>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
@@ -430,7 +430,7 @@ impl Placer<'_, '_> {
         let Some((certifier, most)) = &mut self.folded else {
             return true;
         };
-        certifier.rigidity(&self.curves, *most).worst() <= *most
+        certifier.rigidity(&self.curves, *most).is_some()
     }
 
     /// Bounds on the closure over the present curves.
@@ -545,8 +545,9 @@ impl Placer<'_, '_> {
         for (segment, pair) in sites.windows(2).enumerate() {
             let span = self.span(maker, &pair[0], &pair[1])?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
+            let deforms = known.is_none() && !self.deforms_little();
             let here = known.unwrap_or_else(|| self.bounds());
-            if open.is_none() && here.closure().worst() > most {
+            if open.is_none() && (deforms || here.closure().worst() > most) {
                 open = Some(Open {
                     segment,
                     way: pair[0].way,

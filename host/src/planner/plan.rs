@@ -10,7 +10,7 @@ use super::knots::{Knot, Path};
 use super::reduction::{Blame, CLOSED, EXPECTED, Reduction, SAME, closure_of};
 use super::reuse::{CERTIFIED, FIRST_PART, Found};
 use super::solver::Work;
-use super::{Goal, PlanOptions, Search, Symmetry};
+use super::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -95,7 +95,8 @@ pub struct Plan {
     /// Bound on the closure residual of every real vertex and hole over the whole motion; `None` where that is not
     /// known.
     pub certified_closure: Option<f64>,
-    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
+    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included; where closure alone would
+    /// allow more than the bound, of the sheet folded as by [`FoldingCertifier`](crate::certificate::FoldingCertifier).
     pub certified_deformation: Option<f64>,
     /// How much larger than the closure residuals of its vertices and holes the errors of the whole
     /// sheet can be; `None` where that is not known.
@@ -147,7 +148,8 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
         plan.outcome,
         Outcome::GoalNotClosed | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
-    if open && nearly_closes(pattern, goal, options) {
+    let motion = options.judged == Judged::Motion;
+    if open && motion && nearly_closes(pattern, goal, options) {
         let again = || Planning {
             measured: true,
             ..again()
@@ -155,6 +157,14 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
         plan = again().measured(plan);
         if plan.outcome != Outcome::Planned {
             plan = again().unrounded(plan);
+        }
+        let closure = plan.certified_closure.unwrap_or(0.0);
+        let most = closure * plan.amplification.unwrap_or(0.0);
+        if plan.outcome == Outcome::Planned && most > options.bound {
+            plan.notes.push(format!(
+                "vertices fail to close by up to {closure:.1e}: at worst that adds up to more than the bound; what it does \
+                 add up to is certified of the sheet folded from its middle and from its rim, doubled for other faces"
+            ));
         }
     }
     plan
@@ -302,13 +312,8 @@ impl<'a> Planning<'a> {
                 self.goal.reach
             };
             let reach = Reach { radians, exactly };
-            let (options, deadline) = (self.options, self.deadline);
-            let reduction = Reduction::new(self.pattern, groups, options, deadline);
-            let reduction = if self.measured {
-                reduction.measured()
-            } else {
-                reduction
-            };
+            let options = self.options;
+            let reduction = self.reduction(groups);
             self.plan.times.symmetry += start.elapsed();
             self.options.begin(Stage::Following);
             let attempt = Attempt::new(
@@ -376,11 +381,6 @@ impl<'a> Planning<'a> {
         if plan.outcome != Outcome::Planned {
             return without;
         }
-        plan.notes.push(format!(
-            "vertices fail to close by up to {:.1e}: at worst that adds up to more than the bound; what it does add up to \
-             is certified of the sheet folded from its middle and from its rim",
-            plan.max_closure
-        ));
         plan.add_effort(&without);
         plan
     }
@@ -390,13 +390,7 @@ impl<'a> Planning<'a> {
         let start = Instant::now();
         let (pattern, goal, options) = (self.pattern, self.goal, self.options);
         let alone = CreaseGroups::trivial(pattern);
-        let reduction = Reduction::new(pattern, alone, options, self.deadline);
-        let reduction = if self.measured {
-            reduction.measured()
-        } else {
-            reduction
-        };
-        let (reduction, turned) = reduction.unrounded(pattern, goal, options)?;
+        let (reduction, turned) = self.reduction(alone).unrounded(pattern, goal, options)?;
         let reach = Reach {
             radians: goal.reach,
             exactly: false,
@@ -419,6 +413,16 @@ impl<'a> Planning<'a> {
             turned.to_degrees()
         ));
         Some(self.conclude(attempt, None))
+    }
+
+    /// Unknowns and conditions on these groups.
+    pub(super) fn reduction(&self, groups: CreaseGroups) -> Reduction {
+        let reduction = Reduction::new(self.pattern, groups, self.options, self.deadline);
+        if self.measured {
+            reduction.measured()
+        } else {
+            reduction
+        }
     }
 
     /// Crease groups to try one after the other, and whether the goal has to close exactly under them.

@@ -139,16 +139,25 @@ impl Planning<'_> {
         self.options.begin(Stage::Placing);
         let stars = &reduction.essential;
         let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
+        let open = most_open(stars, found);
         let placed = if self.measured {
-            self.place_measured(reduction, found, course)?
-        } else if most_open(stars, found) <= CLOSED.max(aim / NEAR) {
+            self.place_measured(reduction, found, course)
+        } else if open <= CLOSED.max(aim / NEAR) {
             let terms = (stars, Some(aim), self.most(), None);
-            let placed = self.place_to(reduction, found, course, terms)?;
-            self.certify(reduction, &reduction.all, &placed);
-            placed
+            let placed = self.place_to(reduction, found, course, terms);
+            if let Some(placed) = &placed {
+                self.certify(reduction, &reduction.all, placed);
+            }
+            placed.filter(|_| open <= CLOSED || self.uncertified().is_none())
         } else {
-            self.place_roughly(reduction, found, course)?
+            None
         };
+        let rough = !self.measured && open > CLOSED && placed.is_none();
+        let placed = if rough {
+            self.place_roughly(reduction, found, course)
+        } else {
+            placed
+        }?;
         self.plan.times.place += start.elapsed();
         Some(placed)
     }
@@ -201,8 +210,8 @@ impl Planning<'_> {
                 .iter()
                 .map(|&a| Curve::Angle([a; 4]))
                 .collect();
-            let here = certifier.rigidity(&still, self.options.bound).worst();
-            most = larger(most, NEAR * here);
+            let here = certifier.rigidity(&still, self.options.bound)?;
+            most = larger(most, NEAR * here.worst());
             if most > self.options.bound || self.is_late() {
                 return None;
             }
@@ -264,26 +273,26 @@ impl Planning<'_> {
             let bounds = sheet.rigidity(&closure);
             bounds.deformation.max(bounds.gap)
         });
-        if let Some(certified) = self.uncertified() {
+        if self.uncertified().is_some() {
             let folded = self.folded(reduction, placed);
-            self.plan.certified_deformation = Some(certified.min(folded));
+            self.plan.certified_deformation = folded.or(self.plan.certified_deformation);
         }
     }
 
-    /// A bound on what the sheet deforms or tears by where it is folded from its middle and from its rim; infinite without
-    /// the time to find it.
-    fn folded(&self, reduction: &Reduction, placed: &Placed) -> f64 {
+    /// What the sheet deforms or tears by at most where it is folded from its middle and from its rim, if that is within the
+    /// bound and found in time.
+    fn folded(&self, reduction: &Reduction, placed: &Placed) -> Option<f64> {
         let memberships = reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.pattern, memberships);
         let mut worst = 0.0;
         for curves in curves(placed.interpolation, &placed.knots) {
-            if worst > self.options.bound || self.is_late() {
-                return f64::INFINITY;
+            if self.is_late() {
+                return None;
             }
-            let bounds = certifier.rigidity(&curves, self.options.bound);
+            let bounds = certifier.rigidity(&curves, self.options.bound)?;
             worst = larger(worst, bounds.worst());
         }
-        worst
+        Some(worst)
     }
 
     /// What the sheet may deform or tear by for all that is proved, if that is over the bound.

@@ -291,7 +291,7 @@ impl Sweep<'_> {
         let best = self.best();
         let counts = pair.kind == Kind::Pieces;
         let astray = self.astray();
-        let together = self.together_until(pair.nodes);
+        let together = self.together_until(motion, pair.nodes);
         let far = apart > astray + CLOSE * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= best || !counts) {
             self.counts.skipped_bounds += 1;
@@ -358,7 +358,7 @@ impl Sweep<'_> {
         if let Some(depth) = self.crosses(motion, index, pair, angle * reach) {
             return Look::Crossing(depth);
         }
-        if let Some(until) = self.together_until(pair.nodes) {
+        if let Some(until) = self.together_until(motion, pair.nodes) {
             return self.next(motion, until, angle, false);
         }
         self.levers.clear();

@@ -38,7 +38,7 @@ use super::motion::{Levers, Motion, SEGMENT, Tick};
 use super::pieces::Pieces;
 use super::scene::Crossing;
 use super::sheet::Sheet;
-use super::together::together;
+use super::together::{Together, together};
 use crate::folding::SpanningTree;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::symmetry::Lattice;
@@ -116,6 +116,8 @@ pub struct Sweep<'a> {
     /// For each cluster the chains from its face to those of its children, and their length in the list.
     within: Vec<[Chain; 2]>,
     kept: usize,
+    /// No two points of the sheet are ever farther from each other; 0 along a lattice.
+    length: f64,
     levers: Levers,
     turns: Vec<Turn>,
     changes: Vec<Change>,
@@ -124,7 +126,8 @@ pub struct Sweep<'a> {
     /// The segment for now, and for each face the one that stands for all that move with it there; empty if nothing does.
     segment: usize,
     bodies: Vec<usize>,
-    /// Until when they do, and log2 of how many such parts the segment has for now.
+    /// The same for those that do so for a part of it, until when, and log2 of how many such parts it has for now.
+    partners: Vec<usize>,
     apart: Tick,
     parts: u32,
     pairs: Vec<Pair>,
@@ -216,6 +219,7 @@ impl<'a> Sweep<'a> {
             others: 0,
             within: within.collect(),
             kept: chains.len(),
+            length: tree.as_ref().map_or(0.0, |tree| 2.0 * tree.reach(pattern)),
             chains,
             levers: Levers::new(groups),
             turns: Vec::new(),
@@ -223,6 +227,7 @@ impl<'a> Sweep<'a> {
             phase: 0,
             segment: 0,
             bodies: Vec::new(),
+            partners: Vec::new(),
             apart: 0,
             parts: 0,
             pairs: Vec::new(),
@@ -397,44 +402,38 @@ impl<'a> Sweep<'a> {
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
     }
 
-    /// Goes to a time. If another segment begins there, lets chains cross few creases that turn; where what moved together
-    /// may part, finds what does from there on.
+    /// Goes to a time. If another segment begins there, lets chains cross few creases that turn, and finds what moves
+    /// together; where what does so for a part of it may part, finds what does from there on.
     fn enter(&mut self, motion: &Motion, time: Tick) {
         self.sheet.time = time;
         let (segment, _) = motion.place(time);
         if self.sheet.cells.is_some() || self.segment == segment && time < self.apart {
             return;
         }
+        let end = motion.end_of(segment);
         if self.segment != segment {
-            (self.segment, self.parts) = (segment, 0);
+            (self.segment, self.parts, self.apart) = (segment, 0, end);
             self.phase += usize::from(self.chains.keep_still(motion.still(segment)));
+            self.bodies.clear();
+            self.partners.clear();
+            if self.chains.still().is_empty() {
+                return;
+            }
+            let found = self.together(motion, [time, end]);
+            self.bodies = found.bodies;
+            if !found.nearly {
+                return;
+            }
         }
-        self.apart = motion.end_of(segment);
-        self.bodies.clear();
-        if self.chains.still().is_empty() || time == motion.end() {
+        if time == motion.end() {
             return;
         }
-        let roots = self.hierarchy.roots.iter();
-        let radius = roots.map(|&root| {
-            self.sheet
-                .sphere(motion, &self.pieces, &self.hierarchy, root)
-                .radius
-        });
-        let length = 2.0 * radius.fold(0.0, f64::max);
-        let tolerance = self.options.tolerance * self.pattern.median_edge();
-        self.parts = self.parts.saturating_sub(1);
+        self.parts = self.parts.saturating_sub(1).max(1);
         loop {
             let part = SEGMENT >> self.parts;
             self.apart = (time / part + 1) * part;
-            let found = together(
-                self.pattern,
-                self.memberships,
-                (motion, [time, self.apart]),
-                self.chains.still(),
-                |crease| self.sheet.axis(motion, crease),
-                [length, tolerance],
-            );
-            self.bodies = found.bodies;
+            let found = self.together(motion, [time, self.apart]);
+            self.partners = found.bodies;
             if !found.nearly || self.parts == MOST_PARTS {
                 break;
             }
@@ -442,14 +441,31 @@ impl<'a> Sweep<'a> {
         }
     }
 
+    /// What moves together from the present time to another.
+    fn together(&mut self, motion: &Motion, times: [Tick; 2]) -> Together {
+        let tolerance = self.options.tolerance * self.pattern.median_edge();
+        together(
+            self.pattern,
+            self.memberships,
+            (motion, times),
+            self.chains.still(),
+            |crease| self.sheet.axis(motion, crease),
+            [self.length, tolerance],
+        )
+    }
+
     /// Until when two pieces keep their places to each other, if they do for a while.
-    fn together_until(&self, nodes: [u32; 2]) -> Option<Tick> {
-        let body = |node: u32| {
-            let face = self.hierarchy.nodes[node as usize].face;
-            self.bodies.get(face.index())
+    fn together_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
+        let faces = nodes.map(|node| self.hierarchy.nodes[node as usize].face.index());
+        let alike = |bodies: &[usize]| {
+            let [a, b] = faces.map(|face| bodies.get(face));
+            a.is_some() && a == b
         };
-        let [a, b] = nodes.map(body);
-        (a? == b? && self.options.skip_motion).then_some(self.apart)
+        if !self.options.skip_motion {
+            return None;
+        }
+        let whole = alike(&self.bodies).then(|| motion.end_of(self.segment));
+        whole.or_else(|| alike(&self.partners).then_some(self.apart))
     }
 
     fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
