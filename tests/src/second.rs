@@ -52,7 +52,8 @@ impl Shape<'_> {
         let residuals = stars.iter();
         let residuals =
             residuals.map(|star| sheet.closure_round(core::slice::from_ref(star), angles));
-        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + sheet.other_tree(stars) * gap;
+        let gap = sheet.other_tree(stars) * gap;
+        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + gap;
         let others = sheet.positions_by_matrices(angles);
         limit(
             "positions off those of another tree by",
@@ -66,7 +67,7 @@ impl Shape<'_> {
             Some(solved) => {
                 limit("left of least squares", solved.left, torn + ROUNDING);
                 // What an edge is torn by turns what is beyond it by that over its length.
-                let turned = WINDINGS * gap / self.shortest();
+                let turned = gap / self.shortest();
                 let most = torn + turned * self.span() + LEAST_SQUARES;
                 limit(
                     "positions off least squares by",
