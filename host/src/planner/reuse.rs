@@ -137,28 +137,33 @@ impl Planning<'_> {
     ) -> Option<Placed> {
         let start = Instant::now();
         self.options.begin(Stage::Placing);
-        let stars = &reduction.essential;
         let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
-        let open = most_open(stars, found);
+        let open = most_open(&reduction.essential, found);
         let placed = if self.measured {
             self.place_measured(reduction, found, course)
-        } else if open <= CLOSED.max(aim / NEAR) {
-            let terms = (stars, Some(aim), self.most(), None);
-            let placed = self.place_to(reduction, found, course, terms);
-            if let Some(placed) = &placed {
-                self.certify(reduction, &reduction.all, placed);
-            }
-            placed.filter(|_| open <= CLOSED || self.uncertified().is_none())
+        } else if open <= CLOSED {
+            self.place_closed(reduction, found, course, aim)
         } else {
-            None
-        };
-        let rough = !self.measured && open > CLOSED && placed.is_none();
-        let placed = if rough {
-            self.place_roughly(reduction, found, course)
-        } else {
-            placed
+            let nearly = open <= aim / NEAR;
+            let closed = nearly.then(|| self.place_closed(reduction, found, course, aim));
+            let proved = closed.flatten().filter(|_| self.uncertified().is_none());
+            proved.or_else(|| self.place_roughly(reduction, found, course))
         }?;
         self.plan.times.place += start.elapsed();
+        Some(placed)
+    }
+
+    /// The same where waypoints close: between knots the motion is to close to within `aim`.
+    fn place_closed(
+        &mut self,
+        reduction: &Reduction,
+        found: &Found<'_>,
+        course: &Course,
+        aim: f64,
+    ) -> Option<Placed> {
+        let terms = (&reduction.essential, Some(aim), self.most(), None);
+        let placed = self.place_to(reduction, found, course, terms)?;
+        self.certify(reduction, &reduction.all, &placed);
         Some(placed)
     }
 
