@@ -21,7 +21,7 @@ fn blossom([a, b, c, d]: &[f64; 4], s: [f64; 3]) -> f64 {
 }
 
 /// Bernstein coefficients over a part of the segment.
-pub(super) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
+pub(crate) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
     let ways = [
         [from, from, from],
         [from, from, to],

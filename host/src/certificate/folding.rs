@@ -22,7 +22,6 @@ const LOOSE: f64 = 1.5;
 const HALVINGS: u8 = 8;
 /// Rounding counts twice: in the values here, and for those who evaluate the same motion.
 const TWICE: f64 = 2.0;
-
 /// Roundings of a half angle, in ε, that [`rounding`] allows.
 const HALF_ANGLE: f64 = 16.0 * f64::EPSILON;
 /// By how much more than along four trees a sheet may be torn along others, which no proof knows.

@@ -6,7 +6,8 @@
 use foldpath_core::{Curve, HalfAngle, Membership};
 
 use super::contact::Change;
-use super::variation::{Variation, between};
+use super::variation::Variation;
+use crate::certificate::restrict;
 use crate::folding::{Bend, Stretch};
 
 /// log2 of the ticks of a segment.
@@ -165,7 +166,7 @@ impl Motion {
         };
         // A cubic is within its coefficients.
         let difference: [f64; 4] = core::array::from_fn(|k| a[k] - sign * b[k]);
-        let [low, high] = between(&difference, s, end)
+        let [low, high] = restrict(&difference, [s, end])
             .iter()
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
                 [low.min(*d), high.max(*d)]

@@ -9,6 +9,7 @@ use core::f64::consts::PI;
 use foldpath_core::Curve;
 
 use super::contact::Change;
+use crate::certificate::restrict;
 
 /// Cuts of a curve that is not seen to be monotone.
 const CUTS: u32 = 8;
@@ -192,8 +193,8 @@ impl Rates {
 
     fn between(&self, s: f64, end: f64) -> Self {
         match self {
-            Self::Angle(angle) => Self::Angle(between(angle, s, end)),
-            Self::HalfAngle(parts) => Self::HalfAngle(parts.map(|part| between(&part, s, end))),
+            Self::Angle(angle) => Self::Angle(restrict(angle, [s, end])),
+            Self::HalfAngle(parts) => Self::HalfAngle(parts.map(|part| restrict(&part, [s, end]))),
         }
     }
 
@@ -275,22 +276,6 @@ fn largest(b: &[f64]) -> f64 {
 fn steepest(b: &[f64]) -> f64 {
     let steps = b.windows(2).map(|w| (w[1] - w[0]).abs());
     steps.fold(0.0, f64::max)
-}
-
-/// A cubic from one place to another, by its polar form.
-pub(super) fn between(b: &[f64; 4], s: f64, end: f64) -> [f64; 4] {
-    let mix = |a: f64, b: f64, s: f64| a + (b - a) * s;
-    let polar = |u: f64, v: f64, w: f64| {
-        let first: [f64; 3] = core::array::from_fn(|k| mix(b[k], b[k + 1], u));
-        let second: [f64; 2] = core::array::from_fn(|k| mix(first[k], first[k + 1], v));
-        mix(second[0], second[1], w)
-    };
-    [
-        polar(s, s, s),
-        polar(s, s, end),
-        polar(s, end, end),
-        polar(end, end, end),
-    ]
 }
 
 /// Both halves of a cubic, by de Casteljau's algorithm.
