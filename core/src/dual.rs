@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use crate::least_squares::{Accumulate, NormalEquations};
+use crate::least_squares::{Accumulate, NormalEquations, count};
 use crate::{Scalar, Spoke, dense, ldl};
 
 /// Jᵀ, with the factors of JJᵀ + λI, of M residuals: three for each star, six for each loop.
@@ -112,6 +112,20 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
             }
         }
         self.added == M && ldl::factorise(self.factor.as_flattened_mut(), M, damping)
+    }
+
+    /// From the rows: of what no unknown changes the factor leaves more than of the others.
+    fn left(&mut self, step: &[T], _halves: [T; 2]) -> T {
+        let mut residuals = self.residuals;
+        let mut size = dot(&residuals, &residuals).sqrt();
+        for (column, &step) in self.columns.iter().zip(step) {
+            for (residual, &derivative) in residuals.iter_mut().zip(column) {
+                *residual += derivative * step;
+            }
+            size += dot(column, column).sqrt() * step.abs();
+        }
+        let rounding = count::<T>(step.len()) * T::EPSILON * size;
+        dot(&residuals, &residuals).sqrt() + rounding
     }
 
     fn step(&mut self, step: &mut [T]) {

@@ -6,9 +6,20 @@
 
 use nalgebra::Vector3;
 
+use crate::dense::dot;
 use crate::objective::larger;
 use crate::{HalfAngle, LoopsView, Scalar, Spoke, StarsView};
 use crate::{closure, hole};
+
+/// Roundings for each spoke in the residual of a star.
+const ROUNDINGS: f64 = 4.0;
+/// Roundings of the matrix by which a step with its factor may be off.
+const FACTOR: f64 = 16.0;
+
+/// So many, as a number.
+pub(crate) fn count<T: Scalar>(things: usize) -> T {
+    T::whole(u32::try_from(things).unwrap_or(u32::MAX))
+}
 
 /// Size of the residual at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +84,15 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
     fn solve(&mut self, right_side: &mut [T]);
+    /// Bound on what the linear model leaves, ‖r + J·step‖, rounding included. `halves` are ½‖r‖², and what a step with
+    /// the last factor promises to leave of that: not to rounding, as the factor leaves the step off by some precisions
+    /// of the matrix.
+    fn left(&mut self, step: &[T], halves: [T; 2]) -> T {
+        let [before, after] = halves;
+        let trace = count::<T>(step.len()) * self.max_diagonal();
+        let rounding = T::lit(FACTOR) * T::EPSILON * (before + trace * dot(step, step));
+        (T::TWO * (after.max(T::zero()) + rounding)).sqrt()
+    }
     /// The step -(JᵀJ + λI)⁻¹Jᵀr with the last factor, one number for each unknown.
     fn step(&mut self, step: &mut [T]) {
         for (step, &slope) in step.iter_mut().zip(self.gradient()) {
@@ -193,6 +213,23 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
             }
         }
         Some(cost)
+    }
+
+    /// Bound on what a move by `step` (radians) adds to the residual of a star but its part to first order, with the
+    /// rounding of an evaluation; of loops, whose edges have lengths, none is known.
+    ///
+    /// A turn by t δ of a quaternion has the derivative δ/2 by t, so that the second one of their product is at most
+    /// (Σ|δ|/2)², that of r twice that, and half of it is what Taylor's theorem adds.
+    pub(crate) fn bend(&self, step: &[T]) -> T {
+        if !self.loops.is_empty() {
+            return T::MAX;
+        }
+        let ways = self.stars.iter().map(|star| {
+            let ways = star.spokes.iter().map(|spoke| spoke.fold_angle(step).abs());
+            ways.fold(T::zero(), |sum, way| sum + way)
+        });
+        let half = ways.fold(T::zero(), T::max) * T::HALF;
+        half * half + T::lit(ROUNDINGS) * T::EPSILON * count::<T>(self.columns.len())
     }
 
     fn set_half_angles(&mut self, x: &[T]) -> Option<()> {
@@ -354,7 +391,7 @@ pub struct Report<T> {
     pub iterations: u32,
     /// Evaluations of the residual, with or without derivatives.
     pub evaluations: u32,
-    /// Largest ‖r(v)‖ at the point returned.
+    /// Largest ‖r(v)‖ at the point returned, or a bound on it that is within the tolerance.
     pub residual: T,
 }
 

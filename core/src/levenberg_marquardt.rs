@@ -15,6 +15,9 @@
 //! Near closing a factor is used again by the chord method, chapter 5.4 of [Kelley1995](crate#references):
 //! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x), with the rows of where it was made. Both factors of J₀ᵀr have to be old: with Jᵀ of now
 //! the step would have a part along the motion of J₀, which the inverse blows up by 1/λ.
+//!
+//! The last step of a run is often so short that it closes for certain, by what the linear model leaves and a bound on
+//! second derivatives. Then the residual is not evaluated there.
 
 use crate::Scalar;
 use crate::dense::dot;
@@ -109,20 +112,40 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         trial.copy_from_slice(x);
         roughly &= report.residual > options.acceptable.max(T::lit(ROUGH));
         let made = bounded_step(equations, limits, options, damping, roughly, trial, step);
-        let Some(Step { promised, factored }) = made else {
+        let Some(Step {
+            promised,
+            factored,
+            exact,
+        }) = made
+        else {
             break Outcome::Stalled;
         };
         roughly &= !factored && promised >= T::lit(ENOUGH) * cost.half_square;
         if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
             break Outcome::Stalled;
         }
-        let ways = x.iter().zip(&*trial).map(|(&x, &trial)| (trial - x).abs());
-        let moved = ways.fold(T::zero(), T::max);
+        let mut moved = T::zero();
+        for ((step, &trial), &x) in step.iter_mut().zip(&*trial).zip(&*x) {
+            *step = trial - x;
+            moved = moved.max(step.abs());
+        }
         if moved <= T::EPSILON {
             break Outcome::Stalled;
         }
-        // About what a step leaves, whose derivatives are not needed if that closes, or if its factor is used again.
-        let left = moved * moved;
+        // About what a step leaves, in the median. Derivatives are not needed there if that closes, or if its factor is
+        // used again; and no evaluation where it closes for certain.
+        let left = moved * moved * T::HALF;
+        if exact && left <= options.tolerance {
+            let bend = problem.bend(step);
+            let within = |bound: &T| *bound <= options.tolerance;
+            let halves = [cost.half_square, cost.half_square - promised];
+            let bound = within(&bend).then(|| bend + equations.left(step, halves));
+            if let Some(bound) = bound.filter(within) {
+                x.copy_from_slice(trial);
+                report.residual = bound;
+                break Outcome::Converged;
+            }
+        }
         let again = inexact && factored && is_near(report.residual, left, options);
         let alone = again || left <= options.tolerance;
         let new_cost = if alone {
@@ -203,6 +226,8 @@ struct Step<T> {
     promised: T,
     /// Whether the matrix was factorised for it.
     factored: bool,
+    /// Whether the promise is kept to rounding: no unknown was clamped after the step was made, which was not made roughly.
+    exact: bool,
 }
 
 /// Moves `trial` by the damped step within the limits, made `roughly` as long as that meets none; `None` if no damping
@@ -237,10 +262,11 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
         rounds += 1;
         let scale = bound(step, options.max_step);
         let promised = promised(step, equations.gradient(), damping, scale);
-        let mut cut = false;
+        let (mut cut, mut exact) = (false, !roughly);
         for (index, (step, trial)) in step.iter_mut().zip(&mut *trial).enumerate() {
             let wanted = *trial + *step * scale;
             *step = limits.clamp(index, wanted);
+            exact &= *step == wanted;
             if (wanted - *step).abs() > options.tolerance && rounds < ROUNDS {
                 growth += equations.hold(index, *step - *trial);
                 *trial = *step;
@@ -253,6 +279,7 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
             return Some(Step {
                 promised: promised - growth,
                 factored: !roughly,
+                exact,
             });
         }
     }
