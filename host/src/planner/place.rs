@@ -22,8 +22,8 @@ pub(super) struct Terms<'a> {
     pub(super) stars: &'a ReducedStars,
     /// Largest closure residual; with `None`, any, and all waypoints are knots.
     pub(super) closure: Option<f64>,
-    /// What makes sure that the whole sheet deforms by no more than this, if it is asked to.
-    pub(super) folded: Option<(FoldingCertifier<'a>, f64)>,
+    /// What the whole sheet is to keep, if it is asked.
+    pub(super) folded: Option<Folded<'a>>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
     /// Largest speed of a hinge, radians per second.
@@ -32,6 +32,16 @@ pub(super) struct Terms<'a> {
     pub(super) acceleration: f64,
     /// Knots beyond which to give up.
     pub(super) most: usize,
+}
+
+/// Deformation and gap that a whole sheet is to keep.
+#[derive(Clone)]
+pub(super) struct Folded<'a> {
+    pub(super) certifier: FoldingCertifier<'a>,
+    /// As long as knots between bring it there.
+    pub(super) aim: f64,
+    /// In any case.
+    pub(super) bound: f64,
 }
 
 /// How time runs along the course.
@@ -251,7 +261,7 @@ struct Placer<'a, 's> {
     /// Knots beyond which to give up.
     most: usize,
     certifier: SegmentCertifier,
-    folded: Option<(FoldingCertifier<'a>, f64)>,
+    folded: Option<Folded<'a>>,
     /// Configurations found on the course apart from its waypoints.
     found: Vec<Site>,
     curves: Vec<Curve<f64>>,
@@ -337,9 +347,11 @@ impl Placer<'_, '_> {
                 sites.extend(open.pop());
             } else if let Some(between) = self.between(&from, &to) {
                 open.push(between);
-            } else {
+            } else if self.deforms_within(|folded| folded.bound) {
                 fits = false;
                 sites.extend(open.pop());
+            } else {
+                return None;
             }
             // Halving a segment that does not fit leaves less than twice the knots needed.
             if sites.len() + open.len() > self.most.saturating_mul(2) {
@@ -418,19 +430,20 @@ impl Placer<'_, '_> {
         }
         let bounds = self.bounds();
         let closes = bounds.closure().worst() <= most;
-        let fits = closes && self.deforms_little();
+        let fits = closes && self.deforms_within(|folded| folded.aim);
         if fits {
             self.known.insert(key(from, to), bounds);
         }
         Some(fits)
     }
 
-    /// Whether the whole sheet keeps what it is asked for over the present curves, if anything.
-    fn deforms_little(&mut self) -> bool {
-        let Some((certifier, most)) = &mut self.folded else {
+    /// Whether the whole sheet deforms by no more than this over the present curves, if it is asked.
+    fn deforms_within(&mut self, most: fn(&Folded<'_>) -> f64) -> bool {
+        let Some(folded) = &mut self.folded else {
             return true;
         };
-        certifier.rigidity(&self.curves, *most).is_some()
+        let most = most(folded);
+        folded.certifier.rigidity(&self.curves, most).is_some()
     }
 
     /// Bounds on the closure over the present curves.
@@ -545,7 +558,7 @@ impl Placer<'_, '_> {
         for (segment, pair) in sites.windows(2).enumerate() {
             let span = self.span(maker, &pair[0], &pair[1])?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
-            let deforms = known.is_none() && !self.deforms_little();
+            let deforms = known.is_none() && !self.deforms_within(|folded| folded.bound);
             let here = known.unwrap_or_else(|| self.bounds());
             if open.is_none() && (deforms || here.closure().worst() > most) {
                 open = Some(Open {

@@ -10,7 +10,7 @@ use super::follow::Waypoint;
 use super::judge::Judge;
 use super::knots::{Knot, curves};
 use super::options::Judged;
-use super::place::{Placed, Terms, place};
+use super::place::{Folded, Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use crate::certificate::{FoldingCertifier, SheetCertifier};
@@ -50,12 +50,7 @@ pub(super) struct Found<'a> {
 }
 
 /// Stars, how well they are to close between knots, so many knots at most, and what the whole sheet is to keep.
-type Between<'a> = (
-    &'a ReducedStars,
-    Option<f64>,
-    usize,
-    Option<(FoldingCertifier<'a>, f64)>,
-);
+type Between<'a> = (&'a ReducedStars, Option<f64>, usize, Option<Folded<'a>>);
 
 impl Planning<'_> {
     /// Reuses a path on the whole sheet and judges it there.
@@ -199,7 +194,7 @@ impl Planning<'_> {
     }
 
     /// The same where what errors of vertices add up to is measured: between waypoints to hardly more than at them, or to
-    /// what is aimed at.
+    /// what is aimed at, within the bound.
     fn place_measured(
         &mut self,
         reduction: &Reduction,
@@ -208,21 +203,26 @@ impl Planning<'_> {
     ) -> Option<Placed> {
         let memberships = reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.pattern, memberships);
-        let mut most = self.options.bound.min(CERTIFIED) * found.part;
+        let bound = self.options.bound;
+        let mut aim = bound.min(CERTIFIED) * found.part;
         for waypoint in found.waypoints {
             let still: Vec<_> = waypoint
                 .angles
                 .iter()
                 .map(|&a| Curve::Angle([a; 4]))
                 .collect();
-            let here = certifier.rigidity(&still, self.options.bound)?;
-            most = larger(most, NEAR * here.worst());
-            if most > self.options.bound || self.is_late() {
+            let here = certifier.rigidity(&still, bound)?;
+            aim = larger(aim, NEAR * here.worst()).min(bound);
+            if self.is_late() {
                 return None;
             }
         }
-        let folded = Some((certifier, most));
-        let terms = (&reduction.essential, Some(most), self.most(), folded);
+        let folded = Folded {
+            certifier,
+            aim,
+            bound,
+        };
+        let terms = (&reduction.essential, Some(aim), self.most(), Some(folded));
         let placed = self.place_to(reduction, found, course, terms)?;
         self.certify(reduction, &reduction.all, &placed);
         Some(placed)
