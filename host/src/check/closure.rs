@@ -102,10 +102,10 @@ pub struct SegmentClosure {
 }
 
 impl SegmentClosure {
-    /// The largest of all bounds.
+    /// The largest of all bounds; infinite if one is not known.
     #[must_use]
     pub fn error(&self) -> f64 {
-        let sheet = self.rigidity.map_or(0.0, Rigidity::worst);
+        let sheet = self.rigidity.map_or(f64::INFINITY, Rigidity::worst);
         sheet.max(self.bound)
     }
 }
@@ -363,6 +363,8 @@ mod tests {
         for effort in [Effort::ROUGH, Effort::FINE] {
             let (segment, _) = certify(&stars, &[moving, still, moving, still], &effort, 1e-3);
             assert!(segment.bound <= 2e-11, "{segment:?}");
+            // Of a whole sheet nothing is known by that.
+            assert!(segment.error().is_infinite(), "{segment:?}");
         }
         // One hinge of the line turns otherwise than the other: hopeless, and soon known.
         let (segment, _) = certify(&stars, &[moving, still, still, still], &Effort::ROUGH, 1e3);

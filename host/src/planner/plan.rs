@@ -97,6 +97,7 @@ pub struct Plan {
     pub certified_closure: Option<f64>,
     /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included; where closure alone would
     /// allow more than the bound, of the sheet folded as by [`FoldingCertifier`](crate::certificate::FoldingCertifier).
+    /// Infinite where nothing is known, `None` where nothing was to be.
     pub certified_deformation: Option<f64>,
     /// How much larger than the closure residuals of its vertices and holes the errors of the whole
     /// sheet can be; `None` where that is not known.

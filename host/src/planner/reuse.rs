@@ -274,10 +274,9 @@ impl Planning<'_> {
         let closure = placed.closure();
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
         self.plan.certified_closure = sheet.as_ref().map(|sheet| sheet.closure(&closure));
-        self.plan.certified_deformation = sheet.map(|mut sheet| {
-            let bounds = sheet.rigidity(&closure);
-            bounds.deformation.max(bounds.gap)
-        });
+        let bounds = sheet.map(|mut sheet| sheet.rigidity(&closure));
+        let known = bounds.map(|bounds| bounds.deformation.max(bounds.gap));
+        self.plan.certified_deformation = known.or(Some(f64::INFINITY));
         if self.uncertified().is_some() {
             let folded = self.folded(reduction, placed);
             self.plan.certified_deformation = folded.or(self.plan.certified_deformation);
