@@ -275,7 +275,7 @@ impl Planning<'_> {
 
     /// The plan with the motion nearer to the course, unless it is as near as it gets or that decides nothing: where
     /// layers touch, what is off the course by what the bound allows may cross.
-    fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
+    pub(super) fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
         if found.part <= LEAST_PART || found.retreats {
             return None;
         }
@@ -287,6 +287,7 @@ impl Planning<'_> {
         planning.plan.max_closure = 0.0;
         let nearer = Found {
             part: found.part * NEARER,
+            before: Some(&self.plan.path),
             ..*found
         };
         let plan = planning.judge(reduction, &nearer);
@@ -335,6 +336,7 @@ impl Planning<'_> {
             let shorter = Found {
                 waypoints: &waypoints,
                 retreats: false,
+                before: None,
                 ..*found
             };
             return self.judge(reduction, &shorter);

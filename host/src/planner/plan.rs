@@ -494,6 +494,7 @@ impl<'a> Planning<'a> {
             reached: attempt.reached,
             retreats: self.plan.goal_closure > CLOSED && !self.unrounded,
             part: self.part,
+            before: None,
         };
         let planning = Planning {
             plan: Plan::default(),
@@ -680,6 +681,7 @@ impl<'a> Planning<'a> {
             reached: 1.0,
             retreats: false,
             part: FIRST_PART,
+            before: None,
         };
         Some(planning.judge(reduction, &found))
     }

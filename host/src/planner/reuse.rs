@@ -8,7 +8,7 @@ use foldpath_core::Curve;
 use super::course::Course;
 use super::follow::Waypoint;
 use super::judge::Judge;
-use super::knots::{Knot, curves};
+use super::knots::{Knot, Path, curves};
 use super::options::Judged;
 use super::place::{Folded, Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
@@ -47,6 +47,8 @@ pub(super) struct Found<'a> {
     pub(super) retreats: bool,
     /// Part of the bound that the motion between knots is certified for.
     pub(super) part: f64,
+    /// What was placed for a larger part, and swept in vain.
+    pub(super) before: Option<&'a Path>,
 }
 
 /// Stars, how well they are to close between knots, so many knots at most, and what the whole sheet is to keep.
@@ -92,11 +94,14 @@ impl Planning<'_> {
 
     /// Looks for crossings, if asked to.
     fn judge_motion(self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
-        if self.options.collision {
-            self.sweep(reduction, found, course)
-        } else {
-            self.plan
+        if !self.options.collision {
+            return self.plan;
         }
+        if found.before != Some(&self.plan.path) {
+            return self.sweep(reduction, found, course);
+        }
+        let nearer = self.nearer(reduction, found);
+        nearer.unwrap_or_else(|| self.end(Outcome::Partial, "no other motion leads on".into()))
     }
 
     /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
