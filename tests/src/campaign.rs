@@ -315,8 +315,10 @@ fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
     let known = angles.iter_mut().zip(goal);
     known.for_each(|(angle, goal)| *angle = goal.unwrap_or(0.0));
     let angles = &angles;
-    let positions = sheet.positions(&sheet.fold(angles));
-    !sheet.crossings_beyond_tears(angles, &positions).is_empty()
+    let poses = sheet.fold(angles);
+    let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
+    let crossings = sheet.crossings_beyond_tears(angles, &positions, tear);
+    !crossings.is_empty()
 }
 
 /// Rows of the table, one a family, and what there is to tell below.

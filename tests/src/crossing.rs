@@ -23,38 +23,40 @@ impl Sheet {
     /// be convex.
     #[must_use]
     pub fn crossings(&self, positions: &[Vector3<f64>]) -> Vec<[usize; 2]> {
-        self.crossings_beyond(positions, 0.0)
+        self.crossings_beyond(positions, 0.0, 0.0)
     }
 
     /// Those of a sheet that these fold angles of the edges (radians) tear: they are there in these positions, and
     /// whichever face it is folded from. That takes faces elsewhere, and what crosses from some faces only is no deeper
-    /// than the tear.
+    /// than the tear. Nor is by how much a fold misses the rim of layers that it was drawn along: faces that meet nowhere may
+    /// be in each other by twice the `tear` (over the median edge), the most that the sheet is torn by all along its motion.
     #[must_use]
     pub fn crossings_beyond_tears(
         &self,
         angles: &[f64],
         positions: &[Vector3<f64>],
+        tear: f64,
     ) -> Vec<[usize; 2]> {
         let gap = self.gap(&self.fold(angles));
-        let mut crossings = self.crossings_beyond(positions, gap);
+        let mut crossings = self.crossings_beyond(positions, gap, tear);
         for root in 0..self.faces.len() {
             if crossings.is_empty() {
                 break;
             }
             let others = self.positions(&self.fold_from(root, angles));
-            let others = self.crossings_beyond(&others, gap);
+            let others = self.crossings_beyond(&others, gap, tear);
             crossings.retain(|pair| others.contains(pair));
         }
         crossings
     }
 
     /// Those where faces that meet in a vertex may cross by twice the gap (over the median edge): one is off by the
-    /// gap there, and turned by about as much.
-    fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64) -> Vec<[usize; 2]> {
+    /// gap there, and turned by about as much. Others may by twice the `tear`.
+    fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64, tear: f64) -> Vec<[usize; 2]> {
         let unit = self.median_edge();
         let contact = |a: usize, b: usize| {
             let meet = self.faces[a].iter().any(|v| self.faces[b].contains(v));
-            (CONTACT + if meet { 2.0 * gap } else { 0.0 }) * unit
+            (CONTACT + 2.0 * if meet { gap } else { tear }) * unit
         };
         let panel = |face: &Vec<usize>| {
             let corners: Vec<_> = face.iter().map(|&v| positions[v]).collect();

@@ -39,12 +39,12 @@ fn places(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
 }
 
-/// How many pairs of faces cross in a shape whose positions are given.
+/// How many pairs of faces cross in a shape whose positions are given, of a sheet that is torn by so much.
 #[allow(clippy::cast_precision_loss, reason = "a small count")]
-fn crossings(shape: &Shape, positions: &[Vector3<f64>]) -> f64 {
+fn crossings(shape: &Shape, positions: &[Vector3<f64>], tear: f64) -> f64 {
     shape
         .sheet
-        .crossings_beyond_tears(shape.angles, positions)
+        .crossings_beyond_tears(shape.angles, positions, tear)
         .len() as f64
 }
 
@@ -85,6 +85,8 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
     }
     let (stars, mut random) = (sheet.stars(), Random::new(path.frames.len() as u64));
     let other_tree = sheet.other_tree(&stars);
+    let gaps = path.frames.iter();
+    let tear = worst(gaps.map(|frame| sheet.gap(&sheet.fold(&frame.angles))));
     let mut closure = 0.0_f64;
     for (knot, frame) in path.frames.iter().enumerate() {
         let poses = sheet.fold(&frame.angles);
@@ -94,10 +96,14 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         let left = sheet.closure(&frame.angles);
         closure = closure.max(left);
         let admitted = |value: f64| value.min(bound) + ROUNDING;
-        // Torn along other ways, a sheet of many vertices gapes by as much as is certified of any.
-        let torn = |value: f64| {
-            admitted((other_tree * value).max(plan.certified_deformation.unwrap_or(0.0)))
+        let shape = Shape {
+            sheet,
+            stars: &stars,
+            angles: &frame.angles,
         };
+        // Torn along other ways, a sheet gapes by as much as is certified of any, or as they differ by.
+        let most = shape.apart().max(plan.certified_deformation.unwrap_or(0.0));
+        let torn = |value: f64| admitted((other_tree * value).max(most));
         limit("closure", left, admitted(plan.max_closure));
         limit("gap", sheet.gap(&poses), torn(plan.rigidity.gap));
         for (what, positions) in [("by angles", &placed), ("of positions", &frame.vertices)] {
@@ -118,15 +124,10 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
             sheet.angle_error(&frame.vertices, &frame.angles),
             SAME_ANGLE + other_tree * plan.rigidity.gap / sheet.narrowest(),
         );
-        let shape = Shape {
-            sheet,
-            stars: &stars,
-            angles: &frame.angles,
-        };
         shape.compare(&placed, sheet.gap(&poses), &mut random, &mut limit);
         let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
         limit("a crease against its letter by", worst(against), AGAINST);
-        limit("crossings", crossings(&shape, &frame.vertices), 0.0);
+        limit("crossings", crossings(&shape, &frame.vertices, tear), 0.0);
     }
     let certified = |value: Option<f64>, other: f64| {
         value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
@@ -162,7 +163,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
                 angles: &angles,
             };
             shape.compare(&placed, gap, &mut random, &mut limit);
-            limit("crossings", crossings(&shape, &placed), 0.0);
+            limit("crossings", crossings(&shape, &placed, tear), 0.0);
         }
     }
     let shapes = path.frames.iter().enumerate().flat_map(|(knot, frame)| {

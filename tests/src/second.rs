@@ -47,13 +47,9 @@ impl Shape<'_> {
             ROUNDING,
         );
         limit("a vertex moved on the way round it by", shift, ROUNDING);
-        // Ways to the same face that enclose a vertex differ by its residual times a lever arm; those round a hole
-        // by a gap.
-        let residuals = stars.iter();
-        let residuals =
-            residuals.map(|star| sheet.closure_round(core::slice::from_ref(star), angles));
+        // Ways round a hole differ by a gap.
         let gap = sheet.other_tree(stars) * gap;
-        let torn = WINDINGS * residuals.sum::<f64>() * self.span() + gap;
+        let torn = WINDINGS * self.apart() + gap;
         let others = sheet.positions_by_matrices(angles);
         limit(
             "positions off those of another tree by",
@@ -77,6 +73,16 @@ impl Shape<'_> {
             }
             None => limit("least squares without a solution", f64::NAN, 0.0),
         }
+    }
+
+    /// By how much ways to the same face differ that enclose all vertices once, over the median edge: by their residuals, each
+    /// times a lever arm.
+    pub(crate) fn apart(&self) -> f64 {
+        let residuals = self.stars.iter().map(|star| {
+            let star = core::slice::from_ref(star);
+            self.sheet.closure_round(star, self.angles)
+        });
+        residuals.sum::<f64>() * self.span()
     }
 
     /// The shortest edge, over the median one.

@@ -114,15 +114,17 @@ fn what_crosses_as_folded_from_some_faces_is_a_tear() {
             "vertices_coords": flat.concat(), "edges_vertices": edges, "faces_vertices": faces,
         }))
         .unwrap();
-        let positions = sheet.positions(&sheet.fold(&layers));
+        let poses = sheet.fold(&layers);
+        let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
         torn += sheet.crossings(&positions).len();
         assert_eq!(
-            sheet.crossings_beyond_tears(&layers, &positions),
+            sheet.crossings_beyond_tears(&layers, &positions, tear),
             [[0; 2]; 0],
             "{seed}"
         );
-        let positions = sheet.positions(&sheet.fold(&flaps));
-        let crossings = sheet.crossings_beyond_tears(&flaps, &positions);
+        let poses = sheet.fold(&flaps);
+        let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
+        let crossings = sheet.crossings_beyond_tears(&flaps, &positions, tear);
         for row in 0..3 {
             let flaps = [3 * row, 3 * row + 2];
             assert!(crossings.contains(&flaps), "{seed}: {crossings:?}");

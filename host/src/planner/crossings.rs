@@ -11,7 +11,7 @@ use super::knots::Knot;
 use super::options::Skips;
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
-use super::reuse::{Found, LEAST_PART};
+use super::reuse::{FIRST_PART, Found, LEAST_PART};
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding};
 use crate::folding::Rigidity;
 use crate::progress::Stage;
@@ -19,6 +19,8 @@ use crate::symmetry::Lattice;
 
 /// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
 const NEARER: f64 = 0.01;
+/// Median edges by which faces that cross at a waypoint do so near it, too: many times what a motion may be off its course.
+const BLOCKING: f64 = 0.01;
 /// Radians by which a path may stop short of an inexact goal so that nothing crosses.
 const RETREAT: f64 = 0.02;
 /// Radians that it then keeps from where faces meet.
@@ -163,10 +165,12 @@ impl Planning<'_> {
                 last_free,
                 ..
             } => {
-                // A sheet that is torn by more crosses elsewhere than its course does.
+                // A sheet that is torn by more crosses elsewhere than its course does: where that is, is told once nearer.
                 let torn = options.gap > SweepOptions::default().tolerance;
-                let nearer = self.nearer(reduction, found);
-                if let Some(plan) = nearer.filter(|plan| torn || plan.outcome == Outcome::Planned) {
+                let blocked = found.part < FIRST_PART && self.blocked(reduction, found);
+                let nearer = (!blocked).then(|| self.nearer(reduction, found));
+                let leads = |plan: &Plan| torn || plan.outcome == Outcome::Planned;
+                if let Some(plan) = nearer.flatten().filter(leads) {
                     return plan;
                 }
                 let curves = self.plan.path.curves();
@@ -225,7 +229,7 @@ impl Planning<'_> {
     /// Looks for crossings at the knots alone, among all faces, since `start`.
     pub(super) fn sweep_knots(self, reduction: &Reduction, start: Instant) -> Plan {
         let mut judge = Judge::new(self.pattern, reduction, true);
-        let plan = self.cross_at_knots(start, |knot| judge.crossing_at(knot));
+        let plan = self.cross_at_knots(start, |knot| judge.crossing_at(&knot.angles));
         Plan {
             collision: judge.counts(),
             ..plan
@@ -271,6 +275,20 @@ impl Planning<'_> {
         let [a, b] = crossing.faces;
         let reason = format!("faces {a} and {b} pass through each other at knot {index}");
         self.end(Outcome::Crossing(crossing), reason)
+    }
+
+    /// Whether faces cross at a waypoint by more than any motion is off the course: however near it is, it crosses there.
+    fn blocked(&mut self, reduction: &Reduction, found: &Found<'_>) -> bool {
+        let start = Instant::now();
+        let mut judge = Judge::new(self.pattern, reduction, true);
+        let deep = BLOCKING * self.pattern.median_edge();
+        let mut waypoints = found.waypoints.iter().take_while(|_| !self.is_late());
+        let blocked = waypoints.any(|waypoint| {
+            let crossing = judge.crossing_at(&waypoint.angles);
+            crossing.is_some_and(|crossing| crossing.depth > deep)
+        });
+        self.plan.times.collision += start.elapsed();
+        blocked
     }
 
     /// The plan with the motion nearer to the course, unless it is as near as it gets or that decides nothing: where

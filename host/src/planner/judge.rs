@@ -62,9 +62,9 @@ impl<'a> Judge<'a> {
         self.crossing(rigidity.gap)
     }
 
-    /// The deepest crossing at a knot.
-    pub(super) fn crossing_at(&mut self, knot: &Knot) -> Option<Crossing> {
-        self.place(&knot.angles);
+    /// The deepest crossing at these group angles.
+    pub(super) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
+        self.place(angles);
         // The gap that a knot has may be a bound.
         let gap = self.map.rigidity(self.pattern, self.tree).gap;
         self.crossing(gap)
@@ -136,7 +136,7 @@ impl<'a> Judge<'a> {
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);
-            Some((index, self.crossing_at(knot)?))
+            Some((index, self.crossing_at(&knot.angles)?))
         })
     }
 }

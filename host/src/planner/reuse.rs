@@ -168,7 +168,8 @@ impl Planning<'_> {
     }
 
     /// The same where waypoints do not close: between knots the motion is to close nearly as well. If that takes too many
-    /// or leaves the bound unproved, no vertex stands for another; else all waypoints are knots.
+    /// or leaves the bound unproved, no vertex stands for another; else all waypoints are knots. Only where none is proved
+    /// by what errors of vertices may add up to, what they do add up to is found.
     fn place_roughly(
         &mut self,
         reduction: &Reduction,
@@ -180,22 +181,31 @@ impl Planning<'_> {
         let mut near = |all: &ReducedStars, stars: &ReducedStars| {
             let terms = (stars, Some(NEAR * most_open(stars, found)), few, None);
             let placed = self.place_to(reduction, found, course, terms)?;
-            self.certify(reduction, all, &placed);
-            self.uncertified().is_none().then_some(placed)
+            Some((self.adds_up(reduction, all, &placed), placed))
         };
-        let placed = near(&reduction.all, &reduction.essential);
-        if placed.is_some() {
-            return placed;
+        let together = near(&reduction.all, &reduction.essential);
+        if let Some((true, placed)) = together {
+            return Some(placed);
         }
         let apart = reduction.all.told_apart();
         let stars = apart.essential();
-        let placed = near(&apart, &stars);
-        if placed.is_some() {
-            return placed;
+        if let Some((true, placed)) = near(&apart, &stars) {
+            return Some(placed);
         }
-        let placed = self.place_to(reduction, found, course, (&stars, None, most, None))?;
-        self.certify(reduction, &apart, &placed);
-        Some(placed)
+        let every = self.place_to(reduction, found, course, (&stars, None, most, None));
+        if let Some(placed) = &every
+            && self.adds_up(reduction, &apart, placed)
+        {
+            return every;
+        }
+        if let Some((_, placed)) = together
+            && self.certify(reduction, &reduction.all, &placed)
+        {
+            return Some(placed);
+        }
+        let every = every?;
+        self.certify(reduction, &apart, &every);
+        Some(every)
     }
 
     /// The same where what errors of vertices add up to is measured: between waypoints to hardly more than at them, or to
@@ -273,19 +283,27 @@ impl Planning<'_> {
         self.end(Outcome::Partial, reason)
     }
 
-    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars. Where they add up to more
-    /// than the bound, what they do add up to is found where the sheet is folded from its middle and from its rim.
-    fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) {
+    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars; whether they add up to no more
+    /// than the bound.
+    fn adds_up(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
         let closure = placed.closure();
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
         self.plan.certified_closure = sheet.as_ref().map(|sheet| sheet.closure(&closure));
         let bounds = sheet.map(|mut sheet| sheet.rigidity(&closure));
         let known = bounds.map(|bounds| bounds.deformation.max(bounds.gap));
         self.plan.certified_deformation = known.or(Some(f64::INFINITY));
-        if self.uncertified().is_some() {
-            let folded = self.folded(reduction, placed);
-            self.plan.certified_deformation = folded.or(self.plan.certified_deformation);
+        self.uncertified().is_none()
+    }
+
+    /// The same, and where they add up to more, what they do add up to is found where the sheet is folded from its middle
+    /// and from its rim; whether that is no more than the bound.
+    fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
+        if self.adds_up(reduction, all, placed) {
+            return true;
         }
+        let folded = self.folded(reduction, placed);
+        self.plan.certified_deformation = folded.or(self.plan.certified_deformation);
+        folded.is_some()
     }
 
     /// What the sheet deforms or tears by at most where it is folded from its middle and from its rim, if that is within the
