@@ -319,6 +319,17 @@ fn what_rounding_leaves_of_a_square_is_no_crossing() {
     }
 }
 
+/// Squares whose lines bend by more than their goal fails to close by: only taken for straight do they fold one after the
+/// other.
+#[test]
+fn lines_are_straight_that_bend_by_more_than_the_goal_tells() {
+    for seed in [171, 228, 1226] {
+        let drawing = meshes::simple_folds(&mut Random::new(seed));
+        let plan = planned(meshes::rounded(drawing, 1e-5), &PlanOptions::default()).plan;
+        assert_eq!(plan.outcome, Outcome::Planned, "{seed}: {plan:?}");
+    }
+}
+
 /// Goals that cross, and ways to them that close where they were looked at but turn too sharply to be proved between: the
 /// answer is that of the same sheet drawn otherwise, and the path ends where it is proved. Found by the campaign.
 #[test]

@@ -46,7 +46,8 @@ impl Planning<'_> {
             End::Reached => Some(attempt.last()),
             _ => attempt.goal.as_deref(),
         };
-        let end = end.filter(|_| fits && (self.unrounded || self.rounding(attempt).is_none()))?;
+        let end =
+            end.filter(|_| fits && (self.unrounded.is_some() || self.rounding(attempt).is_none()))?;
         let goal = attempt.reduction.groups.expand(end);
         let turned = goal.iter().enumerate();
         let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
@@ -97,7 +98,7 @@ impl Planning<'_> {
     fn rounding(&self, attempt: &Attempt) -> Option<f64> {
         let stars = ReducedStars::of_creases(self.pattern);
         let most = attempt.reduction.accepted(self.options);
-        rounding(&stars, &self.goal.fold_angles, most)
+        rounding(&stars, &self.goal.fold_angles, most, false)
     }
 
     /// The plan with fewer phases than there are creases in order: runs of them at once that could each be next, if no
@@ -183,7 +184,7 @@ impl Planning<'_> {
             looks.push(goal.iter().map(|angle| angle / 2.0).collect());
         }
         let stars = ReducedStars::of_creases(self.pattern);
-        let stars = if self.unrounded {
+        let stars = if self.unrounded.is_some() {
             stars.unrounded(attempt.reduction.within).0
         } else {
             stars

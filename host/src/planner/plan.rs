@@ -142,8 +142,10 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
     if plan.is_loose(pattern, options) {
         plan = tighter(plan, again().run());
     }
-    if !matches!(plan.outcome, Outcome::Planned | Outcome::Timeout) {
-        plan = again().unrounded(plan);
+    for coarse in [false, true] {
+        if !matches!(plan.outcome, Outcome::Planned | Outcome::Timeout) {
+            plan = again().unrounded(plan, coarse);
+        }
     }
     let open = matches!(
         plan.outcome,
@@ -157,7 +159,7 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
         };
         plan = again().measured(plan);
         if plan.outcome != Outcome::Planned {
-            plan = again().unrounded(plan);
+            plan = again().unrounded(plan, false);
         }
         let closure = plan.certified_closure.unwrap_or(0.0);
         let most = closure * plan.amplification.unwrap_or(0.0);
@@ -244,8 +246,8 @@ pub(super) struct Planning<'a> {
     pub(super) asked_closure: Option<f64>,
     /// Part of the bound that the motion between knots is certified for at first.
     pub(super) part: f64,
-    /// Whether what nearly folds flat is taken to do so exactly.
-    pub(super) unrounded: bool,
+    /// Whether what nearly folds flat is taken to do so exactly: if so, coarsely or not.
+    pub(super) unrounded: Option<bool>,
     /// Whether what errors of vertices add up to is not bounded beforehand, but measured.
     pub(super) measured: bool,
     pub(super) plan: Plan,
@@ -266,7 +268,7 @@ impl<'a> Planning<'a> {
                 .and_then(|timeout| Instant::now().checked_add(timeout)),
             asked_closure: None,
             part: FIRST_PART,
-            unrounded: false,
+            unrounded: None,
             measured: false,
             plan: Plan::default(),
         }
@@ -278,8 +280,8 @@ impl<'a> Planning<'a> {
     }
 
     pub(super) fn run(self) -> Plan {
-        if self.unrounded {
-            return self.run_unrounded().unwrap_or(Plan {
+        if let Some(coarse) = self.unrounded {
+            return self.run_unrounded(coarse).unwrap_or(Plan {
                 outcome: Outcome::Partial,
                 ..Plan::default()
             });
@@ -362,9 +364,9 @@ impl<'a> Planning<'a> {
     /// The plan that takes for exact what folds flat within what the bound allows, if it comes farther than one without:
     /// where two lines cross, one can turn while the other is flat, unless they bend there by the least, and once it is
     /// folded flat, so can the other.
-    fn unrounded(mut self, without: Plan) -> Plan {
-        self.unrounded = true;
-        let Some(mut plan) = self.run_unrounded() else {
+    fn unrounded(mut self, without: Plan, coarse: bool) -> Plan {
+        self.unrounded = Some(coarse);
+        let Some(mut plan) = self.run_unrounded(coarse) else {
             return without;
         };
         let short = matches!(without.outcome, Outcome::Partial | Outcome::GoalNotClosed);
@@ -386,12 +388,13 @@ impl<'a> Planning<'a> {
         plan
     }
 
-    fn run_unrounded(mut self) -> Option<Plan> {
+    fn run_unrounded(mut self, coarse: bool) -> Option<Plan> {
         let mut work = Work::default();
         let start = Instant::now();
         let (pattern, goal, options) = (self.pattern, self.goal, self.options);
         let alone = CreaseGroups::trivial(pattern);
-        let (reduction, turned) = self.reduction(alone).unrounded(pattern, goal, options)?;
+        let reduction = self.reduction(alone);
+        let (reduction, turned) = reduction.unrounded(pattern, goal, options, coarse)?;
         let reach = Reach {
             radians: goal.reach,
             exactly: false,
@@ -492,7 +495,7 @@ impl<'a> Planning<'a> {
             waypoints: &attempt.waypoints,
             accepted: attempt.accepted,
             reached: attempt.reached,
-            retreats: self.plan.goal_closure > CLOSED && !self.unrounded,
+            retreats: self.plan.goal_closure > CLOSED && self.unrounded.is_none(),
             part: self.part,
             before: None,
         };
@@ -546,7 +549,7 @@ impl<'a> Planning<'a> {
         });
         self.plan.goal_closure = closure.unwrap_or(0.0);
         self.plan.times.symmetry += start.elapsed();
-        let moved = !self.unrounded || self.plan.goal_error > SAME;
+        let moved = self.unrounded.is_none() || self.plan.goal_error > SAME;
         if self.plan.goal_closure > CLOSED && moved {
             self.plan.notes.push(format!(
                 "not closed: {} (residual {:.1e}); moved to the nearest configuration found that is, \

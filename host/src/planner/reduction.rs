@@ -112,16 +112,23 @@ impl Reduction {
     }
 
     /// The same of stars that fold flat where they nearly do, and by how much (radians) their creases are turned for it;
-    /// `None` if none is by more than rounding, within what the bound allows.
+    /// `None` if none is by more than rounding, within what the bound allows. If `coarse`, as much is taken for rounding as
+    /// the goal closes with; `None` if that is no more than it tells.
     pub(super) fn unrounded(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
         options: &PlanOptions,
+        coarse: bool,
     ) -> Option<(Self, f64)> {
         let most = self.accepted(options);
         let asked = self.groups.reduce(&goal.fold_angles);
-        let within = rounding(&self.all, &asked, most).unwrap_or(ROUNDED * most);
+        let within = |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(ROUNDED * most);
+        let told = within(false);
+        let within = if coarse { within(true) } else { told };
+        if coarse && within <= told {
+            return None;
+        }
         let (all, turned) = self.all.unrounded(within);
         let groups = self.groups.clone();
         let unrounded = || Self {
@@ -326,6 +333,8 @@ const ROUNDED: f64 = 0.25;
 /// Parts of it that are tried as what creases are off: powers of the second up to the first.
 const FINER: i32 = 10;
 const FINE: f64 = 0.25;
+/// Powers by which lines may be off by more than the goal is.
+const MORE: i32 = 2;
 /// Closure residual that rounding may leave at a vertex of many creases.
 const ROUNDING: f64 = 1e-12;
 /// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
@@ -361,8 +370,13 @@ pub const CLOSED: f64 = 1e-9;
 pub(super) const SAME: f64 = 1e-7;
 
 /// Radians by which creases are off as coordinates are rounded, `most` at most, if a goal closes but for that. More may
-/// have the sheet fold flat where it was not meant to.
-pub(super) fn rounding(stars: &ReducedStars, goal: &[Option<f64>], most: f64) -> Option<f64> {
+/// have the sheet fold flat where it was not meant to: if `coarse`, as much as the goal closes with.
+pub(super) fn rounding(
+    stars: &ReducedStars,
+    goal: &[Option<f64>],
+    most: f64,
+    coarse: bool,
+) -> Option<f64> {
     let goal = goal.iter().copied().collect::<Option<Vec<f64>>>()?;
     let closes = |stars: &ReducedStars| stars.largest_residual(&goal) <= CLOSED;
     if closes(stars) {
@@ -372,8 +386,9 @@ pub(super) fn rounding(stars: &ReducedStars, goal: &[Option<f64>], most: f64) ->
     let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
     let within = tried.find(closes_within)?;
     // Lines that are part of the goal may be off by more than it is.
-    let more = [2, 1, 0].map(|k| most.min(within * FINE.powi(-k)));
-    more.into_iter().find(closes_within)
+    let more = (0..=if coarse { FINER } else { MORE }).rev();
+    let mut more = more.map(|k| most.min(within * FINE.powi(-k)));
+    more.find(closes_within)
 }
 
 /// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a
