@@ -62,7 +62,7 @@ pub trait Accumulate<T: Scalar> {
 
 /// Normal equations (JᵀJ + λI) x = b behind which dense, dual and sparse linear algebra look alike.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
-    /// Whether the rows are kept, without which there is no [inexact](Options::inexact) step.
+    /// Whether the rows are kept, without which all steps are [exact](Steps::Exact).
     const KEEPS_ROWS: bool = false;
     /// Number of unknowns.
     fn unknowns(&self) -> usize;
@@ -349,9 +349,22 @@ pub struct Options<T> {
     pub max_iterations: u32,
     /// No unknown moves by more than this in one step, radians.
     pub max_step: T,
-    /// Whether Levenberg-Marquardt may make steps roughly and use factors again, where the equations keep their rows: that
-    /// saves most of the time on large sheets, but the configuration found is less surely the nearest one.
-    pub inexact: bool,
+    /// How Levenberg-Marquardt makes its steps where the equations keep their rows.
+    pub steps: Steps,
+}
+
+/// How steps are made on large sheets, where factorisations are most of the work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Steps {
+    /// Each with a factor of its own: from where conditions lose rank, as in the flat sheet, that leads to the nearest
+    /// configuration most surely.
+    #[default]
+    Exact,
+    /// With a factor of which several are made as long as they leave little: half the factorisations, or fewer.
+    Repeated,
+    /// The same, but those far from closing roughly: that saves most of the time, and the configuration found is less surely
+    /// the nearest one.
+    Rough,
 }
 
 impl<T: Scalar> Default for Options<T> {
@@ -362,7 +375,7 @@ impl<T: Scalar> Default for Options<T> {
             max_iterations: 100,
             // A sixth of a turn: less than any fold angle's way to its mirror image far from flat.
             max_step: T::PI / (T::TWO + T::one()),
-            inexact: false,
+            steps: Steps::Exact,
         }
     }
 }

@@ -89,6 +89,8 @@
 //!   J. Res. Nat. Bur. Standards 49.
 //! - **NashSofer1990**: S. G. Nash, A. Sofer, "Assessing a search direction within a truncated-Newton method", Oper. Res.
 //!   Lett. 9.
+//! - **Fan2012**: J. Fan, "The modified Levenberg-Marquardt method for nonlinear equations with cubic convergence", Math.
+//!   Comp. 81.
 //! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

@@ -1,9 +1,9 @@
 //! Newton's method with one factor: the chord method, for configurations that nearly close.
 //!
 //! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the configuration
-//! predicted, and only the residual is new in each step, as where
-//! [`levenberg_marquardt`](foldpath_core::levenberg_marquardt) may be inexact; but with the damping
-//! of the projection on motions, which the same factor then serves.
+//! predicted, and only the residual is new in each step, as Levenberg-Marquardt has it with
+//! [`Steps::Repeated`](foldpath_core::least_squares::Steps::Repeated); but with the damping of the
+//! projection on motions, which the same factor then serves.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
 use foldpath_core::levenberg_marquardt::projection_damping;

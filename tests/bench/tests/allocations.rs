@@ -12,7 +12,9 @@ use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, SparseNormalEquations};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
-use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Outcome};
+use foldpath_core::least_squares::{
+    ClosureProblem, Limits, NormalEquations, Options, Outcome, Steps,
+};
 use foldpath_core::{
     DenseNormalEquations, GroupId, HalfAngle, LoopsView, Scalar, Spoke, StarView, StarsView,
     closure, gradient, levenberg_marquardt,
@@ -149,20 +151,22 @@ fn large_solvers_do_not_allocate() {
     fn solve(
         problem: &mut ClosureProblem<'_, f64>,
         equations: &mut impl NormalEquations<f64>,
-        (inexact, max_iterations): (bool, u32),
+        (steps, max_iterations): (Steps, u32),
         x: &mut [f64],
         work: &mut [f64],
     ) -> Outcome {
         let options = Options {
             max_iterations,
-            inexact,
+            steps,
             ..Options::default()
         };
         let limits = Limits::HalfTurn;
         levenberg_marquardt::solve(problem, equations, limits, &options, x, work).outcome
     }
-    let cuts = [1, 2, 3, 100].map(|iterations| (false, iterations));
-    for form in cuts.into_iter().chain([(true, 1), (true, 2), (true, 100)]) {
+    let exact = [1, 2, 3, 100].map(|iterations| (Steps::Exact, iterations));
+    let repeated = [1, 100].map(|iterations| (Steps::Repeated, iterations));
+    let rough = [1, 2, 100].map(|iterations| (Steps::Rough, iterations));
+    for form in exact.into_iter().chain(repeated).chain(rough) {
         let (mut converged, mut cut_off) = (0, 0);
         let count = allocations(20, |call| {
             off(call, &mut x);
@@ -172,11 +176,17 @@ fn large_solvers_do_not_allocate() {
         });
         assert_eq!(count, 0, "sparse, {form:?}");
         let expected = if form.1 == 100 { (21, 0) } else { (0, 21) };
-        assert_eq!((converged, cut_off), expected);
+        assert_eq!((converged, cut_off), expected, "{form:?}");
     }
     let count = allocations(2, |call| {
         off(call, &mut x);
-        let outcome = solve(&mut problem, &mut dense, (false, 3), &mut x, &mut work);
+        let outcome = solve(
+            &mut problem,
+            &mut dense,
+            (Steps::Exact, 3),
+            &mut x,
+            &mut work,
+        );
         assert_eq!(outcome, Outcome::IterationLimit);
         off(call, &mut x);
         let options = Options {

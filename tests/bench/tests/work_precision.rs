@@ -91,6 +91,18 @@ fn hinges_at_their_limits_cost_no_iterations() {
     }
 }
 
+/// Random angles lead to no folded configuration of a large quad sheet; folding one near flat further does, and sheets near
+/// it close.
+#[test]
+fn the_large_quad_sheet_folds() {
+    let problem = Problem::new(Family::Quad, 24, 24, false);
+    assert!(problem.folded() >= 1.0, "{}", problem.folded());
+    for start in problem.starts(3) {
+        let residuals = residuals_by_iteration(problem.stars(), &start);
+        assert!(residuals.last().unwrap() <= &1e-14, "{residuals:?}");
+    }
+}
+
 /// Peers and our solvers see the same objective: all that reach a tolerance are judged by one closure, and what
 /// they return closes as they say.
 #[test]

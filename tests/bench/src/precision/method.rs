@@ -2,15 +2,17 @@
 
 use core::time::Duration;
 
+use foldpath_core::least_squares::Steps;
+
 use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 
 /// A solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// foldpath's Levenberg-Marquardt in f64, as the planner calls it.
+    /// foldpath's Levenberg-Marquardt in f64, which with sparse matrices makes several steps with a factor.
     LmF64,
-    /// The same where it may be inexact, which it is with sparse matrices alone.
-    InexactLmF64,
+    /// The same that makes steps far from closing roughly, with sparse matrices, too.
+    RoughLmF64,
     /// The same in f32, as the controller has it.
     LmF32,
     /// foldpath's gradient solver in f64.
@@ -45,7 +47,7 @@ pub enum Method {
 
 use Method::{
     ArgminGaussNewton, ArgminLbfgs, ArgminTrustRegion, Bobyqa, Cobyla, GradientF32, GradientF64,
-    InexactLmF64, LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch,
+    LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch, RoughLmF64,
     SlsqpDifferences, SlsqpGradient,
 };
 
@@ -72,7 +74,7 @@ impl Method {
     /// All of them, ours first.
     pub const ALL: [Self; 17] = [
         LmF64,
-        InexactLmF64,
+        RoughLmF64,
         LmF32,
         GradientF64,
         GradientF32,
@@ -95,7 +97,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             LmF64 => "foldpath LM f64",
-            InexactLmF64 => "foldpath inexact LM f64",
+            RoughLmF64 => "foldpath rough LM f64",
             LmF32 => "foldpath LM f32",
             GradientF64 => "foldpath gradient f64",
             GradientF32 => "foldpath gradient f32",
@@ -117,10 +119,7 @@ impl Method {
     /// Whether it is foldpath's own; the random search is nobody's.
     #[must_use]
     pub fn is_ours(self) -> bool {
-        matches!(
-            self,
-            LmF64 | InexactLmF64 | LmF32 | GradientF64 | GradientF32
-        )
+        matches!(self, LmF64 | RoughLmF64 | LmF32 | GradientF64 | GradientF32)
     }
 
     /// Unknowns beyond which it is not tried: it works on dense matrices, and where one of its iterations takes
@@ -141,8 +140,8 @@ impl Method {
     pub fn solver<'a>(self, problem: &'a Problem) -> Box<dyn Solver + 'a> {
         let stars = problem.stars();
         match self {
-            LmF64 => ours::levenberg_marquardt_f64(stars, false),
-            InexactLmF64 => ours::levenberg_marquardt_f64(stars, true),
+            LmF64 => ours::levenberg_marquardt_f64(stars, Steps::Repeated),
+            RoughLmF64 => ours::levenberg_marquardt_f64(stars, Steps::Rough),
             LmF32 => ours::levenberg_marquardt_f32(stars),
             GradientF64 => ours::gradient::<f64>(stars),
             GradientF32 => ours::gradient::<f32>(stars),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use foldpath::planner::SparseNormalEquations;
 use foldpath_core::least_squares::{
-    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
+    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report, Steps,
 };
 use foldpath_core::sampling::random_near;
 use foldpath_core::{
@@ -84,7 +84,7 @@ fn options<T: Scalar>(tolerance: f64) -> Options<T> {
 struct Lm<T> {
     memory: Memory<T>,
     equations: Equations<T>,
-    inexact: bool,
+    steps: Steps,
 }
 
 enum Equations<T> {
@@ -99,7 +99,7 @@ impl<T: Scalar> Lm<T> {
         Self {
             memory: Memory::new(stars),
             equations: Equations::Dense(vec![T::zero(); memory]),
-            inexact: false,
+            steps: Steps::Exact,
         }
     }
 }
@@ -116,7 +116,7 @@ trait Solve<T> {
 }
 
 impl Lm<f64> {
-    fn new(stars: StarsView<'_, f64>, inexact: bool) -> Self {
+    fn new(stars: StarsView<'_, f64>, steps: Steps) -> Self {
         let sparse = (stars.unknowns() > DENSE)
             .then(|| SparseNormalEquations::new(stars, LoopsView::none()))
             .flatten();
@@ -125,7 +125,7 @@ impl Lm<f64> {
             Some(sparse) => Self {
                 memory: Memory::new(stars),
                 equations: Equations::Sparse(Box::new(sparse)),
-                inexact,
+                steps,
             },
         }
     }
@@ -142,7 +142,7 @@ impl Solve<f64> for Lm<f64> {
             Equations::Dense(dense) => solve_dense(&mut self.memory, dense, x, options),
             Equations::Sparse(sparse) => {
                 let options = Options {
-                    inexact: self.inexact,
+                    steps: self.steps,
                     ..*options
                 };
                 solve_with(&mut self.memory, sparse.as_mut(), x, &options)
@@ -220,7 +220,7 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
 
 /// Moves `x` to closure to rounding, as far as possible; whether that is reached.
 pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
-    let mut solver = Lm::<f64>::new(stars, false);
+    let mut solver = Lm::<f64>::new(stars, Steps::Exact);
     let (report, _) = solver.solve(x, &Options::default(), Duration::MAX);
     report.outcome == Outcome::Converged
 }
@@ -232,7 +232,7 @@ pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
 /// If it takes more than 2^32 iterations.
 #[must_use]
 pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
-    let mut solver = Lm::<f64>::new(stars, false);
+    let mut solver = Lm::<f64>::new(stars, Steps::Exact);
     let mut residuals = Vec::new();
     loop {
         let options = Options {
@@ -272,9 +272,9 @@ fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(solver: S) -> Box<dyn Solver + 'a> {
     Box::new(InPrecision { solver, x })
 }
 
-/// Levenberg-Marquardt in f64, inexact where rows are kept if that is asked for.
-pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, inexact: bool) -> Box<dyn Solver> {
-    boxed::<f64, _>(Lm::<f64>::new(stars, inexact))
+/// Levenberg-Marquardt in f64, its steps made so where rows are kept.
+pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, steps: Steps) -> Box<dyn Solver> {
+    boxed::<f64, _>(Lm::<f64>::new(stars, steps))
 }
 
 /// Levenberg-Marquardt in f32, dense as on the controller.

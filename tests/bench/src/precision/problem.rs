@@ -25,6 +25,10 @@ const TRIES: u64 = 50;
 /// Radians that some angle of it has to have: the flat sheet, where every condition loses rank, is the last
 /// resort.
 const FOLDED: f64 = 0.3;
+/// Factor by which the angles of a closed configuration near flat are folded further, and the growth of their norm below
+/// which they do not follow any more.
+const FURTHER: f64 = 1.3;
+const LEAST_GROWTH: f64 = 1.05;
 
 /// Closure conditions of a sheet, and a configuration that meets them.
 #[derive(Debug)]
@@ -63,6 +67,19 @@ impl Problem {
         }
     }
 
+    /// The same with every crease an unknown of its own, round the flat sheet: it closes, but every condition loses rank
+    /// there, and what closes nearest to a start may be another configuration.
+    ///
+    /// # Panics
+    /// If a generator of the library does not keep what it promises.
+    #[must_use]
+    pub fn round_flat(family: Family, rows: usize, columns: usize) -> Self {
+        let mut problem = Self::new(family, rows, columns, false);
+        problem.sheet.push_str(" round flat");
+        problem.closed.fill(0.0);
+        problem
+    }
+
     /// Sheet and unknowns in words.
     #[must_use]
     pub fn name(&self) -> String {
@@ -82,7 +99,7 @@ impl Problem {
         self.stars.view()
     }
 
-    /// Largest angle of the closed configuration, radians: 0 where only the flat sheet is known.
+    /// Largest angle of the closed configuration, radians: 0 round the flat sheet.
     #[must_use]
     pub fn folded(&self) -> f64 {
         max_norm(&self.closed)
@@ -129,25 +146,42 @@ fn largest_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
 }
 
 fn closed_configuration(stars: &ReducedStars, asked: &[f64]) -> Vec<f64> {
-    let near_goal = PARTS.map(|part| asked.iter().map(|a| a * part).collect::<Vec<f64>>());
-    let random = (0..TRIES).map(|seed| {
-        let mut x = vec![0.0; asked.len()];
-        let mut rng = Pcg64::new(u128::from(seed), 1);
-        random_near(
-            &mut rng,
-            &vec![0.0; asked.len()],
-            1.5,
-            Limits::HalfTurn,
-            &mut x,
-        );
+    let flat = vec![0.0; asked.len()];
+    let near_flat = |seed: u64, radius| {
+        let mut x = flat.clone();
+        let mut rng = Pcg64::new(seed.into(), 1);
+        random_near(&mut rng, &flat, radius, Limits::HalfTurn, &mut x);
         x
-    });
+    };
+    let near_goal = PARTS.map(|part| asked.iter().map(|a| a * part).collect::<Vec<f64>>());
+    let random = (0..TRIES).map(|seed| near_flat(seed, 1.5));
     let mut starts = near_goal.into_iter().chain(random);
     let found = starts.find_map(|mut x| {
         let closed = close(stars.view(), &mut x);
         (closed && max_norm(&x) >= FOLDED).then_some(x)
     });
-    found.unwrap_or_else(|| vec![0.0; asked.len()])
+    let found = found.or_else(|| {
+        let folded = folded_further(stars, near_flat(0, STEP))?;
+        (max_norm(&folded) >= FOLDED).then_some(folded)
+    });
+    found.unwrap_or(flat)
+}
+
+/// The closed configuration near `x`, folded further step by step as far as it follows. Random angles far from flat lead
+/// to none where there are hundreds of conditions on them.
+fn folded_further(stars: &ReducedStars, mut x: Vec<f64>) -> Option<Vec<f64>> {
+    let square = |x: &[f64]| x.iter().map(|a| a * a).sum::<f64>();
+    if !close(stars.view(), &mut x) {
+        return None;
+    }
+    loop {
+        let mut further: Vec<f64> = x.iter().map(|a| a * FURTHER).collect();
+        let closed = close(stars.view(), &mut further);
+        if !closed || square(&further) < LEAST_GROWTH * LEAST_GROWTH * square(&x) {
+            return Some(x);
+        }
+        x = further;
+    }
 }
 
 fn max_norm(x: &[f64]) -> f64 {

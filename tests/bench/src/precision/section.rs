@@ -57,7 +57,8 @@ impl Form {
             let problem = move |&symmetric| Problem::new(family, rows, columns, symmetric);
             kinds.iter().map(problem)
         });
-        problems.collect()
+        let round_flat = (self == Self::Full).then(|| Problem::round_flat(Quad, 24, 24));
+        problems.chain(round_flat).collect()
     }
 
     fn effort(self) -> Effort {
@@ -143,21 +144,23 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
     let tolerances = tolerances();
     Ok(format!(
         "**Projection.** Each start is a closed configuration with every unknown moved by a seeded amount of up to \
-         {step} rad, or a multiple where that opens nothing by more than {open}. Every method minimises ½‖r‖² over the same stars from the same starts and is stopped at the first \
+         {step} rad, or a multiple where that opens nothing by more than {open}; *round flat* it is the flat sheet, where every \
+         condition loses rank. Every method minimises ½‖r‖² over the same stars from the same starts and is stopped at the first \
          configuration whose largest ‖r(v)‖ is within the tolerance, judged afterwards in f64; memory and settings are \
          made before the clock starts. Time is the median over up to {runs} runs, a failure counting as longest; a \
          method has {limit:.1} s a run, and is not asked for a finer tolerance once half of its runs fail. Peers \
          evaluate with foldpath's kernels. Those that know no limits of the angles are let off them. Dense methods are \
          left out where one of their iterations would take minutes.\n\n\
-         foldpath's Levenberg-Marquardt in f64:\n\n{exact}\n\
-         The same where it may be inexact (`Options::inexact`): with more than 40 unknowns it makes steps far from closing \
-         by conjugate gradients, and uses factors again near it:\n\n{inexact}\n\
+         foldpath's Levenberg-Marquardt in f64, with more than 40 unknowns by sparse factors that are used again \
+         (`Steps::Repeated`):\n\n{repeated}\n\
+         The same with `Steps::Rough`: with more than 40 unknowns it makes steps far from closing by conjugate \
+         gradients, too:\n\n{rough}\n\
          Time of the fastest peer over that, by tolerance (alone: no peer reaches it):\n\n{ratios}\n{behind}\n\
-         In how many problems each method reaches a tolerance, and its time over that of foldpath's inexact \
+         In how many problems each method reaches a tolerance, and its time over that of foldpath's rough \
          Levenberg-Marquardt in the median of these:\n\n{reach}\n\
          Time against closure, one line a method: {pictures}.\n\n\
-         **Convergence.** Largest residual of Levenberg-Marquardt in f64 after each iteration, from the first start, \
-         to 1e-14. Near the end each iteration doubles the digits or better, which is why precision costs so little \
+         **Convergence.** Largest residual of Levenberg-Marquardt in f64 after each iteration with a factor of its own \
+         (`Steps::Exact`), from the first start, to 1e-14. Near the end each iteration doubles the digits or better, which is why precision costs so little \
          time:\n\n{iterations}\n\
          **Whole paths** from flat to the goal at bounds on deformation and gap, without the search for crossings \
          (medians of up to {plans} plans). The planner always closes to rounding where it can, so that a bound costs \
@@ -169,8 +172,8 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
         open = super::problem::OPEN,
         runs = effort.starts * effort.rounds,
         limit = effort.limit.as_secs_f64(),
-        exact = tables::times(&problems, &cells, Method::LmF64),
-        inexact = tables::times(&problems, &cells, Method::InexactLmF64),
+        repeated = tables::times(&problems, &cells, Method::LmF64),
+        rough = tables::times(&problems, &cells, Method::RoughLmF64),
         ratios = tables::ratios(&problems, &cells, &tolerances),
         behind = tables::behind(&problems, &cells, &tolerances),
         reach = tables::reach(&problems, &cells),

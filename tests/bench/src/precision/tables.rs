@@ -50,7 +50,7 @@ fn head(cells: impl IntoIterator<Item = String>) -> String {
 }
 
 /// The method of foldpath that peers are compared with.
-const OURS: Method = Method::InexactLmF64;
+const OURS: Method = Method::RoughLmF64;
 
 /// Time of a method, closure reached, and how much time grows with precision.
 pub(super) fn times(problems: &[Problem], cells: &[Cell], method: Method) -> String {
