@@ -74,6 +74,11 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     /// first order, and the unknown's row, its column and its entry of the gradient become zero, and with any
     /// damping its step too. Returns by how much ½‖r‖² grows.
     fn hold(&mut self, unknown: usize, by: T) -> T;
+    /// Takes a held unknown out of the last factor, too: what is solved after that are the equations of the others. `false`
+    /// if rounding leaves too little of them, or this cannot be done: then the factor has to be made anew.
+    fn amend(&mut self, _held: usize) -> bool {
+        false
+    }
     /// Forgets the residuals, but neither rows nor factor.
     fn clear_residuals(&mut self) {}
     /// Adds another residual for rows that are kept: those that were [added](Accumulate::add) as block number `block`.

@@ -14,7 +14,8 @@
 //! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) with the rows of where it was made: one such step makes the order of convergence three,
 //! [Fan2012](crate#references), and as long as they leave little, more are worth their price (the chord method, chapter 5.4
 //! of [Kelley1995](crate#references)). Both factors of J₀ᵀr have to be old: with Jᵀ of now the step would have a part along
-//! the motion of J₀, which the inverse blows up by 1/λ.
+//! the motion of J₀, which the inverse blows up by 1/λ. Unknowns that meet their limits are taken out of the factor that is
+//! there, each for a solution with it, as by [GillMurraySaundersWright1990](crate#references).
 //! With [`Steps::Rough`], those far from closing are made by [`conjugate_gradients`](crate::conjugate_gradients) while the
 //! linear model lets them close most of what is open.
 //!
@@ -24,7 +25,7 @@
 use crate::Scalar;
 use crate::dense::dot;
 use crate::least_squares::{
-    ClosureProblem, Cost, Limits, NormalEquations, Options, Outcome, Report, Steps,
+    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report, Steps,
 };
 
 /// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a
@@ -52,8 +53,8 @@ const PROJECTIONS: u32 = 4;
 ///
 /// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
 /// Cost of an iteration: one linearisation and one factorisation, and one more each time that more unknowns meet their
-/// limits. With [`Steps::Repeated`] some take several steps with a factor, each for an evaluation without derivatives; with
-/// [`Steps::Rough`] some make no factorisation.
+/// limits. With [`Steps::Repeated`] that is a solution for each of these instead, and some take several steps with a factor,
+/// each for an evaluation without derivatives; with [`Steps::Rough`] some make no factorisation.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -114,16 +115,17 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         let damping = mu * square;
         trial.copy_from_slice(x);
         roughly &= report.residual > options.acceptable.max(T::lit(ROUGH));
-        let made = bounded_step(equations, limits, options, damping, roughly, trial, step);
+        let by = if roughly { By::Rows } else { By::Factor };
+        let made = bounded_step(equations, limits, options, damping, by, trial, step);
         let Some(Step {
             promised,
-            factored,
+            by,
             exact,
         }) = made
         else {
             break Outcome::Stalled;
         };
-        roughly &= !factored && promised >= T::lit(ENOUGH) * cost.half_square;
+        roughly &= by == By::Rows && promised >= T::lit(ENOUGH) * cost.half_square;
         if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
             break Outcome::Stalled;
         }
@@ -149,7 +151,7 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
                 break Outcome::Converged;
             }
         }
-        let again = repeated && factored;
+        let again = repeated && by != By::Rows;
         let alone = again || left <= options.tolerance;
         let new_cost = if alone {
             problem.renew(trial, equations)
@@ -170,7 +172,10 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
             growth = T::TWO;
             let enough = options.tolerance.max(options.acceptable);
             while again && cost.max() > enough && cost.max() <= T::lit(LEFT) * before.max() {
-                let Some(next) = step_again(problem, equations, limits, x, trial, step) else {
+                let by = By::LastFactor;
+                let made = bounded_step(equations, limits, options, damping, by, trial, step);
+                let next = made.and_then(|_| problem.renew(trial, equations));
+                let Some(next) = next else {
                     break;
                 };
                 report.evaluations += 1;
@@ -197,86 +202,84 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     report
 }
 
-/// Sets `trial` to `x` moved by the step with the last factor for the residual last put in place, and returns the cost
-/// there; `None` if that passes a limit.
-fn step_again<T: Scalar, E: NormalEquations<T>>(
-    problem: &mut ClosureProblem<'_, T>,
-    equations: &mut E,
-    limits: Limits<'_, T>,
-    x: &[T],
-    trial: &mut [T],
-    step: &mut [T],
-) -> Option<Cost<T>> {
-    equations.step(step);
-    for ((trial, &x), &step) in trial.iter_mut().zip(x).zip(&*step) {
-        *trial = x + step;
-    }
-    let inside = limits.contain(trial);
-    inside.then(|| problem.renew(trial, equations))?
+/// How a step is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    /// With a factor of the matrix.
+    Factor,
+    /// With the factor last made.
+    LastFactor,
+    /// Roughly, without a factor.
+    Rows,
 }
 
 /// A step within the limits.
 struct Step<T> {
     /// Decrease of ½‖r‖² that the linear model promises.
     promised: T,
-    /// Whether the matrix was factorised for it.
-    factored: bool,
-    /// Whether the promise is kept to rounding: no unknown was clamped after the step was made, which was not made roughly.
+    /// How it was made, in the end.
+    by: By,
+    /// Whether the promise is kept to rounding: the factor was made for this step, and no unknown was clamped after it.
     exact: bool,
 }
 
-/// Moves `trial` by the damped step within the limits, made `roughly` as long as that meets none; `None` if no damping
+/// Moves `trial` by the damped step within the limits, made roughly only as long as that meets none; `None` if no damping
 /// makes the matrix definite.
 ///
-/// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off.
+/// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off. For that
+/// the factor is [amended](NormalEquations::amend) unless steps are exact.
 fn bounded_step<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     limits: Limits<'_, T>,
     options: &Options<T>,
     mut damping: T,
-    mut roughly: bool,
+    mut by: By,
     trial: &mut [T],
     step: &mut [T],
 ) -> Option<Step<T>> {
     let (mut growth, mut rounds) = (T::zero(), 0);
     loop {
-        if roughly {
-            equations.rough_step(damping, step);
-        } else {
-            // Below this the factorisation cannot tell the matrix from a singular one.
-            let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
-            damping = damping.max(least);
-            while !equations.factorise(damping) {
-                damping *= T::lit(FLOOR);
-                if damping <= T::zero() || !damping.is_finite() {
-                    return None;
+        match by {
+            By::Rows => equations.rough_step(damping, step),
+            By::LastFactor => equations.step(step),
+            By::Factor => {
+                // Below this the factorisation cannot tell the matrix from a singular one.
+                let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
+                damping = damping.max(least);
+                while !equations.factorise(damping) {
+                    damping *= T::lit(FLOOR);
+                    if damping <= T::zero() || !damping.is_finite() {
+                        return None;
+                    }
                 }
+                equations.step(step);
             }
-            equations.step(step);
         }
         rounds += 1;
         let scale = bound(step, options.max_step);
         let promised = promised(step, equations.gradient(), damping, scale);
-        let (mut cut, mut exact) = (false, !roughly);
+        let (mut cut, mut exact) = (false, by == By::Factor);
+        let mut amended = options.steps != Steps::Exact && by != By::Rows;
         for (index, (step, trial)) in step.iter_mut().zip(&mut *trial).enumerate() {
             let wanted = *trial + *step * scale;
             *step = limits.clamp(index, wanted);
             exact &= *step == wanted;
             if (wanted - *step).abs() > options.tolerance && rounds < ROUNDS {
                 growth += equations.hold(index, *step - *trial);
+                amended = amended && equations.amend(index);
                 *trial = *step;
                 cut = true;
-                roughly = false;
             }
         }
         if !cut {
             trial.copy_from_slice(step);
             return Some(Step {
                 promised: promised - growth,
-                factored: !roughly,
+                by,
                 exact,
             });
         }
+        by = if amended { By::LastFactor } else { By::Factor };
     }
 }
 

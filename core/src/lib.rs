@@ -91,6 +91,8 @@
 //!   Lett. 9.
 //! - **Fan2012**: J. Fan, "The modified Levenberg-Marquardt method for nonlinear equations with cubic convergence", Math.
 //!   Comp. 81.
+//! - **GillMurraySaundersWright1990**: P. E. Gill, W. Murray, M. A. Saunders, M. H. Wright, "A Schur-complement method for
+//!   sparse quadratic programming", in: Reliable numerical computation.
 //! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

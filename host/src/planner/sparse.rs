@@ -27,6 +27,9 @@ use crate::ragged::{Ragged, group_by_key};
 /// Place of an entry above the diagonal, which is not stored.
 const ABOVE: u32 = u32::MAX;
 
+/// Part of what an entry on the diagonal of an inverse is at least, below which rounding has taken too much of it.
+const SOUND: f64 = 0.5;
+
 /// JᵀJ as the lower triangle of a sparse matrix by columns, with its Cholesky factor.
 pub struct SparseNormalEquations {
     structure: Rc<Structure>,
@@ -36,6 +39,10 @@ pub struct SparseNormalEquations {
     jacobian: Ragged<Vector3<f64>>,
     /// Whether the values are those of the columns.
     assembled: bool,
+    /// Unknowns taken out of the factor since it was made, with the column of the inverse that was the unknown's then.
+    amended: Vec<(usize, Vec<f64>)>,
+    /// Memory of columns that are not needed any more.
+    spare: Vec<Vec<f64>>,
     /// For conjugate gradients.
     scratch: [Vec<f64>; 3],
     /// The diagonal without damping, while the matrix is being factorised.
@@ -79,6 +86,8 @@ impl SparseNormalEquations {
             gradient: vec![0.0; n],
             jacobian: Ragged::default(),
             assembled: false,
+            amended: Vec::new(),
+            spare: Vec::new(),
             scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             undamped: vec![0.0; n],
             factor: vec![0.0; symbolic.len_val()],
@@ -294,8 +303,23 @@ impl NormalEquations<f64> for SparseNormalEquations {
         conjugate_gradients::solve(apply, damping, &self.gradient, step, scratch);
     }
 
+    fn amend(&mut self, held: usize) -> bool {
+        let mut column = self.spare.pop().unwrap_or_default();
+        column.clear();
+        column.resize(self.gradient.len(), 0.0);
+        column[held] = 1.0;
+        self.solve(&mut column);
+        // The inverse of a positive definite matrix has at least the inverse of its diagonal: less is rounding.
+        let diagonal = self.values[self.structure.diagonal[held] as usize];
+        let sound = column[held] * diagonal >= SOUND;
+        self.amended.push((held, column));
+        sound
+    }
+
     fn factorise(&mut self, damping: f64) -> bool {
         self.assemble();
+        let columns = self.amended.drain(..).map(|(_, column)| column);
+        self.spare.extend(columns);
         let structure = &*self.structure;
         for (&place, entry) in structure.diagonal.iter().zip(&mut self.undamped) {
             *entry = self.values[place as usize];
@@ -329,9 +353,16 @@ impl NormalEquations<f64> for SparseNormalEquations {
     fn solve(&mut self, right_side: &mut [f64]) {
         let n = self.gradient.len();
         let factor = LltRef::new(&self.structure.symbolic, &self.factor);
-        let right_side = MatMut::from_column_major_slice_mut(right_side, n, 1);
+        let matrix = MatMut::from_column_major_slice_mut(right_side, n, 1);
         let stack = MemStack::new(&mut self.memory);
-        factor.solve_in_place_with_conj(Conj::No, right_side, Par::Seq, stack);
+        factor.solve_in_place_with_conj(Conj::No, matrix, Par::Seq, stack);
+        for (held, column) in &self.amended {
+            let part = right_side[*held] / column[*held];
+            for (entry, &column) in right_side.iter_mut().zip(column) {
+                *entry -= part * column;
+            }
+            right_side[*held] = 0.0;
+        }
     }
 }
 
@@ -485,6 +516,47 @@ mod tests {
             sparse.step(&mut step);
             let damped = rows.0.tr_mul(&rows.0) + DMatrix::identity(n, n) * 0.1;
             same(&step, &damped.cholesky().unwrap().solve(&-expected));
+        }
+    }
+
+    /// Unknowns far apart, and all but one of a star, which the closure of that star binds together.
+    #[test]
+    fn an_amended_factor_is_that_of_the_others() {
+        for reduced in cut_waterbomb() {
+            let mut sparse = SparseNormalEquations::new(reduced.view(), reduced.loops()).unwrap();
+            let n = sparse.unknowns();
+            let star = sparse.structure.of_block(0).iter().skip(1);
+            let star = star.map(|&k| k as usize).collect();
+            for mut held in [vec![0, n / 2, n - 1], star] {
+                held.sort_unstable();
+                held.dedup();
+                for damping in [1e-1, 1e-4, 1e-8, 1e-12] {
+                    with_problem(&reduced, |problem| {
+                        problem.linearise(&angles(n, 0.3), &mut sparse)
+                    })
+                    .unwrap();
+                    assert!(sparse.factorise(damping));
+                    for &unknown in &held {
+                        sparse.hold(unknown, 0.1);
+                        assert!(sparse.amend(unknown));
+                    }
+                    let [mut amended, mut anew] = [vec![0.0; n], vec![0.0; n]];
+                    sparse.step(&mut amended);
+                    assert!(sparse.factorise(damping));
+                    sparse.step(&mut anew);
+                    let size = anew
+                        .iter()
+                        .fold(0.0, |most: f64, step| most.max(step.abs()));
+                    for (k, (amended, anew)) in amended.iter().zip(&anew).enumerate() {
+                        let apart = (amended - anew).abs() / size;
+                        assert!(
+                            apart <= 1e-13 + 1e-15 / damping,
+                            "{n} {held:?} {damping} {k}: {apart:e}"
+                        );
+                        assert!(*amended == 0.0 || !held.contains(&k));
+                    }
+                }
+            }
         }
     }
 }
