@@ -3,6 +3,7 @@
 use core::ops::Range;
 use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use foldpath_core::Membership;
 use nalgebra::Vector3;
 
@@ -28,7 +29,7 @@ pub struct LatticeScene<'a> {
     /// Pairs of pieces that no side joins, of the classes that were asked for.
     pairs: Vec<[u32; 2]>,
     /// For each of these its part of the list, and the number of pairs that a side joins.
-    classes: HashMap<PairClass, (Range<usize>, u64)>,
+    classes: HashMap<PairClass, (Range<usize>, u64), FixedState>,
     /// Number of pairs of pieces, and of those for which no other stands.
     alike: [u64; 2],
     near: Vec<PairClass>,
@@ -59,7 +60,7 @@ impl<'a> LatticeScene<'a> {
             cells,
             pieces: Pieces::none(pattern),
             pairs: Vec::new(),
-            classes: HashMap::new(),
+            classes: HashMap::default(),
             alike: [all, pairs.min(all)],
             near: Vec::new(),
             placed: Vec::new(),
