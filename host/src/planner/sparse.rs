@@ -353,9 +353,9 @@ impl NormalEquations<f64> for SparseNormalEquations {
     fn solve(&mut self, right_side: &mut [f64]) {
         let n = self.gradient.len();
         let factor = LltRef::new(&self.structure.symbolic, &self.factor);
-        let matrix = MatMut::from_column_major_slice_mut(right_side, n, 1);
+        let columns = MatMut::from_column_major_slice_mut(right_side, n, 1);
         let stack = MemStack::new(&mut self.memory);
-        factor.solve_in_place_with_conj(Conj::No, matrix, Par::Seq, stack);
+        factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
         for (held, column) in &self.amended {
             let part = right_side[*held] / column[*held];
             for (entry, &column) in right_side.iter_mut().zip(column) {
@@ -542,6 +542,8 @@ mod tests {
                     }
                     let [mut amended, mut anew] = [vec![0.0; n], vec![0.0; n]];
                     sparse.step(&mut amended);
+                    // Nothing is left of one that was taken out.
+                    assert!(!sparse.amend(held[0]));
                     assert!(sparse.factorise(damping));
                     sparse.step(&mut anew);
                     let size = anew
