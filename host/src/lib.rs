@@ -170,7 +170,6 @@
 
 pub mod certificate;
 pub mod check;
-pub mod cli;
 pub mod collision;
 mod colours;
 pub mod folding;

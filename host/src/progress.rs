@@ -1,6 +1,27 @@
-//! How far work has come, for whoever looks on from another thread.
+//! How far a long call has come, told to another thread, and the way to end it before it is done.
+//!
+//! The caller lends a [`Progress`] to [`plan_watched`](crate::planner::plan_watched),
+//! [`check_watched`](crate::check::check_watched) and the like, and reads it, or cancels the call, from another thread:
+//!
+//! ```
+//! use foldpath::generate::Miura;
+//! use foldpath::pattern::CreasePattern;
+//! use foldpath::planner::{Goal, Outcome, PlanOptions, plan_watched};
+//! use foldpath::progress::Progress;
+//!
+//! let miura = Miura { rows: 3, columns: 3, sector_angle: 60_f64.to_radians(), fold: 0.9 };
+//! let pattern = CreasePattern::new(miura.drawing()?)?;
+//! let progress = Progress::new();
+//! std::thread::scope(|scope| {
+//!     scope.spawn(|| progress.cancel());
+//! });
+//! let plan = plan_watched(&pattern, &Goal::of_pattern(&pattern)?, &PlanOptions::default(), &progress);
+//! assert_eq!(plan.outcome, Outcome::Timeout);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::Instant;
 
 /// What is done at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,9 +63,11 @@ impl Stage {
     }
 }
 
-/// A stage, and the part of it that is done. Each news costs one relaxed store.
+/// The stage of a long call and the part of it that is done, and whether the call is cancelled. Each change costs one
+/// relaxed store.
 #[derive(Debug)]
 pub struct Progress {
+    cancelled: AtomicBool,
     stage: AtomicU32,
     /// How many of how many, the latter in the upper half; 0 of 0 where that is not known.
     done: AtomicU64,
@@ -55,9 +78,21 @@ impl Progress {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            cancelled: AtomicBool::new(false),
             stage: AtomicU32::new(0),
             done: AtomicU64::new(0),
         }
+    }
+
+    /// Asks the call to end soon. It answers as if its time were up.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns `true` once the call has been asked to end.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
     }
 
     /// A stage begins.
@@ -104,10 +139,57 @@ impl Default for Progress {
     }
 }
 
-/// The same if it is the very same.
-impl PartialEq for Progress {
-    fn eq(&self, other: &Self) -> bool {
-        core::ptr::eq(self, other)
+/// The progress that a long call tells, if anybody looks on, and the time at which the call has to end, if there is one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watch<'a> {
+    progress: Option<&'a Progress>,
+    deadline: Option<Instant>,
+}
+
+impl<'a> Watch<'a> {
+    /// Tells `progress`, and ends when that is cancelled.
+    #[must_use]
+    pub fn new(progress: &'a Progress) -> Self {
+        Self {
+            progress: Some(progress),
+            deadline: None,
+        }
+    }
+
+    /// Ends at `deadline` too.
+    #[must_use]
+    pub fn until(self, deadline: Option<Instant>) -> Self {
+        Self { deadline, ..self }
+    }
+
+    /// Returns `true` once the call is cancelled or its deadline has passed.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.progress.is_some_and(Progress::is_cancelled)
+            || self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Tells that a stage begins.
+    pub(crate) fn begin(&self, stage: Stage) {
+        if let Some(progress) = self.progress {
+            progress.begin(stage);
+        }
+    }
+
+    /// Tells that `done` of `of` parts of the stage are done.
+    pub(crate) fn done(&self, done: usize, of: usize) {
+        if let Some(progress) = self.progress {
+            progress.done(done, of);
+        }
+    }
+
+    /// Tells that a fraction of the stage, from 0 to 1, is done.
+    pub(crate) fn part(&self, part: f64) {
+        if let Some(progress) = self.progress {
+            progress.part(part);
+        }
     }
 }
 

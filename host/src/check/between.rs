@@ -10,6 +10,7 @@ use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::formats::fold::PathFile;
+use crate::progress::Watch;
 use crate::symmetry::{Lattice, ReducedStars};
 
 /// Looks at pairs of faces that a path is worth of which it is known that it fails: its motion may be absurd.
@@ -24,6 +25,7 @@ pub(super) fn check_closure(
     path: &PathFile,
     motion: &Motion,
     options: &CheckOptions,
+    watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let pattern = &path.pattern;
@@ -45,8 +47,9 @@ pub(super) fn check_closure(
     };
     let mut folded: Option<FoldingCertifier<'_>> = None;
     let segments = motion.segments.iter().enumerate();
+    let segments = segments.take_while(|_| !watch.is_over());
     let segments = segments.map(|(index, curves)| {
-        options.done(index, motion.segments.len());
+        watch.done(index, motion.segments.len());
         let rough = bound(curves, &Effort::ROUGH);
         if rough.error() <= options.bound || rough.sampled > options.bound {
             return rough;
@@ -100,6 +103,7 @@ pub(super) fn check_crossings(
     path: &PathFile,
     motion: &Motion,
     options: &CheckOptions,
+    watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let pattern = &path.pattern;
@@ -108,7 +112,6 @@ pub(super) fn check_crossings(
     let mut options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
         rounding: rounded(verdict),
-        progress: options.progress,
         ..SweepOptions::default()
     };
     let failed = !verdict.failures.is_empty();
@@ -124,11 +127,11 @@ pub(super) fn check_crossings(
         options.astray = lattice.astray(pattern, verdict.closure_bound());
     }
     let lattice = lattice.filter(|_| options.astray < SweepOptions::FAR_ASTRAY);
-    let mut sweep = match &lattice {
+    let sweep = match &lattice {
         Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
         None => Sweep::new(pattern, members, options),
     };
-    match sweep.sweep(&motion.segments) {
+    match sweep.watched(watch).sweep(&motion.segments) {
         SweepVerdict::Free(clearance) => {
             // By what the motion may tear the sheet, faces round a vertex may lie across each other in it, but not at
             // knots, which tear it by less.
@@ -187,6 +190,7 @@ pub(super) fn check_shapes(
     path: &PathFile,
     motion: &Motion,
     options: &CheckOptions,
+    watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let pattern = &path.pattern;
@@ -195,7 +199,10 @@ pub(super) fn check_shapes(
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     let rounded = rounded(verdict);
     for (index, knot) in path.knots.iter().enumerate() {
-        options.done(index, path.knots.len());
+        if watch.is_over() {
+            break;
+        }
+        watch.done(index, path.knots.len());
         let segment = index.checked_sub(1).filter(|_| options.samples > 0);
         let inside = segment.into_iter().flat_map(|_| places(options.samples));
         let end = if index == 0 { 0.0 } else { 1.0 };

@@ -7,6 +7,7 @@ use super::motion::Motion;
 use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::formats::fold::{PathFile, PathKnot};
 use crate::pattern::FaceId;
+use crate::progress::Watch;
 use crate::symmetry::Lattice;
 
 /// Faces beyond which only sheets with a lattice are looked at, where one pair stands for many.
@@ -42,6 +43,16 @@ pub struct Clearances {
 /// each shape.
 #[must_use]
 pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> Clearances {
+    clearances_until_over(path, shapes, measured, Watch::default())
+}
+
+/// The same; once the call is over nothing more is known.
+pub(crate) fn clearances_until_over(
+    path: &PathFile,
+    shapes: &PathFile,
+    measured: &[Measured],
+    watch: Watch<'_>,
+) -> Clearances {
     let pattern = &path.pattern;
     let unknown = Clearances {
         shapes: vec![None; shapes.knots.len()],
@@ -72,10 +83,11 @@ pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> 
             max_looks,
             ..SweepOptions::default()
         };
-        match &lattice {
+        let sweep = match &lattice {
             Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
             None => Sweep::new(pattern, members, options),
-        }
+        };
+        sweep.watched(watch)
     });
     let mut found = Clearances {
         worst: worst(&sweep.sweep(&motion.segments), |at| time(path, at)),

@@ -13,6 +13,7 @@ mod majorant;
 mod motion;
 mod turns;
 
+pub(crate) use clearance::clearances_until_over;
 pub use clearance::{Clearances, WorstPair, clearances};
 pub use closure::{Place, SegmentClosure};
 pub(crate) use knots::{check_groups, crease_angles};
@@ -23,7 +24,7 @@ use crate::collision::Crossing;
 use crate::folding::Rigidity;
 use crate::formats::fold::PathFile;
 use crate::pattern::VertexId;
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Stage, Watch};
 
 /// Options of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,25 +35,9 @@ pub struct CheckOptions {
     pub samples: usize,
     /// Whether crossings are sought anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
-    /// Told how far judging is, if anybody looks on.
-    pub progress: Option<&'static Progress>,
 }
 
 impl CheckOptions {
-    /// Tells that a stage begins.
-    fn begin(&self, stage: Stage) {
-        if let Some(progress) = self.progress {
-            progress.begin(stage);
-        }
-    }
-
-    /// Tells that so many of so many parts of it are done.
-    fn done(&self, done: usize, of: usize) {
-        if let Some(progress) = self.progress {
-            progress.done(done, of);
-        }
-    }
-
     /// Judges knots alone.
     #[must_use]
     pub fn knots_alone(bound: f64) -> Self {
@@ -60,7 +45,6 @@ impl CheckOptions {
             bound,
             samples: 0,
             sweep: false,
-            progress: None,
         }
     }
 }
@@ -71,7 +55,6 @@ impl Default for CheckOptions {
             bound: 1e-3,
             samples: 16,
             sweep: true,
-            progress: None,
         }
     }
 }
@@ -169,7 +152,22 @@ impl Verdict {
 /// Judges a path.
 #[must_use]
 pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
-    options.begin(Stage::Folding);
+    check_until_over(path, options, Watch::default())
+}
+
+/// Judges a path as [`check`] does, and tells `progress` how far it is. A call that is cancelled answers that the path
+/// was not judged to its end, which is a failure.
+#[must_use]
+pub fn check_watched(path: &PathFile, options: &CheckOptions, progress: &Progress) -> Verdict {
+    check_until_over(path, options, Watch::new(progress))
+}
+
+pub(crate) fn check_until_over(
+    path: &PathFile,
+    options: &CheckOptions,
+    watch: Watch<'_>,
+) -> Verdict {
+    watch.begin(Stage::Folding);
     let mut verdict = Verdict {
         knots: measure(path),
         ..Verdict::default()
@@ -195,16 +193,20 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
     }
     // Numbers that overflow have been found by now.
     if motion.is_finite() {
-        options.begin(Stage::Closure);
-        between::check_closure(path, &motion, options, &mut verdict);
-        options.begin(Stage::Folding);
-        between::check_shapes(path, &motion, options, &mut verdict);
+        watch.begin(Stage::Closure);
+        between::check_closure(path, &motion, options, watch, &mut verdict);
+        watch.begin(Stage::Folding);
+        between::check_shapes(path, &motion, options, watch, &mut verdict);
         if options.sweep {
-            options.begin(Stage::Crossings);
-            between::check_crossings(path, &motion, options, &mut verdict);
+            watch.begin(Stage::Crossings);
+            between::check_crossings(path, &motion, options, watch, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
+    }
+    if watch.is_over() {
+        let failure = "cancelled before it was judged to its end";
+        verdict.failures.push(failure.into());
     }
     verdict
 }

@@ -10,7 +10,6 @@ mod locate;
 mod merge;
 mod obj;
 pub mod obj_sequence;
-mod output;
 pub mod rust;
 mod segments;
 mod stl;
@@ -23,7 +22,6 @@ use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
-pub use output::{write_each_whole, write_whole, write_whole_with};
 
 use crate::unfold::FoldedShape;
 

@@ -20,7 +20,7 @@ use crate::symmetry::Lattice;
 impl Planning<'_> {
     /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet there.
     pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
-        self.options.begin(Stage::Placing);
+        self.watch.begin(Stage::Placing);
         let start = Instant::now();
         let most = self.options.max_knots.unwrap_or(usize::MAX);
         if found.waypoints.len() > most {
@@ -34,7 +34,7 @@ impl Planning<'_> {
         let knots = self.knots_of(found);
         self.plan.path.interpolation = Interpolation::Linear;
         self.plan.times.place += start.elapsed();
-        self.options.begin(Stage::Folding);
+        self.watch.begin(Stage::Folding);
         if let Err(index) = self.measure_at_knots(reduction, knots) {
             return self.late_at(index);
         }
@@ -93,7 +93,7 @@ impl Planning<'_> {
 
     /// Looks for crossings at the knots, along the lattice if the sheet is where that has it.
     fn look_at_knots(self, reduction: &Reduction) -> Plan {
-        self.options.begin(Stage::Crossings);
+        self.watch.begin(Stage::Crossings);
         let start = Instant::now();
         let (pattern, groups) = (self.pattern, &reduction.groups);
         let lattice = self.lattice(reduction);

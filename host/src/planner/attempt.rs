@@ -43,8 +43,8 @@ pub(super) struct Reach {
 }
 
 /// A path in group angles, and how it ended.
-pub(super) struct Attempt {
-    pub(super) reduction: Reduction,
+pub(super) struct Attempt<'a> {
+    pub(super) reduction: Reduction<'a>,
     /// From flat.
     pub(super) waypoints: Vec<Waypoint>,
     /// The closed configuration at the goal, if one is known.
@@ -89,7 +89,7 @@ struct Route<'a> {
     pattern: &'a CreasePattern,
     goal: &'a Goal,
     options: &'a PlanOptions,
-    reduction: &'a Reduction,
+    reduction: &'a Reduction<'a>,
     asked: Vec<Option<f64>>,
     signs: Vec<f64>,
     notes: Vec<String>,
@@ -98,11 +98,11 @@ struct Route<'a> {
     branches: usize,
 }
 
-impl Attempt {
+impl<'a> Attempt<'a> {
     /// Tries to find a path.
     pub(super) fn new(
         pattern: &CreasePattern,
-        reduction: Reduction,
+        reduction: Reduction<'a>,
         goal: &Goal,
         reach: Reach,
         options: &PlanOptions,
@@ -189,7 +189,7 @@ impl<'a> Route<'a> {
             signs: &self.signs,
             max_step: self.options.max_step,
             tangents: self.options.judged == Judged::Motion,
-            progress: self.options.progress,
+            watch: self.reduction.watch,
         }
     }
 

@@ -41,8 +41,6 @@ impl Planning<'_> {
         SweepOptions {
             gap,
             rounding: rounding(self.plan.rigidity.gap),
-            deadline: self.deadline,
-            progress: self.options.progress,
             // Who wants to look at everything may.
             max_looks: if skips == Skips::default() {
                 usual.max_looks
@@ -77,8 +75,9 @@ impl Planning<'_> {
             0.0
         };
         let options = SweepOptions { astray, ..options };
-        let mut sweep = (astray < SweepOptions::FAR_ASTRAY)
-            .then(|| Sweep::with_lattice(self.pattern, memberships, options, lattice))?;
+        let mut sweep = (astray < SweepOptions::FAR_ASTRAY).then(|| {
+            Sweep::with_lattice(self.pattern, memberships, options, lattice).watched(self.watch)
+        })?;
         let verdict = sweep.sweep(&self.plan.path.curves());
         let decided = match verdict {
             SweepVerdict::Free(_) => true,
@@ -98,7 +97,7 @@ impl Planning<'_> {
         course: &Course,
     ) -> Plan {
         let mut start = Instant::now();
-        self.options.begin(Stage::Crossings);
+        self.watch.begin(Stage::Crossings);
         let lattice = self.lattice(reduction);
         self.plan.times.symmetry += start.elapsed();
         start = Instant::now();
@@ -122,7 +121,7 @@ impl Planning<'_> {
                 return self.sweep_no_more_than_knots(reduction);
             }
             start = Instant::now();
-            let mut sweep = Sweep::new(self.pattern, memberships, options);
+            let mut sweep = Sweep::new(self.pattern, memberships, options).watched(self.watch);
             (sweep.sweep(&self.plan.path.curves()), sweep.counts())
         };
         self.plan.collision = counts;

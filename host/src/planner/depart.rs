@@ -14,6 +14,7 @@ use super::reduction::Reduction;
 use super::solver::{ClosureSolver, Work};
 use super::{PlanOptions, Vertices};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::progress::Watch;
 use crate::symmetry::CreaseGroups;
 
 /// Radians: largest angle of the first step. Small enough that branches are straight, large enough that
@@ -101,7 +102,7 @@ struct Leaving<'a> {
 
 impl<'a> Leaving<'a> {
     fn new(
-        reduction: &'a Reduction,
+        reduction: &'a Reduction<'a>,
         options: &PlanOptions,
         accepted: f64,
         signs: &'a [f64],
@@ -178,7 +179,12 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
         vertices: Vertices::All,
         ..PlanOptions::default()
     };
-    let reduction = Reduction::new(pattern, CreaseGroups::trivial(pattern), &options, None);
+    let reduction = Reduction::new(
+        pattern,
+        CreaseGroups::trivial(pattern),
+        &options,
+        Watch::default(),
+    );
     let groups = &reduction.groups;
     let in_groups = |creases: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
         let creases: Vec<_> = creases.map(Some).collect();

@@ -6,6 +6,7 @@
 //! along the signs of the goal, see [`depart`](super::depart).
 
 use super::solver::ClosureSolver;
+use crate::progress::Watch;
 
 /// A configuration on the path, in group angles.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,15 +146,13 @@ pub(super) struct Rules<'a> {
     /// Whether the tangent at flat is asked for, which takes as long as some steps.
     pub(super) tangents: bool,
     /// Told how much of the way is behind.
-    pub(super) progress: Option<&'static crate::progress::Progress>,
+    pub(super) watch: Watch<'a>,
 }
 
 impl Rules<'_> {
     /// Tells that so much of `whole` is left of the way.
     pub(super) fn tell(&self, left: f64, whole: f64) {
-        if let Some(progress) = self.progress {
-            progress.part(1.0 - left / whole);
-        }
+        self.watch.part(1.0 - left / whole);
     }
 
     /// Whether each hinge turns its way at `next`, coming from `angles`.

@@ -162,11 +162,10 @@ impl Planning<'_> {
             ..self.goal.clone()
         };
         let planning = Planning {
-            deadline: self.deadline,
             part,
             unrounded: self.unrounded,
             measured: self.measured,
-            ..Planning::new(self.pattern, &goal, self.options)
+            ..Planning::new(self.pattern, &goal, self.options, self.watch)
         };
         planning.run()
     }

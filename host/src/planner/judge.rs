@@ -13,7 +13,7 @@ use crate::symmetry::essential_pattern;
 /// A whole sheet that is folded at one configuration after the other.
 pub(super) struct Judge<'a> {
     pattern: &'a CreasePattern,
-    reduction: &'a Reduction,
+    reduction: &'a Reduction<'a>,
     tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
@@ -26,7 +26,7 @@ pub(super) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub(super) fn new(
         pattern: &'a CreasePattern,
-        reduction: &'a Reduction,
+        reduction: &'a Reduction<'a>,
         collision: bool,
     ) -> Self {
         let start = Instant::now();

@@ -15,6 +15,7 @@ use super::solver::Work;
 use super::{Goal, PlanOptions};
 use crate::joined::root;
 use crate::pattern::CreasePattern;
+use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Infinitesimal motions of a closed configuration.
@@ -218,7 +219,7 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
         if groups.len() > MOST_UNKNOWNS {
             continue;
         }
-        let reduction = Reduction::new(pattern, groups, &options, None);
+        let reduction = Reduction::new(pattern, groups, &options, Watch::default());
         let (asked, signs) = reduction.asked(goal);
         let most = largest(&asked);
         let towards = asked.iter().zip(&signs);

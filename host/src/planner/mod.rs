@@ -40,6 +40,6 @@ pub use options::{
     Vertices,
 };
 pub use overshoot::Overshoot;
-pub use plan::{Outcome, Plan, Times, plan};
+pub use plan::{Outcome, Plan, Times, plan, plan_watched};
 pub use reduction::{CLOSED, closure_of};
 pub use sparse::SparseNormalEquations;

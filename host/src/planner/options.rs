@@ -7,7 +7,6 @@ use foldpath_core::{Interpolation, Objective};
 use thiserror::Error;
 
 use crate::pattern::CreaseId;
-use crate::progress::{Progress, Stage};
 
 /// Whether to look for crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -150,8 +149,6 @@ pub struct PlanOptions {
     pub timeout: Option<Duration>,
     /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
     pub keep_vertices: bool,
-    /// Told how far planning is, if anybody looks on.
-    pub progress: Option<&'static Progress>,
 }
 
 impl Default for PlanOptions {
@@ -176,7 +173,6 @@ impl Default for PlanOptions {
             max_knots: None,
             timeout: None,
             keep_vertices: true,
-            progress: None,
         }
     }
 }
@@ -205,13 +201,6 @@ impl OptionsError {
 const SLOWEST: f64 = 1e-9;
 
 impl PlanOptions {
-    /// Tells that a stage begins.
-    pub(crate) fn begin(&self, stage: Stage) {
-        if let Some(progress) = self.progress {
-            progress.begin(stage);
-        }
-    }
-
     /// Checks that each option is in its range.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use super::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, EdgeId};
-use crate::progress::Stage;
+use crate::progress::{Progress, Stage, Watch};
 use crate::symmetry::CreaseGroups;
 
 /// The answer.
@@ -128,16 +128,37 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
+    plan_until_over(pattern, goal, options, Watch::default())
+}
+
+/// Plans as [`plan`] does, and tells `progress` how far it is. A call that is cancelled answers
+/// [`Outcome::Timeout`], as one whose time is up.
+#[must_use]
+pub fn plan_watched(
+    pattern: &CreasePattern,
+    goal: &Goal,
+    options: &PlanOptions,
+    progress: &Progress,
+) -> Plan {
+    plan_until_over(pattern, goal, options, Watch::new(progress))
+}
+
+fn plan_until_over(
+    pattern: &CreasePattern,
+    goal: &Goal,
+    options: &PlanOptions,
+    watch: Watch<'_>,
+) -> Plan {
+    let deadline = options
+        .timeout
+        .and_then(|timeout| Instant::now().checked_add(timeout));
+    let watch = watch.until(deadline);
     let alone = PlanOptions {
         symmetry: Symmetry::Off,
         ..options.clone()
     };
-    let planning = Planning::new(pattern, goal, options);
-    let deadline = planning.deadline;
-    let again = || Planning {
-        deadline,
-        ..Planning::new(pattern, goal, &alone)
-    };
+    let planning = Planning::new(pattern, goal, options, watch);
+    let again = || Planning::new(pattern, goal, &alone, watch);
     let mut plan = planning.run();
     if plan.is_loose(pattern, options) {
         plan = tighter(plan, again().run());
@@ -240,7 +261,7 @@ pub(super) struct Planning<'a> {
     pub(super) pattern: &'a CreasePattern,
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
-    pub(super) deadline: Option<Instant>,
+    pub(super) watch: Watch<'a>,
     /// Closure residual of the goal as it stands, all creases on their own, if they all have an angle and it
     /// was asked for.
     pub(super) asked_closure: Option<f64>,
@@ -258,14 +279,13 @@ impl<'a> Planning<'a> {
         pattern: &'a CreasePattern,
         goal: &'a Goal,
         options: &'a PlanOptions,
+        watch: Watch<'a>,
     ) -> Self {
         Self {
             pattern,
             goal,
             options,
-            deadline: options
-                .timeout
-                .and_then(|timeout| Instant::now().checked_add(timeout)),
+            watch,
             asked_closure: None,
             part: FIRST_PART,
             unrounded: None,
@@ -275,8 +295,7 @@ impl<'a> Planning<'a> {
     }
 
     pub(super) fn is_late(&self) -> bool {
-        self.deadline
-            .is_some_and(|deadline| Instant::now() >= deadline)
+        self.watch.is_over()
     }
 
     pub(super) fn run(self) -> Plan {
@@ -294,7 +313,7 @@ impl<'a> Planning<'a> {
         let mut best: Option<Attempt> = None;
         let mut symmetric: Option<Reduction> = None;
         let start = Instant::now();
-        self.options.begin(Stage::Symmetry);
+        self.watch.begin(Stage::Symmetry);
         let pattern = self.pattern;
         let symmetries = self.symmetries();
         if !symmetries.is_empty() {
@@ -306,7 +325,7 @@ impl<'a> Planning<'a> {
         let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
         for (groups, exactly) in symmetries.into_iter().chain(without) {
             let start = Instant::now();
-            self.options.begin(Stage::Symmetry);
+            self.watch.begin(Stage::Symmetry);
             // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
             // one beside a goal that closes as it stands, all creases on their own.
             let radians = if exact && !groups.is_trivial() {
@@ -318,7 +337,7 @@ impl<'a> Planning<'a> {
             let options = self.options;
             let reduction = self.reduction(groups);
             self.plan.times.symmetry += start.elapsed();
-            self.options.begin(Stage::Following);
+            self.watch.begin(Stage::Following);
             let attempt = Attempt::new(
                 self.pattern,
                 reduction,
@@ -420,8 +439,8 @@ impl<'a> Planning<'a> {
     }
 
     /// Unknowns and conditions on these groups.
-    pub(super) fn reduction(&self, groups: CreaseGroups) -> Reduction {
-        let reduction = Reduction::new(self.pattern, groups, self.options, self.deadline);
+    pub(super) fn reduction(&self, groups: CreaseGroups) -> Reduction<'a> {
+        let reduction = Reduction::new(self.pattern, groups, self.options, self.watch);
         if self.measured {
             reduction.measured()
         } else {

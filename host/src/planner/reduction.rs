@@ -4,7 +4,6 @@
 use core::cell::OnceCell;
 use core::f64::consts::PI;
 use std::rc::Rc;
-use std::time::Instant;
 
 use super::follow::{approach, same_signs};
 use super::solver::{ClosureSolver, Work};
@@ -12,13 +11,14 @@ use super::sparse::Structure;
 use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
 /// Faces up to which all pairs are looked at sooner than their lattice is found and folded.
 const FEW_FACES: usize = 20;
 
 /// The unknowns and conditions of a plan.
-pub(super) struct Reduction {
+pub(super) struct Reduction<'a> {
     pub(super) groups: CreaseGroups,
     /// Stars of all real vertices, loops round all holes.
     pub(super) all: ReducedStars,
@@ -33,7 +33,7 @@ pub(super) struct Reduction {
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
-    deadline: Option<Instant>,
+    pub(super) watch: Watch<'a>,
     /// The tree along which the whole sheet is folded.
     pub(super) tree: SpanningTree,
     /// How much larger than the closure residuals errors of the whole sheet can be.
@@ -64,15 +64,15 @@ pub(super) struct ClosedGoal {
     pub(super) accepted: f64,
 }
 
-impl Reduction {
+impl<'a> Reduction<'a> {
     pub(super) fn new(
         pattern: &CreasePattern,
         groups: CreaseGroups,
         options: &PlanOptions,
-        deadline: Option<Instant>,
+        watch: Watch<'a>,
     ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
-        Self::of_stars(pattern, groups, all, options, deadline)
+        Self::of_stars(pattern, groups, all, options, watch)
     }
 
     /// The same of other stars.
@@ -81,7 +81,7 @@ impl Reduction {
         groups: CreaseGroups,
         all: ReducedStars,
         options: &PlanOptions,
-        deadline: Option<Instant>,
+        watch: Watch<'a>,
     ) -> Self {
         let tree = SpanningTree::from_central_face(pattern);
         Self {
@@ -93,7 +93,7 @@ impl Reduction {
             vertices: options.vertices,
             limits: group_limits(&groups, options),
             groups,
-            deadline,
+            watch,
             amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
             tree,
             expected: f64::INFINITY,
@@ -135,7 +135,7 @@ impl Reduction {
             rounded: Some(self.distinct.clone()),
             within,
             expected: self.expected,
-            ..Self::of_stars(pattern, groups, all, options, self.deadline)
+            ..Self::of_stars(pattern, groups, all, options, self.watch)
         };
         (turned > ROUNDING).then(|| (unrounded(), turned))
     }
@@ -155,7 +155,7 @@ impl Reduction {
         let mut solver =
             ClosureSolver::new(self.stars(), options.solver, accepted, &self.structure);
         solver.set_limits(self.limits.clone());
-        solver.until(self.deadline)
+        solver.watched(self.watch)
     }
 
     /// Limits for configurations that turn each group the way of `signs` or leave it flat.

@@ -69,7 +69,7 @@ impl Planning<'_> {
         };
         let unproved = self.cut(reduction, &course, &mut placed);
         self.plan.path.interpolation = placed.interpolation;
-        self.options.begin(Stage::Folding);
+        self.watch.begin(Stage::Folding);
         if let Err(index) = self.measure(reduction, placed.knots) {
             return self.late_at(index);
         }
@@ -136,7 +136,7 @@ impl Planning<'_> {
         course: &Course,
     ) -> Option<Placed> {
         let start = Instant::now();
-        self.options.begin(Stage::Placing);
+        self.watch.begin(Stage::Placing);
         let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
         let open = most_open(&reduction.essential, found);
         let placed = if self.measured {
@@ -341,9 +341,7 @@ impl Planning<'_> {
             if self.is_late() {
                 return Some(index);
             }
-            if let Some(progress) = self.options.progress {
-                progress.done(index, count);
-            }
+            self.watch.done(index, count);
             judge.judge(knot);
             None
         });

@@ -3,7 +3,6 @@
 use core::cell::OnceCell;
 use core::ops::AddAssign;
 use std::rc::Rc;
-use std::time::Instant;
 
 use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
@@ -18,6 +17,7 @@ use nalgebra::Vector3;
 use super::follow::max_norm;
 use super::sparse::{SparseNormalEquations, Structure};
 use super::{Solver, chord};
+use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
 /// Steps that the gradient solver may take: it converges linearly.
@@ -50,7 +50,7 @@ pub(super) struct ClosureSolver<'a> {
     tolerance: f64,
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
-    deadline: Option<Instant>,
+    watch: Watch<'a>,
     most_iterations: u32,
     /// Whether motions may be taken from the configuration predicted in place of the closed one.
     rough: bool,
@@ -80,7 +80,7 @@ impl<'a> ClosureSolver<'a> {
             accepted,
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
-            deadline: None,
+            watch: Watch::default(),
             most_iterations: Options::<f64>::default().max_iterations,
             rough: false,
             near: None,
@@ -116,16 +116,15 @@ impl<'a> ClosureSolver<'a> {
         self
     }
 
-    /// The same that finds nothing closed any more once the deadline has passed.
-    pub(super) fn until(mut self, deadline: Option<Instant>) -> Self {
-        self.deadline = deadline;
+    /// Finds nothing closed any more once the call is over.
+    pub(super) fn watched(mut self, watch: Watch<'a>) -> Self {
+        self.watch = watch;
         self
     }
 
-    /// Whether the deadline has passed.
+    /// Returns `true` once the call is over.
     pub(super) fn is_late(&self) -> bool {
-        self.deadline
-            .is_some_and(|deadline| Instant::now() >= deadline)
+        self.watch.is_over()
     }
 
     /// How far `x` can go along `direction`, as a factor of it, until an unknown is at its limit, and
@@ -162,7 +161,7 @@ impl<'a> ClosureSolver<'a> {
             ..Options::default()
         };
         let limits = Limits::Each(&self.limits);
-        let deadline = self.deadline;
+        let watch = self.watch;
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
             (Solver::Gradient, _) => {
@@ -170,7 +169,7 @@ impl<'a> ClosureSolver<'a> {
                 let mut sum = gradient::solve(&mut problem, limits, &options, x, work);
                 while sum.outcome == Outcome::IterationLimit
                     && sum.iterations < GRADIENT_ITERATIONS
-                    && deadline.is_none_or(|deadline| Instant::now() < deadline)
+                    && !watch.is_over()
                 {
                     let report = gradient::solve(&mut problem, limits, &options, x, work);
                     sum = Report {

@@ -2,11 +2,12 @@
 
 use foldpath_core::Membership;
 
-use crate::check::{CheckOptions, check};
+use crate::check::{CheckOptions, check_until_over};
 use crate::collision::CollisionScene;
 use crate::folding::{Dihedral, FoldingMap, SpanningTree};
 use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
+use crate::progress::{Progress, Watch};
 use crate::shapes::shapes;
 
 /// Places along a path at which curves are taken, those at its knots not counted; of large sheets fewer, so
@@ -56,6 +57,17 @@ impl Curves {
     /// Takes a path's curves. Cost: that of a [`check`](crate::check), and some hundred shapes.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
+        Self::until_over(path, Watch::default())
+    }
+
+    /// Takes a path's curves, and tells `progress` how far it is. Once cancelled, what has not been measured is left
+    /// out.
+    #[must_use]
+    pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
+        Self::until_over(path, Watch::new(progress))
+    }
+
+    fn until_over(path: &PathFile, watch: Watch<'_>) -> Self {
         let mut curves = Self {
             title: path.title.clone(),
             knots: path.knots.iter().map(|knot| knot.time).collect(),
@@ -63,22 +75,22 @@ impl Curves {
             angles: angles(path),
             count: path.curves_shown().len(),
             measured: measured(path),
-            clearance: clearance(path),
+            clearance: clearance(path, watch),
             ..Self::default()
         };
-        curves.judge(path);
+        curves.judge(path, watch);
         curves
     }
 
     /// Deformation, gap and what is known of the motion as a whole.
-    fn judge(&mut self, path: &PathFile) {
+    fn judge(&mut self, path: &PathFile, watch: Watch<'_>) {
         let segments = path.knots.len().saturating_sub(1);
         let affordable = FOLDED / path.pattern.faces().len().max(1) / segments.max(1);
         let options = CheckOptions {
             samples: places_of(segments).min(affordable).max(1),
             ..CheckOptions::default()
         };
-        let verdict = check(path, &options);
+        let verdict = check_until_over(path, &options, watch);
         let samples = verdict.samples.iter().map(|sample| {
             let [from, to] = [sample.segment, sample.segment + 1].map(|knot| self.knots[knot]);
             (from + sample.at * (to - from), sample.rigidity)
@@ -156,7 +168,7 @@ fn measured(path: &PathFile) -> Vec<Point> {
 }
 
 /// The clearance evenly in time.
-fn clearance(path: &PathFile) -> Vec<Point> {
+fn clearance(path: &PathFile, watch: Watch<'_>) -> Vec<Point> {
     let pattern = &path.pattern;
     if pattern.faces().len() > MANY_FACES {
         return Vec::new();
@@ -165,7 +177,8 @@ fn clearance(path: &PathFile) -> Vec<Point> {
     let mut map = FoldingMap::flat(pattern);
     let mut scene = CollisionScene::new(pattern);
     let path = path.resampled(CLEARANCES);
-    let points = path.knots.iter().filter_map(|knot| {
+    let knots = path.knots.iter().take_while(|_| !watch.is_over());
+    let points = knots.filter_map(|knot| {
         let creases = pattern.creases().iter();
         let angles: Vec<f64> = creases.map(|edge| knot.fold_angles[edge.index()]).collect();
         if !angles.iter().all(|angle| angle.is_finite()) {

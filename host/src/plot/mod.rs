@@ -7,12 +7,10 @@
 //! 3. deformation and gap, with the bound that holds for all of the motion between two knots (Figure 3);
 //! 4. clearance, the smallest distance between faces that share no vertex.
 //!
-//! [`Curves`] has the numbers, [`svg`] draws them, and [`png()`] makes pixels of that.
+//! [`Curves`] has the numbers, [`svg`] draws them.
 
 mod curves;
 mod panels;
-mod png;
 
 pub use curves::{Curves, Point};
 pub use panels::svg;
-pub use png::{PngError, png, system_fonts};

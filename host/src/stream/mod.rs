@@ -2,11 +2,9 @@
 //!
 //! - [`StreamPath`]: the content of a `.traj` file, as it is sent.
 //! - [`Link`]: bytes to a controller and back: [`Sim`], one in this process in virtual time, which may drive a
-//!   [`Plant`]; [`Wire`], one behind TCP or a serial device; [`Emulator`], one in QEMU; [`Faulty`], any of them with
-//!   faults.
+//!   [`Plant`]; [`Faulty`], any link with faults. Links over TCP, serial devices and QEMU are in the command's package.
 //! - [`run`]: a session from the greeting to its [`Outcome`], over [`foldpath_core::wire::driver`].
 
-mod emulator;
 mod faulty;
 mod link;
 mod path;
@@ -16,11 +14,10 @@ mod session;
 mod sim;
 mod words;
 
-pub use emulator::{Emulator, default_image};
 pub use faulty::Faulty;
-pub use link::{Link, Wire};
+pub use link::Link;
 pub use path::StreamPath;
 pub use plant::Plant;
-pub use script::script;
+pub use script::read_script;
 pub use session::{Options, Outcome, Summary, Telemetry, Watcher, Wish, run};
 pub use sim::Sim;

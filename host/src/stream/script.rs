@@ -7,13 +7,14 @@ use std::path::Path;
 
 use foldpath_firmware_sim::hinges::Trouble;
 
-use crate::formats::FileError;
+use crate::formats::{FileError, read_text};
 
-/// What happens at which microsecond, in order, by the text of `file`, for so many hinges.
+/// Reads a script for so many hinges: what happens at which microsecond, in order.
 ///
 /// # Errors
-/// If a line is none of the above, or its hinge is none of them.
-pub fn script(text: &str, hinges: usize, file: &Path) -> Result<Vec<(u64, Trouble)>, FileError> {
+/// If the file cannot be read, a line is none of the above, or its hinge is none of them.
+pub fn read_script(file: &Path, hinges: usize) -> Result<Vec<(u64, Trouble)>, FileError> {
+    let text = read_text(file)?;
     let mut events = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.split('#').next().unwrap_or_default().trim();

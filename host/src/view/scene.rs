@@ -4,10 +4,11 @@ use foldpath_core::{Membership, Node};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneMotion, ScenePair, SceneShape};
-use crate::check::{Motion, check_groups, clearances, crease_angles, measure};
+use crate::check::{Motion, check_groups, clearances_until_over, crease_angles, measure};
 use crate::folding::{FoldingMap, SpanningTree, fit, vertices_of_sheets};
 use crate::formats::fold::{PathFile, interpolation_name};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
+use crate::progress::{Progress, Watch};
 use crate::shapes::STEP;
 
 impl Scene {
@@ -15,11 +16,22 @@ impl Scene {
     /// claims. Cost: folding and measuring all shapes, and a sweep for the nearest faces.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
+        Self::until_over(path, Watch::default())
+    }
+
+    /// Takes the scene of a path, and tells `progress` how far it is. Once cancelled, clearances that have not been
+    /// measured are left out.
+    #[must_use]
+    pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
+        Self::until_over(path, Watch::new(progress))
+    }
+
+    fn until_over(path: &PathFile, watch: Watch<'_>) -> Self {
         let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
         let measured = measure(shapes);
-        let clearances = clearances(path, shapes, &measured);
+        let clearances = clearances_until_over(path, shapes, &measured, watch);
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };

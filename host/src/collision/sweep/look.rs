@@ -1,7 +1,5 @@
 //! Looks at pairs: how far apart they are at a time, and until when they stay apart.
 
-use std::time::Instant;
-
 use super::{Kind, Look, Pair, Place, Sweep, place};
 use crate::collision::cells::AHEAD;
 use crate::collision::chains::Chain;
@@ -100,11 +98,7 @@ impl Sweep<'_> {
         if time > 0 && time == motion.end() {
             return Look::Free;
         }
-        if self
-            .options
-            .deadline
-            .is_some_and(|deadline| Instant::now() >= deadline)
-        {
+        if self.watch.is_over() {
             return Look::Unsure;
         }
         let Some(mut course) = self.course.take() else {

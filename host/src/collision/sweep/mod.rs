@@ -25,7 +25,6 @@ pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 use core::f64::consts::PI;
 use core::ops::Range;
 use std::collections::{BTreeMap, HashMap};
-use std::time::Instant;
 
 use foldpath_core::{Curve, Membership};
 
@@ -41,6 +40,7 @@ use super::sheet::Sheet;
 use super::together::{Together, together};
 use crate::folding::SpanningTree;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::progress::Watch;
 use crate::symmetry::Lattice;
 
 /// Looks between two glances at the clock.
@@ -109,6 +109,7 @@ pub struct Sweep<'a> {
     memberships: &'a [Membership],
     groups: usize,
     options: SweepOptions,
+    watch: Watch<'a>,
     pieces: Pieces,
     hierarchy: Hierarchy,
     sheet: Sheet<'a>,
@@ -213,6 +214,7 @@ impl<'a> Sweep<'a> {
             memberships,
             groups,
             options,
+            watch: Watch::default(),
             sheet: Sheet::new(pattern, memberships, groups, tree.as_ref(), cells),
             course,
             unseen: HashMap::new(),
@@ -240,6 +242,12 @@ impl<'a> Sweep<'a> {
             pieces,
             hierarchy,
         }
+    }
+
+    /// Tells how much of the motion is free, and answers [`SweepVerdict::Undecided`] once the call is over.
+    #[must_use]
+    pub fn watched(self, watch: Watch<'a>) -> Self {
+        Self { watch, ..self }
     }
 
     /// What was looked at since the sheet was taken up.
@@ -286,10 +294,8 @@ impl<'a> Sweep<'a> {
                 break SweepVerdict::Free(self.clearance);
             };
             times += 1;
-            if let Some(progress) = self.options.progress {
-                #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
-                progress.part(time as f64 / motion.end() as f64);
-            }
+            #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
+            self.watch.part(time as f64 / motion.end() as f64);
             if let Some(verdict) = self.look_at_all(&motion, time, due) {
                 break verdict;
             }
@@ -486,9 +492,7 @@ impl<'a> Sweep<'a> {
 
     fn is_spent(&mut self) -> bool {
         self.looks += 1;
-        let late = |deadline| Instant::now() >= deadline;
-        self.looks > self.options.max_looks
-            || self.looks % CLOCK == 1 && self.options.deadline.is_some_and(late)
+        self.looks > self.options.max_looks || self.looks % CLOCK == 1 && self.watch.is_over()
     }
 
     fn faces(&self, pair: u32) -> [FaceId; 2] {

@@ -1,11 +1,8 @@
 //! What a sweep is asked and what it answers.
 
-use std::time::Instant;
-
 use crate::collision::pieces::CROSSING;
 use crate::collision::scene::Crossing;
 use crate::pattern::FaceId;
-use crate::progress::Progress;
 
 /// Options of a [`Sweep`](super::Sweep).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,10 +29,6 @@ pub struct SweepOptions {
     pub skip_edges: bool,
     /// Looks at pairs until the answer is [`SweepVerdict::Undecided`].
     pub max_looks: u64,
-    /// When to give up likewise.
-    pub deadline: Option<Instant>,
-    /// Told how much of the motion is free, if anybody looks on.
-    pub progress: Option<&'static Progress>,
 }
 
 impl SweepOptions {
@@ -54,8 +47,6 @@ impl Default for SweepOptions {
             skip_bounds: true,
             skip_edges: true,
             max_looks: 10_000_000,
-            deadline: None,
-            progress: None,
         }
     }
 }

@@ -4,13 +4,13 @@ use core::f64::consts::PI;
 use std::io::Read;
 use std::path::Path;
 
-use super::CliError;
-use crate::formats::FileError;
-use crate::pattern::{CreasePattern, EdgeId, PatternError};
-use crate::planner::{CLOSED, GoalError, closure_of};
+use crate::CliError;
+use foldpath::formats::FileError;
+use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
+use foldpath::planner::{CLOSED, GoalError, closure_of};
 
 /// A hint on what to do about an error.
-pub(super) fn hint(error: &CliError) -> Option<String> {
+pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Goal { source, .. } => of_goal(source),
@@ -130,7 +130,7 @@ const SAME_ANGLE: f64 = 1e-3;
 const NEARLY_CLOSED: f64 = 1e-3;
 
 /// That the goal angles, which do not close, seem to be radians. They are taken as degrees.
-pub(super) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {
+pub(crate) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {
     let goals = pattern
         .creases()
         .iter()
@@ -155,7 +155,7 @@ pub(super) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<S
 }
 
 /// The hinge nearest to an edge that is none, in words.
-pub(super) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<String> {
+pub(crate) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<String> {
     let middle = |edge: EdgeId| {
         let [a, b] = pattern
             .edge(edge)

@@ -1,4 +1,8 @@
-//! The command line: arguments in, text or JSON out, an exit status.
+//! The command `foldpath`: arguments in, text or JSON out, an exit status.
+//!
+//! What needs a terminal, a process or a serial port is here; planning and judging are in the library, [`foldpath`].
+
+pub mod link;
 
 mod args;
 mod check;
@@ -8,8 +12,10 @@ mod generate;
 mod hints;
 mod info;
 mod outlook;
+mod output;
 mod plan;
 mod plot;
+mod png;
 mod progress;
 mod report;
 mod stream;
@@ -24,9 +30,9 @@ use clap::Parser;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::formats::FileError;
-use crate::generate::ParameterError;
-use crate::planner::{GoalError, OptionsError};
+use foldpath::formats::FileError;
+use foldpath::generate::ParameterError;
+use foldpath::planner::{GoalError, OptionsError};
 
 /// Bad input or usage: exit status 2.
 #[derive(Debug, Error)]

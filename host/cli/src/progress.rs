@@ -7,50 +7,46 @@ use std::thread;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::args::Report;
-use crate::progress::Progress;
+use crate::args::Report;
+use foldpath::progress::Progress;
 
 /// Work shorter than this has no bar.
-pub(super) const PATIENCE: Duration = Duration::from_secs(1);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two looks at the work.
-pub(super) const PACE: Duration = Duration::from_millis(100);
+pub(crate) const PACE: Duration = Duration::from_millis(100);
 /// What a full bar counts to.
 const FULL: u64 = 1000;
 
-static PROGRESS: Progress = Progress::new();
-
 /// Whether bars are drawn.
-pub(super) fn shown(report: &Report, quiet: bool) -> bool {
+pub(crate) fn shown(report: &Report, quiet: bool) -> bool {
     !quiet && !report.json && stderr().is_terminal()
 }
 
-/// Does the work, which tells how far it is where that is shown.
-pub(super) fn watched<T>(
-    report: &Report,
-    quiet: bool,
-    work: impl FnOnce(Option<&'static Progress>) -> T,
-) -> T {
+/// Does the work and shows how far it is, if bars are shown.
+pub(crate) fn watched<T>(report: &Report, quiet: bool, work: impl FnOnce(&Progress) -> T) -> T {
+    let progress = Progress::new();
     if !shown(report, quiet) {
-        return work(None);
+        return work(&progress);
     }
     let (working, over) = channel();
     thread::scope(|scope| {
-        scope.spawn(move || draw(&over));
-        let result = work(Some(&PROGRESS));
+        let progress = &progress;
+        scope.spawn(move || draw(progress, &over));
+        let result = work(progress);
         drop(working);
         result
     })
 }
 
 /// Draws a bar until the work is over.
-fn draw(over: &Receiver<()>) {
+fn draw(progress: &Progress, over: &Receiver<()>) {
     let goes_on = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
     if !goes_on(PATIENCE) {
         return;
     }
     let bar = hidden_bar();
     loop {
-        let (stage, part) = PROGRESS.now();
+        let (stage, part) = progress.now();
         show(&bar, stage.name(), part);
         if !goes_on(PACE) {
             break;
@@ -60,12 +56,12 @@ fn draw(over: &Receiver<()>) {
 }
 
 /// A bar on stderr, of which nothing is seen yet.
-pub(super) fn hidden_bar() -> ProgressBar {
+pub(crate) fn hidden_bar() -> ProgressBar {
     ProgressBar::new(FULL)
 }
 
 /// Draws what is done, and the part of it that is over if that is known.
-pub(super) fn show(bar: &ProgressBar, what: &str, part: Option<f64>) {
+pub(crate) fn show(bar: &ProgressBar, what: &str, part: Option<f64>) {
     let template = match part {
         Some(_) => "{spinner} {elapsed} [{bar:30}] {percent:>3} % {msg}",
         None => "{spinner} {elapsed} {msg}",

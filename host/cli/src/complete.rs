@@ -5,18 +5,18 @@ use std::path::Path;
 use clap::CommandFactory;
 use clap_mangen::Man as Page;
 
-use super::args::{Cli, Completions, Man};
-use super::{Answer, CliError, print, print_to};
-use crate::formats::write_whole;
+use crate::args::{Cli, Completions, Man};
+use crate::output::write_whole;
+use crate::{Answer, CliError, print, print_to};
 
-pub(super) fn completions(args: &Completions) -> Answer {
+pub(crate) fn completions(args: &Completions) -> Answer {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "foldpath", &mut script);
     print_to(std::io::stdout().lock(), &script)?;
     Ok(true)
 }
 
-pub(super) fn man(args: &Man) -> Answer {
+pub(crate) fn man(args: &Man) -> Answer {
     let mut command = Cli::command();
     command.build();
     let Some(folder) = &args.output else {

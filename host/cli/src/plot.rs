@@ -1,12 +1,13 @@
 //! `foldpath plot`.
 
-use super::args::Plot;
-use super::{Answer, CliError, check_output, print};
-use crate::formats::fold::read_path;
-use crate::formats::write_whole;
-use crate::plot::{Curves, png, svg, system_fonts};
+use crate::args::Plot;
+use crate::output::write_whole;
+use crate::png::{png, system_fonts};
+use crate::{Answer, CliError, check_output, print};
+use foldpath::formats::fold::read_path;
+use foldpath::plot::{Curves, svg};
 
-pub(super) fn run(args: &Plot) -> Answer {
+pub(crate) fn run(args: &Plot) -> Answer {
     let output = args.output.display();
     let ending = args.output.extension().unwrap_or_default();
     let pixels = ending.eq_ignore_ascii_case("png");

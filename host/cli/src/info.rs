@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::args::Info;
-use super::hints::radians;
-use super::{Answer, outlook, print, print_json, print_notes};
-use crate::folding::{Amplification, SpanningTree};
-use crate::formats::read_pattern;
-use crate::planner::{CLOSED, closure_of};
-use crate::symmetry::{CreaseGroups, ReducedStars};
+use crate::args::Info;
+use crate::hints::radians;
+use crate::{Answer, outlook, print, print_json, print_notes};
+use foldpath::folding::{Amplification, SpanningTree};
+use foldpath::formats::read_pattern;
+use foldpath::planner::{CLOSED, closure_of};
+use foldpath::symmetry::{CreaseGroups, ReducedStars};
 
 #[derive(Serialize)]
 struct InfoJson {
@@ -32,7 +32,7 @@ struct InfoJson {
     assumptions: Vec<String>,
 }
 
-pub(super) fn run(args: &Info, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let file = read_pattern(&args.pattern)?;
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
@@ -43,8 +43,9 @@ pub(super) fn run(args: &Info, quiet: bool) -> Answer {
         *letters.entry(edge.letter.code()).or_default() += 1;
     }
     let real_vertices = pattern.real_vertices().count();
-    let letter = |id: &crate::pattern::EdgeId| pattern.edge(*id).letter;
-    let free = |id: &&crate::pattern::EdgeId| letter(id) == crate::pattern::Letter::Unassigned;
+    let letter = |id: &foldpath::pattern::EdgeId| pattern.edge(*id).letter;
+    let free =
+        |id: &&foldpath::pattern::EdgeId| letter(id) == foldpath::pattern::Letter::Unassigned;
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
     let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
     let info = InfoJson {

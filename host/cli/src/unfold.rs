@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
-use super::args::Unfold;
-use super::{Answer, CliError, check_output, print, print_json, print_notes};
-use crate::formats::fold::write_pattern;
-use crate::formats::{FileError, read_shape, write_whole_with};
-use crate::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
+use crate::args::Unfold;
+use crate::output::write_whole_with;
+use crate::{Answer, CliError, check_output, print, print_json, print_notes};
+use foldpath::formats::fold::write_pattern;
+use foldpath::formats::{FileError, read_shape};
+use foldpath::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
 
 #[derive(Serialize)]
 struct UnfoldJson<'a> {
@@ -20,7 +21,7 @@ struct UnfoldJson<'a> {
     max_closure: Option<f64>,
 }
 
-pub(super) fn run(args: &Unfold, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     let degrees = args.max_defect;
     if !(degrees > 0.0 && degrees <= 10.0) {
         return Err(CliError::Usage(format!(

@@ -1,5 +1,5 @@
 //! The `foldpath` command.
 
 fn main() -> std::process::ExitCode {
-    foldpath::cli::main()
+    foldpath_cli::main()
 }

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use super::args::Check;
-use super::progress::watched;
-use super::report::outcome;
-use super::{Answer, CliError, print, print_json, print_notes};
-use crate::check::{CheckOptions, check};
-use crate::formats::fold::read_path;
+use crate::args::Check;
+use crate::progress::watched;
+use crate::report::outcome;
+use crate::{Answer, CliError, print, print_json, print_notes};
+use foldpath::check::{CheckOptions, check_watched};
+use foldpath::formats::fold::read_path;
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -29,7 +29,7 @@ struct CrossingJson {
     at: f64,
 }
 
-pub(super) fn run(args: &Check, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
     let bound = args.bound;
     if bound > 1.0 && bound.is_finite() {
         let text = format!("--bound: expected a fraction of at most 1, found {bound}");
@@ -44,10 +44,9 @@ pub(super) fn run(args: &Check, quiet: bool) -> Answer {
         let path = read_path(&args.path)?;
         let options = CheckOptions {
             bound,
-            progress,
             ..CheckOptions::default()
         };
-        let verdict = check(&path, &options);
+        let verdict = check_watched(&path, &options, progress);
         Ok::<_, CliError>((path, verdict))
     })?;
     let holds = verdict.failures.is_empty();

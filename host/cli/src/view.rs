@@ -1,12 +1,12 @@
 //! `foldpath view`.
 
-use super::args::View;
-use super::{Answer, check_output, print};
-use crate::formats::fold::read_path;
-use crate::formats::write_whole;
-use crate::view::{Scene, page};
+use crate::args::View;
+use crate::output::write_whole;
+use crate::{Answer, check_output, print};
+use foldpath::formats::fold::read_path;
+use foldpath::view::{Scene, page};
 
-pub(super) fn run(args: &View) -> Answer {
+pub(crate) fn run(args: &View) -> Answer {
     check_output("-o", &args.output, [&args.path])?;
     let path = read_path(&args.path)?;
     let scene = Scene::of_path(&path);

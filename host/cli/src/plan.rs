@@ -5,16 +5,17 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::args::{Frames, Plan, Switch};
-use super::hints::{nearest_hinge, radians};
-use super::progress::watched;
-use super::report::outcome;
-use super::{Answer, CliError, check_output, print, print_json, print_notes};
-use crate::formats::fold::{PathWriter, PatternFile, read_goal};
-use crate::formats::{read_pattern, write_whole_with};
-use crate::pattern::{CreaseId, CreasePattern};
-use crate::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
-use crate::progress::Stage;
+use crate::args::{Frames, Plan, Switch};
+use crate::hints::{nearest_hinge, radians};
+use crate::output::write_whole_with;
+use crate::progress::watched;
+use crate::report::outcome;
+use crate::{Answer, CliError, check_output, print, print_json, print_notes};
+use foldpath::formats::fold::{PathWriter, PatternFile, read_goal};
+use foldpath::formats::read_pattern;
+use foldpath::pattern::{CreaseId, CreasePattern};
+use foldpath::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
+use foldpath::progress::{Progress, Stage};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -66,7 +67,7 @@ struct CollisionJson {
     skipped_edges: u64,
 }
 
-pub(super) fn run(args: &Plan, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     let start = Instant::now();
     let options = args.options()?;
     if let Some(output) = &args.output {
@@ -83,13 +84,7 @@ pub(super) fn run(args: &Plan, quiet: bool) -> Answer {
         read,
         write,
     } = watched(&args.report, quiet, |progress| {
-        planned(
-            args,
-            PlanOptions {
-                progress,
-                ..options
-            },
-        )
+        planned(args, options, progress)
     })?;
     let times = plan.times;
     let json = PlanJson {
@@ -162,8 +157,12 @@ struct Planned {
 }
 
 /// Reads, plans, and writes a path that reaches its goal.
-fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
-    options.begin(Stage::Reading);
+fn planned(
+    args: &Plan,
+    mut options: PlanOptions,
+    progress: &Progress,
+) -> Result<Planned, CliError> {
+    progress.begin(Stage::Reading);
     let start = Instant::now();
     let file = read_pattern(&args.pattern)?;
     let goal = goal(args, &file)?;
@@ -174,9 +173,9 @@ fn planned(args: &Plan, mut options: PlanOptions) -> Result<Planned, CliError> {
         .validate()
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
-    let mut plan = planner::plan(&file.pattern, &goal, &options);
+    let mut plan = planner::plan_watched(&file.pattern, &goal, &options, progress);
     plan.notes.extend(held_flat(args, &file.pattern, &goal));
-    options.begin(Stage::Writing);
+    progress.begin(Stage::Writing);
     let start = Instant::now();
     if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
         let writer = PathWriter {
@@ -243,7 +242,7 @@ fn flat(pattern: &CreasePattern) -> Goal {
 
 /// The limits of the hinges.
 fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliError> {
-    let limit = |limit: &super::args::LimitedEdge| {
+    let limit = |limit: &crate::args::LimitedEdge| {
         Ok(HingeLimit {
             crease: crease(pattern, "--limit", limit.edge)?,
             lower: limit.lower.to_radians(),
@@ -255,7 +254,7 @@ fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliEr
 
 /// That limits leave creases no room at all the way they are to turn, which no outcome says.
 fn held_flat(args: &Plan, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
-    let note = |limit: &super::args::LimitedEdge| {
+    let note = |limit: &crate::args::LimitedEdge| {
         let edge = pattern.edges().get(limit.edge)?;
         let asked = goal.fold_angles[edge.crease?.index()];
         let (way, what) = match (edge.letter.sign(), asked) {

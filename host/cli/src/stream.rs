@@ -9,16 +9,18 @@ use foldpath_core::follower::State;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::args::{Drives, LineFaults, Stream, Target};
-use super::progress::{self, PACE, PATIENCE};
-use super::report::outcome;
-use super::{Answer, CliError, check_output, print, print_json};
-use crate::folding::Rigidity;
-use crate::formats::fold::read_path;
-use crate::formats::{FileError, read_text, write_whole_with};
-use crate::stream::{
-    self, Emulator, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry,
-    Watcher, Wire, Wish, default_image, script,
+use crate::args::{Drives, LineFaults, Stream, Target};
+use crate::link::{Emulator, Wire, default_image};
+use crate::output::write_whole_with;
+use crate::progress::{self, PACE, PATIENCE};
+use crate::report::outcome;
+use crate::{Answer, CliError, check_output, print, print_json};
+use foldpath::folding::Rigidity;
+use foldpath::formats::FileError;
+use foldpath::formats::fold::read_path;
+use foldpath::stream::{
+    self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher,
+    Wish, read_script,
 };
 
 #[derive(Serialize)]
@@ -37,7 +39,7 @@ struct StreamJson<'a> {
     max_gap: Option<f64>,
 }
 
-pub(super) fn run(args: &Stream, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     if let Some(log) = &args.log {
         let others = [&args.script, &args.sheet, &args.image];
         let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
@@ -98,7 +100,7 @@ pub(super) fn run(args: &Stream, quiet: bool) -> Answer {
 /// The hinges of a simulated controller.
 fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     let events = match &args.script {
-        Some(file) => script(&read_text(file)?, path.hinges().len(), file)?,
+        Some(file) => read_script(file, path.hinges().len())?,
         None => Vec::new(),
     };
     let Drives { drive, seed } = args.drives.unwrap_or_default();

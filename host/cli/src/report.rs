@@ -7,7 +7,7 @@ use std::io::Write;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::{AnsiColor, Style};
 
-use super::{CliError, hints};
+use crate::{CliError, hints};
 
 /// Characters of a line that are shown.
 const SHOWN: usize = 72;
@@ -17,24 +17,24 @@ const BEFORE: usize = 30;
 const CUT: &str = "...";
 
 /// Red, for errors and answers that are a fault.
-pub(super) const BAD: Style = AnsiColor::Red.on_default().bold();
+pub(crate) const BAD: Style = AnsiColor::Red.on_default().bold();
 /// Yellow, for answers that are no.
-pub(super) const NO: Style = AnsiColor::Yellow.on_default().bold();
+pub(crate) const NO: Style = AnsiColor::Yellow.on_default().bold();
 /// Green, for answers that are yes.
-pub(super) const YES: Style = AnsiColor::Green.on_default().bold();
+pub(crate) const YES: Style = AnsiColor::Green.on_default().bold();
 
 /// A text in a style, which is left out where there are no colours.
-pub(super) fn styled(style: Style, text: &str) -> String {
+pub(crate) fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
 /// An outcome in the style of a yes or a no.
-pub(super) fn outcome(good: bool, text: &str) -> String {
+pub(crate) fn outcome(good: bool, text: &str) -> String {
     styled(if good { YES } else { NO }, text)
 }
 
 /// Tells an error on stderr, if anybody reads it.
-pub(super) fn tell(error: &CliError) {
+pub(crate) fn tell(error: &CliError) {
     let text = text_of(error);
     let _gone = writeln!(anstream::stderr(), "{text}");
 }

@@ -3,10 +3,10 @@
 use core::f64::consts::PI;
 use std::path::Path;
 
-use super::report::{NO, YES, styled};
-use crate::pattern::{CreasePattern, FlatFlaw, VertexId};
-use crate::planner::{CLOSED, FirstStep, Goal, GoalKind, first_step};
-use crate::symmetry::CreaseGroups;
+use crate::report::{NO, YES, styled};
+use foldpath::pattern::{CreasePattern, FlatFlaw, VertexId};
+use foldpath::planner::{CLOSED, FirstStep, Goal, GoalKind, first_step};
+use foldpath::symmetry::CreaseGroups;
 
 /// Vertices and hinges that are named.
 const NAMED: usize = 5;
@@ -14,7 +14,7 @@ const NAMED: usize = 5;
 const FLAT: f64 = 1e-6;
 
 /// Two lines of the summary.
-pub(super) fn text(
+pub(crate) fn text(
     pattern: &CreasePattern,
     groups: &CreaseGroups,
     closure: Option<f64>,

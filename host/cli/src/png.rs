@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// Why there are no pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum PngError {
+pub(crate) enum PngError {
     /// Texts have to be drawn, and only the system has fonts.
     #[error("expected a font on this system to draw texts with, found none (.svg needs none)")]
     NoFont,
@@ -18,7 +18,7 @@ pub enum PngError {
 
 /// The fonts of this system.
 #[must_use]
-pub fn system_fonts() -> Database {
+pub(crate) fn system_fonts() -> Database {
     let mut fonts = Database::new();
     fonts.load_system_fonts();
     fonts
@@ -29,7 +29,7 @@ pub fn system_fonts() -> Database {
 ///
 /// # Errors
 /// If there is no font, or the text is no picture.
-pub fn png(svg: &str, mut fonts: Database) -> Result<Vec<u8>, PngError> {
+pub(crate) fn png(svg: &str, mut fonts: Database) -> Result<Vec<u8>, PngError> {
     let query = Query {
         families: &[Family::SansSerif],
         ..Query::default()

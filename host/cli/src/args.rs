@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use foldpath_firmware_sim::hinges::Drive;
 
-use crate::planner;
+use foldpath::planner;
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -24,16 +24,16 @@ Examples:
   foldpath plan miura.fold -o path.fold
   foldpath check path.fold"
 )]
-pub(super) struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
-    pub(super) command: Command,
+    pub(crate) command: Command,
     /// No notes and no bars on stderr
     #[arg(long, global = true)]
-    pub(super) quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Command {
+pub(crate) enum Command {
     /// Write a crease pattern of a known family with its goal
     Generate(Generate),
     /// Say what a crease pattern is, whether it will fold, and which hinges to drive
@@ -76,13 +76,13 @@ pub(super) enum Command {
 Examples:
   foldpath generate miura --rows 11 --cols 11 -o miura.fold
   foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold")]
-pub(super) struct Generate {
+pub(crate) struct Generate {
     #[command(subcommand)]
-    pub(super) family: Family,
+    pub(crate) family: Family,
 }
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Family {
+pub(crate) enum Family {
     /// Miura fold of rows x cols parallelograms with unit sides
     #[command(after_help = "\
 Examples:
@@ -205,23 +205,23 @@ Examples:
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum TwistLetters {
+pub(crate) enum TwistLetters {
     #[default]
     Foldable,
     Unfoldable,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct Size {
+pub(crate) struct Size {
     /// Number of rows
     #[arg(long)]
-    pub(super) rows: usize,
+    pub(crate) rows: usize,
     /// Number of columns
     #[arg(long)]
-    pub(super) cols: usize,
+    pub(crate) cols: usize,
     /// File to write
     #[arg(short, long)]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -229,11 +229,11 @@ pub(super) struct Size {
 Examples:
   foldpath info miura.fold
   foldpath info miura.fold --json")]
-pub(super) struct Info {
+pub(crate) struct Info {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
-    pub(super) pattern: PathBuf,
+    pub(crate) pattern: PathBuf,
     #[command(flatten)]
-    pub(super) report: Report,
+    pub(crate) report: Report,
 }
 
 #[derive(Debug, Args)]
@@ -241,28 +241,28 @@ pub(super) struct Info {
 Examples:
   foldpath unfold path.fold -o unfolded.fold
   foldpath unfold path.fold --frame 3 -o third.fold --json")]
-pub(super) struct Unfold {
+pub(crate) struct Unfold {
     /// Folded shape: a FOLD file with faces in space, or by its ending .obj (with Freeform Origami's crease
     /// comments) or .stl
-    pub(super) shape: PathBuf,
+    pub(crate) shape: PathBuf,
     /// Crease pattern to write, a FOLD file; nothing is written unless the shape unfolds
     #[arg(short, long)]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
     /// Frame of a FOLD file, of which the key frame is 0 [default: the last folded form, or the key frame]
     #[arg(long, value_name = "N")]
-    pub(super) frame: Option<usize>,
+    pub(crate) frame: Option<usize>,
     /// Angle defect of an inner vertex, and slope of a face out of its plane, that is taken for noise, degrees
     #[arg(long, default_value_t = 0.01, value_name = "DEG")]
-    pub(super) max_defect: f64,
+    pub(crate) max_defect: f64,
     #[command(flatten)]
-    pub(super) report: Report,
+    pub(crate) report: Report,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct Report {
+pub(crate) struct Report {
     /// Print one JSON object on stdout
     #[arg(long)]
-    pub(super) json: bool,
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -273,46 +273,46 @@ Examples:
   foldpath plan miura.fold --fold 0.5 --max-accel 90 -o gentle.fold
   foldpath plan miura.fold --crease 4=-45 -o driven.fold
   foldpath plan miura.fold --symmetry off --collision off --json")]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
-    pub(super) pattern: PathBuf,
+    pub(crate) pattern: PathBuf,
     /// FOLD file of the same sheet whose angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
-    pub(super) goal: Option<PathBuf>,
+    pub(crate) goal: Option<PathBuf>,
     /// Fold each crease by this fraction of a half turn, the way its letter says; 0 is the flat sheet, to which
     /// --via leads back
     #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
-    pub(super) fold: Option<f64>,
+    pub(crate) fold: Option<f64>,
     /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow
     #[arg(long, value_name = "I=DEG", help_heading = "Goal")]
-    pub(super) crease: Option<DrivenEdge>,
+    pub(crate) crease: Option<DrivenEdge>,
     /// FOLD file of the same sheet whose angles the path passes through before the goal, at rest; several
     /// in the order given
     #[arg(long, value_name = "FILE", help_heading = "Goal")]
-    pub(super) via: Vec<PathBuf>,
+    pub(crate) via: Vec<PathBuf>,
     /// Path to write, a FOLD animation; nothing is written unless the goal is reached
     #[arg(short, long, help_heading = "Path written")]
-    pub(super) output: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
     /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
     #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
-    pub(super) limit: Vec<LimitedEdge>,
+    pub(crate) limit: Vec<LimitedEdge>,
     /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
     /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
     #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
-    pub(super) bound: f64,
+    pub(crate) bound: f64,
     /// Find creases that turn alike and give them one unknown; off gives every crease its own
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) symmetry: Symmetry,
+    pub(crate) symmetry: Symmetry,
     /// Vertices whose closure is solved: one for each distinct condition, or all
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) vertices: Vertices,
+    pub(crate) vertices: Vertices,
     /// Plan on the essential crease pattern and reuse its path on the whole sheet; off plans on the
     /// closure of all vertices
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) reuse: Reuse,
+    pub(crate) reuse: Reuse,
     /// Look for faces that pass through each other
     #[arg(long, value_enum, default_value_t, help_heading = "Crossings")]
-    pub(super) collision: Switch,
+    pub(crate) collision: Switch,
     /// Switch off what the search for crossings skips, to compare
     #[arg(
         long,
@@ -321,10 +321,10 @@ pub(super) struct Plan {
         value_name = "LIST",
         help_heading = "Crossings"
     )]
-    pub(super) no_skip: Vec<Skip>,
+    pub(crate) no_skip: Vec<Skip>,
     /// Motion between knots
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
-    pub(super) interpolation: Interpolation,
+    pub(crate) interpolation: Interpolation,
     /// Speed that no hinge exceeds, degrees per second
     #[arg(
         long,
@@ -332,71 +332,71 @@ pub(super) struct Plan {
         value_name = "DEG_PER_S",
         help_heading = "Limits"
     )]
-    pub(super) max_speed: f64,
+    pub(crate) max_speed: f64,
     /// Acceleration that no hinge exceeds, degrees per second squared; the path then begins and ends at rest
     #[arg(long, value_name = "DEG_PER_S2", help_heading = "Limits")]
-    pub(super) max_accel: Option<f64>,
+    pub(crate) max_accel: Option<f64>,
     /// How time runs along the path
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
-    pub(super) pace: Pace,
+    pub(crate) pace: Pace,
     /// What of the path is judged
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) judge: Judged,
+    pub(crate) judge: Judged,
     /// Knots that the path has at most
     #[arg(long, value_name = "N", help_heading = "Path written")]
-    pub(super) max_knots: Option<usize>,
+    pub(crate) max_knots: Option<usize>,
     /// What each knot stores
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
-    pub(super) frames: Frames,
+    pub(crate) frames: Frames,
     /// Solver
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) solver: Solver,
+    pub(crate) solver: Solver,
     /// How to look for the path: along the motion, or by the report's adaptive randomised search
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) search: Search,
+    pub(crate) search: Search,
     /// Objective of the randomised search: the worst vertex, or the sum over all
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub(super) objective: Objective,
+    pub(crate) objective: Objective,
     /// Seed of everything random
     #[arg(long, default_value_t = 0, help_heading = "Method")]
-    pub(super) seed: u64,
+    pub(crate) seed: u64,
     /// Stop planning after this time
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
-    pub(super) timeout: Option<f64>,
+    pub(crate) timeout: Option<f64>,
     #[command(flatten)]
-    pub(super) report: Report,
+    pub(crate) report: Report,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Symmetry {
+pub(crate) enum Symmetry {
     #[default]
     Auto,
     Off,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Vertices {
+pub(crate) enum Vertices {
     #[default]
     Essential,
     All,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Reuse {
+pub(crate) enum Reuse {
     #[default]
     Auto,
     Off,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Switch {
+pub(crate) enum Switch {
     #[default]
     On,
     Off,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Interpolation {
+pub(crate) enum Interpolation {
     /// What needs the fewest knots
     #[default]
     Auto,
@@ -411,7 +411,7 @@ pub(super) enum Interpolation {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Skip {
+pub(crate) enum Skip {
     /// Pairs of faces that move like another pair
     Symmetry,
     /// Pairs that cannot have come together since they were looked at
@@ -423,7 +423,7 @@ pub(super) enum Skip {
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Pace {
+pub(crate) enum Pace {
     /// As fast as the limits of the hinges allow
     #[default]
     Optimal,
@@ -432,7 +432,7 @@ pub(super) enum Pace {
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Judged {
+pub(crate) enum Judged {
     /// The whole motion, certified between its knots
     #[default]
     Motion,
@@ -441,7 +441,7 @@ pub(super) enum Judged {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Frames {
+pub(crate) enum Frames {
     /// Fold angles and the positions of all vertices
     #[default]
     Full,
@@ -450,7 +450,7 @@ pub(super) enum Frames {
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Solver {
+pub(crate) enum Solver {
     /// Levenberg-Marquardt
     #[default]
     Lm,
@@ -459,14 +459,14 @@ pub(super) enum Solver {
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Search {
+pub(crate) enum Search {
     #[default]
     Path,
     Random,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(super) enum Objective {
+pub(crate) enum Objective {
     #[default]
     Max,
     Sum,
@@ -474,9 +474,9 @@ pub(super) enum Objective {
 
 /// `I=DEG`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DrivenEdge {
-    pub(super) edge: usize,
-    pub(super) degrees: f64,
+pub(crate) struct DrivenEdge {
+    pub(crate) edge: usize,
+    pub(crate) degrees: f64,
 }
 
 impl FromStr for DrivenEdge {
@@ -496,10 +496,10 @@ impl FromStr for DrivenEdge {
 
 /// `I=MIN..MAX`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LimitedEdge {
-    pub(super) edge: usize,
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+pub(crate) struct LimitedEdge {
+    pub(crate) edge: usize,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
 }
 
 impl FromStr for LimitedEdge {
@@ -526,19 +526,19 @@ fn degrees_of(text: &str) -> Option<f64> {
 
 impl Plan {
     /// The planner's options.
-    pub(super) fn options(&self) -> Result<planner::PlanOptions, super::CliError> {
+    pub(crate) fn options(&self) -> Result<planner::PlanOptions, crate::CliError> {
         let timeout = self.timeout.map(|seconds| {
             // Longer than a duration can be is no timeout.
             let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
             (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
                 let text = format!("--timeout: expected seconds from 0, found {seconds}");
-                super::CliError::Usage(text)
+                crate::CliError::Usage(text)
             })
         });
         let timeout = timeout.transpose()?.flatten();
         if !(self.max_speed >= 1e-6 && self.max_speed.is_finite()) {
             let found = self.max_speed;
-            return Err(super::CliError::Usage(format!(
+            return Err(crate::CliError::Usage(format!(
                 "--max-speed: expected at least 1e-6 degrees per second, found {found}"
             )));
         }
@@ -546,12 +546,12 @@ impl Plan {
             .max_accel
             .filter(|most| !(*most > 0.0 && most.is_finite()))
         {
-            return Err(super::CliError::Usage(format!(
+            return Err(crate::CliError::Usage(format!(
                 "--max-accel: expected degrees per second squared above 0, found {found}"
             )));
         }
         if !self.via.is_empty() && matches!(self.search, Search::Random) {
-            return Err(super::CliError::Usage(
+            return Err(crate::CliError::Usage(
                 "--via: expected --search path, as the randomised search knows no phases".into(),
             ));
         }
@@ -611,7 +611,7 @@ impl Plan {
         };
         options
             .validate()
-            .map_err(|option| super::CliError::Options { option })?;
+            .map_err(|option| crate::CliError::Options { option })?;
         Ok(options)
     }
 }
@@ -622,15 +622,15 @@ impl Plan {
 Examples:
   foldpath check path.fold
   foldpath check path.fold --bound 1e-6 --json")]
-pub(super) struct Check {
+pub(crate) struct Check {
     /// Path, a FOLD animation
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
     /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
     #[arg(long, default_value_t = 1e-3)]
-    pub(super) bound: f64,
+    pub(crate) bound: f64,
     #[command(flatten)]
-    pub(super) report: Report,
+    pub(crate) report: Report,
 }
 
 #[derive(Debug, Args)]
@@ -638,12 +638,12 @@ pub(super) struct Check {
 Examples:
   foldpath view path.fold -o path.html
   foldpath view gentle.fold -o gentle.html")]
-pub(super) struct View {
+pub(crate) struct View {
     /// Path, a FOLD animation
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Page to write, an HTML file
     #[arg(short, long)]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -651,12 +651,12 @@ pub(super) struct View {
 Examples:
   foldpath plot path.fold -o plots.svg
   foldpath plot path.fold -o plots.png")]
-pub(super) struct Plot {
+pub(crate) struct Plot {
     /// Path, a FOLD animation
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Picture to write: .svg or .png
     #[arg(short, long)]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -666,26 +666,26 @@ Examples:
   foldpath export path.fold --to glb -o path.glb
   foldpath export path.fold --to obj --frames 60 -o fold.obj
   foldpath export path.fold --to svg --colour groups -o groups.svg")]
-pub(super) struct Export {
+pub(crate) struct Export {
     /// Path, a FOLD animation; for svg by letters or groups any crease pattern
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_enum)]
-    pub(super) to: ExportFormat,
+    pub(crate) to: ExportFormat,
     /// File to write; for obj the name of the sequence, or a folder
     #[arg(short, long)]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
     /// With obj or glb: number of frames, evenly in time [default: obj the knots; glb the knots and as many
     /// between that no hinge turns by more than 6 degrees from one to the next]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=2000))]
-    pub(super) frames: Option<u16>,
+    pub(crate) frames: Option<u16>,
     /// With svg: what colours say [default: letters]
     #[arg(long, value_enum)]
-    pub(super) colour: Option<Colour>,
+    pub(crate) colour: Option<Colour>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ExportFormat {
+pub(crate) enum ExportFormat {
     /// What a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
     /// A row a knot: seconds, and the fold angle of each crease group in degrees
@@ -701,7 +701,7 @@ pub(super) enum ExportFormat {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Colour {
+pub(crate) enum Colour {
     /// Mountain red, valley blue and so on, opacity the goal angle: what Origami Simulator reads
     #[default]
     Letters,
@@ -716,10 +716,10 @@ pub(super) enum Colour {
 Examples:
   foldpath completions bash > foldpath.bash
   foldpath completions zsh > _foldpath")]
-pub(super) struct Completions {
+pub(crate) struct Completions {
     /// Shell
     #[arg(value_enum)]
-    pub(super) shell: clap_complete::Shell,
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, Args)]
@@ -727,10 +727,10 @@ pub(super) struct Completions {
 Examples:
   foldpath man > foldpath.1
   foldpath man -o .")]
-pub(super) struct Man {
+pub(crate) struct Man {
     /// Folder to write a page for each command into
     #[arg(short, long, value_name = "DIR")]
-    pub(super) output: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -740,47 +740,47 @@ Examples:
   foldpath stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7
   foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
   foldpath stream path.traj --to serial:/dev/ttyUSB0")]
-pub(super) struct Stream {
+pub(crate) struct Stream {
     /// Path: a .traj file, as `foldpath export --to traj` writes it
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Controller: sim (one in this process, in virtual time), qemu (its image on an emulated board),
     /// serial:DEVICE, tcp:HOST:PORT, or tcp:PORT on this machine
     #[arg(long, value_name = "CONTROLLER")]
-    pub(super) to: Target,
+    pub(crate) to: Target,
     /// CSV file to write, a row for each telemetry message: microseconds, state, number of the knot at or before
     /// the place on the path, and the commanded angle of each crease group in radians
     #[arg(long)]
-    pub(super) log: Option<PathBuf>,
+    pub(crate) log: Option<PathBuf>,
     /// Go on from where the sheet stands, after a stop or a fault too
     #[arg(long)]
-    pub(super) resume: bool,
+    pub(crate) resume: bool,
     /// Faults to add to the line, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     #[arg(long)]
-    pub(super) faults: Option<LineFaults>,
+    pub(crate) faults: Option<LineFaults>,
     /// With sim: what its hinges' drives have, of lag (seconds), speed (radians a second), acceleration (torque over
     /// what is turned, radians a second squared), play and noise (radians): lag=0.005,speed=4,acceleration=200,seed=7
     #[arg(long)]
-    pub(super) drives: Option<Drives>,
+    pub(crate) drives: Option<Drives>,
     /// With sim: what befalls its hinges, a line an event: SECONDS and supply 0..1, stick HINGE, free HINGE or
     /// jump HINGE RADIANS (of its sensor)
     #[arg(long)]
-    pub(super) script: Option<PathBuf>,
+    pub(crate) script: Option<PathBuf>,
     /// With sim: the path that the .traj file was exported from, to tell how far from rigid its sheet was
     #[arg(long)]
-    pub(super) sheet: Option<PathBuf>,
+    pub(crate) sheet: Option<PathBuf>,
     /// Image for qemu [default: that of the workspace, built if there is none]
     #[arg(long)]
-    pub(super) image: Option<PathBuf>,
+    pub(crate) image: Option<PathBuf>,
     /// Speed of a serial line
     #[arg(long, default_value_t = 115_200)]
-    pub(super) baud: u32,
+    pub(crate) baud: u32,
     #[command(flatten)]
-    pub(super) report: Report,
+    pub(crate) report: Report,
 }
 
 /// A controller to send to.
 #[derive(Clone, Debug)]
-pub(super) enum Target {
+pub(crate) enum Target {
     Sim,
     Qemu,
     Serial(String),
@@ -821,9 +821,9 @@ fn is_address(text: &str) -> bool {
 
 /// Faults of a line.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LineFaults {
-    pub(super) faults: foldpath_firmware_sim::faults::Faults,
-    pub(super) seed: u64,
+pub(crate) struct LineFaults {
+    pub(crate) faults: foldpath_firmware_sim::faults::Faults,
+    pub(crate) seed: u64,
 }
 
 impl FromStr for LineFaults {
@@ -857,9 +857,9 @@ impl FromStr for LineFaults {
 
 /// Drives of hinges.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Drives {
-    pub(super) drive: Drive,
-    pub(super) seed: u64,
+pub(crate) struct Drives {
+    pub(crate) drive: Drive,
+    pub(crate) seed: u64,
 }
 
 impl FromStr for Drives {

@@ -4,9 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use foldpath::formats::FileError;
 use tempfile::TempPath;
-
-use super::FileError;
 
 /// Bytes handed to the system at once.
 const BUFFER: usize = 1 << 18;
@@ -15,7 +14,7 @@ const BUFFER: usize = 1 << 18;
 ///
 /// # Errors
 /// If the system refuses.
-pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
+pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
     write_whole_with(path, |out| out.write_all(content))
 }
 
@@ -25,7 +24,7 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
 ///
 /// # Errors
 /// If the system refuses, or `content` fails.
-pub fn write_whole_with(
+pub(crate) fn write_whole_with(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
@@ -42,7 +41,7 @@ pub fn write_whole_with(
 ///
 /// # Errors
 /// If the system refuses.
-pub fn write_each_whole(
+pub(crate) fn write_each_whole(
     files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
 ) -> Result<(), FileError> {
     let written = files.into_iter().map(|(path, content)| {

@@ -2,19 +2,17 @@
 
 use foldpath_core::Membership;
 
-use super::args::{Colour, Export, ExportFormat};
-use super::{Answer, CliError, check_output, print};
-use crate::formats::fold::{PathFile, read_path};
-use crate::formats::traj::TrajFile;
-use crate::formats::{
-    FileError, csv, glb, obj_sequence, read_pattern, rust, svg_pattern, write_each_whole,
-    write_whole,
-};
-use crate::pattern::{CreasePattern, EdgeId};
-use crate::shapes::{STEP, deformation_of_faces};
-use crate::symmetry::CreaseGroups;
+use crate::args::{Colour, Export, ExportFormat};
+use crate::output::{write_each_whole, write_whole};
+use crate::{Answer, CliError, check_output, print};
+use foldpath::formats::fold::{PathFile, read_path};
+use foldpath::formats::traj::TrajFile;
+use foldpath::formats::{FileError, csv, glb, obj_sequence, read_pattern, rust, svg_pattern};
+use foldpath::pattern::{CreasePattern, EdgeId};
+use foldpath::shapes::{STEP, deformation_of_faces};
+use foldpath::symmetry::CreaseGroups;
 
-pub(super) fn run(args: &Export) -> Answer {
+pub(crate) fn run(args: &Export) -> Answer {
     let has_frames = matches!(args.to, ExportFormat::Obj | ExportFormat::Glb);
     let usage = |text: &str| Err(CliError::Usage(text.into()));
     if args.frames.is_some() && !has_frames {

@@ -9,7 +9,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Instant;
 
-use super::{Link, Wire};
+use foldpath::stream::Link;
+
+use super::Wire;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 const NAME: &str = "foldpath-controller";

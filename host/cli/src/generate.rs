@@ -1,12 +1,14 @@
 //! `foldpath generate`.
 
-use super::args::{Family, Generate, Size, TwistLetters};
-use super::{Answer, print};
-use crate::formats::fold::write_pattern;
-use crate::formats::write_whole_with;
-use crate::generate::{Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura};
+use crate::args::{Family, Generate, Size, TwistLetters};
+use crate::output::write_whole_with;
+use crate::{Answer, print};
+use foldpath::formats::fold::write_pattern;
+use foldpath::generate::{
+    Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura,
+};
 
-pub(super) fn run(args: &Generate) -> Answer {
+pub(crate) fn run(args: &Generate) -> Answer {
     let (name, [rows, cols], output, drawing) = match &args.family {
         Family::Miura { size, angle, fold } => {
             let miura = Miura {

@@ -1,0 +1,7 @@
+//! Lines to controllers that need a system: TCP, serial devices, and a controller in QEMU.
+
+mod emulator;
+mod wire;
+
+pub use emulator::{Emulator, default_image};
+pub use wire::Wire;

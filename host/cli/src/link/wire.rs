@@ -1,0 +1,119 @@
+//! Controllers behind TCP or a serial device.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::Instant;
+
+use foldpath::stream::Link;
+use serialport::SerialPort;
+
+/// A controller behind a stream of bytes that never waits.
+#[derive(Debug)]
+pub struct Wire<S> {
+    stream: S,
+    start: Instant,
+    outgoing: Vec<u8>,
+    incoming: VecDeque<u8>,
+}
+
+impl<S> Wire<S> {
+    fn new(stream: S) -> Self {
+        Self {
+            stream,
+            start: Instant::now(),
+            outgoing: Vec::new(),
+            incoming: VecDeque::new(),
+        }
+    }
+}
+
+impl Wire<TcpStream> {
+    /// Connects to `HOST:PORT`, or to a port of this machine.
+    ///
+    /// # Errors
+    /// If nobody answers there.
+    pub fn connect(address: &str) -> io::Result<Self> {
+        let stream = match address.parse::<u16>() {
+            Ok(port) => TcpStream::connect(("127.0.0.1", port))?,
+            Err(_) => TcpStream::connect(address)?,
+        };
+        Self::over(stream)
+    }
+
+    /// Over a connection that there is.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub(super) fn over(stream: TcpStream) -> io::Result<Self> {
+        stream.set_nodelay(true)?;
+        stream.set_nonblocking(true)?;
+        Ok(Self::new(stream))
+    }
+}
+
+impl Wire<Box<dyn SerialPort>> {
+    /// Opens a serial device at so many baud, eight bits, no parity, one stop bit.
+    ///
+    /// # Errors
+    /// If there is no such device, or the system refuses.
+    pub fn open(device: &str, baud: u32) -> io::Result<Self> {
+        let port = serialport::new(device, baud).timeout(Duration::ZERO);
+        Ok(Self::new(port.open()?))
+    }
+}
+
+impl<S: Read + Write> Wire<S> {
+    /// Hands over as much as the system takes.
+    fn flush(&mut self) -> io::Result<()> {
+        while !self.outgoing.is_empty() {
+            match self.stream.write(&self.outgoing) {
+                Ok(count) => drop(self.outgoing.drain(..count)),
+                Err(error) if is_pause(&error) => break,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether there is only nothing to do now.
+fn is_pause(error: &io::Error) -> bool {
+    use ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), WouldBlock | Interrupted | TimedOut)
+}
+
+impl<S: Read + Write> Link for Wire<S> {
+    fn now(&self) -> u64 {
+        u64::try_from(self.start.elapsed().as_micros()).unwrap_or(u64::MAX)
+    }
+
+    fn is_free(&self) -> bool {
+        self.outgoing.is_empty()
+    }
+
+    fn write(&mut self, frame: &[u8]) -> io::Result<()> {
+        self.outgoing.extend_from_slice(frame);
+        self.flush()
+    }
+
+    fn read(&mut self) -> io::Result<Option<u8>> {
+        if self.incoming.is_empty() {
+            let mut buffer = [0; 512];
+            match self.stream.read(&mut buffer) {
+                Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+                Ok(count) => self.incoming.extend(buffer.iter().take(count)),
+                Err(error) if is_pause(&error) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(self.incoming.pop_front())
+    }
+
+    fn wait(&mut self) -> io::Result<()> {
+        self.flush()?;
+        std::thread::sleep(Duration::from_millis(1));
+        Ok(())
+    }
+}
