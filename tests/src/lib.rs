@@ -13,7 +13,6 @@
 
 mod animation;
 pub mod campaign;
-pub mod closed_form;
 mod crossing;
 pub mod fold_spec;
 mod folding;
@@ -26,7 +25,6 @@ pub mod meshes;
 mod motion;
 mod newton;
 mod planning;
-mod random;
 mod second;
 mod shape;
 mod sheet;
@@ -39,7 +37,7 @@ pub use lengths::Solved;
 pub use motion::Motion;
 pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
-pub use random::Random;
+pub use foldpath_test_support::{Random, closed_form};
 pub use sheet::Sheet;
 
 /// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.

@@ -1,0 +1,33 @@
+//! JSON documents that are taken apart and spoilt.
+
+use serde_json::Value;
+
+/// The numbers of a JSON list, in which nothing else may be.
+#[track_caller]
+pub fn numbers(list: &Value) -> Vec<f64> {
+    let entries = list.as_array().unwrap().iter();
+    entries.map(|entry| entry.as_f64().unwrap()).collect()
+}
+
+/// The document with some places changed. An edit is `/pointer = value`, several have `; ` between;
+/// without a value the place is removed, and one past the end of a list adds to it.
+#[track_caller]
+pub fn edited(document: &Value, edits: &str) -> Value {
+    let mut document = document.clone();
+    for edit in edits.split("; ") {
+        let (pointer, text) = edit.split_once(" =").unwrap();
+        let text = text.trim();
+        let (parent, key) = pointer.rsplit_once('/').unwrap();
+        let value = (!text.is_empty()).then(|| serde_json::from_str(text).unwrap());
+        match (document.pointer_mut(parent), value) {
+            (Some(Value::Object(map)), Some(value)) => drop(map.insert(key.into(), value)),
+            (Some(Value::Object(map)), None) => drop(map.remove(key).unwrap()),
+            (Some(Value::Array(list)), Some(value)) => {
+                let index: usize = key.parse().unwrap();
+                list.splice(index..list.len().min(index + 1), [value]);
+            }
+            (place, _) => panic!("{pointer}: {place:?}"),
+        }
+    }
+    document
+}
