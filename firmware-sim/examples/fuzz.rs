@@ -2,13 +2,13 @@
 //! [SEED] [FIRST]` runs so many executions from the first on. Overflow is checked in this profile. A failure names its
 //! execution; with that number as FIRST and 1 execution it comes back.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-#[path = "../tests/fuzz/execution.rs"]
+#[path = "../tests/it/fuzz/execution.rs"]
 mod execution;
-#[path = "../tests/fuzz/stream.rs"]
+#[path = "../tests/it/path.rs"]
+mod path;
+#[path = "../tests/it/fuzz/stream.rs"]
 mod stream;
-#[path = "../tests/fuzz/subject.rs"]
+#[path = "../tests/it/fuzz/subject.rs"]
 mod subject;
 
 use std::env;
@@ -16,8 +16,8 @@ use std::panic::catch_unwind;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::Path;
 use execution::Tally;
+use path::Path;
 
 fn main() -> ExitCode {
     let mut numbers = env::args()

@@ -31,13 +31,13 @@ mod sheet;
 
 pub use animation::{Animation, Frame};
 pub use folding::Pose;
+pub use foldpath_test_support::{Random, closed_form};
 pub use hand_made::{HandKnot, HandMade};
 pub use judge::{Verdict, judge};
 pub use lengths::Solved;
 pub use motion::Motion;
 pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
-pub use foldpath_test_support::{Random, closed_form};
 pub use sheet::Sheet;
 
 /// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.

@@ -8,6 +8,7 @@ mod args;
 mod check;
 mod complete;
 mod export;
+mod fonts;
 mod generate;
 mod hints;
 mod info;

@@ -1,8 +1,9 @@
 //! `foldpath plot`.
 
 use crate::args::Plot;
+use crate::fonts::Font;
 use crate::output::write_whole;
-use crate::png::{png, system_fonts};
+use crate::png::png;
 use crate::{Answer, CliError, check_output, print};
 use foldpath::formats::fold::read_path;
 use foldpath::plot::{Curves, svg};
@@ -21,7 +22,7 @@ pub(crate) fn run(args: &Plot) -> Answer {
     let curves = Curves::of_path(&path);
     let text = svg(&curves);
     let picture = if pixels {
-        let pixels = png(&text, system_fonts());
+        let pixels = png(&text, Font::of_system().as_ref());
         pixels.map_err(|error| CliError::Usage(format!("-o: {error}")))?
     } else {
         text.into_bytes()

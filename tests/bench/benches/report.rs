@@ -1,12 +1,13 @@
 //! The report's tables and figures, foldpath beside the report's method.
 //!
-//! `cargo bench -p foldpath-bench --bench report` prints the section `report` of `BENCHMARKS.md` in about ten
-//! minutes and writes data and plots to `tests/bench/results`; `-- short` takes a few rows, in seconds, and
-//! writes to a folder of the target directory.
+//! `cargo bench --profile dist -p foldpath-bench --bench report` prints the section `report` of `BENCHMARKS.md` in
+//! about ten minutes and writes data and plots to `tests/bench/results`; `-- short` takes a few rows, in seconds,
+//! and writes to a folder of the target directory.
 
 use std::path::Path;
 
 use foldpath_bench::report::{Extent, print};
+use foldpath_bench::results;
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -21,7 +22,7 @@ fn main() -> std::io::Result<()> {
     };
     let folder = match extent {
         Extent::Short => Path::new(env!("CARGO_TARGET_TMPDIR")).join("report"),
-        Extent::Full => Path::new(env!("CARGO_MANIFEST_DIR")).join("results"),
+        Extent::Full => results::folder(),
     };
     print(extent, &mut std::io::stdout().lock(), &folder)
 }

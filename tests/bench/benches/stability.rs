@@ -1,21 +1,21 @@
 //! Errors of core and planner where sheets are extreme, against a reference of 192 bits, and what breaks first.
 //!
-//! `cargo bench -p foldpath-bench --bench stability`, minutes; `-- short`, seconds. Writes tables to
+//! `cargo bench --profile dist -p foldpath-bench --bench stability`, minutes; `-- short`, seconds. Writes tables to
 //! `tests/bench/results/stability-*.csv`.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use foldpath_bench::{results, stability};
 
 fn main() -> ExitCode {
-    if let Some(status) = stability::command::as_command() {
-        return status;
-    }
     let arguments: Vec<String> = std::env::args().collect();
     if !arguments.iter().any(|argument| argument == "--bench") {
         return ExitCode::SUCCESS;
     }
-    let section = stability::section(arguments.iter().any(|argument| argument == "short"));
+    let command = Path::new(env!("CARGO_BIN_EXE_foldpath-bench-command"));
+    let short = arguments.iter().any(|argument| argument == "short");
+    let section = stability::section(command, short);
     for (name, text) in &section.files {
         results::write(name, text);
     }

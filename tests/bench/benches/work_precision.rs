@@ -1,12 +1,12 @@
 //! Run time against error: foldpath's solvers and peers side by side, and whole paths.
 //!
-//! `cargo bench -p foldpath-bench --bench work_precision` takes minutes, `-- short` seconds on small sheets. Prints
-//! the section `work-precision` of BENCHMARKS.md, and writes CSV and plots to `tests/bench/results`.
+//! `cargo bench --profile dist -p foldpath-bench --bench work_precision` takes minutes, `-- short` seconds on small
+//! sheets. Prints the section `work-precision` of BENCHMARKS.md, and writes CSV and plots to `tests/bench/results`.
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use foldpath_bench::precision::{Form, write};
+use foldpath_bench::results;
 
 fn main() -> ExitCode {
     let has = |word| std::env::args().any(|argument| argument == word);
@@ -18,14 +18,14 @@ fn main() -> ExitCode {
     } else {
         Form::Full
     };
-    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
-    match write(form, &results, "tests/bench/results") {
+    let folder = results::folder();
+    match write(form, &folder, "tests/bench/results") {
         Ok(markdown) => {
             print!("{markdown}");
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{}: {error}", results.display());
+            eprintln!("{}: {error}", folder.display());
             ExitCode::FAILURE
         }
     }

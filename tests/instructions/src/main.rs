@@ -2,7 +2,7 @@
 //! `tests/instructions/run`.
 //!
 //! Times of a shared machine differ by a tenth from run to run; instructions of the same program on the same
-//! input do not. Figures are of the toolchain that `rust-toolchain.toml` names, the release profile and x86-64
+//! input do not. Figures are of the toolchain that `rust-toolchain.toml` names, the profile dist and x86-64
 //! without further features. What dispatches on the processor by itself (faer, in the plan with every crease an
 //! unknown, and glibc) does so on one with AVX2.
 
@@ -95,7 +95,7 @@ fn guard(arguments: &Arguments) -> Result<bool, String> {
         stored.set(kernel.name, counted);
     }
     println!(
-        "\nInstructions a call, counted by callgrind under {}, release profile. A figure that grows by more than \
+        "\nInstructions a call, counted by callgrind under {}, profile dist. A figure that grows by more than \
          {:.0} % fails.",
         figures::TOOLCHAIN,
         100.0 * TOLERANCE

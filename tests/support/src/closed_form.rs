@@ -1,16 +1,17 @@
-//! Closed forms of the families' motions, from the design and not from foldpath's generators. All
-//! angles in radians.
+//! Closed forms of the motions of pattern families, taken from the design and not from foldpath's generators.
+//! All angles are in radians.
 
 use core::f64::consts::SQRT_2;
 
-/// Straight creases of a Miura sheet whose zigzag creases have `zigzag`.
+/// Returns the fold angle of the straight creases of a Miura sheet whose zigzag creases have the
+/// fold angle `zigzag`: tan(straight/2) = cos(sector) tan(zigzag/2).
 #[must_use]
 pub fn miura_straight(sector_angle: f64, zigzag: f64) -> f64 {
     2.0 * (sector_angle.cos() * (zigzag / 2.0).tan()).atan()
 }
 
-/// Diagonals of a Yoshimura sheet whose straight creases have `straight` and enclose the angle
-/// `gamma` with the diagonals: cos d = cos²ψ (1 − T²)/(1 + T²) − sin²ψ with ψ = v/2, T = sin ψ tan γ.
+/// Returns the fold angle of the diagonals of a Yoshimura sheet whose straight creases have the fold
+/// angle `straight` and enclose the angle `gamma` with the diagonals: cos d = cos²ψ (1 − T²)/(1 + T²) − sin²ψ with ψ = v/2, T = sin ψ tan γ.
 #[must_use]
 pub fn yoshimura_diagonal(gamma: f64, straight: f64) -> f64 {
     let (sin, cos) = (straight / 2.0).sin_cos();
@@ -21,7 +22,8 @@ pub fn yoshimura_diagonal(gamma: f64, straight: f64) -> f64 {
     -2.0 * half.atan2(rest)
 }
 
-/// The waterbomb's symmetric motion at the parameter t = tan(m/2).
+/// The fold angles of the waterbomb's symmetric motion at the parameter t = tan(m/2), of which m is
+/// the angle of the middle lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Waterbomb {
     /// Middle lines.
@@ -35,7 +37,7 @@ pub struct Waterbomb {
 }
 
 impl Waterbomb {
-    /// The four fold angles at t.
+    /// Returns the four fold angles at `t`.
     #[must_use]
     pub fn at(t: f64) -> Self {
         let [middle, cross] = [t, 2.0 * t].map(|u| 2.0 * u.atan());
@@ -47,8 +49,8 @@ impl Waterbomb {
         }
     }
 
-    /// That of the crease between two points of the unit-square grid: units begin at even columns,
-    /// and at odd ones in every other pair of rows.
+    /// Returns the fold angle of the crease between two points, `ends`, of the unit-square grid:
+    /// units begin at even columns, and at odd ones in every other pair of rows.
     #[must_use]
     pub fn of_crease(&self, ends: [[f64; 2]; 2]) -> f64 {
         let [[x, y], [other_x, other_y]] = ends;

@@ -1,4 +1,4 @@
-//! Commands in a folder of their own, and what they answer.
+//! Commands in a folder of their own, and their answers.
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,16 +7,23 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// What a command answered.
+/// The answer of a command that has ended.
 #[derive(Debug, PartialEq)]
 pub struct Answer {
+    /// The exit status; a signal that ends the command leaves none.
     pub status: Option<i32>,
+    /// Everything written to stdout.
     pub stdout: String,
+    /// Everything written to stderr.
     pub stderr: String,
 }
 
 impl Answer {
-    /// The one JSON object that stdout holds.
+    /// Reads the one JSON object that stdout holds.
+    ///
+    /// # Panics
+    /// If stdout holds anything else.
+    #[must_use]
     #[track_caller]
     pub fn json(&self) -> Value {
         let value = serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"));
@@ -24,17 +31,19 @@ impl Answer {
         value
     }
 
-    /// Whether the error told is this, its line and column left out or not.
+    /// Returns `true` if the error told is this, with its line and column or without them.
+    #[must_use]
     pub fn tells(&self, message: &str) -> bool {
         self.told().iter().any(|told| told == message)
     }
 
-    /// Whether the error told begins like this, its line and column left out or not.
+    /// Returns `true` if the error told begins like this, with its line and column or without them.
+    #[must_use]
     pub fn begins(&self, message: &str) -> bool {
         self.told().iter().any(|told| told.starts_with(message))
     }
 
-    /// The error told, without the line of the file and the hint: as it is, and without line and column.
+    /// Returns the error told, without the line of the file and the hint: as it is, and without line and column.
     fn told(&self) -> [String; 2] {
         let first = self.stderr.lines().next().unwrap_or_default();
         let told = first.strip_prefix("foldpath: ").unwrap_or_default();
@@ -50,7 +59,10 @@ impl Answer {
         [told.into(), placeless]
     }
 
-    /// The same answer, which must have this status.
+    /// Returns the same answer, which must have this status.
+    ///
+    /// # Panics
+    /// If it has another.
     #[track_caller]
     pub fn with_status(self, status: i32) -> Self {
         assert_eq!(self.status, Some(status), "{self:?}");
@@ -58,14 +70,18 @@ impl Answer {
     }
 }
 
-/// An empty folder in which commands run.
+/// A temporary folder, empty at first, in which one program runs. It is removed with its files in the end.
 pub struct Folder {
     folder: TempDir,
     program: PathBuf,
 }
 
 impl Folder {
-    /// A folder in which `program` runs: `env!("CARGO_BIN_EXE_foldpath")`.
+    /// Makes a folder in which `program` runs, such as `env!("CARGO_BIN_EXE_foldpath")`.
+    ///
+    /// # Panics
+    /// If the folder cannot be made.
+    #[must_use]
     pub fn of(program: &str) -> Self {
         Self {
             folder: tempfile::tempdir().unwrap(),
@@ -73,23 +89,43 @@ impl Folder {
         }
     }
 
+    /// Returns the place of a file in the folder, which need not exist.
+    #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
+    /// Reads a text file.
+    ///
+    /// # Panics
+    /// If there is none, or it is no text.
+    #[must_use]
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
+    /// Reads a JSON document.
+    ///
+    /// # Panics
+    /// If there is none, or it is no JSON.
+    #[must_use]
     pub fn read_json(&self, name: &str) -> Value {
         serde_json::from_str(&self.read(name)).unwrap()
     }
 
+    /// Writes a text file, over any that is there.
+    ///
+    /// # Panics
+    /// If it cannot be written.
     pub fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// Names of all files, in order.
+    /// Returns the names of all files, in order.
+    ///
+    /// # Panics
+    /// If the folder cannot be read, or a name is no text.
+    #[must_use]
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
         let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
@@ -99,7 +135,8 @@ impl Folder {
         names
     }
 
-    /// The command, not yet started, with arguments separated by blanks.
+    /// Returns the command with arguments separated by blanks, not yet started. Its stdin is empty.
+    #[must_use]
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(&self.program);
         command.args(arguments.split_whitespace());
@@ -107,7 +144,10 @@ impl Folder {
         command
     }
 
-    /// Runs the command to its end.
+    /// Runs the command with arguments separated by blanks to its end.
+    ///
+    /// # Panics
+    /// If it cannot be started, or writes other bytes than text.
     pub fn run(&self, arguments: &str) -> Answer {
         let output = self.command(arguments).output().unwrap();
         Answer {
@@ -118,6 +158,9 @@ impl Folder {
     }
 
     /// Runs a command that must succeed.
+    ///
+    /// # Panics
+    /// As [`run`](Self::run) does, and if the exit status is not 0.
     #[track_caller]
     pub fn done(&self, arguments: &str) -> Answer {
         self.run(arguments).with_status(0)

@@ -2,15 +2,23 @@
 
 use serde_json::Value;
 
-/// The numbers of a JSON list, in which nothing else may be.
+/// Reads the numbers of a JSON list.
+///
+/// # Panics
+/// If it is no list, or anything else is in it.
+#[must_use]
 #[track_caller]
 pub fn numbers(list: &Value) -> Vec<f64> {
     let entries = list.as_array().unwrap().iter();
     entries.map(|entry| entry.as_f64().unwrap()).collect()
 }
 
-/// The document with some places changed. An edit is `/pointer = value`, several have `; ` between;
+/// Returns the document with some places changed. An edit is `/pointer = value`, several have `; ` between;
 /// without a value the place is removed, and one past the end of a list adds to it.
+///
+/// # Panics
+/// If an edit is none, or a place is not in the document.
+#[must_use]
 #[track_caller]
 pub fn edited(document: &Value, edits: &str) -> Value {
     let mut document = document.clone();

@@ -1,16 +1,30 @@
 //! Random numbers from a seed, the same on every machine.
 
-use rand_core::Rng;
+use core::convert::Infallible;
+use core::f64::consts::{PI, TAU};
+
+use foldpath_core::Scalar;
+use rand_core::{Rng, TryRng};
 use rand_pcg::Pcg64;
 
 /// A seeded generator.
+///
+/// It is a [`Rng`] too, so that code under test can draw from it.
+#[derive(Clone, Debug)]
 pub struct Random(Pcg64);
 
 impl Random {
     /// The generator of that seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(Pcg64::new(u128::from(seed), 0))
+        Self::stream(seed, 0)
+    }
+
+    /// The generator of that seed whose numbers come from another sequence for each `stream`. The
+    /// stream of [`Random::new`] is 0.
+    #[must_use]
+    pub fn stream(seed: u64, stream: u64) -> Self {
+        Self(Pcg64::new(u128::from(seed), u128::from(stream)))
     }
 
     /// A number between `low` and `high`, both possible.
@@ -18,17 +32,30 @@ impl Random {
         low + (high - low) * f64::from(self.0.next_u32()) / f64::from(u32::MAX)
     }
 
-    /// The same, evenly distributed in the logarithm.
+    /// A number between `low` and `high`, evenly distributed in the logarithm; both are above 0.
     pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
 
-    /// A whole number from `low` to `high`.
-    pub fn whole(&mut self, low: usize, high: usize) -> usize {
-        low + self.0.next_u32() as usize % (high - low + 1)
+    /// A whole number from 0 below `count`.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `count` is 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        self.0.next_u32() as usize % count
     }
 
-    /// True in that part of all cases.
+    /// A whole number from `low` to `high`, both possible.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `high` is less than `low`.
+    pub fn whole(&mut self, low: usize, high: usize) -> usize {
+        low + self.below(high - low + 1)
+    }
+
+    /// True in `part` of all cases, which is from 0 to 1.
     pub fn chance(&mut self, part: f64) -> bool {
         self.uniform(0.0, 1.0) < part
     }
@@ -38,10 +65,10 @@ impl Random {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
-    /// A normally distributed number (G. Box, M. Muller).
+    /// A normally distributed number of mean 0 and deviation 1 (G. Box, M. Muller).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform(f64::MIN_POSITIVE, 1.0).ln()).sqrt();
-        radius * self.uniform(0.0, core::f64::consts::TAU).cos()
+        radius * self.uniform(0.0, TAU).cos()
     }
 
     /// The numbers from 0 below `count` in random order (R. Fisher, F. Yates).
@@ -51,5 +78,26 @@ impl Random {
             order.swap(last, self.whole(0, last));
         }
         order
+    }
+
+    /// `count` fold angles in radians, anywhere in a full turn.
+    pub fn angles<T: Scalar>(&mut self, count: usize) -> Vec<T> {
+        (0..count).map(|_| T::lit(self.uniform(-PI, PI))).collect()
+    }
+}
+
+impl TryRng for Random {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        self.0.try_next_u32()
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        self.0.try_next_u64()
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        self.0.try_fill_bytes(bytes)
     }
 }

@@ -1,20 +1,12 @@
-//! The `foldpath` command as a user runs it: this program is started again as it.
+//! The `foldpath` command as a user runs it: a program that is started.
 
 use core::time::Duration;
 use std::path::Path;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// Set for the program that is to be the command.
-const ENV: &str = "FOLDPATH_BENCH_COMMAND";
 /// What its complaints begin with.
 const NAME: &str = "foldpath:";
-
-/// Runs the command if this process was started as it.
-#[must_use]
-pub fn as_command() -> Option<ExitCode> {
-    std::env::var_os(ENV).map(|_| foldpath::cli::main())
-}
 
 /// What the command answered.
 #[derive(Clone, Debug, Default)]
@@ -54,24 +46,22 @@ impl Answer {
     }
 }
 
-/// Runs the command in a folder, at most for so many seconds.
+/// Runs `program`, which is the command, in a folder, at most for so many seconds.
 ///
 /// # Panics
-/// If this program cannot be started again.
+/// If it cannot be started.
 #[must_use]
-pub fn run(folder: &Path, arguments: &[&str], seconds: u64) -> Answer {
-    let program = std::env::current_exe().expect("the path of this program");
+pub fn run(program: &Path, folder: &Path, arguments: &[&str], seconds: u64) -> Answer {
     let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
     let file = |path: &Path| std::fs::File::create(path).expect("a file to write");
     let mut child = Command::new(program)
         .current_dir(folder)
-        .env(ENV, "1")
         .args(arguments)
         .stdin(Stdio::null())
         .stdout(file(&out))
         .stderr(file(&err))
         .spawn()
-        .expect("this program once more");
+        .expect("the command starts");
     let start = Instant::now();
     let status = loop {
         if let Some(status) = child.try_wait().expect("a child of ours") {

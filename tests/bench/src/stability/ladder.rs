@@ -228,21 +228,21 @@ impl Result {
 /// The bound of `plan` where none is given.
 const PLAN_BOUND: f64 = 0.01;
 
-/// Plans and checks a rung in a folder.
+/// Plans and checks a rung by `command` in a folder.
 ///
 /// # Panics
-/// If that cannot be written to.
+/// If that cannot be written to, or the command not started.
 #[must_use]
-pub fn climb(rung: &Rung, folder: &Path) -> Result {
+pub fn climb(command: &Path, rung: &Rung, folder: &Path) -> Result {
     let [pattern, path] = ["pattern.fold", "path.fold"];
     let text = pattern_text("a sheet", &rung.drawing);
     std::fs::write(folder.join(pattern), text).expect("a file to write");
     let _none = std::fs::remove_file(folder.join(path));
     let mut arguments = vec!["plan", pattern, "-o", path, "--json", "--frames", "angles"];
     arguments.extend(rung.options);
-    let plan = run(folder, &arguments, PATIENCE);
+    let plan = run(command, folder, &arguments, PATIENCE);
     let written = folder.join(path).exists();
-    let check = written.then(|| run(folder, &["check", path, "--json"], PATIENCE));
+    let check = written.then(|| run(command, folder, &["check", path, "--json"], PATIENCE));
     let small = rung.drawing.vertices.len() < REFERENCE;
     let truth = (written && small).then(|| truth(&folder.join(path)));
     Result {
@@ -271,13 +271,18 @@ fn truth(path: &Path) -> Option<[f64; 2]> {
     each.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])
 }
 
-/// Climbs all ladders, in a short form only as far as they hold: the table, each rung as a line of CSV, and what was
+/// Climbs all ladders by `command`, in a short form only as far as they hold: the table, each rung as a line of CSV, and what was
 /// answered wrongly.
 ///
 /// # Panics
-/// If there is no folder for files.
+/// If there is no folder for files, or the command cannot be started.
 #[must_use]
-pub fn table(ladders: &[Ladder], short: bool, csv: &mut String) -> (String, Vec<String>) {
+pub fn table(
+    command: &Path,
+    ladders: &[Ladder],
+    short: bool,
+    csv: &mut String,
+) -> (String, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder for files");
     let mut table = String::from(
         "| direction | asked for | true deformation, gap there | certified there | first to break | at | told as |\n\
@@ -290,7 +295,7 @@ pub fn table(ladders: &[Ladder], short: bool, csv: &mut String) -> (String, Vec<
     for ladder in ladders {
         let mut results = Vec::new();
         for rung in &ladder.rungs {
-            let result = climb(rung, folder.path());
+            let result = climb(command, rung, folder.path());
             eprintln!("{}: {}: {}", ladder.name, result.label, result.told());
             line(csv, ladder, &result);
             if result.is_wrong() {

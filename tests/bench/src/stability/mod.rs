@@ -11,6 +11,7 @@ pub mod sheets;
 pub mod trees;
 
 use core::fmt::Write;
+use std::path::Path;
 
 /// A finished section, its files, and what was answered wrongly.
 pub struct Section {
@@ -36,9 +37,9 @@ pub fn promised(count: u32) -> sheets::Motion {
     sheets::motion(&sheet, &zigzags)
 }
 
-/// Runs the section, in seconds if `short`.
+/// Runs the section, in seconds if `short`. The program `command` is the `foldpath` command.
 #[must_use]
-pub fn section(short: bool) -> Section {
+pub fn section(command: &Path, short: bool) -> Section {
     let (sizes, stars, angles): (&[usize], _, _) = if short {
         (&[24], 20, 20)
     } else {
@@ -57,7 +58,7 @@ pub fn section(short: bool) -> Section {
     let mut wrong = Vec::new();
     part(BREAKS, "stability-breaks.csv", &mut |csv| {
         let ladders = ladder::ladders(sizes, short);
-        let (table, found) = ladder::table(&ladders, short, csv);
+        let (table, found) = ladder::table(command, &ladders, short, csv);
         wrong = found;
         table
     });

@@ -1,0 +1,424 @@
+//! `.traj` files: what is written, what is read back, and that nothing else is read.
+
+use foldpath_core::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
+use foldpath_core::trajectory_file::{FileError, GroupLimits, TrajectoryFile, write};
+use foldpath_core::{GroupId, Interpolation, Membership, Scalar, Spoke, StarsView};
+use foldpath_test_support::Random;
+use rand_core::Rng;
+use serde::Deserialize;
+
+const LIMITS: [GroupLimits; 2] = [
+    GroupLimits {
+        lower: -f32::PI,
+        upper: f32::PI,
+        speed: 0.5,
+        acceleration: f32::INFINITY,
+    },
+    GroupLimits {
+        lower: 0.0,
+        upper: 1.0,
+        speed: 0.25,
+        acceleration: 2.0,
+    },
+];
+const TIMES: [f32; 3] = [0.0, 1.0, 2.5];
+const ANGLES: [f32; 6] = [0.0, 0.0, -0.5, 0.25, -1.5, 1.0];
+const RATES: [f32; 6] = [0.0, 0.125, -0.5, 0.25, 0.0, 0.0];
+const WEIGHTS: [[f32; 2]; 6] = [
+    [1.0, 0.0],
+    [0.5, -1.0],
+    [2.0, 0.25],
+    [1.0, 1.0],
+    [4.0, 0.0],
+    [1.0, 0.5],
+];
+
+fn hinges() -> [Membership; 3] {
+    [(1, false), (0, true), (1, true)].map(|(group, negative)| Membership {
+        group: GroupId(group),
+        negative,
+    })
+}
+
+/// Two vertices, of two spokes and of one.
+fn spokes() -> [Spoke<f32>; 3] {
+    [
+        (1, true, [0.0, 1.0]),
+        (0, false, [-0.6, 0.8]),
+        (1, false, [1.0, 0.0]),
+    ]
+    .map(|(group, negative, direction)| Spoke {
+        group: GroupId(group),
+        negative,
+        direction,
+    })
+}
+
+const ENDS: [u32; 2] = [2, 3];
+const CLOSURE: f32 = 0.0009765625;
+
+fn view(kind: Interpolation) -> TrajectoryView<'static, f32> {
+    let weights: &[[f32; 2]] = match kind {
+        Interpolation::Homogeneous => &WEIGHTS,
+        _ => &[],
+    };
+    TrajectoryView::new(kind, 2, &TIMES, &ANGLES, &RATES, weights).unwrap()
+}
+
+fn written(kind: Interpolation) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let spokes = spokes();
+    let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
+    let sink = |part: &[u8]| bytes.extend_from_slice(part);
+    write(view(kind), &LIMITS, &hinges(), stars, CLOSURE, sink).unwrap();
+    bytes
+}
+
+const KINDS: [Interpolation; 4] = [
+    Interpolation::Linear,
+    Interpolation::Hermite,
+    Interpolation::HalfAngle,
+    Interpolation::Homogeneous,
+];
+
+/// CRC-32 bit by bit, as its definition has it.
+fn crc(bytes: &[u8]) -> u32 {
+    let shift = |crc: u32| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+    let byte = |crc, byte: &u8| (0..8).fold(crc ^ u32::from(*byte), |crc, _| shift(crc));
+    !bytes.iter().fold(!0, byte)
+}
+
+/// The bytes with the checksum that they should have.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let body = bytes.len() - 4;
+    let checksum = crc(&bytes[..body]).to_le_bytes();
+    bytes[body..].copy_from_slice(&checksum);
+    bytes
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    for kind in KINDS {
+        let bytes = written(kind);
+        let file = TrajectoryFile::read(&bytes).unwrap();
+        assert_eq!((file.interpolation(), file.groups()), (kind, 2));
+        assert_eq!((file.len(), file.hinges()), (3, 3));
+        assert_eq!([0, 1].map(|group| file.limits(group)), LIMITS.map(Some));
+        assert!(file.memberships().eq(hinges()));
+        assert!(
+            file.spokes()
+                .eq(spokes().into_iter().zip([false, true, true]))
+        );
+        assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
+        let stored: Trajectory<f32, 3, 6> = file.trajectory().unwrap();
+        assert_eq!(stored.view(), view(kind));
+        for (segment, group) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let expected = view(kind).curve(segment, group);
+            assert_eq!(file.curve(segment, group), expected);
+        }
+        assert_eq!((file.time(3), file.limits(2)), (None, None));
+        assert_eq!((file.node(0, 2), file.curve(2, 0)), (None, None));
+        let full = Some(TrajectoryError::Capacity(2));
+        assert_eq!(file.trajectory::<2, 6>().err(), full);
+        assert_eq!(file.trajectory::<3, 5>().err(), full);
+    }
+}
+
+/// The documented types, decoded by postcard itself.
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(bound(deserialize = "[f32; N]: Deserialize<'de>"))]
+struct Documented<const N: usize> {
+    magic: [u8; 4],
+    version: u8,
+    interpolation: Interpolation,
+    limits: heapless::Vec<[f32; 4], 2>,
+    hinges: heapless::Vec<u32, 3>,
+    spokes: heapless::Vec<(u32, [f32; 2]), 3>,
+    closure: f32,
+    knots: heapless::Vec<(f32, [[f32; N]; 2]), 3>,
+    checksum: [u8; 4],
+}
+
+#[test]
+fn the_file_is_the_postcard_of_its_documented_types() {
+    let limits = LIMITS.map(|l| [l.lower, l.upper, l.speed, l.acceleration]);
+    for kind in KINDS.into_iter().take(3) {
+        let bytes = written(kind);
+        let (file, rest) = postcard::take_from_bytes::<Documented<2>>(&bytes).unwrap();
+        assert!(rest.is_empty());
+        assert_eq!((&file.magic, file.version), (b"FPTJ", 2));
+        assert_eq!(file.interpolation, kind);
+        assert_eq!(
+            (&file.limits[..], &file.hinges[..]),
+            (&limits[..], &[2, 1, 3][..])
+        );
+        let spokes = [(5, [0.0, 1.0]), (2, [-0.6, 0.8]), (6, [1.0, 0.0])];
+        assert_eq!((&file.spokes[..], file.closure), (&spokes[..], CLOSURE));
+        let knots = [0, 1, 2].map(|k| {
+            let pair = |i: usize| [ANGLES[i], RATES[i]];
+            (TIMES[k], [pair(2 * k), pair(2 * k + 1)])
+        });
+        assert_eq!(file.knots, knots);
+        let expected = crc(&bytes[..bytes.len() - 4]).to_le_bytes();
+        assert_eq!(file.checksum, expected);
+    }
+    let bytes = written(Interpolation::Homogeneous);
+    let file: Documented<4> = postcard::from_bytes(&bytes).unwrap();
+    let last = [4, 5].map(|i| [ANGLES[i], RATES[i], WEIGHTS[i][0], WEIGHTS[i][1]]);
+    assert_eq!(file.knots.last(), Some(&(2.5, last)));
+}
+
+#[test]
+fn every_flipped_byte_is_refused() {
+    for kind in KINDS {
+        let good = written(kind);
+        for at in 0..good.len() {
+            for flip in 1..=255 {
+                let mut bytes = good.clone();
+                bytes[at] ^= flip;
+                assert!(TrajectoryFile::read(&bytes).is_err(), "{at} {flip}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_other_length_is_refused() {
+    for kind in KINDS {
+        let mut bytes = written(kind);
+        for length in 0..bytes.len() {
+            let error = TrajectoryFile::read(&bytes[..length]).unwrap_err();
+            assert!(
+                matches!(error, FileError::Truncated(at) if at <= length),
+                "{error:?}"
+            );
+        }
+        let whole = bytes.len();
+        bytes.push(0);
+        let error = TrajectoryFile::read(&bytes).unwrap_err();
+        assert_eq!(error, FileError::Trailing(whole));
+    }
+}
+
+/// Where the limits, the hinges, the spokes, the closure and the knots of a file with 2 groups, 3 hinges and 3 spokes
+/// begin.
+const PLACES: [usize; 5] = [7, 40, 44, 71, 76];
+
+/// What reading a file with a change, and the checksum that belongs to it, says.
+fn changed(kind: Interpolation, change: impl FnOnce(&mut [u8])) -> Result<(), FileError> {
+    let mut bytes = written(kind);
+    change(&mut bytes);
+    TrajectoryFile::read(&sealed(bytes)).map(drop)
+}
+
+/// The same with one of its numbers changed.
+fn with_number(kind: Interpolation, at: usize, value: f32) -> Result<(), FileError> {
+    changed(kind, |bytes| {
+        bytes[at..][..4].copy_from_slice(&value.to_le_bytes());
+    })
+}
+
+#[test]
+fn each_refusal_says_what_and_where() {
+    use TrajectoryError::{HalfTurn, NotFinite, Order, Weight};
+    let hermite = Interpolation::Hermite;
+    let byte = |at: usize, value| changed(hermite, |bytes| bytes[at] = value).unwrap_err();
+    assert_eq!(byte(0, 0), FileError::Magic);
+    assert_eq!(byte(4, 1), FileError::Version(1));
+    assert_eq!(byte(5, 4), FileError::Interpolation(4));
+    assert_eq!(byte(PLACES[1] + 1, 5), FileError::Hinge(1));
+    assert_eq!(byte(PLACES[2] + 9, 8), FileError::Spoke(1));
+    assert_eq!(byte(PLACES[2] + 18, 4), FileError::Spoke(2));
+    let cut = byte(PLACES[2] - 1, 127);
+    assert!(
+        matches!(cut, FileError::Truncated(at) if at > PLACES[4]),
+        "{cut}"
+    );
+    assert_eq!(byte(6, 9), FileError::Truncated(PLACES[0]));
+    assert_eq!(byte(PLACES[4] - 1, 4), FileError::Truncated(PLACES[4]));
+    let groups = changed(hermite, |bytes| {
+        bytes[6..9].copy_from_slice(&[0x80, 0x80, 4])
+    });
+    assert_eq!(groups, Err(FileError::Groups));
+    let number = changed(hermite, |bytes| bytes[PLACES[1]..][..5].fill(0xff));
+    assert_eq!(number, Err(FileError::Number(PLACES[1])));
+    let mut unsealed = written(hermite);
+    unsealed[PLACES[4]] ^= 1;
+    let checksum = TrajectoryFile::read(&unsealed).unwrap_err();
+    assert_eq!(checksum, FileError::Checksum);
+
+    let knot = |error| Err(FileError::Knot(error));
+    let beyond = |knot, group| Err(FileError::Angle { knot, group });
+    let (half_angle, homogeneous) = (Interpolation::HalfAngle, Interpolation::Homogeneous);
+    // Place of a number among those of the limits, or of the knots.
+    for (part, kind, place, value, expected) in [
+        (0, hermite, 0, f32::NAN, Err(FileError::Limits(0))),
+        (0, hermite, 1, f32::INFINITY, Err(FileError::Limits(0))),
+        (0, hermite, 4, 1.5, Err(FileError::Limits(1))),
+        (0, hermite, 6, 0.0, Err(FileError::Limits(1))),
+        (0, hermite, 7, -1.0, Err(FileError::Limits(1))),
+        (0, hermite, 7, f32::INFINITY, Ok(())),
+        (3, hermite, 0, f32::NAN, Err(FileError::Closure)),
+        (3, hermite, 0, -1e-6, Err(FileError::Closure)),
+        (3, hermite, 0, 0.0, Ok(())),
+        (4, hermite, 0, f32::NEG_INFINITY, knot(NotFinite(0))),
+        (4, hermite, 5, 0.0, knot(Order(1))),
+        (4, hermite, 10, f32::NAN, knot(NotFinite(2))),
+        (4, hermite, 7, f32::INFINITY, knot(NotFinite(1))),
+        (4, hermite, 8, 1.25, beyond(1, 1)),
+        (4, hermite, 3, -0.25, beyond(0, 1)),
+        (4, hermite, 1, f32::PI, Ok(())),
+        (4, half_angle, 1, f32::PI, knot(HalfTurn(0))),
+        (4, homogeneous, 1, f32::PI, Ok(())),
+        (4, homogeneous, 3, 0.0, knot(Weight(0))),
+        (4, homogeneous, 16, f32::NAN, knot(Weight(1))),
+    ] {
+        let found = with_number(kind, PLACES[part] + 4 * place, value);
+        assert_eq!(found, expected, "{part} {kind:?} {place} {value}");
+    }
+}
+
+#[test]
+fn what_would_not_be_read_is_not_written() {
+    let write = |limits: &[GroupLimits], hinges: &[Membership], angle| {
+        let mut angles = ANGLES;
+        angles[3] = angle;
+        let view =
+            TrajectoryView::new(Interpolation::Hermite, 2, &TIMES, &angles, &RATES, &[]).unwrap();
+        written_bytes(|sink| write(view, limits, hinges, stars(&[]), CLOSURE, sink))
+    };
+    let stray = Membership {
+        group: GroupId(2),
+        negative: true,
+    };
+    let still = GroupLimits {
+        speed: 0.0,
+        ..LIMITS[0]
+    };
+    assert_eq!(write(&LIMITS, &hinges(), 0.25), Ok(()));
+    assert_eq!(write(&LIMITS[..1], &[], 0.25), Err(FileError::Limits(1)));
+    assert_eq!(
+        write(&[LIMITS[1], still], &[], 0.25),
+        Err(FileError::Limits(1))
+    );
+    assert_eq!(write(&LIMITS, &[stray], 0.25), Err(FileError::Hinge(0)));
+    let beyond = FileError::Angle { knot: 1, group: 1 };
+    assert_eq!(write(&LIMITS, &[], 1.25), Err(beyond));
+
+    let write = |spokes: &[Spoke<f32>], closure| {
+        let view = view(Interpolation::Hermite);
+        written_bytes(|sink| {
+            foldpath_core::trajectory_file::write(view, &LIMITS, &[], stars(spokes), closure, sink)
+        })
+    };
+    let mut spokes = spokes();
+    assert_eq!(write(&spokes, 0.0), Ok(()));
+    assert_eq!(write(&spokes, f32::INFINITY), Err(FileError::Closure));
+    assert_eq!(write(&spokes, -1e-9), Err(FileError::Closure));
+    spokes[1].group = GroupId(2);
+    assert_eq!(write(&spokes, 0.0), Err(FileError::Spoke(1)));
+}
+
+/// The stars of these spokes, of which there are three or none, in three groups.
+fn stars(spokes: &[Spoke<f32>]) -> StarsView<'_, f32> {
+    let ends = if spokes.is_empty() { &[][..] } else { &ENDS };
+    StarsView::new(spokes, ends, 3).unwrap()
+}
+
+/// What writing answers; nothing has been written unless that is well.
+fn written_bytes(
+    write: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), FileError>,
+) -> Result<(), FileError> {
+    let mut bytes = 0;
+    let answer = write(&mut |part| bytes += part.len());
+    assert_eq!(answer.is_ok(), bytes > 0);
+    answer
+}
+
+#[test]
+fn random_bytes_are_no_panic() {
+    let mut rng = Random::new(77);
+    let good = KINDS.map(written);
+    for round in 0..100_000 {
+        let mut bytes = good[round % 4].clone();
+        // A few changes anywhere, or noise behind the first bytes; with the right checksum or without.
+        let from = [0, 4, 6][round % 3];
+        if round % 5 < 3 {
+            for _ in 0..=round % 4 {
+                let at = rng.below(bytes.len());
+                bytes[at] = rng.next_u32().to_le_bytes()[0];
+            }
+        } else {
+            rng.fill_bytes(&mut bytes[from..]);
+        }
+        bytes.truncate(bytes.len() - [0, rng.below(90)][round % 2]);
+        if round % 7 < 5 {
+            bytes = sealed(bytes);
+        }
+        if let Ok(file) = TrajectoryFile::read(&bytes) {
+            let _full_or_not = file.trajectory::<4, 8>();
+            assert_eq!(file.memberships().count(), file.hinges());
+            assert!(
+                file.spokes()
+                    .all(|(spoke, _)| spoke.group.index() < file.groups())
+            );
+            let last = file.len().checked_sub(1);
+            assert!(last.is_none_or(|last| file.time(last).is_some()));
+        }
+    }
+}
+
+/// The bytes of the worked example in the protocol: the hexadecimal numbers before a bar.
+fn example() -> Vec<u8> {
+    let text = include_str!("../../../firmware-sim/PROTOCOL.md");
+    let (_, text) = text.split_once("```hex\n").unwrap();
+    let (text, _) = text.split_once("```").unwrap();
+    let lines = text.lines().map(|line| line.split('|').next().unwrap());
+    let numbers = lines.flat_map(str::split_whitespace);
+    numbers
+        .map(|hex| u8::from_str_radix(hex, 16).unwrap())
+        .collect()
+}
+
+#[test]
+fn the_example_of_the_protocol_is_what_it_says() {
+    let bytes = example();
+    let file = TrajectoryFile::read(&bytes).unwrap();
+    assert_eq!(file.interpolation(), Interpolation::Hermite);
+    let stored: Trajectory<f32, 2, 4> = file.trajectory().unwrap();
+    let view = stored.view();
+    let expected = [(0.0, [0.0, 0.0], [0.0, 0.0]), (2.0, [1.0, 0.5], [0.0, 0.0])];
+    for (index, (time, angles, rates)) in expected.into_iter().enumerate() {
+        let knot = view.knot(index).unwrap();
+        assert_eq!(
+            (knot.time, knot.angles, knot.rates),
+            (time, &angles[..], &rates[..])
+        );
+    }
+    let limits = GroupLimits {
+        lower: -f32::PI,
+        upper: f32::PI,
+        speed: 1.0,
+        acceleration: f32::INFINITY,
+    };
+    let tame = GroupLimits {
+        lower: 0.0,
+        upper: 1.5,
+        speed: 0.5,
+        acceleration: 2.0,
+    };
+    assert_eq!(
+        [0, 1].map(|group| file.limits(group)),
+        [Some(limits), Some(tame)]
+    );
+    assert!(file.memberships().eq(hinges()));
+    let mut again = Vec::new();
+    let (spokes, ends): (Vec<_>, Vec<_>) = file.spokes().unzip();
+    assert_eq!(ends, [false, true, true]);
+    assert_eq!(spokes, self::spokes());
+    let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
+    assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
+    let sink = |part: &[u8]| again.extend_from_slice(part);
+    write(view, &[limits, tame], &hinges(), stars, CLOSURE, sink).unwrap();
+    assert_eq!(again, bytes);
+}

@@ -1,0 +1,516 @@
+//! A controller, and after each byte, tick and level what it may have done.
+
+use std::collections::VecDeque;
+
+use foldpath_core::acceptance::Refusal;
+use foldpath_core::follower::{Place, Reason, State};
+use foldpath_core::wire::cobs::Deframer;
+use foldpath_core::wire::frame as wire;
+use foldpath_core::wire::message::{ItemRefusal, Report, ToHost};
+use foldpath_core::{GroupLimits, Interpolation};
+use foldpath_firmware_sim::controller::Settings;
+
+use super::stream::{Frame, Message, Sent, Stream};
+use crate::path::{CLOSURE, Device, Path};
+
+/// Setpoints for which a device has room.
+const QUEUE: usize = 16;
+
+/// What can be seen of a follower.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Look {
+    state: State,
+    reason: Reason,
+    next: u32,
+    room: usize,
+    place: (u32, u32),
+    rate: u32,
+    angles: [Option<u32>; 4],
+}
+
+pub(crate) struct Subject<'a> {
+    pub(crate) device: Device,
+    pub(crate) now: u64,
+    /// What the device said of itself.
+    pub(crate) session: u32,
+    pub(crate) report: Option<Report>,
+    /// A session that it has offered.
+    pub(crate) offered: Option<u32>,
+    /// Setpoints that were taken, from that of the place on.
+    pub(crate) taken: VecDeque<Sent>,
+    pub(crate) kind: Interpolation,
+    pub(crate) limits: Vec<GroupLimits>,
+    /// Whether the sheet is that of Miura's fold, and all of the path too.
+    pub(crate) miura: bool,
+    pub(crate) pristine: bool,
+    /// Knots that were passed.
+    pub(crate) passed: u64,
+    /// Whether nobody takes what the device says, and whether what comes may be old.
+    pub(crate) deaf: bool,
+    behind: bool,
+    path: &'a Path,
+    /// The level of the stop line, and whether nobody has asked to go on since it was drawn.
+    level: bool,
+    drawn: bool,
+    /// When the host was last heard.
+    heard: u64,
+    boots: u32,
+    items: Stream,
+    answers: Deframer<256>,
+    /// Items that were taken in the session, and those that it has granted in all.
+    granted: Option<u64>,
+    /// The session of the last report, and how many there were.
+    open: Option<u32>,
+    reports: u64,
+    acknowledged: u64,
+    last_tick: u64,
+}
+
+fn bits(place: Place<f32>) -> (u32, u32) {
+    (place.knot, place.into.to_bits())
+}
+
+impl<'a> Subject<'a> {
+    pub(crate) fn new(path: &'a Path) -> Self {
+        Self {
+            device: Device::new(Settings::default()),
+            now: 1000,
+            session: 0,
+            report: None,
+            offered: None,
+            taken: VecDeque::new(),
+            kind: Interpolation::Hermite,
+            limits: Vec::new(),
+            miura: false,
+            pristine: false,
+            passed: 0,
+            deaf: false,
+            behind: false,
+            path,
+            level: false,
+            drawn: false,
+            heard: 0,
+            boots: 0,
+            items: Stream::default(),
+            answers: Deframer::default(),
+            granted: None,
+            open: None,
+            reports: 0,
+            acknowledged: 0,
+            last_tick: 0,
+        }
+    }
+
+    fn look(&self) -> Look {
+        let follower = self.device.follower();
+        let mut angles = [None; 4];
+        for (bits, angle) in angles.iter_mut().zip(follower.angles()) {
+            *bits = Some(angle.to_bits());
+        }
+        let look = Look {
+            state: follower.state(),
+            reason: follower.reason(),
+            next: follower.next(),
+            room: follower.room(),
+            place: bits(follower.place()),
+            rate: follower.rate().to_bits(),
+            angles,
+        };
+        let held = look.reason != Reason::None;
+        match look.state {
+            State::Running => assert!(matches!(look.reason, Reason::None | Reason::Lag(_))),
+            State::Holding => assert!(held),
+            State::Faulted => assert!(matches!(look.reason, Reason::Stalled(_))),
+            _ => {}
+        }
+        assert!((0.0..=1.0).contains(&follower.rate()));
+        let moves = matches!(look.state, State::Running | State::Holding);
+        assert!(moves || follower.rate().to_bits() == 0, "{look:?}");
+        assert!(
+            follower.rates().iter().all(|rate| rate.is_finite()),
+            "{:?}",
+            follower.rates()
+        );
+        assert!(follower.left() >= 0.0, "{}", follower.left());
+        assert_eq!(look.room + self.taken.len(), QUEUE, "{look:?}");
+        look
+    }
+
+    /// A byte of the host comes.
+    pub(crate) fn byte(&mut self, byte: u8) {
+        let frame = self.items.push(byte);
+        // Within a frame one byte in eight is looked at.
+        let looks = frame.is_some() || self.now.is_multiple_of(8);
+        let before = looks.then(|| self.look());
+        self.device.byte(byte, self.now);
+        match frame {
+            Some(Ok(frame)) => self.obeyed(before.unwrap(), frame),
+            // What is no frame does nothing.
+            _ => assert_eq!(before.map(|_| self.look()), before),
+        }
+    }
+
+    /// A frame has done no more than it may.
+    fn obeyed(&mut self, before: Look, frame: Frame) {
+        let follower = self.device.follower();
+        let (room, next) = (follower.room(), follower.next());
+        if follower.state() == State::Idle || before.state == State::Idle {
+            self.taken.clear();
+        }
+        if room < before.room || before.state == State::Idle && room < QUEUE {
+            let Message::Setpoint(sent) = frame.message.clone() else {
+                panic!("{frame:?} fills the queue");
+            };
+            assert_eq!(sent.number.wrapping_add(1), next);
+            self.taken.push_back(sent);
+        }
+        let after = self.look();
+        assert_eq!(room, after.room);
+        if before.state == State::Idle && after.state == State::Ready {
+            let (view, head) = self.device.sheet().view().unwrap();
+            (self.kind, self.limits) = (head.interpolation, view.limits.to_vec());
+        }
+        let (open, reports) = (self.open, self.reports);
+        let (last, behind) = (self.report.map_or(0, |report| report.command), self.behind);
+        self.listen();
+        let asks = matches!(frame.message, Message::Alive);
+        if asks && !self.deaf && open == Some(frame.session) {
+            assert!(self.reports > reports, "no answer");
+        }
+        let opened = self.deaf || self.open != open;
+        let begun = Look {
+            state: State::Holding,
+            reason: Reason::Session,
+            ..before
+        };
+        let from = [before, begun];
+        let sessions = if opened && before.state == State::Running {
+            2
+        } else {
+            1
+        };
+        let allowed = from[..sessions]
+            .iter()
+            .any(|from| frame_allows(&frame.message, from, &after));
+        assert!(allowed, "{frame:?}: {before:?} to {after:?}");
+        if let Message::Command(number, _) = frame.message
+            && !(self.deaf || behind || opened)
+            && before != after
+        {
+            // The one behind the last, once.
+            assert_eq!(number, last.wrapping_add(1));
+        }
+        self.heard = self.now;
+        let started = before.state == State::Ready && after.state == State::Running;
+        if started {
+            assert!(!self.drawn);
+            self.executes();
+            self.jumps(&before);
+        } else {
+            assert_eq!(after.angles, before.angles, "{frame:?}");
+        }
+        assert_eq!(after.rate, before.rate);
+        if matches!(frame.message, Message::Command(_, 2)) && !self.level {
+            self.drawn &= after.reason == Reason::StopLine;
+        }
+        let report = self.report.filter(|_| room < before.room && !self.deaf);
+        if let Some(report) = report {
+            // It was the item that was expected, in the session that is open.
+            assert_eq!(self.session, frame.session);
+            assert_eq!(u32::from(report.next.wrapping_sub(1)), frame.sequence);
+        }
+    }
+
+    /// The level of the stop line.
+    pub(crate) fn stop(&mut self, drawn: bool) {
+        let before = self.look();
+        self.device.stop(drawn);
+        let after = self.look();
+        self.level = drawn;
+        self.drawn |= drawn;
+        assert_eq!(after.angles, before.angles);
+        if drawn {
+            assert_eq!(after.rate, 0);
+            let held = before.state == State::Running && after.state == State::Holding;
+            assert!(
+                held || before.state == after.state,
+                "{before:?} to {after:?}"
+            );
+            let faulted = after.state == State::Faulted;
+            assert!(faulted || after.reason == Reason::StopLine);
+        } else {
+            assert_eq!(after, before);
+        }
+    }
+
+    /// Time passes.
+    pub(crate) fn tick(&mut self, now: u64) {
+        let before = self.look();
+        self.now = self.now.max(now);
+        self.device.tick(now);
+        let knot = self.device.follower().place().knot;
+        let on_path = !matches!(before.state, State::Idle | State::Ready);
+        while on_path && self.taken.front().is_some_and(|sent| sent.number != knot) {
+            self.taken.pop_front();
+            self.passed += 1;
+        }
+        let after = self.look();
+        assert!(tick_allows(&before, &after), "{before:?} to {after:?}");
+        assert_eq!(after.next, before.next);
+        let latched = !matches!(
+            before.reason,
+            Reason::None | Reason::Underrun | Reason::Lag(_)
+        );
+        if self.drawn
+            || !matches!(before.state, State::Running | State::Holding)
+            || latched && before.rate == 0
+        {
+            assert_eq!((after.angles, after.place), (before.angles, before.place));
+        }
+        let passed = now.saturating_sub(self.last_tick).min(10_000);
+        if on_path {
+            self.executes();
+            self.moves(&before, passed);
+        }
+        if after.state == State::Running {
+            assert!(self.now <= self.heard + 500_000, "a silent host");
+        }
+        self.rates(&before, &after, passed);
+        self.last_tick = self.last_tick.max(now);
+    }
+
+    /// The clock changes no faster than by 4 a second, and rests where nothing is left.
+    fn rates(&self, before: &Look, after: &Look, passed: u64) {
+        // Far from 0 the end of a long segment is rounded.
+        if after.state == State::Faulted || !self.pristine {
+            return;
+        }
+        let [from, to] = [before.rate, after.rate].map(f32::from_bits);
+        #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
+        let most = 4e-6 * passed as f32;
+        // What is left near the end is rounded, of which the rate there is the root.
+        let dry = self.device.follower().left() <= 0.0;
+        let most = most + if dry || from < 0.01 { 1e-3 } else { 1e-5 };
+        assert!((to - from).abs() <= most, "{from} to {to}");
+        assert!(!dry || to <= 1e-3, "{to} with nothing left");
+    }
+
+    /// Where a path begins, no group jumps by more than it may.
+    fn jumps(&self, before: &Look) {
+        let angles = self.device.follower().angles().iter().zip(&before.angles);
+        for (angle, before) in angles {
+            let jump = before.map_or(0.0, |before| (angle - f32::from_bits(before)).abs());
+            assert!(jump <= 0.01, "{jump}");
+        }
+    }
+
+    /// What is commanded is what was sent, and within its limits.
+    fn executes(&self) {
+        let follower = self.device.follower();
+        let (place, angles) = (follower.place(), follower.angles());
+        assert_eq!(angles.len(), self.limits.len());
+        assert!(!self.taken.is_empty(), "{place:?}");
+        for (group, (angle, limits)) in angles.iter().zip(&self.limits).enumerate() {
+            let within = limits.lower <= *angle && *angle <= limits.upper;
+            assert!(within, "{angle} beyond {limits:?}");
+            let sent = self.sent(place, group);
+            let range = f64::from(limits.upper) - f64::from(limits.lower);
+            let tolerance = if place.into > 0.0 {
+                4e-6 * (1.0 + range)
+            } else {
+                0.0
+            };
+            let off = sent.map_or(0.0, |sent| (sent - f64::from(*angle)).abs());
+            assert!(off <= tolerance, "{angle} instead of {sent:?} at {place:?}");
+        }
+        let at_knot = self.miura && place.into.abs().to_bits() == 0;
+        if at_knot || self.pristine && self.now.is_multiple_of(4) {
+            let residual = self.path.residual(angles);
+            assert!(residual <= f64::from(CLOSURE), "{residual:e} at {place:?}");
+        }
+    }
+
+    /// The angle of a group at a place of the path that was taken; nothing where half angles are interpolated.
+    fn sent(&self, place: Place<f32>, group: usize) -> Option<f64> {
+        let width = self.kind.width();
+        let node = |sent: &Sent| {
+            let numbers = &sent.nodes[width * group..][..2];
+            [f64::from(numbers[0]), f64::from(numbers[1])]
+        };
+        let from = self.taken.front()?;
+        assert_eq!(from.number, place.knot);
+        let [p, u] = node(from);
+        if place.into.abs().to_bits() == 0 {
+            return Some(p);
+        }
+        let to = &self.taken[1];
+        let ([q, v], span) = (node(to), f64::from(to.time) - f64::from(from.time));
+        let s = f64::from(place.into) / span;
+        assert!((0.0..=1.0).contains(&s), "{place:?} of {span}");
+        let hermite = || {
+            let (r, t) = (1.0 - s, s);
+            let basis = [(1.0 + 2.0 * t) * r * r * p, t * r * r * span * u];
+            let other = [t * t * (3.0 - 2.0 * t) * q, -t * t * r * span * v];
+            basis.iter().chain(&other).sum::<f64>()
+        };
+        let angle = match self.kind {
+            Interpolation::Linear => p + (q - p) * s,
+            Interpolation::Hermite => hermite(),
+            _ => return None,
+        };
+        let limits = &self.limits[group];
+        Some(angle.clamp(limits.lower.into(), limits.upper.into()))
+    }
+
+    /// No group is faster than it may be. Half angles are looked at in places when they are taken, not all along.
+    fn moves(&self, before: &Look, passed: u64) {
+        if !matches!(self.kind, Interpolation::Linear | Interpolation::Hermite) {
+            return;
+        }
+        let angles = self.device.follower().angles().iter().zip(&before.angles);
+        for ((angle, before), limits) in angles.zip(&self.limits) {
+            let before = f32::from_bits(before.unwrap());
+            let moved = (f64::from(*angle) - f64::from(before)).abs();
+            let range = f64::from(limits.upper) - f64::from(limits.lower);
+            #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
+            let most = f64::from(limits.speed) * passed as f64 * 1e-6 * 1.0001;
+            assert!(
+                limits.speed.is_infinite() || moved <= most + 4e-6 * (1.0 + range),
+                "{moved} after {before}"
+            );
+        }
+    }
+
+    /// Lets the device answer.
+    pub(crate) fn listen(&mut self) {
+        let before = self.look();
+        self.behind |= self.deaf;
+        self.device.poll(self.now);
+        assert_eq!(self.look(), before);
+        while !self.deaf
+            && let Some(byte) = self.device.take()
+        {
+            // What found no room does now.
+            self.device.poll(self.now);
+            let Some(frame) = self.answers.push(byte) else {
+                continue;
+            };
+            let frame = frame.to_vec();
+            self.answered(&frame);
+        }
+        self.behind &= self.deaf;
+    }
+
+    fn answered(&mut self, frame: &[u8]) {
+        let Some((session, message)) = wire::open(frame) else {
+            panic!("no frame: {frame:?}");
+        };
+        match message {
+            ToHost::Report(report) => self.reported(session, report),
+            ToHost::Telemetry { rate, angles, .. } => {
+                assert!((0.0..=1.0).contains(&rate) && angles.len() <= 16);
+            }
+            ToHost::Welcome { session, .. } => self.offered = Some(session),
+            _ => {}
+        }
+    }
+
+    /// What is told from now on is of this session.
+    pub(crate) fn enter(&mut self, session: u32) {
+        (self.session, self.report) = (session, None);
+        (self.granted, self.acknowledged) = (None, 0);
+    }
+
+    fn reported(&mut self, session: u32, report: Report) {
+        if self.session != session {
+            self.enter(session);
+        }
+        self.open = Some(session);
+        self.reports += 1;
+        let came = report
+            .next
+            .wrapping_sub(self.report.map_or(0, |old| old.next));
+        self.acknowledged += u64::from(came);
+        let room = report.limit.wrapping_sub(report.next);
+        assert!(usize::from(room) <= QUEUE, "{report:?}");
+        // None for a path that is to wait for that of an earlier session.
+        let other = self.acknowledged == 0 && self.device.follower().rate() > 0.0;
+        assert!(!other || self.behind || room == 0, "{report:?}");
+        let granted = self.acknowledged + u64::from(room);
+        // Room never shrinks, and a host that keeps to it is never refused for it.
+        if let Some(before) = self.granted {
+            assert!(granted >= before, "{before} {report:?} {:?}", self.report);
+        }
+        assert_ne!(report.refused, Some(ItemRefusal::Setpoint(Refusal::Full)));
+        self.granted = Some(granted);
+        self.report = Some(report);
+    }
+
+    /// A hinge is measured, so far from its command.
+    pub(crate) fn measure(&mut self, hinge: u32, off: f32) {
+        let member = self.device.sheet().hinges().nth(hinge as usize);
+        if let Some(member) = member
+            && let Some(angle) = self.device.follower().hinge(member)
+        {
+            self.device
+                .follower_mut()
+                .measure(hinge, member, angle + off);
+        }
+    }
+
+    /// The board is reset; it keeps the place and the angles.
+    pub(crate) fn reset(&mut self) {
+        let follower = self.device.follower();
+        let (angles, place) = (follower.angles().to_vec(), follower.place());
+        self.boots += 1;
+        let settings = Settings {
+            boot: self.boots << 16,
+            ..Settings::default()
+        };
+        self.device = Device::new(settings);
+        (self.answers, self.items) = (Deframer::default(), Stream::default());
+        self.enter(0);
+        self.taken.clear();
+        (self.level, self.drawn) = (false, false);
+        (self.last_tick, self.heard, self.now) = (0, 0, 1000);
+        if !angles.is_empty() {
+            self.device.follower_mut().stand(&angles, place).unwrap();
+        }
+    }
+}
+
+/// What PROTOCOL.md allows a frame.
+fn frame_allows(message: &Message, from: &Look, to: &Look) -> bool {
+    use State::{Done, Faulted, Holding, Idle, Ready, Running};
+    let stays = from.state == to.state;
+    let changes = (from.state, to.state);
+    match message {
+        Message::Nothing | Message::Hello => from == to,
+        Message::Alive | Message::Piece => stays && from.next == to.next,
+        Message::Sheet | Message::Command(_, 3) => {
+            stays || matches!(changes, (Ready | Holding | Done, Idle)) && from.rate == 0
+        }
+        Message::Setpoint(_) => {
+            let refused = matches!(to.reason, Reason::Refused(_));
+            stays || changes == (Idle, Ready) || changes == (Running, Holding) && refused
+        }
+        Message::Command(_, 0) => stays || changes == (Ready, Running),
+        Message::Command(_, 1) => stays || changes == (Running, Holding),
+        Message::Command(_, 2) => stays || changes == (Holding, Running),
+        Message::Command(_, 4) => stays || changes == (Faulted, Idle),
+        Message::Command(..) => from == to,
+    }
+}
+
+/// What PROTOCOL.md allows a tick.
+fn tick_allows(from: &Look, to: &Look) -> bool {
+    use State::{Done, Faulted, Holding, Running};
+    let waited = matches!(from.reason, Reason::Underrun | Reason::Lag(_));
+    match (from.state, to.state) {
+        (from, to) if from == to => true,
+        (Running, Holding | Done) | (Holding, Done) => true,
+        (Running | Holding, Faulted) => matches!(from.reason, Reason::Lag(_)),
+        (Holding, Running) => waited,
+        _ => false,
+    }
+}

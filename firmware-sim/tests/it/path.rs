@@ -1,0 +1,110 @@
+//! The path of a Miura fold whose motion is known in closed form, and a controller that has room for it.
+
+use core::f64::consts::{PI, SQRT_2};
+
+use foldpath_core::follower::Place;
+use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::wire::path::PathItems;
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
+use foldpath_firmware_sim::controller::Controller;
+use foldpath_test_support::Random;
+use foldpath_test_support::stars::{Stars, foldability_error, miura};
+use rand_core::Rng;
+
+/// Seconds between knots, and knots of the path.
+const STEP: f64 = 0.02;
+pub(crate) const KNOTS: usize = 101;
+/// Largest fold angle of the path, and the limits of both groups.
+pub(crate) const TOP: f64 = 2.6;
+pub(crate) const LIMITS: GroupLimits = GroupLimits {
+    lower: -0.1,
+    upper: 2.7,
+    speed: 2.5,
+    acceleration: 8.0,
+};
+/// Largest residual that a commanded configuration may have: that of the cubics between knots, and the floor of
+/// f32.
+pub(crate) const CLOSURE: f32 = 2e-6;
+/// A controller with room for this path.
+pub(crate) type Device = Controller<4, 64, 32, 16>;
+
+/// A whole number from 0 below `count`.
+pub(crate) fn below(rng: &mut Random, count: u64) -> u64 {
+    rng.next_u64() % count
+}
+
+/// A path in numbers of its own.
+pub(crate) struct Path {
+    times: Vec<f32>,
+    angles: Vec<f32>,
+    rates: Vec<f32>,
+    stars: Stars<f32>,
+    exact: Stars<f64>,
+    /// The group and sign of each hinge.
+    pub(crate) hinges: Vec<Membership>,
+}
+
+impl Path {
+    /// Miura's fold with 60 degree sectors, there and smooth at both ends.
+    pub(crate) fn miura() -> Self {
+        Self::miura_to(TOP)
+    }
+
+    /// The same up to another angle.
+    pub(crate) fn miura_to(top: f64) -> Self {
+        let duration = STEP * (KNOTS - 1) as f64;
+        let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for knot in 0..KNOTS {
+            let time = STEP * knot as f64;
+            let (sin, cos) = (PI * time / duration).sin_cos();
+            let t = (top * (1.0 - cos) / 4.0).tan();
+            let rate = top * sin / 2.0 * PI / duration;
+            let minor = rate * 0.5 * (1.0 + t * t) / (1.0 + t * t / 4.0);
+            times.push(f32::lit(time));
+            angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
+            rates.extend([rate, minor].map(f32::lit));
+        }
+        let hinge = |hinge: u32| Membership {
+            group: GroupId(hinge % 2),
+            negative: hinge.is_multiple_of(3),
+        };
+        Self {
+            times,
+            angles,
+            rates,
+            stars: vertex(),
+            exact: vertex(),
+            hinges: (0..50).map(hinge).collect(),
+        }
+    }
+
+    pub(crate) fn view(&self) -> TrajectoryView<'_, f32> {
+        let kind = Interpolation::Hermite;
+        TrajectoryView::new(kind, 2, &self.times, &self.angles, &self.rates, &[]).unwrap()
+    }
+
+    pub(crate) fn items(&self, place: Place<f32>) -> PathItems<'_> {
+        let limits = &[LIMITS; 2];
+        PathItems::new(
+            self.view(),
+            limits,
+            &self.hinges,
+            self.stars.view(),
+            CLOSURE,
+            place,
+        )
+        .unwrap()
+    }
+
+    /// The closure residual of the real vertex at these angles, by the report's matrices in f64.
+    pub(crate) fn residual(&self, angles: &[f32]) -> f64 {
+        let angles = [angles[0], angles[1]].map(f64::from);
+        let star = self.exact.view().iter().next().unwrap();
+        foldability_error(star, &angles) / SQRT_2
+    }
+}
+
+/// Miura's vertex with 60 degree sectors.
+pub(crate) fn vertex<T: Scalar>() -> Stars<T> {
+    miura(60.0, false, false)
+}

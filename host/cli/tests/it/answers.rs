@@ -1,0 +1,165 @@
+//! The JSON objects that the commands print: exactly the keys of the contract, of the right kinds.
+
+use crate::common::{PATTERNS, folder_with_path};
+use serde_json::{Value, json};
+
+/// Whether `value` is of the kind that `shape` says: a name (several with `|` between), a list of
+/// entries of one kind or with one kind each, or an object with exactly these keys (`*`: any).
+fn fits(value: &Value, shape: &Value) -> bool {
+    match (shape, value) {
+        (Value::String(kinds), _) => kinds.split('|').any(|kind| match kind {
+            "count" => value.is_u64(),
+            "number" => value.is_number(),
+            "text" => value.is_string(),
+            "null" => value.is_null(),
+            kind => *value == *kind,
+        }),
+        (Value::Array(kinds), Value::Array(values)) => match kinds.as_slice() {
+            [kind] => values.iter().all(|value| fits(value, kind)),
+            kinds => {
+                kinds.len() == values.len() && values.iter().zip(kinds).all(|(v, k)| fits(v, k))
+            }
+        },
+        (Value::Object(kinds), Value::Object(values)) => match kinds.get("*") {
+            Some(kind) => values.values().all(|value| fits(value, kind)),
+            None => {
+                let fits = |(key, kind)| values.get(key).is_some_and(|value| fits(value, kind));
+                kinds.len() == values.len() && kinds.iter().all(fits)
+            }
+        },
+        _ => false,
+    }
+}
+
+fn info_shape() -> Value {
+    json!({
+        "vertices": "count", "edges": "count", "faces": "count", "sheets": "count",
+        "creases": "count", "virtual_edges": "count", "free_hinges": "count",
+        "real_vertices": "count", "virtual_vertices": "count", "letters": {"*": "count"},
+        "groups": "count", "essential_vertices": "count", "closure_goal": "number|null",
+        "amplification": "number|null", "repairs": ["text"], "assumptions": ["text"],
+    })
+}
+
+fn plan_shape() -> Value {
+    json!({
+        "outcome": "planned|partial|not_rigidly_foldable|goal_not_closed|crossing|timeout",
+        "reason": "text|null", "reached": "number", "creases": "count", "real_vertices": "count",
+        "groups": "count", "essential_vertices": "count", "unknowns": "count", "knots": "count",
+        "max_deformation": "number", "certified_deformation": "number|null",
+        "max_closure": "number", "max_gap": "number", "goal_error": "number",
+        "min_clearance": "number|null",
+        "time": {
+            "total": "number", "read": "number", "symmetry": "number", "solve": "number",
+            "fold": "number", "collision": "number", "write": "number",
+        },
+        "solver": {"iterations": "count", "evaluations": "count"},
+        "collision": {
+            "pairs": "count", "tested": "count", "skipped_symmetry": "count",
+            "skipped_motion": "count", "skipped_bounds": "count", "skipped_edges": "count",
+        },
+        "seed": "count",
+    })
+}
+
+fn check_shape() -> Value {
+    json!({
+        "outcome": "holds|fails", "reason": "text|null", "knots": "count",
+        "max_deformation": "number", "max_gap": "number", "max_closure": "number",
+        "certified_deformation": "number|null",
+        "crossings": [{
+            "faces": ["count", "count"], "between_knots": ["count", "count"], "at": "number",
+        }],
+        "min_clearance": "number|null",
+    })
+}
+
+#[test]
+fn every_answer_has_the_keys_of_the_contract() {
+    let folder = folder_with_path();
+    let crossing = format!("{PATTERNS}/waterbomb-12x22-crossing.fold");
+    folder.done(&format!("plan {crossing} --collision off -o crossing.fold"));
+    let cut = folder.read("path.fold").replace("\"M\"", "\"V\"");
+    folder.write("flipped.fold", &cut);
+
+    let cases = [
+        ("info miura.fold", 0, info_shape(), "groups", json!(2)),
+        (
+            "plan miura.fold",
+            0,
+            plan_shape(),
+            "outcome",
+            json!("planned"),
+        ),
+        (
+            "plan miura.fold --timeout 0",
+            1,
+            plan_shape(),
+            "outcome",
+            json!("timeout"),
+        ),
+        (
+            "plan miura.fold --bound 1e-99",
+            1,
+            plan_shape(),
+            "outcome",
+            json!("not_rigidly_foldable"),
+        ),
+        (
+            &format!("plan {crossing}"),
+            1,
+            plan_shape(),
+            "outcome",
+            json!("crossing"),
+        ),
+        (
+            "check path.fold",
+            0,
+            check_shape(),
+            "outcome",
+            json!("holds"),
+        ),
+        (
+            "check crossing.fold",
+            1,
+            check_shape(),
+            "outcome",
+            json!("fails"),
+        ),
+        (
+            "check flipped.fold",
+            1,
+            check_shape(),
+            "outcome",
+            json!("fails"),
+        ),
+    ];
+    for (arguments, status, shape, key, expected) in cases {
+        let answer = folder
+            .run(&format!("{arguments} --json"))
+            .with_status(status);
+        let json = answer.json();
+        assert!(fits(&json, &shape), "{arguments}: {json:#}");
+        assert_eq!(json[key], expected, "{arguments}");
+        if let Some(outcome) = json.get("outcome") {
+            let good = ["planned", "holds"].contains(&outcome.as_str().unwrap());
+            assert_eq!(json["reason"].is_null(), good, "{arguments}: {json:#}");
+        }
+    }
+}
+
+#[test]
+fn shapes_tell_kinds_and_keys_apart() {
+    let shape = json!({"n": "count", "x": "number|null", "list": ["text"]});
+    for (value, good) in [
+        (json!({"n": 1, "x": 0.5, "list": ["a"]}), true),
+        (json!({"n": 1, "x": null, "list": []}), true),
+        (json!({"n": 1.5, "x": null, "list": []}), false),
+        (json!({"n": 1, "x": "0.5", "list": []}), false),
+        (json!({"n": 1, "x": null, "list": [1]}), false),
+        (json!({"n": 1, "x": null}), false),
+        (json!({"n": 1, "x": null, "list": [], "more": 1}), false),
+    ] {
+        assert_eq!(fits(&value, &shape), good, "{value}");
+    }
+}

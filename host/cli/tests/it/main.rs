@@ -1,0 +1,25 @@
+//! Tests that run the command, one module for each matter.
+
+mod answers;
+mod bad_files;
+mod cli;
+mod common;
+mod cuts_and_holes;
+mod drawings;
+mod errors;
+mod export;
+mod help;
+mod hostile;
+mod odd_files;
+mod options;
+mod outlook;
+mod path_file;
+mod patterns;
+mod plot;
+mod routes;
+mod rust_source;
+mod session;
+mod stream;
+mod terminal;
+mod traj;
+mod unfold;

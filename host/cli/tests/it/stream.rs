@@ -1,0 +1,877 @@
+//! Streaming to controllers: what they execute is what was planned, whatever the line does; what goes wrong is said.
+
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::time::Duration;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle, sleep};
+use std::time::Instant;
+
+use crate::common::folder;
+use crate::session::session;
+use foldpath::stream::{Faulty, Outcome, Sim, StreamPath, Telemetry, Wish};
+use foldpath_core::acceptance::{Setpoint, SheetView};
+use foldpath_core::follower::{self, Follower, Place, State};
+use foldpath_core::trajectory::{Trajectory, TrajectoryView};
+use foldpath_core::trajectory_file::{GroupLimits, TrajectoryFile, write};
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::frame;
+use foldpath_core::wire::message::ToHost;
+use foldpath_core::{GroupId, Interpolation, Spoke, StarView, StarsView, local_foldability_matrix};
+use foldpath_firmware_sim::controller::{Controller, Settings};
+use foldpath_firmware_sim::faults::Faults;
+use foldpath_test_support::Folder;
+use serde_json::Value;
+
+/// A folder with `path.traj` of a Miura fold of 24 x 24 faces.
+fn miura(options: &str) -> Folder {
+    let folder = folder();
+    folder.done("generate miura --rows 24 --cols 24 -o miura.fold");
+    folder.done(&format!("plan miura.fold -o path.fold {options}"));
+    folder.done("export path.fold --to traj -o path.traj");
+    folder
+}
+
+/// A folder with `path.traj` of a small Miura fold that takes about two seconds.
+fn small() -> Folder {
+    let folder = folder();
+    folder.done("generate miura --rows 3 --cols 3 -o miura.fold");
+    folder.done("plan miura.fold --max-speed 90 -o path.fold");
+    folder.done("export path.fold --to traj -o path.traj");
+    folder
+}
+
+fn read(folder: &Folder) -> StreamPath {
+    let bytes = std::fs::read(folder.path("path.traj")).unwrap();
+    StreamPath::read(&bytes, Path::new("path.traj")).unwrap()
+}
+
+/// Spokes of a file, and where each vertex ends.
+fn stars(file: &TrajectoryFile<'_>) -> (Vec<Spoke<f32>>, Vec<u32>) {
+    let ends = (1..).zip(file.spokes()).filter(|(_, (_, last))| *last);
+    let ends = ends.map(|(end, _)| end).collect();
+    (file.spokes().map(|(spoke, _)| spoke).collect(), ends)
+}
+
+/// The angles that the follower commands at each millisecond from the start on, all setpoints being there.
+fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
+    let file = TrajectoryFile::read(bytes).unwrap();
+    let (spokes, ends) = stars(&file);
+    let limits = [0, 1].map(|group| file.limits(group).unwrap());
+    let sheet = SheetView {
+        interpolation: file.interpolation(),
+        limits: &limits,
+        stars: StarsView::new(&spokes, &ends, 2).unwrap(),
+        closure: file.closure(),
+    };
+    let mut follower = Follower::<f32, 2, 64>::new(follower::Options::default());
+    follower.load(&sheet, Place::default()).unwrap();
+    for knot in 0..file.len() {
+        let nodes = [0, 1].map(|group| file.node(knot, group).unwrap());
+        let setpoint = Setpoint {
+            number: u32::try_from(knot).unwrap(),
+            time: file.time(knot).unwrap(),
+            last: knot + 1 == file.len(),
+            nodes: nodes.into_iter().collect(),
+        };
+        follower.accept(&sheet, setpoint).unwrap();
+    }
+    follower.start().unwrap();
+    let mut run = Vec::new();
+    for tick in 1.. {
+        follower.heard(1000 * tick);
+        follower.tick(1000 * tick);
+        run.push([follower.angles()[0], follower.angles()[1]]);
+        if follower.state() == State::Done {
+            break;
+        }
+    }
+    run
+}
+
+/// The angles at a place, by the trajectory that the file holds.
+fn at(bytes: &[u8], place: Place<f32>) -> Vec<f32> {
+    let file = TrajectoryFile::read(bytes).unwrap();
+    let stored: Trajectory<f32, 64, 128> = file.trajectory().unwrap();
+    let knot = place.knot as usize;
+    let span = file
+        .time(knot + 1)
+        .map(|next| next - file.time(knot).unwrap());
+    let angle = |group| match span {
+        Some(span) if place.into > 0.0 => {
+            let curve = stored.view().curve(knot, group).unwrap();
+            curve.angle(place.into / span)
+        }
+        _ => file.node(knot, group).unwrap().angle,
+    };
+    (0..file.groups()).map(angle).collect()
+}
+
+fn bits(angles: &[f32]) -> Vec<u32> {
+    angles.iter().map(|angle| angle.to_bits()).collect()
+}
+
+/// A row of the log.
+#[derive(Debug, PartialEq)]
+struct Row {
+    micros: u64,
+    state: String,
+    sequence: u32,
+    angles: Vec<f32>,
+}
+
+fn rows(log: &str) -> Vec<Row> {
+    let mut lines = log.lines();
+    assert_eq!(
+        lines.next(),
+        Some("t_us,state,sequence,group_0,group_1"),
+        "{log}"
+    );
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), 5, "{line}");
+        let angles = cells[3..].iter().filter(|cell| !cell.is_empty());
+        Row {
+            micros: cells[0].parse().unwrap(),
+            state: cells[1].into(),
+            sequence: cells[2].parse().unwrap(),
+            angles: angles.map(|cell| cell.parse().unwrap()).collect(),
+        }
+    };
+    lines.map(row).collect()
+}
+
+/// Asserts that the angles of rows are those of the run at their times.
+#[track_caller]
+fn runs_as(rows: &[Row], run: &[[f32; 2]]) {
+    let moving = rows
+        .iter()
+        .position(|row| row.state != "Idle" && row.state != "Ready");
+    let rows = &rows[moving.expect("something moves")..];
+    let first = (0..run.len()).find(|tick| bits(&run[*tick]) == bits(&rows[0].angles));
+    let first = first.unwrap_or_else(|| panic!("{:?}", rows[0]));
+    for row in rows {
+        let passed = usize::try_from((row.micros - rows[0].micros) / 1000).unwrap();
+        let tick = (first + passed).min(run.len() - 1);
+        assert_eq!(bits(&row.angles), bits(&run[tick]), "{row:?}");
+    }
+    assert_eq!(rows.last().unwrap().state, "Done");
+}
+
+#[test]
+fn a_controller_executes_what_was_planned_bit_by_bit() {
+    let folder = miura("");
+    let answer = folder.done("stream path.traj --to sim --log log.csv --json");
+    assert_eq!(answer.stderr, "");
+    let json = answer.json();
+    let keys: Vec<&String> = json.as_object().unwrap().keys().collect();
+    let contract = [
+        "bytes_sent",
+        "duration",
+        "max_closure",
+        "outcome",
+        "reason",
+        "refused",
+        "retransmitted",
+        "setpoints",
+    ];
+    assert_eq!(keys, contract);
+    assert_eq!(
+        (&json["outcome"], &json["reason"]),
+        (&"done".into(), &Value::Null)
+    );
+    let bytes = std::fs::read(folder.path("path.traj")).unwrap();
+    let file = TrajectoryFile::read(&bytes).unwrap();
+    assert_eq!(json["setpoints"], file.len());
+    assert_eq!(
+        (&json["retransmitted"], &json["refused"]),
+        (&0.into(), &0.into())
+    );
+
+    let log = folder.read("log.csv");
+    let rows = rows(&log);
+    let run = own_run(&bytes);
+    runs_as(&rows, &run);
+    // Telemetry comes every 20 ms, the first of the motion within that.
+    assert!(
+        rows.windows(2)
+            .all(|pair| pair[1].micros - pair[0].micros == 20_000)
+    );
+    let begin = rows.iter().find(|row| !row.angles.is_empty()).unwrap();
+    assert!(
+        run[..20]
+            .iter()
+            .any(|angles| bits(angles) == bits(&begin.angles))
+    );
+    let goal = file.node(file.len() - 1, 0).unwrap().angle;
+    assert_eq!(run.last().unwrap()[0].to_bits(), goal.to_bits());
+    assert!(
+        rows.windows(2)
+            .all(|pair| pair[0].sequence <= pair[1].sequence)
+    );
+    // Nothing is late: the path, from rest to rest, and the start of the clock, and the session.
+    let path = f64::from(file.time(file.len() - 1).unwrap());
+    let duration = json["duration"].as_f64().unwrap();
+    assert!(
+        (path..path + 0.5).contains(&duration),
+        "{duration} of {path}"
+    );
+
+    // The report's matrices, in 64 bits.
+    let spokes: Vec<Spoke<f64>> = stars(&file).0.iter().map(widened).collect();
+    let residual = |row: &Row| {
+        let angles: Vec<f64> = row.angles.iter().copied().map(f64::from).collect();
+        let star = StarView { spokes: &spokes };
+        let matrix = local_foldability_matrix(star, [0.0; 2], &angles);
+        let entry = |i: usize, j: usize| matrix[(i, j)] - if i == j { 1.0 } else { 0.0 };
+        let places = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+        let square: f64 = places.map(|(i, j)| entry(i, j).powi(2)).sum();
+        (square / 2.0).sqrt()
+    };
+    let known = rows.iter().filter(|row| !row.angles.is_empty());
+    let worst = known.map(residual).fold(0.0, f64::max);
+    let told = json["max_closure"].as_f64().unwrap();
+    assert!((told - worst).abs() < 1e-9, "{told:e} {worst:e}");
+    assert!(told > 0.0 && told <= f64::from(file.closure()));
+
+    let again = folder.done("stream path.traj --to sim --log again.csv --json");
+    assert_eq!((again.json(), folder.read("again.csv")), (json, log));
+}
+
+fn widened(spoke: &Spoke<f32>) -> Spoke<f64> {
+    let [x, y] = spoke.direction.map(f64::from);
+    Spoke {
+        group: spoke.group,
+        negative: spoke.negative,
+        direction: [x / x.hypot(y), y / x.hypot(y)],
+    }
+}
+
+/// Against angle and rate of each of 1104 hinges at each knot, bare, and against their angles fifty times a second, for a
+/// controller that does not know the path between.
+#[test]
+fn two_groups_take_a_hundredth_of_the_bytes_of_their_hinges() {
+    for (options, knots) in [
+        ("", 5..8),
+        ("--interpolation hermite --bound 0.00001", 19..100),
+    ] {
+        let folder = miura(options);
+        let json = folder.done("stream path.traj --to sim --json").json();
+        let number = |key: &str| json[key].as_u64().unwrap();
+        let (setpoints, bytes) = (number("setpoints"), number("bytes_sent"));
+        let duration = json["duration"].as_f64().unwrap();
+        let bare = setpoints * 1104 * 8;
+        println!("{setpoints} setpoints, {bytes} bytes, {bare} bare, {duration} s");
+        assert!(knots.contains(&setpoints), "{setpoints}");
+        assert!(
+            bytes as f64 * 100.0 <= duration * 50.0 * 1104.0 * 4.0,
+            "{bytes}"
+        );
+        let part = if setpoints < 19 { 50 } else { 150 };
+        assert!(bytes * part <= bare, "{bytes} of {bare}");
+    }
+}
+
+#[test]
+fn faults_cost_time_alone() {
+    let folder = miura("");
+    let (path, bytes) = (
+        read(&folder),
+        std::fs::read(folder.path("path.traj")).unwrap(),
+    );
+    let goal = at(&bytes, Place { knot: 5, into: 0.0 });
+    let own = own_run(&bytes);
+    let faults = Faults {
+        drop: 0.1,
+        flip: 0.1,
+        double: 0.1,
+        reorder: 0.1,
+        ..Faults::default()
+    };
+    let (mut repeated, mut unheld) = (0, 0);
+    for seed in 0..100 {
+        let mut link = Faulty::new(Sim::new(), faults, seed);
+        let (summary, heard) = session(&mut link, &path, (7, false), &|_| Wish::Run);
+        assert_eq!(summary.outcome, Outcome::Done, "{seed}: {summary:?}");
+        assert_eq!((summary.setpoints, summary.refused), (6, 0));
+        repeated += u64::from(summary.retransmitted > 0);
+        let known = || heard.iter().filter(|told| !told.angles.is_empty());
+        for told in known() {
+            assert_eq!(
+                bits(&told.angles),
+                bits(&at(&bytes, told.place)),
+                "{seed}: {told:?}"
+            );
+        }
+        assert_eq!(bits(&heard.last().unwrap().angles), bits(&goal), "{seed}");
+        // Where nothing held, each moment is the same too. Some told are overtaken.
+        if heard.iter().all(|told| told.state != State::Holding) {
+            unheld += 1;
+            let mut rows: Vec<Row> = known().map(row).collect();
+            rows.sort_by_key(|row| row.micros);
+            runs_as(&rows, &own);
+        }
+    }
+    assert!(repeated >= 95 && unheld >= 80, "{repeated} {unheld}");
+}
+
+fn row(told: &Telemetry) -> Row {
+    Row {
+        micros: told.time,
+        state: format!("{:?}", told.state),
+        sequence: told.place.knot,
+        angles: told.angles.clone(),
+    }
+}
+
+#[test]
+fn the_command_adds_faults_from_a_seed() {
+    let folder = small();
+    let stream = |seed: u32, log: &str| {
+        let faults = format!("drop=0.1,flip=0.1,double=0.1,seed={seed}");
+        let stream = format!("stream path.traj --to sim --json --log {log} --faults {faults}");
+        (folder.done(&stream).json(), folder.read(log))
+    };
+    let [first, again, other] =
+        [(7, "a.csv"), (7, "b.csv"), (8, "c.csv")].map(|(s, l)| stream(s, l));
+    assert_eq!(first, again);
+    assert_ne!(first.1, other.1);
+    assert!(first.0["retransmitted"].as_u64().unwrap() > 0);
+    assert_eq!(other.0["outcome"], "done");
+    for (faults, message) in [
+        ("drop", "expected KEY=VALUE, found drop"),
+        ("drop=2", "drop: expected 0 to 1, found 2"),
+        ("drop=NaN", "drop: expected 0 to 1, found NaN"),
+        (
+            "lose=0.1",
+            "expected drop, flip, double, reorder or seed, found lose",
+        ),
+        ("seed=-1", "seed: expected a number, found -1"),
+    ] {
+        let stream = format!("stream path.traj --to sim --faults {faults}");
+        let answer = folder.run(&stream).with_status(2);
+        assert!(answer.stderr.contains(message), "{answer:?}");
+    }
+    let deaf = "stream path.traj --to sim --json --faults drop=1";
+    let deaf = folder.run(deaf).with_status(1).json();
+    assert_eq!(deaf["outcome"], "no_device");
+    assert_eq!(deaf["reason"], "the controller is silent");
+}
+
+/// What `stream` says of a small sheet with these drives and this script.
+fn driven(folder: &Folder, options: &str) -> Value {
+    let stream = "stream path.traj --to sim --sheet path.fold --json";
+    folder.run(&format!("{stream} {options}")).json()
+}
+
+/// The true hinges make the true sheet.
+#[test]
+fn drives_deform_the_sheet_by_what_they_are_off() {
+    let folder = small();
+    let number = |json: &Value, key: &str| json[key].as_f64().unwrap();
+    // Where they are commanded they close in numbers of 32 bits.
+    let exact = driven(&folder, "");
+    assert_eq!(exact["outcome"], "done");
+    assert!(number(&exact, "max_deformation") < 1e-5, "{exact}");
+    assert!(number(&exact, "max_gap") < 1e-5, "{exact}");
+    // Hinges that are late alike leave the sheet almost whole, play and noise do not.
+    let late = driven(&folder, "--drives lag=0.005");
+    let loose = driven(&folder, "--drives play=0.01,noise=0.001,seed=3");
+    for json in [&late, &loose] {
+        assert_eq!(json["outcome"], "done");
+    }
+    let [whole, late, loose] = [exact, late, loose].map(|json| number(&json, "max_gap"));
+    assert!(
+        whole < late && late < loose && loose < 0.1,
+        "{whole} {late} {loose}"
+    );
+}
+
+#[test]
+fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
+    let folder = small();
+    folder.write("stall.txt", "# the third\n\n0.8 stick 3 # for ever\n");
+    let json = driven(&folder, "--script stall.txt");
+    assert_eq!(json["outcome"], "faulted");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(reason.contains("hinge 3 "), "{reason}");
+    // The others went on until that was seen.
+    assert!(json["max_gap"].as_f64().unwrap() > 1e-3);
+
+    folder.write("jump.txt", "0.8 jump 5 0.5");
+    let json = driven(&folder, "--script jump.txt");
+    assert_eq!(json["outcome"], "faulted");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(reason.contains("hinge 5 "), "{reason}");
+
+    folder.write("dip.txt", "1.6 supply 1\n0.8 supply 0.1\n");
+    let [with, without] = ["--script dip.txt", ""].map(|script| {
+        let json = driven(&folder, &format!("{script} --drives speed=2.5"));
+        assert_eq!(json["outcome"], "done");
+        json["duration"].as_f64().unwrap()
+    });
+    assert!(with > without + 0.3, "{with} {without}");
+
+    folder.write("free.txt", "0.8 stick 3\n0.85 free 3");
+    assert_eq!(driven(&folder, "--script free.txt")["outcome"], "done");
+}
+
+#[test]
+fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
+    let folder = small();
+    let (path, bytes) = (
+        read(&folder),
+        std::fs::read(folder.path("path.traj")).unwrap(),
+    );
+    let mut sim = Sim::new();
+    let stop = |heard: &[Telemetry]| {
+        if heard.len() < 40 {
+            Wish::Run
+        } else {
+            Wish::Stop
+        }
+    };
+    let (summary, heard) = session(&mut sim, &path, (1, false), &stop);
+    assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
+    let stood = heard.last().unwrap();
+    assert_eq!((stood.state, stood.rate.to_bits()), (State::Holding, 0));
+    assert!(stood.place.knot < 4 && stood.place.into > 0.0, "{stood:?}");
+    let rates: Vec<f32> = heard.iter().rev().map(|told| told.rate).collect();
+    let braking = rates
+        .iter()
+        .filter(|rate| **rate > 0.0 && **rate < 1.0)
+        .count();
+    // A quarter of a second at 4 a second: twelve told at 20 ms, and as many at the start.
+    assert!((22..=26).contains(&braking), "{braking}");
+
+    // Without --resume it begins elsewhere.
+    let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
+    assert!(
+        summary
+            .reason
+            .unwrap()
+            .starts_with("group 0 stands elsewhere")
+    );
+
+    let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+    let begin = heard
+        .iter()
+        .find(|told| told.state == State::Running)
+        .unwrap();
+    let passed = begin.place.into - stood.place.into;
+    assert_eq!(begin.place.knot, stood.place.knot);
+    assert!((0.0..0.002).contains(&passed), "{passed}");
+    for told in heard.iter().filter(|told| !told.angles.is_empty()) {
+        assert_eq!(bits(&told.angles), bits(&at(&bytes, told.place)));
+    }
+    // There is nothing more to do, and it is done.
+    let (summary, _) = session(&mut sim, &path, (4, true), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+}
+
+#[test]
+fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
+    let path = read(&small());
+    let mut sim = Sim::new();
+    let quit = |heard: &[Telemetry]| {
+        if heard.len() < 40 {
+            Wish::Run
+        } else {
+            Wish::Quit
+        }
+    };
+    let (summary, heard) = session(&mut sim, &path, (1, false), &quit);
+    assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
+    assert_eq!(
+        summary.reason.as_deref(),
+        Some("stopped at once by the stop line")
+    );
+    let rate = heard.last().unwrap().rate;
+    assert!(rate > 0.99 || rate <= 0.0, "{rate}");
+    for resume in [false, true] {
+        let (summary, _) = session(&mut sim, &path, (2 + u32::from(resume), resume), &|_| {
+            Wish::Run
+        });
+        assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
+        assert!(summary.reason.unwrap().starts_with("the stop line"));
+    }
+}
+
+type Device = Controller<4, 64, 64, 16>;
+
+/// A controller behind a stream, which lives on when its host goes. Its clock is that of the world.
+struct Served {
+    device: Device,
+    start: Instant,
+    /// The knot it is at, for the test to see.
+    knot: Arc<AtomicU32>,
+}
+
+impl Served {
+    fn new() -> Self {
+        Self {
+            device: Device::new(Settings::default()),
+            start: Instant::now(),
+            knot: Arc::default(),
+        }
+    }
+
+    /// Serves until the other end goes, or `until` says so.
+    fn serve(&mut self, mut line: impl Read + Write, until: impl Fn(&Device) -> bool) {
+        let (mut buffer, mut outgoing) = ([0; 256], Vec::new());
+        while !until(&self.device) {
+            let now = u64::try_from(self.start.elapsed().as_micros()).unwrap();
+            match line.read(&mut buffer) {
+                Ok(0) => return,
+                Ok(count) => buffer[..count]
+                    .iter()
+                    .for_each(|byte| self.device.byte(*byte, now)),
+                Err(error) if is_pause(&error) => sleep(Duration::from_micros(500)),
+                Err(_) => return,
+            }
+            self.device.tick(now);
+            self.device.poll(now);
+            self.knot
+                .store(self.device.follower().place().knot, Ordering::Relaxed);
+            outgoing.extend(core::iter::from_fn(|| self.device.take()));
+            match line.write(&outgoing) {
+                Ok(count) => drop(outgoing.drain(..count)),
+                Err(error) if is_pause(&error) => {}
+                Err(_) => return,
+            }
+        }
+    }
+}
+
+fn is_pause(error: &io::Error) -> bool {
+    use ErrorKind::{TimedOut, WouldBlock};
+    matches!(error.kind(), WouldBlock | TimedOut)
+}
+
+/// A controller that serves so many hosts, one after the other, at a port.
+fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
+    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let mut served = Served::new();
+    let knot = Arc::clone(&served.knot);
+    let thread = thread::spawn(move || {
+        for stream in listener.incoming().take(hosts) {
+            let stream = stream.unwrap();
+            stream.set_nonblocking(true).unwrap();
+            stream.set_nodelay(true).unwrap();
+            served.serve(stream, until);
+        }
+        served.device
+    });
+    (port, knot, thread)
+}
+
+#[test]
+fn a_controller_behind_tcp_is_stopped_by_ctrl_c_and_goes_on() {
+    let folder = small();
+    let bytes = std::fs::read(folder.path("path.traj")).unwrap();
+    let (port, knot, thread) = served(2, |_| false);
+    let stream = format!("stream path.traj --to tcp:{port} --json --log");
+    let mut host = folder.command(&format!("{stream} first.csv"));
+    let host = host
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while knot.load(Ordering::Relaxed) < 1 {
+        sleep(Duration::from_millis(1));
+    }
+    let id = host.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status();
+    assert!(kill.unwrap().success());
+    let output = host.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["outcome"], "stopped", "{json}");
+    let first = rows(&folder.read("first.csv"));
+    assert_eq!(first.last().unwrap().state, "Holding");
+
+    let json = folder.done(&format!("{stream} second.csv --resume")).json();
+    assert_eq!(json["outcome"], "done");
+    let second = rows(&folder.read("second.csv"));
+    assert_eq!(second.last().unwrap().state, "Done");
+    assert!(second[0].sequence >= 1);
+    assert_eq!(bits(&second[0].angles), bits(&first.last().unwrap().angles));
+    // Bit by bit on the path, and nowhere twice.
+    let device = thread.join().unwrap();
+    let goal = at(&bytes, device.follower().place());
+    assert_eq!(bits(device.follower().angles()), bits(&goal));
+    assert_eq!(device.follower().state(), State::Done);
+}
+
+/// A line that nobody may have opened yet.
+struct Patient<S>(S);
+
+impl<S: Read> Read for Patient<S> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0
+            .read(buffer)
+            .map_err(|_| ErrorKind::WouldBlock.into())
+    }
+}
+
+impl<S: Write> Write for Patient<S> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0
+            .write(bytes)
+            .map_err(|_| ErrorKind::WouldBlock.into())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_controller_behind_a_serial_device_is_done_with_faults_too() {
+    use serialport::{SerialPort, TTYPort};
+    let folder = small();
+    let (mut board, host) = TTYPort::pair().unwrap();
+    board.set_timeout(Duration::ZERO).unwrap();
+    let name = host.name().unwrap();
+    let over = Arc::new(AtomicBool::new(false));
+    let end = Arc::clone(&over);
+    let thread = thread::spawn(move || {
+        let mut served = Served::new();
+        served.serve(Patient(board), |_| end.load(Ordering::Relaxed));
+        served.device.follower().state()
+    });
+    drop(host);
+    let faults = "drop=0.05,flip=0.05,double=0.05,seed=3";
+    let stream = format!("stream path.traj --to serial:{name} --json --faults {faults}");
+    let json = folder.done(&stream).json();
+    assert_eq!(json["outcome"], "done", "{json}");
+    over.store(true, Ordering::Relaxed);
+    assert_eq!(thread.join().unwrap(), State::Done);
+}
+
+#[test]
+fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
+    let folder = small();
+    let (port, _, thread) = served(1, |device| device.follower().place().knot >= 1);
+    let stream = format!("stream path.traj --to tcp:{port} --json");
+    let json = folder.run(&stream).with_status(1).json();
+    assert_eq!(json["outcome"], "no_device", "{json}");
+    assert!(
+        json["reason"].as_str().unwrap().starts_with("the line: "),
+        "{json}"
+    );
+    assert!(json["setpoints"].as_u64().unwrap() > 1);
+    drop(thread.join().unwrap());
+    for (target, reason) in [
+        (format!("tcp:{port}"), format!("tcp:{port}: ")),
+        (
+            format!("tcp:127.0.0.1:{port}"),
+            format!("tcp:127.0.0.1:{port}: "),
+        ),
+        ("serial:nowhere".into(), "serial:nowhere: ".into()),
+    ] {
+        let stream = format!("stream path.traj --json --to {target}");
+        let json = folder.run(&stream).with_status(1).json();
+        assert_eq!(json["outcome"], "no_device", "{json}");
+        let found = json["reason"].as_str().unwrap();
+        assert!(found.starts_with(&reason), "{found}");
+        assert_eq!(json["bytes_sent"], 0);
+    }
+}
+
+#[test]
+fn a_controller_of_another_version_is_no_device() {
+    let folder = small();
+    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let thread = thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut deframer = cobs::Deframer::<256>::default();
+        let (mut byte, mut buffer) = ([0], [0; 64]);
+        while stream.read(&mut byte).unwrap_or(0) > 0 {
+            let frame = deframer.push(byte[0]).and_then(frame::open);
+            let Some((0, foldpath_core::wire::message::ToDevice::Hello { id, .. })) = frame else {
+                continue;
+            };
+            let (version, schema) = (9, 0xabcd_ef01);
+            let answer = ToHost::Mismatch {
+                id,
+                version,
+                schema,
+            };
+            let mut bytes = Vec::new();
+            let answer = frame::seal(0, &answer, &mut buffer).unwrap();
+            cobs::encode(answer, |byte| bytes.push(byte));
+            let _gone = stream.write_all(&bytes);
+        }
+    });
+    let stream = format!("stream path.traj --to tcp:{port} --json");
+    let json = folder.run(&stream).with_status(1).json();
+    assert_eq!(json["outcome"], "no_device");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(
+        reason.starts_with("the controller speaks version 9 (abcdef01)"),
+        "{reason}"
+    );
+    thread.join().unwrap();
+}
+
+/// A path of two groups with a star that they close only where both are flat.
+fn made(speed: f32, angles: [f32; 2], closure: f32) -> Vec<u8> {
+    let spoke = |(group, direction)| Spoke {
+        group: GroupId(group),
+        negative: false,
+        direction,
+    };
+    let spokes = [(0, [1.0, 0.0]), (1, [0.0, 1.0])].map(spoke);
+    let limits = GroupLimits {
+        lower: -3.0,
+        upper: 3.0,
+        speed,
+        acceleration: f32::INFINITY,
+    };
+    let numbers = [[0.0; 2], angles].concat();
+    let view = TrajectoryView::new(
+        Interpolation::Hermite,
+        2,
+        &[0.0, 1.0],
+        &numbers,
+        &[0.0; 4],
+        &[],
+    );
+    let stars = StarsView::new(&spokes, &[2], 2).unwrap();
+    let mut bytes = Vec::new();
+    let sink = |part: &[u8]| bytes.extend_from_slice(part);
+    write(view.unwrap(), &[limits; 2], &[], stars, closure, sink).unwrap();
+    bytes
+}
+
+#[test]
+fn what_the_controller_refuses_holds_and_is_told() {
+    let folder = folder();
+    for (speed, angles, closure, reason) in [
+        (
+            1.0,
+            [0.0, 1.0],
+            1e-4,
+            "knot 1 was refused: essential vertex 0 does not close",
+        ),
+        (
+            0.1,
+            [1e-5, 1.0],
+            1e-4,
+            "knot 1 was refused: essential vertex 0 does not close",
+        ),
+        (
+            0.1,
+            [0.0, 0.5],
+            1.0,
+            "the sheet was refused: its path is open by more than",
+        ),
+        (
+            1e-5,
+            [0.0, 9e-5],
+            9e-4,
+            "knot 1 was refused: group 1: too fast",
+        ),
+    ] {
+        std::fs::write(folder.path("bad.traj"), made(speed, angles, closure)).unwrap();
+        let json = folder
+            .run("stream bad.traj --to sim --json")
+            .with_status(1)
+            .json();
+        assert_eq!(
+            (&json["outcome"], &json["refused"]),
+            (&"held".into(), &1.into()),
+            "{json}"
+        );
+        let found = json["reason"].as_str().unwrap();
+        assert!(found.starts_with(reason), "{found}");
+    }
+}
+
+#[test]
+fn bad_files_and_usage_are_told() {
+    let folder = small();
+    let good = std::fs::read(folder.path("path.traj")).unwrap();
+    let mut old = good.clone();
+    old[4] = 1;
+    let mut changed = good.clone();
+    changed[100] ^= 1;
+    std::fs::write(folder.path("old.traj"), old).unwrap();
+    std::fs::write(folder.path("changed.traj"), changed).unwrap();
+    std::fs::write(folder.path("short.traj"), &good[..good.len() - 9]).unwrap();
+    folder.write("empty.traj", "");
+    folder.write("script.txt", "1 supply 0.5\n1 stick 12\n");
+    folder.done("generate miura --rows 2 --cols 3 -o flat.fold");
+    folder.done("plan flat.fold -o other.fold");
+    for (arguments, message) in [
+        (
+            "path.fold --to sim",
+            "path.fold: byte 0: expected the magic number FPTJ",
+        ),
+        (
+            "old.traj --to sim",
+            "old.traj: byte 4: expected version 2, found 1",
+        ),
+        ("changed.traj --to sim", "changed.traj: "),
+        ("short.traj --to sim", "short.traj: byte "),
+        ("empty.traj --to sim", "empty.traj: byte 0: the file ends"),
+        ("none.traj --to sim", "none.traj: "),
+        (
+            "path.traj --to sim --log path.traj",
+            "--log: path.traj is an input file",
+        ),
+        ("path.traj --to sim --log no/log.csv", "no/log.csv: "),
+        (
+            "path.traj --to sim --script script.txt",
+            "script.txt: line 2: expected SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, \
+             with hinges below 12, found 1 stick 12",
+        ),
+        ("path.traj --to sim --script none.txt", "none.txt: "),
+        (
+            "path.traj --to sim --sheet other.fold",
+            "other.fold: foldpath:edges_group: expected the 12 hinges of the path that is sent, found 7 hinges",
+        ),
+        (
+            "path.traj --to tcp:1 --drives lag=1",
+            "--drives, --script and --sheet: expected --to sim",
+        ),
+        (
+            "path.traj --to qemu",
+            "--to qemu: no image: expected --image FILE, which `cargo build",
+        ),
+    ] {
+        let answer = folder.run(&format!("stream {arguments}")).with_status(2);
+        assert!(answer.begins(message), "{answer:?}");
+        assert_eq!(answer.stdout, "");
+    }
+    for (drives, message) in [
+        (
+            "mass=1",
+            "expected lag, speed, acceleration, play, noise or seed, found mass",
+        ),
+        ("lag=-1", "lag: expected 0 or more, found -1"),
+        ("lag", "expected KEY=VALUE, found lag"),
+    ] {
+        let stream = format!("stream path.traj --to sim --drives {drives}");
+        let answer = folder.run(&stream).with_status(2);
+        assert!(answer.stderr.contains(message), "{answer:?}");
+    }
+    let answer = folder.run("stream path.traj --to usb").with_status(2);
+    assert!(
+        answer.stderr.contains("expected sim, qemu, serial:DEVICE"),
+        "{answer:?}"
+    );
+    let names = folder.names();
+    assert!(!names.iter().any(|name| name.contains("log")), "{names:?}");
+}

@@ -1,0 +1,65 @@
+//! Sheets of the families, files of planned paths, noise, and how near two numbers are.
+
+use foldpath::formats::fold::PathWriter;
+use foldpath::generate::{Miura, Waterbomb, Yoshimura};
+use foldpath::pattern::{CreasePattern, Drawing};
+use foldpath::planner::{Path, PlanOptions};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::Rng;
+
+/// A Miura sheet whose sector angle is 60°.
+pub(crate) fn miura(rows: usize, columns: usize, fold: f64) -> Drawing {
+    let sector_angle = 60_f64.to_radians();
+    let sheet = Miura {
+        rows,
+        columns,
+        sector_angle,
+        fold,
+    };
+    sheet.drawing().unwrap()
+}
+
+/// A waterbomb sheet.
+pub(crate) fn waterbomb(rows: usize, columns: usize, fold: f64) -> Drawing {
+    let sheet = Waterbomb {
+        rows,
+        columns,
+        fold,
+    };
+    sheet.drawing().unwrap()
+}
+
+/// A Yoshimura sheet whose angle is 0.9 radians.
+pub(crate) fn yoshimura(rows: usize, columns: usize, fold: f64) -> Drawing {
+    let sheet = Yoshimura {
+        rows,
+        columns,
+        angle: 0.9,
+        fold,
+    };
+    sheet.drawing().unwrap()
+}
+
+/// The file of a path planned with default options.
+pub(crate) fn path_text(title: &str, pattern: &CreasePattern, path: &Path) -> String {
+    let writer = PathWriter {
+        title,
+        pattern,
+        vertices: true,
+        seed: 0,
+        max_speed: PlanOptions::default().max_speed,
+        max_acceleration: None,
+    };
+    writer.text(path)
+}
+
+/// A number between -1 and 1.
+pub(crate) fn noise(random: &mut Pcg64) -> f64 {
+    (random.next_u64() >> 11) as f64 / 2_f64.powi(52) - 1.0
+}
+
+/// Fails unless `a` is within this part of `b`.
+#[track_caller]
+pub(crate) fn near(a: f64, b: f64, relative: f64) {
+    assert!((a - b).abs() <= relative * b.abs(), "{a} is not {b}");
+}

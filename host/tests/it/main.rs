@@ -1,0 +1,17 @@
+//! Tests of the library, one module for each matter.
+
+mod amplification;
+mod between;
+mod certificate;
+mod clearance;
+mod common;
+mod fuzz;
+mod generators;
+mod lattice;
+mod lattice_scene;
+mod nonsense;
+mod overshoot;
+mod progress;
+mod sweep;
+mod symmetry;
+mod timing;

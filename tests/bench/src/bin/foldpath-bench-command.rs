@@ -1,0 +1,5 @@
+//! The `foldpath` command, which the benchmarks start as a user does.
+
+fn main() -> std::process::ExitCode {
+    foldpath_cli::main()
+}

@@ -1,0 +1,36 @@
+//! What is promised of errors, and that no sheet however extreme is answered wrongly.
+
+use std::path::Path;
+
+use foldpath_bench::stability::{PROMISE, Section, promised, section};
+
+/// A 24x24 Miura through 0 to 179.99 degrees.
+#[test]
+fn the_promised_sheet_keeps_its_deformation() {
+    let motion = promised(40);
+    let [double, single] = PROMISE;
+    assert!(worst(motion.double) <= double, "{motion:?}");
+    assert!(worst(motion.single) <= single, "{motion:?}");
+    assert!(worst(motion.mixed) <= single, "{motion:?}");
+    // What is certified of rounding covers what rounding did, and is no more than was promised.
+    assert!(worst(motion.double) <= motion.allowed[0] && motion.allowed[0] <= double);
+    // Numbers of 24 bits do show.
+    assert!(worst(motion.single) > 1e-7, "{motion:?}");
+}
+
+fn worst([deformation, gap]: [f64; 2]) -> f64 {
+    if gap > deformation { gap } else { deformation }
+}
+
+#[test]
+fn no_sheet_is_answered_wrongly() {
+    let command = Path::new(env!("CARGO_BIN_EXE_foldpath-bench-command"));
+    let Section { text, files, wrong } = section(command, true);
+    assert_eq!(wrong, [""; 0]);
+    assert!(text.contains("| first to break |"));
+    // Ladders went on until something broke.
+    let broken = files
+        .iter()
+        .find(|(name, _)| *name == "stability-breaks.csv");
+    assert!(broken.is_some_and(|(_, csv)| csv.contains("the goal is the flat sheet")));
+}

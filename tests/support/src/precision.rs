@@ -1,0 +1,9 @@
+//! Numbers in the precision that a test is made for.
+
+use foldpath_core::Scalar;
+
+/// Converts numbers to another precision.
+#[must_use]
+pub fn cast<T: Scalar, const N: usize>(values: [f64; N]) -> [T; N] {
+    values.map(T::lit)
+}

@@ -1,0 +1,94 @@
+//! What the controller needs: memory, instructions, and time to stop. One command prints it all:
+//! `cargo test -p foldpath-tests --test it controller_figures -- --nocapture --test-threads 1`.
+
+use std::fs;
+
+use crate::image::path::Fold;
+use crate::image::world::World;
+use crate::image::{board_output, image, size};
+use foldpath_core::follower::{Reason, State};
+use foldpath_core::wire::driver::Persistence;
+use foldpath_firmware_sim::faults::Faults;
+
+/// Instructions in a second of the clock of the emulated board, at one in each of its cycles.
+const PACE: u64 = 25_000_000;
+/// The stack, and what it is painted with.
+const STACK: usize = 0x2000_0000;
+const STACK_SIZE: usize = 16 * 1024;
+const PAINT: u32 = 0xcccc_cccc;
+
+/// What a real part would have to offer.
+#[test]
+fn the_image_is_small() {
+    let bytes = fs::read(image("foldpath-controller")).unwrap();
+    let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
+    let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
+    println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
+    assert!((1..=32 * 1024).contains(&flash));
+    assert!((1..=8 * 1024).contains(&ram));
+}
+
+/// A tick of 1,104 hinges is done when the next one is due.
+#[test]
+fn work_is_done_in_time() {
+    let output = board_output();
+    let cost = |what: &str| -> u64 {
+        let prefix = format!("cost {what} ");
+        let line = output.lines().find_map(|line| line.strip_prefix(&prefix));
+        let cost = line.unwrap_or_else(|| panic!("no {what}")).parse().unwrap();
+        println!("| {} | {cost} instructions |", what.replace('-', " "));
+        cost
+    };
+    assert!((100..=300).contains(&cost("closure-of-degree-4")));
+    assert!((1000..=2500).contains(&cost("levenberg-marquardt-step-of-6-unknowns")));
+    let [few, some, all] = [6, 64, 1104].map(|hinges| cost(&format!("tick-of-{hinges}-hinges")));
+    assert!((100..=1200).contains(&few));
+    assert!((58 * 10..=58 * 25).contains(&(some - few)));
+    assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
+    assert!(all <= PACE / 1000);
+    let frames = PACE / cost("setpoint-from-its-frame-to-the-answer");
+    println!("| setpoints received, checked and answered at 25 MHz | {frames} a second |");
+    assert!(frames >= 2000);
+}
+
+#[test]
+fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
+    let fold = Fold::miura();
+    let mut world = World::new(&fold, "mps2-an386", Faults::default(), 0);
+    world.greet(Persistence::Always);
+    let mut latest = i64::MIN;
+    for _ in 0..4 {
+        world.until(|world| world.sight.is_some_and(|sight| sight.rate >= 1.0));
+        world.freeze();
+        let before = world.sight.unwrap();
+        world.board.draw_stop();
+        let drawn = world.board.micros();
+        assert!(drawn >= before.time);
+        world.board.thaw();
+        world.until(|world| world.report.is_some_and(|r| r.reason == Reason::StopLine));
+        let told = world.time();
+        world.until(|world| world.time() > told);
+        let after = world.sight.unwrap();
+        assert_eq!((after.state, after.rate.to_bits()), (State::Holding, 0));
+        // At full speed the path is a clock. It stood still since the last tick, up to a millisecond ago.
+        let gone = fold.time(after.place) - fold.time(before.place);
+        #[allow(clippy::cast_possible_truncation, reason = "below a second")]
+        let still = i64::try_from(before.time).unwrap() + (1e6 * gone) as i64;
+        latest = latest.max(still - i64::try_from(drawn).unwrap());
+    }
+    println!(
+        "| from the stop line to the last motion | at most {} us |",
+        latest.max(0)
+    );
+    assert!((-2000..=1000).contains(&latest));
+    world.finish();
+
+    let memory = world.board.memory(STACK, STACK_SIZE);
+    let (words, _) = memory.as_chunks::<4>();
+    let clean = words
+        .iter()
+        .take_while(|word| u32::from_le_bytes(**word) == PAINT);
+    let used = STACK_SIZE - 4 * clean.count();
+    println!("| stack | {used} bytes |");
+    assert!((256..=8 * 1024).contains(&used));
+}

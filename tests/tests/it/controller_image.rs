@@ -1,0 +1,433 @@
+//! The controller's image in an emulator, and what goes wrong round it, five seeds each. The world judges all that
+//! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
+//! Times are the board's own.
+
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::thread;
+
+use crate::image::path::Fold;
+use crate::image::world::{Sight, World, moment, rng, stuffed};
+use crate::image::{address, image};
+use foldpath_core::follower::{Reason, State};
+use foldpath_core::wire::cobs::Deframer;
+use foldpath_core::wire::driver::Persistence;
+use foldpath_core::wire::frame;
+use foldpath_core::wire::message::{Command, SCHEMA, ToDevice, ToHost, VERSION};
+use foldpath_core::wire::sender::Failure;
+use foldpath_firmware_sim::faults::Faults;
+use rand_core::Rng;
+
+const AN386: &str = "mps2-an386";
+const SEEDS: u64 = 5;
+/// Microseconds after which a sheet whose host is silent rests: 500 ms until it is missed and 250 ms of braking, and what
+/// is left for frames under way, and for ticks of more than 10 ms, which count for no more.
+const HELD: u64 = 1_250_000;
+
+static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
+
+/// Runs a test with each seed, at the same time. One test after the other: more boards than these would wait for each
+/// other.
+fn seeds(test: impl Fn(u64) + Sync) {
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    LazyLock::force(&FOLD);
+    image("foldpath-controller");
+    thread::scope(|scope| {
+        for seed in 0..SEEDS {
+            let test = &test;
+            scope.spawn(move || test(seed));
+        }
+    });
+}
+
+/// A board, and a host on a line without faults that has begun to greet.
+fn world(seed: u64, persistence: Persistence) -> World<'static> {
+    let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+    world.greet(persistence);
+    world
+}
+
+#[test]
+fn a_whole_fold_comes_back_bit_for_bit() {
+    seeds(|seed| {
+        let machine = if seed == 0 { "mps2-an500" } else { AN386 };
+        let mut world = World::new(&FOLD, machine, Faults::default(), seed);
+        world.greet(Persistence::None);
+        world.finish();
+        // Every 20 ms of two seconds.
+        assert!(world.sights > 90, "{}", world.sights);
+    });
+}
+
+#[test]
+fn a_host_that_is_silent_for_two_seconds_finds_the_sheet_holding_and_goes_on() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.hosts[0].awake = false;
+        world.run(HELD);
+        let held = rests(&world, State::Holding);
+        assert!(matches!(reason(&world), Reason::Silence | Reason::Underrun));
+        world.run(2_000_000 - HELD);
+        assert_eq!(rests(&world, State::Holding).place, held.place);
+        assert_eq!(reason(&world), Reason::Silence);
+        world.hosts[0].awake = true;
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Silence));
+    });
+}
+
+/// One that is gone does not take what is sent to it either: the line fills and blocks, and the board goes on all the
+/// same, without a reset by its watchdog, which bites after two seconds.
+#[test]
+fn a_host_that_is_gone_leaves_the_sheet_at_rest_for_another() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.hosts[0].awake = false;
+        world.run(HELD);
+        let held = rests(&world, State::Holding);
+        world.neglect(4_000_000);
+        world.run(1_000_000);
+        assert!(world.hole > 2_000_000, "{}", world.hole);
+        let later = rests(&world, State::Holding);
+        assert_eq!((later.place, later.angles), (held.place, held.angles));
+        world.greet(Persistence::Resume);
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Silence));
+        world.hosts[0].awake = true;
+        world.until(|world| world.failure(0).is_some());
+        assert_eq!(world.failure(0), Some(Failure::Lost));
+    });
+}
+
+/// Its answers are stuck: it learns of no room, and says again and again what was not acknowledged.
+#[test]
+fn a_host_that_does_not_read_blocks_nothing() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.neglect(3_000_000);
+        world.hosts[0].awake = false;
+        world.until(|world| world.hole > 1_000_000);
+        rests(&world, State::Holding);
+        assert!(matches!(reason(&world), Reason::Silence | Reason::Underrun));
+        world.hosts[0].awake = true;
+        world.finish();
+        let told = |reason: &Reason| matches!(reason, Reason::Silence | Reason::Underrun);
+        assert!(world.host().reasons.iter().any(told));
+    });
+}
+
+/// Four times in each fold, twenty in all.
+#[test]
+fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+        let mut rng = rng(600 + seed);
+        for _ in 0..4 {
+            // A host may ask for going on after what was before it.
+            world.greet(Persistence::Resume);
+            world.run_into(50_000 + rng.next_u64() % 400_000);
+            world.board.draw_stop();
+            world.until(|world| reason(world) == Reason::StopLine);
+            let time = world.time();
+            world.until(|world| world.time() > time);
+            let stopped = rests(&world, State::Holding);
+            world.run(200_000);
+            let later = rests(&world, State::Holding);
+            assert_eq!((later.place, later.angles), (stopped.place, stopped.angles));
+            assert!(world.host().reasons.contains(&Reason::StopLine));
+            world.hosts.last_mut().unwrap().awake = false;
+        }
+        world.greet(Persistence::Resume);
+        world.finish();
+    });
+}
+
+/// The supply leaves the drives less than a fifth of their speed, of which the path asks a quarter.
+#[test]
+fn a_dip_of_the_supply_slows_the_sheet_and_nobody_has_to_ask() {
+    let plant = usize::try_from(address(&["mps2", "PLANT"])).unwrap();
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        let mut rng = rng(1200 + seed);
+        world.run_into(300_000 + rng.next_u64() % 700_000);
+        world.board.bench(&format!("{}s", rng.next_u64() % 15));
+        world.until(|world| matches!(reason(world), Reason::Lag(_)));
+        world.run(200_000);
+        let before = world.sight.unwrap();
+        world.run(300_000);
+        let after = world.sight.unwrap();
+        let gone = FOLD.time(after.place) - FOLD.time(before.place);
+        let passed = 1e-6 * (after.time - before.time) as f64;
+        assert!(gone < 0.7 * passed, "{gone} {passed}");
+        // The hinges are behind their commands, and by no more than what holds those, and braking.
+        world.freeze();
+        let words = world.board.memory(plant, 16);
+        let (words, _) = words.as_chunks::<4>();
+        let commanded = world.sight.unwrap().angles.unwrap();
+        let behind =
+            [0, 1].map(|group| (commanded[group] - f32::from_le_bytes(words[2 * group])).abs());
+        let farthest = behind[0].max(behind[1]);
+        assert!(
+            (0.05..0.15 + 0.125 * 1.5 + 0.03).contains(&farthest),
+            "{behind:?}"
+        );
+        world.board.thaw();
+        world.board.bench("100s");
+        world.finish();
+        let told = |reason: &Reason| matches!(reason, Reason::Lag(_));
+        assert!(world.host().reasons.iter().any(told));
+    });
+}
+
+#[test]
+fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        let mut rng = rng(700 + seed);
+        let hinge = u32::try_from(rng.next_u64() % 1104).unwrap();
+        world.run_into(100_000 + rng.next_u64() % 1_000_000);
+        world.board.bench(&format!("{hinge}k"));
+        world.until(|world| reason(world) == Reason::Stalled(hinge));
+        let time = world.time();
+        world.until(|world| world.time() > time);
+        let stalled = rests(&world, State::Faulted);
+        world.run(500_000);
+        let later = rests(&world, State::Faulted);
+        assert_eq!((later.place, later.angles), (stalled.place, stalled.angles));
+        assert!(world.host().reasons.contains(&Reason::Lag(hinge)));
+        assert!(world.host().reasons.contains(&Reason::Stalled(hinge)));
+        assert_eq!(world.failure(0), None);
+        // Freed, it turns to where the others are.
+        world.board.bench("f");
+        world.hosts[0].awake = false;
+        world.greet(Persistence::Always);
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Stalled(hinge)));
+    });
+}
+
+/// Half of the seeds have drawn the stop line before, which the reset does not let go.
+#[test]
+fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
+    seeds(|seed| {
+        let stopped = seed % 2 == 1;
+        let mut world = world(seed, Persistence::Resume);
+        world.run_into(moment(seed));
+        if stopped {
+            world.board.draw_stop();
+            world.until(|world| reason(world) == Reason::StopLine);
+        }
+        world.freeze();
+        let before = world.sight.unwrap();
+        world.board.reset();
+        world.until(|world| world.failure(0).is_some());
+        assert_eq!(world.failure(0), Some(Failure::Lost));
+        world.forget();
+
+        let persistence = if stopped {
+            Persistence::None
+        } else {
+            Persistence::Resume
+        };
+        world.greet(persistence);
+        world.until(|world| world.report.is_some() && world.sight.is_some());
+        let place = world.sight.unwrap().place;
+        let gone = FOLD.time(place) - FOLD.time(before.place);
+        assert!((0.0..0.1).contains(&gone), "{gone}");
+        if stopped {
+            assert_eq!(reason(&world), Reason::StopLine);
+            world.run(300_000);
+            let held = world.sight.unwrap();
+            assert_eq!((held.place, held.rate.to_bits()), (place, 0));
+            assert_ne!(held.state, State::Running);
+            world.greet(Persistence::Resume);
+        }
+        world.finish();
+    });
+}
+
+/// Whatever lies on the stack is moved down to its guard, so that the next call or interrupt grows into it.
+#[test]
+fn a_stack_that_grows_into_its_guard_resets_the_board_and_the_fold_goes_on() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.freeze();
+        let before = world.sight.unwrap();
+        let left = u32::try_from(rng(1400 + seed).next_u64() % 128).unwrap();
+        let start = world.board.micros();
+        world.board.deepen_stack(left);
+        // The watchdog would take a second, and does so below.
+        let after = world.until_reset(start);
+        assert!(after < 500_000, "{after}");
+        resumes(&mut world, before);
+    });
+}
+
+#[test]
+fn a_main_loop_that_hangs_resets_the_board_and_the_fold_goes_on() {
+    let tick = address(&["application", "tick"]);
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        world.freeze();
+        let before = world.sight.unwrap();
+        let start = world.board.micros();
+        world.board.hang(tick);
+        let after = world.until_reset(start);
+        assert!((500_000..2_100_000).contains(&after), "{after}");
+        resumes(&mut world, before);
+    });
+}
+
+/// Waits until the host finds its board reset; another one goes on from the last executed setpoint.
+fn resumes(world: &mut World<'_>, before: Sight) {
+    world.until(|world| world.failure(0).is_some());
+    assert_eq!(world.failure(0), Some(Failure::Lost));
+    world.forget();
+    world.greet(Persistence::Resume);
+    world.until(|world| world.report.is_some() && world.sight.is_some());
+    let gone = FOLD.time(world.sight.unwrap().place) - FOLD.time(before.place);
+    assert!((0.0..0.1).contains(&gone), "{gone}");
+    world.finish();
+}
+
+#[test]
+fn a_host_of_another_version_is_told_and_moves_nothing() {
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+        let mut rng = rng(seed);
+        let id = rng.next_u32();
+        let (version, schema) = if seed == 0 {
+            (VERSION, SCHEMA ^ 1)
+        } else {
+            (VERSION + 1 + u16::try_from(seed).unwrap(), rng.next_u32())
+        };
+        let hello = ToDevice::Hello {
+            version,
+            schema,
+            id,
+        };
+        let mut buffer = [0; 64];
+        let mut ear = Deframer::<64>::default();
+        let greeting = stuffed(frame::seal(0, &hello, &mut buffer).unwrap());
+        let mut sent = 0;
+        let answer = 'answered: loop {
+            sent += world.board.write(&greeting[sent..]);
+            for byte in world.board.read() {
+                if let Some(frame) = ear.push(byte) {
+                    break 'answered frame.to_vec();
+                }
+            }
+        };
+        let (version, schema) = (VERSION, SCHEMA);
+        let mismatch = ToHost::Mismatch {
+            id,
+            version,
+            schema,
+        };
+        assert_eq!(frame::open(&answer), Some((0, mismatch)));
+        // It has no session: what it says next is not known.
+        let start = ToDevice::Command {
+            number: 1,
+            command: Command::Start,
+        };
+        world.inject(&stuffed(frame::seal(id, &start, &mut buffer).unwrap()));
+        world.greet(Persistence::None);
+        world.until(|world| world.report.is_some());
+        assert_eq!(world.report.unwrap().state, State::Idle);
+        world.finish();
+    });
+}
+
+#[test]
+fn frames_of_a_session_that_is_over_do_nothing() {
+    seeds(|seed| {
+        let mut world = world(seed, Persistence::None);
+        world.run_into(moment(seed));
+        let stale = world.spoken.clone();
+        world.hosts[0].awake = false;
+        world.greet(Persistence::Resume);
+        world.until(|world| world.host().driver.is_started());
+        for piece in stale.split_inclusive(|byte| *byte == 0) {
+            world.inject(piece);
+            world.step();
+        }
+        world.finish();
+        assert!(world.host().reasons.contains(&Reason::Session));
+    });
+}
+
+/// A million in all: half of them before a host comes, half of them between its frames.
+#[test]
+fn two_hundred_thousand_random_bytes_do_nothing() {
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
+        let mut rng = rng(seed);
+        let mut noise = vec![0; 200_000];
+        rng.fill_bytes(&mut noise);
+        let (before, between) = noise.split_at(100_000);
+        world.inject(before);
+        world.inject(&[0]);
+        world.greet(Persistence::None);
+        world.until(|world| world.host().driver.is_started());
+        for piece in between.chunks(500) {
+            world.inject(&[piece, &[0]].concat());
+            let reports = world.reports;
+            world.until(|world| world.reports > reports);
+        }
+        world.finish();
+        let reasons = &world.host().reasons;
+        assert!(
+            reasons
+                .iter()
+                .all(|reason| matches!(reason, Reason::None | Reason::Silence | Reason::Underrun)),
+            "{reasons:?}"
+        );
+    });
+}
+
+#[test]
+fn noise_changes_nothing_but_the_time() {
+    let noisy = Faults {
+        drop: 0.1,
+        flip: 0.1,
+        double: 0.1,
+        reorder: 0.1,
+        delay: 1000,
+        late: 5000,
+        ..Faults::default()
+    };
+    seeds(|seed| {
+        let mut world = World::new(&FOLD, AN386, noisy, seed);
+        world.greet(Persistence::None);
+        world.finish();
+        for line in [&world.up, &world.down] {
+            let counts = line.counts();
+            let faults = [
+                counts.dropped,
+                counts.flipped,
+                counts.doubled,
+                counts.reordered,
+            ];
+            assert!(faults.iter().all(|count| *count > 0), "{counts:?}");
+        }
+        assert!(world.host().driver.sender().repeated() > 0);
+    });
+}
+
+/// What was told last, of a sheet at rest in this state.
+#[track_caller]
+fn rests(world: &World<'_>, state: State) -> Sight {
+    let sight = world.sight.unwrap();
+    assert_eq!((sight.state, sight.rate.to_bits()), (state, 0), "{sight:?}");
+    sight
+}
+
+/// The reason that was told last.
+fn reason(world: &World<'_>) -> Reason {
+    world.report.map_or(Reason::None, |report| report.reason)
+}

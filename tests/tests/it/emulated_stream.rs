@@ -1,0 +1,142 @@
+//! `foldpath stream --to qemu` as a library: a planned path on the controller's image, whose emulator never outlives its
+//! host.
+
+use std::fs;
+use std::path::Path;
+
+use crate::image::image;
+use foldpath::formats::fold::read_path;
+use foldpath::formats::traj::TrajFile;
+use foldpath::planner::PlanOptions;
+use foldpath::stream::{Faulty, Link, Outcome, StreamPath, Summary, Telemetry, Wish};
+use foldpath_cli::link::Emulator;
+use foldpath_core::follower::State;
+use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_firmware_sim::faults::Faults;
+use foldpath_tests::Planned;
+
+#[path = "../../../host/cli/tests/it/session.rs"]
+mod session;
+
+/// The bytes of the `.traj` file of a planned Miura fold.
+fn planned() -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("path.fold");
+    let planned = Planned::new("miura-11x11", &PlanOptions::default());
+    fs::write(&file, planned.text()).unwrap();
+    let path = read_path(&file).unwrap();
+    TrajFile::of(&path, &file).unwrap().bytes
+}
+
+/// A session, in which all that is told has to be on the path, bit by bit.
+fn session(
+    link: &mut impl Link,
+    bytes: &[u8],
+    host: (u32, bool),
+    wish: &dyn Fn(&[Telemetry]) -> Wish,
+) -> (Summary, Vec<Telemetry>) {
+    let path = StreamPath::read(bytes, Path::new("path.traj")).unwrap();
+    let (summary, heard) = session::session(link, &path, host, wish);
+    let file = TrajectoryFile::read(bytes).unwrap();
+    for told in heard.iter().filter(|told| !told.angles.is_empty()) {
+        let knot = told.place.knot as usize;
+        let at = |group| match file.curve(knot, group) {
+            Some(curve) if told.place.into > 0.0 => {
+                let span = file.time(knot + 1).unwrap() - file.time(knot).unwrap();
+                curve.angle(told.place.into / span)
+            }
+            _ => file.node(knot, group).unwrap().angle,
+        };
+        let expected: Vec<u32> = (0..file.groups()).map(|g| at(g).to_bits()).collect();
+        let found: Vec<u32> = told.angles.iter().map(|angle| angle.to_bits()).collect();
+        assert_eq!(found, expected, "{told:?}");
+    }
+    (summary, heard)
+}
+
+/// Identifiers of the processes that are children of this one and run QEMU.
+fn emulators() -> Vec<String> {
+    let children = fs::read_dir("/proc/self/task").unwrap().flat_map(|thread| {
+        let children = thread.unwrap().path().join("children");
+        let text = fs::read_to_string(children).unwrap_or_default();
+        text.split_whitespace()
+            .map(String::from)
+            .collect::<Vec<_>>()
+    });
+    let runs_qemu = |id: &String| {
+        let name = fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default();
+        name.starts_with("qemu")
+    };
+    children.filter(runs_qemu).collect()
+}
+
+/// One test, so that no other has emulators.
+#[test]
+fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
+    let (bytes, image) = (planned(), image("foldpath-controller"));
+    let faults = Faults {
+        drop: 0.05,
+        flip: 0.05,
+        double: 0.05,
+        ..Faults::default()
+    };
+    let mut board = Faulty::new(Emulator::start(&image).unwrap(), faults, 7);
+    assert_eq!(emulators().len(), 1);
+    let stop = |heard: &[Telemetry]| {
+        if heard.len() < 50 {
+            Wish::Run
+        } else {
+            Wish::Stop
+        }
+    };
+    let (summary, heard) = session(&mut board, &bytes, (1, false), &stop);
+    assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
+    let stood = heard.last().unwrap().place;
+    let (summary, heard) = session(&mut board, &bytes, (2, true), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+    let begin = heard
+        .iter()
+        .find(|told| told.state == State::Running)
+        .unwrap();
+    assert_eq!(begin.place.knot, stood.knot);
+    assert!(begin.place.into >= stood.into && begin.place.into < stood.into + 0.05);
+    assert!(summary.max_closure < 4e-6, "{summary:?}");
+    drop(board);
+    assert!(emulators().is_empty());
+
+    let mut board = Emulator::start(&image).unwrap();
+    let quit = |heard: &[Telemetry]| {
+        if heard.len() < 50 {
+            Wish::Run
+        } else {
+            Wish::Quit
+        }
+    };
+    let (summary, heard) = session(&mut board, &bytes, (3, false), &quit);
+    assert_eq!(summary.outcome, Outcome::Stopped);
+    assert_eq!(
+        summary.reason.as_deref(),
+        Some("stopped at once by the stop line")
+    );
+    let braking = heard
+        .iter()
+        .rev()
+        .take(20)
+        .filter(|told| told.rate > 0.0 && told.rate < 1.0);
+    assert_eq!(braking.count(), 0);
+    let panics = std::panic::catch_unwind(move || {
+        let _board = board;
+        panic!("as in a bug");
+    });
+    assert!(panics.is_err());
+    assert!(emulators().is_empty());
+
+    // What is no image runs, and says nothing.
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other");
+    fs::write(&other, [0; 64]).unwrap();
+    let answer = Emulator::start(&other);
+    let silent = answer.map(|mut board| session(&mut board, &bytes, (4, false), &|_| Wish::Run).0);
+    assert!(silent.is_err() || silent.is_ok_and(|s| s.outcome == Outcome::NoDevice));
+    assert!(emulators().is_empty());
+}

@@ -1,0 +1,105 @@
+//! The controller's images, built for their own target.
+
+pub(crate) mod board;
+pub(crate) mod path;
+pub(crate) mod world;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use object::{Object, ObjectSection, ObjectSymbol};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+/// Seconds until the emulator is ended, whatever becomes of this process.
+pub(crate) const TIME_LIMIT: &str = "60";
+
+/// Name of the image that computes and prints.
+pub(crate) const PROBE: &str = "foldpath-firmware-sim";
+
+/// The image of that name as for a real board.
+pub(crate) fn image(name: &str) -> PathBuf {
+    build("fw", &[]).join(name)
+}
+
+/// Builds the images with `settings` in the environment, in a target directory of its own because
+/// the outer cargo may hold the lock of its one. Returns where they are.
+pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
+    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
+    let target_dir = target_dir.join(directory);
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--locked", "--package", "foldpath-firmware-sim"]);
+    cargo.args(["--profile", "firmware", "--target", TARGET]);
+    cargo.arg("--target-dir").arg(&target_dir);
+    cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
+    cargo.envs(settings.iter().copied());
+    for meant_for_the_host in [
+        "CARGO_BUILD_TARGET",
+        "CARGO_ENCODED_RUSTFLAGS",
+        "RUSTC_WRAPPER",
+        "RUSTFLAGS",
+    ] {
+        cargo.env_remove(meant_for_the_host);
+    }
+    let build = cargo.output().expect("cargo starts");
+    assert!(
+        build.status.success(),
+        "the image does not build; `tests/run` installs what it needs\n{}",
+        String::from_utf8_lossy(&build.stderr)
+    );
+    target_dir.join(TARGET).join("firmware")
+}
+
+/// What the probe prints when the emulator runs it to a successful end, in which it counts instructions.
+pub(crate) fn board_output() -> String {
+    let run = Command::new("timeout")
+        .args(["--foreground", "--kill-after=5", TIME_LIMIT])
+        .args(["qemu-system-arm", "-machine", "mps2-an386"])
+        .args(["-icount", "shift=10"])
+        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image(PROBE))
+        .stdin(Stdio::null())
+        .output()
+        .expect("timeout, of coreutils, starts");
+    let output = String::from_utf8_lossy(&run.stdout).into_owned();
+    let problem = match run.status.code() {
+        Some(0) => return output,
+        Some(124 | 137) => "the image did not end in time",
+        Some(127) => "qemu-system-arm is missing: `tests/run` installs it",
+        _ => "the image failed",
+    };
+    let errors = String::from_utf8_lossy(&run.stderr);
+    panic!("{problem} ({})\n{output}{errors}", run.status);
+}
+
+/// Names in the symbol table of `image` that contain one of `parts`.
+pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
+    let elf = object::File::parse(image).unwrap();
+    let names: Vec<_> = elf.symbols().filter_map(|s| s.name().ok()).collect();
+    for present in ["Reset", "foldpath_core", "atanf"] {
+        let found = names.iter().any(|name| name.contains(present));
+        assert!(found, "no {present}: is this the symbol table?");
+    }
+    let named = |name: &&str| parts.iter().any(|part| name.contains(part));
+    names.into_iter().filter(named).map(String::from).collect()
+}
+
+/// Address of the first instruction of the controller's function, or of its variable, whose name contains all `parts`.
+pub(crate) fn address(parts: &[&str]) -> u64 {
+    let bytes = std::fs::read(image("foldpath-controller")).unwrap();
+    let elf = object::File::parse(&*bytes).unwrap();
+    let named = |name: &str| parts.iter().all(|part| name.contains(part));
+    let mut symbols = elf.symbols().filter(|s| s.name().is_ok_and(named));
+    let symbol = symbols.next().expect("a symbol of that name");
+    assert!(symbols.next().is_none(), "two of {parts:?}");
+    // The lowest bit only tells of the kind of its instructions.
+    symbol.address() & !1
+}
+
+/// Bytes of these sections of `image`.
+pub(crate) fn size(image: &[u8], names: &[&str]) -> u64 {
+    let elf = object::File::parse(image).unwrap();
+    let sections = names.iter().filter_map(|name| elf.section_by_name(name));
+    sections.map(|section| section.size()).sum()
+}

@@ -1,0 +1,24 @@
+//! Tests that cross crates, one module for each matter.
+
+mod at_knots;
+mod between_knots;
+mod branches;
+mod browser;
+mod campaign;
+mod certified;
+mod closed_forms;
+mod controller_figures;
+mod controller_image;
+mod emulated_stream;
+mod external;
+mod firmware;
+mod fold_spec;
+mod image;
+mod meshes;
+mod oracle;
+mod plans;
+mod reuse;
+mod rounded;
+mod skips;
+mod traps;
+mod wrong_paths;
