@@ -1,4 +1,4 @@
-//! The kernels that every solver step runs: `cargo bench -p foldpath-core --bench closure`.
+//! Benchmarks of the kernels that every solver step runs: `cargo bench -p foldpath-core --bench closure`.
 
 use core::array;
 

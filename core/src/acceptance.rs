@@ -1,9 +1,9 @@
-//! What a controller asks of a setpoint before it follows it.
+//! Checks of a setpoint before a controller follows it: is it valid, within limits, and closed?
 //!
-//! A setpoint and the segment that leads to it are looked at once, when they arrive, so that a tick has
-//! nothing left to check. Between setpoints, angles, rates and accelerations are looked at nine places of the
-//! segment, and for cubics of the angle also where they are largest, which makes them exact; closure at its
-//! middle.
+//! A setpoint and the segment that leads to it are checked once, when they arrive, so that a tick has nothing left to
+//! check. Angles, rates and accelerations are checked at nine places of the segment. For cubics of the angle they are
+//! also checked where they are largest, which makes the check exact. Closure is checked at the setpoint and at the
+//! segment's middle.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -11,23 +11,23 @@ use serde::{Deserialize, Serialize};
 use crate::curve::Flaw;
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
-/// Intervals of a segment between the places that are looked at.
+/// Number of intervals between the checked places of a segment.
 const INTERVALS: u32 = 8;
-/// Roundings, of the size of the largest number that goes into a curve, by which its value and its
-/// derivatives may miss a limit. The second derivative sums six products of four numbers.
+/// Rounding errors, in ε times the largest number that goes into a curve, by which the curve's value and derivatives
+/// may miss a limit. The second derivative sums six products of four numbers.
 const ROUNDINGS: f64 = 24.0;
 
-/// What a controller knows of the sheet.
+/// Description of the sheet, as far as a controller knows it.
 #[derive(Clone, Copy, Debug)]
 pub struct SheetView<'a, T> {
-    /// How the motion between setpoints is made.
+    /// Kind of motion between setpoints.
     pub interpolation: Interpolation,
-    /// What each group is allowed.
+    /// Limits of each group.
     pub limits: &'a [GroupLimits<T>],
-    /// The essential vertices, in the groups.
+    /// The essential vertices, with the groups as unknowns.
     pub stars: StarsView<'a, T>,
-    /// Largest closure residual of a commanded configuration (dimensionless): what the host has certified,
-    /// and what rounding adds.
+    /// Largest closure residual of a commanded configuration (dimensionless): the value that the host has certified,
+    /// plus rounding.
     pub closure: T,
 }
 
@@ -38,40 +38,40 @@ pub struct Setpoint<T, const GROUPS: usize> {
     pub number: u32,
     /// Seconds since the start of the path.
     pub time: T,
-    /// Whether the path ends here.
+    /// `true` if the path ends here.
     pub last: bool,
-    /// Each group's angle, rate and weight; weight 1 with rate 0 where the interpolation has none.
+    /// Angle, rate and weight of each group; weight 1 with rate 0 if the interpolation has no weights.
     pub nodes: Vec<Node<T>, GROUPS>,
 }
 
-/// Why a setpoint is not followed.
+/// Reason why a setpoint is not followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// Nothing is being followed: no sheet, or the motion is done or has failed.
+    /// Nothing is being followed: there is no sheet, or the motion is done or has failed.
     State,
     /// The queue is full.
     Full,
-    /// The next setpoint has this number, or would have it had the path not ended.
+    /// The setpoint is not the next one. The next one would have this number, unless the path has ended.
     Sequence(u32),
-    /// It has not one angle for each group.
+    /// The setpoint does not have one angle for each group.
     Groups,
-    /// It holds an infinity or a NaN in its time or in this group.
+    /// The time, or a number of this group, is infinite or NaN.
     NotFinite(u16),
     /// This group is at half a turn, where its interpolation has a pole.
     HalfTurn(u16),
     /// The weight of this group is not above 0.
     Weight(u16),
-    /// It is not later than the one before.
+    /// The setpoint is not later than the one before.
     Order,
-    /// The angle of this group passes its limits, there or on the way.
+    /// The angle of this group passes its limits, at the setpoint or on the segment.
     Range(u16),
-    /// This group passes its speed on the way.
+    /// This group exceeds its speed on the segment.
     Speed(u16),
-    /// This group passes its acceleration on the way.
+    /// This group exceeds its acceleration on the segment.
     Acceleration(u16),
-    /// This essential vertex does not close there.
+    /// This essential vertex does not close at the setpoint.
     Open(u16),
-    /// This essential vertex does not close in the middle of the way.
+    /// This essential vertex does not close in the middle of the segment.
     OpenBetween(u16),
 }
 
@@ -97,12 +97,13 @@ impl core::fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Checks `next` as the setpoint behind `before`, if there is one. Numbers are not looked at.
+/// Checks `next` as the setpoint behind `before`, if there is one. Does not check the setpoint's number.
 ///
-/// Cost: a sine, a cosine and nine places of a curve a group, and the residual of each star twice.
+/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice.
 ///
 /// # Errors
-/// The first thing that is wrong: of its numbers, the order, the limits, closure there, the way to it.
+/// The first defect, in this order: of its numbers and their order in time, of the limits, of closure at the setpoint,
+/// of the segment.
 pub fn check<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
@@ -135,7 +136,7 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     let ways = before.nodes.iter().zip(pairs(next, sheet));
     for ((group, half), (from, (to, limits))) in groups(half_angles.iter_mut()).zip(ways) {
         let curve = Curve::between(sheet.interpolation, span, *from, *to);
-        // Lines do not take their rates from the knots.
+        // Linear segments do not use the rates of the knots.
         let lines = sheet.interpolation == Interpolation::Linear;
         let rate = if lines {
             T::zero()
@@ -149,12 +150,12 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
 }
 
-/// Each item with the number of its group.
+/// Pairs each item with the number of its group (or star).
 fn groups<I: Iterator>(items: I) -> impl Iterator<Item = (u16, I::Item)> {
     (0..=u16::MAX).zip(items)
 }
 
-/// The groups of a setpoint with their limits.
+/// Pairs the groups of a setpoint with their limits.
 fn pairs<'a, T: Scalar, const GROUPS: usize>(
     setpoint: &'a Setpoint<T, GROUPS>,
     sheet: &SheetView<'a, T>,
@@ -162,14 +163,15 @@ fn pairs<'a, T: Scalar, const GROUPS: usize>(
     setpoint.nodes.iter().zip(sheet.limits)
 }
 
-/// The first star that does not close.
+/// Returns the first star that does not close as an error.
 fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
     let closes = |star| closure::closes(star, half_angles, sheet.closure);
     let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
     first.map_or(Ok(()), |(star, _)| Err(star))
 }
 
-/// Whether a group keeps its limits on a segment of `span` seconds, whose numbers are of this `size`.
+/// Checks the limits of a group on a segment of `span` seconds; `size` is the size of the numbers that go into its
+/// curve.
 fn keeps<T: Scalar>(
     group: u16,
     curve: &Curve<T>,
@@ -194,12 +196,14 @@ fn keeps<T: Scalar>(
     places.chain(extremes(curve)).try_for_each(keeps)
 }
 
-/// Where within a segment a cubic of the angle turns back, and where its rate is largest; 0 for none.
+/// Returns the parameters within a segment at which a cubic of the angle turns back (two) and at which its rate is
+/// largest; 0 stands for none.
 fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
     let Curve::Angle([a, b, c, d]) = *curve else {
         return [T::zero(); 3];
     };
-    // The rate is the quadratic A s² + 2 B s + C; of its zeros the one without cancellation comes first.
+    // The rate is three times the quadratic A s² + 2 B s + C. Its zero without cancellation is computed first; the
+    // other one follows from their product C/A.
     let (p, q, r) = (b - a, c - b, d - c);
     let (bend, slope) = (p - T::TWO * q + r, q - p);
     let root = (slope * slope - bend * p).sqrt();

@@ -1,11 +1,11 @@
-//! The checksum of files and frames: CRC-32 ISO-HDLC.
+//! The checksum of files and frames, CRC-32 ISO-HDLC: was a byte changed on the way?
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 pub(crate) static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// CRC-32 ISO-HDLC of some bytes. Cost: proportional to their number.
-// Once in an image: its loop is as long as some files.
+/// Returns the CRC-32 ISO-HDLC of some bytes. Cost: proportional to their number.
+// Not inlined, so that an image has it once: its loop runs over as many bytes as a file has.
 #[inline(never)]
 #[must_use]
 pub fn checksum(bytes: &[u8]) -> u32 {

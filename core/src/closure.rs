@@ -1,25 +1,24 @@
-//! The closure residual of a star and its analytic Jacobian.
+//! The closure residual of a star and its analytic Jacobian: does a vertex close, and how does that change with its
+//! fold angles?
 //!
-//! Round a vertex, the unit quaternions (cos ρ/2, sin ρ/2 (cos α, sin α, 0)) of its creases are
-//! multiplied counter-clockwise. Their product L is the rotation part of the report's local
-//! foldability matrix, and the star closes where it is the identity, Eq. (1) of
-//! [XiLien2015](crate#references).
+//! Round a vertex, the unit quaternions (cos ρ/2, sin ρ/2 (cos α, sin α, 0)) of its creases are multiplied
+//! counter-clockwise. Their product L is the rotation part of the report's local foldability matrix, and the star
+//! closes if L is the identity, Eq. (1) of [XiLien2015](crate#references).
 //!
-//! The residual is r = 2 sgn(w) v of L = (w, v). Its norm is 2 |sin θ/2| for a misclosure by the
-//! angle θ, which is ‖L − I‖ (Frobenius) over √2; unlike the skew part of L it does not vanish at a
-//! half turn.
+//! The residual is r = 2 sgn(w) v of L = (w, v). Its norm is 2 |sin θ/2| for a misclosure by the angle θ, which is
+//! ‖L − I‖ (Frobenius) over √2. Unlike the skew part of L, the residual does not vanish at a half turn.
 //!
-//! With P the product before crease k and a = P·axis, ∂L/∂ρ = ½ (0, a) L, so that
-//! ∂r/∂ρ = w a + a × v with (w, v) sign-fixed. That is exact and costs O(degree).
+//! With P the product before crease k and a = P·axis, ∂L/∂ρ = ½ (0, a) L, so that ∂r/∂ρ = w a + a × v with (w, v)
+//! sign-fixed. This Jacobian is exact and costs O(degree).
 
 use nalgebra::Vector3;
 
 use crate::{HalfAngle, Rotation, Scalar, StarView};
 
-/// The rotation by which the star fails to close.
+/// Returns the rotation by which the star fails to close.
 ///
-/// `half_angles` has one entry for each unknown, see [`half_angles`]; a spoke whose group is not
-/// there counts as flat. Cost: 12 multiplications a spoke.
+/// `half_angles` has one entry for each unknown, see [`half_angles`]; a spoke whose group has no entry counts as flat.
+/// Cost: 12 multiplications per spoke.
 #[inline]
 #[must_use]
 pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Rotation<T> {
@@ -32,7 +31,7 @@ pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]
     product
 }
 
-/// The closure residual r (dimensionless, about radians): zero exactly where the star closes.
+/// Returns the closure residual r (dimensionless, about radians), which is zero exactly if the star closes.
 #[inline]
 #[must_use]
 pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Vector3<T> {
@@ -40,7 +39,7 @@ pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) 
     closure.v * T::TWO
 }
 
-/// Whether the closure residual is at most `bound`; a bound below 0 allows none.
+/// Returns `true` if the norm of the closure residual is at most `bound`; always `false` for a bound below 0.
 #[inline]
 #[must_use]
 pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bound: T) -> bool {
@@ -48,9 +47,10 @@ pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bo
     bound >= T::zero() && residual.dot(&residual) <= bound * bound
 }
 
-/// The closure residual, and its derivative by the fold angle of each spoke in `columns`.
+/// Returns the closure residual and writes its derivative by the unknown of each spoke to `columns`.
 ///
-/// Returns `None` if `columns` has not the length of the star or a group is missing.
+/// The sign of a `negative` spoke is therefore included. Returns `None` if `columns` does not have one entry for each
+/// spoke, or if a group is missing.
 #[inline]
 pub fn residual_and_jacobian<T: Scalar>(
     star: StarView<'_, T>,
@@ -62,7 +62,7 @@ pub fn residual_and_jacobian<T: Scalar>(
     }
     let mut spokes = star.spokes.iter().zip(columns.iter_mut());
     let mut product = Rotation::identity();
-    // Before the first crease nothing is turned.
+    // Before the first crease the product is the identity: its column is the axis itself.
     if let Some((spoke, column)) = spokes.next() {
         let half = *half_angles.get(spoke.group.index())?;
         let [x, y] = spoke.axis();
@@ -82,21 +82,20 @@ pub fn residual_and_jacobian<T: Scalar>(
     Some(v * T::TWO)
 }
 
-/// ∂r/∂ρ of a turn about the `axis` a where the product is L = (w, v), sign-fixed.
+/// Returns ∂r/∂ρ of a turn about the `axis` a, where the product of the star is L = (w, v), sign-fixed.
 #[inline]
 pub(crate) fn derivative<T: Scalar>(product: Rotation<T>, axis: &Vector3<T>) -> Vector3<T> {
     *axis * product.w + axis.cross(&product.v)
 }
 
-/// Fills `out` with the half angles of the `unknowns` (radians), as far as both reach.
+/// Writes the half angles of the `unknowns` (radians) to `out`; stops at the end of the shorter slice.
 ///
-/// Done once for each evaluation, so that a crease group costs one sine and cosine, however many
-/// creases it has.
+/// Called once per evaluation, so that a crease group costs one sine and one cosine however many creases it has.
 pub fn half_angles<T: Scalar>(unknowns: &[T], out: &mut [HalfAngle<T>]) {
     T::half_angles(unknowns, out);
 }
 
-/// Of the two quaternions of a rotation, the one with w >= 0.
+/// Returns the one with w >= 0 of the two quaternions that stand for a rotation.
 #[inline]
 pub(crate) fn positive<T: Scalar>(rotation: Rotation<T>) -> Rotation<T> {
     if rotation.w < T::zero() {

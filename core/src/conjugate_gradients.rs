@@ -1,24 +1,26 @@
-//! Conjugate gradients for a damped step that need not be exact.
+//! Conjugate gradients: an approximate solution of a damped step without a factorisation.
 //!
-//! Far from closing, a step of Levenberg-Marquardt leaves about its square whatever is solved for: the system need not
-//! be solved any better, and on a large sheet a few products with the Jacobian cost less than its factor. Implements
-//! the method of [HestenesStiefel1952](crate#references) on (JᵀJ + λI) d = -Jᵀr from d = 0, so that d has no part along
-//! a motion, and the test of [NashSofer1990](crate#references) for ending it: when the last step has added less to what
-//! the linear model promises than a small part of an average one.
+//! Far from closing, a step of Levenberg-Marquardt leaves a residual of about the square of the step, however exactly
+//! the step is solved for. The system therefore need not be solved any better, and on a large sheet a few products with
+//! the Jacobian cost less than its factor. Implements the method of [HestenesStiefel1952](crate#references) on
+//! (JᵀJ + λI) d = -Jᵀr from d = 0, so that d has no part along a motion. The iteration ends by the test of
+//! [NashSofer1990](crate#references): when the last step has added less to the decrease that the linear model promises
+//! than a small fraction of an average step.
 
 use crate::Scalar;
 use crate::dense::dot;
 
-/// Part of an average step's promise below which another step is not worth taking. Sheets of 200 to 1,700 unknowns are
-/// closed soonest with 0.02 to 0.04.
+/// Fraction of an average step's promise below which another step is not worth taking. Sheets of 200 to 1,700 unknowns
+/// are closed soonest with 0.02 to 0.04.
 const LITTLE: f64 = 0.03;
-/// Steps at most: on a large sheet as many cost about as much as a factorisation.
+/// Largest number of steps. On a large sheet this many cost about as much as a factorisation.
 const MOST: u32 = 25;
 
 /// Sets `step` to an approximate solution d of (A + λI) d = -g, with λ the `damping` and g the `gradient`.
 ///
-/// `apply` sets its second argument to A times the first, and returns the product of both; A is positive semidefinite.
-/// The three vectors of `scratch` and `step` are as long as the gradient.
+/// `apply` sets its second argument to A times the first, and returns the dot product of the two; A is positive
+/// semidefinite. `step` and the three vectors of scratch (residual, search direction, its image) are as long as the
+/// gradient.
 pub fn solve<T: Scalar>(
     mut apply: impl FnMut(&[T], &mut [T]) -> T,
     damping: T,

@@ -1,32 +1,32 @@
-//! The motion of one fold angle between two knots.
+//! The motion of one fold angle between two knots: a cubic in Bernstein form.
 //!
-//! A segment of a trajectory is a cubic: of the fold angle itself, or of the pair (c, n) proportional
-//! to (cos ρ/2, sin ρ/2), the *homogeneous half angle*. In the latter the closure of a vertex is a
-//! polynomial of the path parameter, since each factor of its quaternion product is, and half a turn
-//! is no pole. Flat-foldable degree-4 vertices move with tangents of half angles that keep their
-//! ratios, so one such segment is their whole motion, without error.
+//! The cubic is either the fold angle itself, or the pair (c, n) proportional to (cos ρ/2, sin ρ/2), the *homogeneous
+//! half angle*. With homogeneous half angles the closure of a vertex is a polynomial of the path parameter, because
+//! each factor of its quaternion product is one, and half a turn is no pole. Flat-foldable degree-4 vertices move with
+//! constant ratios of the tangents of their half angles, so that one such segment is their whole motion, without error.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{HalfAngle, Scalar};
 
-/// How the motion between two knots is made.
+/// Kind of motion between two knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
-    /// Straight lines in the fold angle.
+    /// Linear in the fold angle.
     Linear,
     /// Cubic Hermite in the fold angle, with the rates of the knots.
     #[default]
     Hermite,
-    /// Cubic Hermite in tan ρ/2, with the rates that follow from those of the knots. Angles stay
-    /// below half a turn.
+    /// Cubic Hermite in tan ρ/2, with the rates that follow from those of the knots. Angles have to be below half a
+    /// turn.
     HalfAngle,
     /// Cubic Hermite in w (cos ρ/2, sin ρ/2), with weights w above 0 at the knots and their rates.
     Homogeneous,
 }
 
 impl Interpolation {
-    /// Numbers of a group in a knot: angle and rate, and where there are weights, weight and its rate.
+    /// Returns the numbers stored for a group in a knot: angle and rate, and if there are weights, the weight and its
+    /// rate.
     #[must_use]
     pub fn width(self) -> usize {
         match self {
@@ -41,25 +41,25 @@ impl Interpolation {
 pub struct Node<T> {
     /// Fold angle ρ, radians.
     pub angle: T,
-    /// Its rate, radians per unit of the parameter.
+    /// Rate of the fold angle, radians per unit of the parameter.
     pub rate: T,
     /// Weight of the homogeneous half angle and its rate; only [`Interpolation::Homogeneous`] reads them.
     pub weight: [T; 2],
 }
 
-/// What is wrong with a [`Node`].
+/// Defect of a [`Node`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Flaw {
-    /// The angle or the rate is no number.
+    /// The angle or the rate is infinite or NaN.
     NotFinite,
     /// The angle is half a turn, where tan ρ/2 is infinite.
     HalfTurn,
-    /// The weight is not a number above 0, or its rate none.
+    /// The weight is not a finite number above 0, or its rate is not finite.
     Weight,
 }
 
 impl<T: Scalar> Node<T> {
-    /// What makes it unfit for curves of that kind. Weights are looked at in all kinds.
+    /// Returns the first defect that makes the node unfit for curves of this kind. Weights are checked for every kind.
     pub(crate) fn flaw(&self, kind: Interpolation) -> Option<Flaw> {
         let [weight, grow] = self.weight;
         if !(self.angle.is_finite() && self.rate.is_finite()) {
@@ -74,14 +74,14 @@ impl<T: Scalar> Node<T> {
     }
 }
 
-/// The motion of one fold angle over a segment with parameter s from 0 to 1: cubics by their Bernstein
+/// The motion of one fold angle over a segment with parameter s from 0 to 1: one or two cubics in Bernstein
 /// coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curve<T> {
-    /// Of the fold angle, radians.
+    /// Fold angle, radians.
     Angle([T; 4]),
-    /// Of two numbers proportional to the cosine and the sine of half the fold angle. The first is
-    /// nowhere negative, and both together nowhere 0, while weights are sound.
+    /// Two numbers proportional to cosine and sine of half the fold angle. With valid weights `cos` is nowhere
+    /// negative, and the two are nowhere both 0.
     HalfAngle {
         /// Proportional to cos ρ/2.
         cos: [T; 4],
@@ -91,7 +91,7 @@ pub enum Curve<T> {
 }
 
 impl<T: Scalar> Curve<T> {
-    /// The segment between two knots `span` units of the parameter apart.
+    /// Creates the segment between two knots that are `span` units of the parameter apart.
     #[must_use]
     pub fn between(kind: Interpolation, span: T, from: Node<T>, to: Node<T>) -> Self {
         let cubic = |p: [T; 2], m: [T; 2]| hermite(p, [m[0] * span, m[1] * span]);
@@ -126,7 +126,7 @@ impl<T: Scalar> Curve<T> {
         }
     }
 
-    /// Fold angle (radians) at `s`.
+    /// Returns the fold angle (radians) at `s`.
     #[must_use]
     pub fn angle(&self, s: T) -> T {
         match self {
@@ -135,7 +135,7 @@ impl<T: Scalar> Curve<T> {
         }
     }
 
-    /// First and second derivative of the fold angle by s (radians) at `s`.
+    /// Returns the first and second derivative of the fold angle by s (radians) at `s`.
     #[must_use]
     pub fn derivatives(&self, s: T) -> [T; 2] {
         match self {
@@ -156,7 +156,7 @@ impl<T: Scalar> Curve<T> {
         }
     }
 
-    /// Cosine and sine of half the fold angle at `s`.
+    /// Returns cosine and sine of half the fold angle at `s`.
     #[must_use]
     pub fn half_angle(&self, s: T) -> HalfAngle<T> {
         match self {
@@ -173,14 +173,14 @@ impl<T: Scalar> Curve<T> {
     }
 }
 
-/// Tangent of half an angle, and its rate.
+/// Returns the tangent of half an angle and the rate of that tangent.
 fn tangent<T: Scalar>(angle: T, rate: T) -> [T; 2] {
     let HalfAngle { cos, sin } = HalfAngle::of(angle);
     let tangent = sin / cos;
     [tangent, rate * T::HALF * (T::one() + tangent * tangent)]
 }
 
-/// For c and for n of a homogeneous half angle: the value and its rate.
+/// Returns value and rate of c, then of n, of a homogeneous half angle.
 fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
     let HalfAngle { cos, sin } = HalfAngle::of(node.angle);
     let ([weight, grow], turn) = (node.weight, node.rate * T::HALF);
@@ -190,19 +190,19 @@ fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
     ]
 }
 
-/// Bernstein coefficients of the cubic with values `p` and derivatives `m` at 0 and 1.
+/// Returns the Bernstein coefficients of the cubic with values `p` and derivatives `m` at 0 and 1.
 fn hermite<T: Scalar>(p: [T; 2], m: [T; 2]) -> [T; 4] {
     let third = T::one() / (T::TWO + T::one());
     [p[0], p[0] + m[0] * third, p[1] - m[1] * third, p[1]]
 }
 
-/// The cubic at `s`.
+/// Evaluates the cubic at `s`.
 fn value<T: Scalar>(b: &[T; 4], s: T) -> T {
     let [value, ..] = jet(b, s);
     value
 }
 
-/// The cubic and its first two derivatives at `s`, by de Casteljau's algorithm.
+/// Evaluates the cubic and its first two derivatives at `s` by de Casteljau's algorithm.
 fn jet<T: Scalar>([a, b, c, d]: &[T; 4], s: T) -> [T; 3] {
     let mix = |a: T, b: T| a + (b - a) * s;
     let (ab, bc, cd) = (mix(*a, *b), mix(*b, *c), mix(*c, *d));

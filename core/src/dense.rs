@@ -1,15 +1,15 @@
-//! Dense normal equations: LDLᵀ over borrowed memory, for the few unknowns that symmetry
-//! leaves.
+//! Dense normal equations with an LDLᵀ factor over borrowed memory, for the few unknowns that symmetry leaves.
 
 use nalgebra::Vector3;
 
 use crate::least_squares::{Accumulate, Gradient, NormalEquations};
 use crate::{Scalar, Spoke, ldl};
 
-/// Unknowns of which a star may have several spokes each, as crease groups do: at most.
+/// Largest number of unknowns for which the columns of each unknown are summed before they are multiplied: with few
+/// crease groups, a star has several spokes of one group.
 const FEW: usize = 4;
 
-/// JᵀJ and Jᵀr as a dense lower triangle, with its factors.
+/// JᵀJ and Jᵀr as a dense lower triangle, with the factors of JᵀJ + λI.
 #[derive(Debug)]
 pub struct DenseNormalEquations<'a, T> {
     matrix: &'a mut [T],
@@ -18,13 +18,13 @@ pub struct DenseNormalEquations<'a, T> {
 }
 
 impl<'a, T: Scalar> DenseNormalEquations<'a, T> {
-    /// Length of `memory` that [`new`](Self::new) needs for `unknowns` unknowns: 2n² + n.
+    /// Returns the length of `memory` that [`new`](Self::new) needs for `unknowns` unknowns: 2n² + n.
     #[must_use]
     pub const fn memory(unknowns: usize) -> usize {
         2 * unknowns * unknowns + unknowns
     }
 
-    /// Equations in `unknowns` unknowns over borrowed memory; `None` if that is too small.
+    /// Creates equations in `unknowns` unknowns over borrowed memory; `None` if `memory` is too small.
     pub fn new(unknowns: usize, memory: &'a mut [T]) -> Option<Self> {
         let square = unknowns.checked_mul(unknowns)?;
         let (matrix, rest) = memory.split_at_mut_checked(square)?;
@@ -39,7 +39,7 @@ impl<'a, T: Scalar> DenseNormalEquations<'a, T> {
 }
 
 impl<T: Scalar> DenseNormalEquations<'_, T> {
-    /// The columns of each unknown added up before they are multiplied.
+    /// Adds the rows of a star, with the columns of each unknown summed before they are multiplied.
     fn add_few(&mut self, spokes: &[Spoke<T>], columns: &[Vector3<T>], residual: &Vector3<T>) {
         let mut sums = [Vector3::repeat(T::zero()); FEW];
         for (spoke, column) in spokes.iter().zip(columns) {
@@ -83,7 +83,7 @@ impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
                 continue;
             };
             for (other, other_column) in spokes.iter().zip(columns) {
-                // Right of the diagonal the row ends.
+                // The row ends at the diagonal: entries right of it are not stored.
                 if let Some(entry) = row.get_mut(other.group.index()) {
                     *entry += column.dot(other_column);
                 }
@@ -117,7 +117,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         ) else {
             return T::zero();
         };
-        // The row as far as the diagonal, the column from there on.
+        // The lower triangle holds the entries of this unknown in its row up to the diagonal, and in its column below.
         for (other, slope) in self.gradient.iter_mut().enumerate() {
             let place = unknown.max(other) * n + unknown.min(other);
             if let Some(entry) = self.matrix.get_mut(place) {
@@ -143,7 +143,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
     }
 }
 
-/// Product of two vectors as far as the shorter one reaches.
+/// Returns the dot product of two vectors, up to the end of the shorter one.
 #[inline]
 pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)

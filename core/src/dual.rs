@@ -1,17 +1,17 @@
-//! Normal equations in the space of the residuals, for more unknowns than residuals.
+//! Normal equations in the space of the residuals, for sheets with more unknowns than residuals.
 //!
-//! With J the M x n Jacobian, (JᵀJ + λI)⁻¹Jᵀ = Jᵀ(JJᵀ + λI)⁻¹: a step asks for a factor of M x M numbers only.
-//! A vertex has three residuals, however many creases meet there.
+//! With J the M x n Jacobian, (JᵀJ + λI)⁻¹Jᵀ = Jᵀ(JJᵀ + λI)⁻¹, so that a step needs a factor of M x M numbers only. A
+//! vertex has three residuals, however many creases meet there.
 
 use nalgebra::Vector3;
 
 use crate::least_squares::{Accumulate, NormalEquations, count};
 use crate::{Scalar, Spoke, dense, ldl};
 
-/// Jᵀ, with the factors of JJᵀ + λI, of M residuals: three for each star, six for each loop.
+/// Jᵀ and the factors of JJᵀ + λI for M residuals: three for each star, six for each loop.
 #[derive(Debug)]
 pub struct DualNormalEquations<'a, T, const M: usize> {
-    /// How the residuals change with each unknown.
+    /// Derivatives of the residuals by each unknown.
     columns: &'a mut [[T; M]],
     gradient: &'a mut [T],
     factor: [[T; M]; M],
@@ -21,8 +21,8 @@ pub struct DualNormalEquations<'a, T, const M: usize> {
 }
 
 impl<'a, T: Scalar, const M: usize> DualNormalEquations<'a, T, M> {
-    /// Equations in `unknowns` unknowns over borrowed memory, one column and one entry of the gradient for each;
-    /// `None` if that is too small.
+    /// Creates equations in `unknowns` unknowns over borrowed memory, with one column and one entry of the gradient for
+    /// each; `None` if that memory is too small.
     pub fn new(unknowns: usize, columns: &'a mut [[T; M]], gradient: &'a mut [T]) -> Option<Self> {
         Some(Self {
             columns: columns.get_mut(..unknowns)?,
@@ -100,7 +100,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         by * (slope + T::HALF * dot(&held, &held) * by)
     }
 
-    /// `false`, too, if there are more or fewer than M residuals.
+    /// Also returns `false` if there are more or fewer than M residuals.
     fn factorise(&mut self, damping: T) -> bool {
         self.damping = damping;
         self.factor = [[T::zero(); M]; M];
@@ -114,7 +114,8 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         self.added == M && ldl::factorise(self.factor.as_flattened_mut(), M, damping)
     }
 
-    /// From the rows: of what no unknown changes the factor leaves more than of the others.
+    /// Evaluates r + J·step from the rows: the factor leaves more of the residuals that no unknown changes than of the
+    /// others.
     fn left(&mut self, step: &[T], _halves: [T; 2]) -> T {
         let mut residuals = self.residuals;
         let mut size = dot(&residuals, &residuals).sqrt();
@@ -136,7 +137,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         }
     }
 
-    /// By (JᵀJ + λI)⁻¹b = (b − Jᵀ(JJᵀ + λI)⁻¹Jb) / λ, to ε‖b‖/λ.
+    /// Uses (JᵀJ + λI)⁻¹b = (b − Jᵀ(JJᵀ + λI)⁻¹Jb) / λ; the rounding error is ε‖b‖/λ.
     fn solve(&mut self, right_side: &mut [T]) {
         let mut sums = [T::zero(); M];
         for (column, &b) in self.columns.iter().zip(&*right_side) {
@@ -155,7 +156,7 @@ fn dot<T: Scalar, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
     dense::dot(a, b)
 }
 
-/// Three entries from number `start` on.
+/// Returns three entries, from number `start` on.
 fn three<T, const M: usize>(entries: &mut [T; M], start: usize) -> Option<&mut [T; 3]> {
     entries.get_mut(start..)?.first_chunk_mut()
 }

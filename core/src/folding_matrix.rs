@@ -1,17 +1,17 @@
 //! Folding matrices in the report's 4x4 homogeneous form.
 //!
-//! Implements section 3.2 of [XiLien2015](crate#references): the folding matrix
-//! χ = A B C B⁻¹ A⁻¹ and the local foldability matrix L(v) = Π χ. The solvers run on the
-//! quaternion form in [`closure`](crate::closure); a test shows both equal.
+//! Implements section 3.2 of [XiLien2015](crate#references): the folding matrix χ = A B C B⁻¹ A⁻¹ and the local
+//! foldability matrix L(v) = Π χ. The solvers run on the quaternion form in [`closure`](crate::closure); a test shows
+//! that both are equal.
 
 use nalgebra::Matrix4;
 
 use crate::{Scalar, StarView};
 
-/// Folding matrix χ of crossing a crease counter-clockwise about its `witness` vertex.
+/// Returns the folding matrix χ of crossing a crease counter-clockwise about its `witness` vertex.
 ///
-/// `alpha` is the plane angle of the crease seen from the witness, `rho` its fold angle, both in
-/// radians; `witness` is in the sheet's plane.
+/// `alpha` is the plane angle of the crease seen from the witness, `rho` its fold angle, both in radians; `witness` is
+/// a point in the sheet's plane.
 #[must_use]
 pub fn folding_matrix<T: Scalar>(witness: [T; 2], alpha: T, rho: T) -> Matrix4<T> {
     let [x, y] = witness;
@@ -23,11 +23,11 @@ pub fn folding_matrix<T: Scalar>(witness: [T; 2], alpha: T, rho: T) -> Matrix4<T
         * translation(-x, -y)
 }
 
-/// Local foldability matrix L of a star whose vertex lies at `witness`: the product of the folding
-/// matrices of its creases, counter-clockwise. The star closes where it is the identity.
+/// Returns the local foldability matrix L of a star whose vertex lies at `witness`.
 ///
-/// `unknowns` holds the fold angles (radians) of the groups that the star refers to; a spoke whose
-/// group is out of range counts as flat.
+/// L is the product of the folding matrices of the star's creases, counter-clockwise; the star closes if L is the
+/// identity. `unknowns` holds the fold angles (radians) of the groups that the star refers to; a spoke whose group is
+/// out of range counts as flat.
 #[must_use]
 pub fn local_foldability_matrix<T: Scalar>(
     star: StarView<'_, T>,

@@ -1,25 +1,24 @@
-//! A gradient solver with O(n) memory, for controllers without room for a matrix.
+//! A gradient solver with O(n) memory: closes stars on controllers without room for a matrix.
 //!
-//! Implements the first step length of [BarzilaiBorwein1988](crate#references), α = s·s / s·y,
-//! with the non-monotone safeguard of [Raydan1997](crate#references): a step must improve on the
-//! worst of the last costs, or it is halved. Converges linearly where Levenberg-Marquardt converges
-//! quadratically.
+//! Implements the first step length of [BarzilaiBorwein1988](crate#references), α = s·s / s·y, with the non-monotone
+//! safeguard of [Raydan1997](crate#references): a step that does not improve on the worst of the last costs is halved.
+//! Converges linearly, whereas Levenberg-Marquardt converges quadratically.
 
 use crate::Scalar;
 use crate::dense::dot;
 use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
 
-/// Length of the memory of costs against which a step is judged: 1 would be monotone descent, which
-/// takes away what makes the method fast.
+/// Number of past costs against which a step is judged. With 1 the descent would be monotone, which takes away what
+/// makes the method fast.
 const MEMORY: usize = 8;
-/// Fraction of the linear decrease that a step must reach.
+/// Fraction of the linear decrease that a step must reach (Armijo's condition).
 const ARMIJO: f64 = 1e-4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
-/// `workspace` needs 3n numbers. On return `x` is the last point accepted, whatever the outcome.
-/// Cost of an iteration: one linearisation. Expect hundreds of iterations where
-/// [`levenberg_marquardt`](crate::levenberg_marquardt) takes five.
+/// `workspace` needs 3n numbers. On return `x` is the last point accepted, whatever the outcome. Cost of an iteration:
+/// one linearisation. Expect hundreds of iterations where [`levenberg_marquardt`](crate::levenberg_marquardt) takes
+/// five.
 pub fn solve<T: Scalar>(
     problem: &mut ClosureProblem<'_, T>,
     limits: Limits<'_, T>,
@@ -49,7 +48,7 @@ pub fn solve<T: Scalar>(
         return report;
     };
     report.evaluations += 1;
-    // An unknown that no star has does not show in the cost.
+    // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
     if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
         report.outcome = Outcome::NotFinite;
         return report;
@@ -79,7 +78,7 @@ pub fn solve<T: Scalar>(
             moved = moved.max((x - *trial).abs());
         }
         if moved <= T::EPSILON * T::EPSILON {
-            // The length may have become too short to move at all: once more from the first one.
+            // The length may have become too short to move at all: restart once from the first length.
             if restarted {
                 break Outcome::Stalled;
             }
@@ -110,8 +109,8 @@ pub fn solve<T: Scalar>(
     report
 }
 
-/// s·s / s·y of the step s and the change y of the gradient; the longest step where the curvature
-/// along s is not positive.
+/// Returns s·s / s·y of the step s and the change y of the gradient, or the longest step allowed if the curvature along
+/// s is not positive.
 fn barzilai_borwein<T: Scalar>(
     x: &[T],
     gradient: &[T],

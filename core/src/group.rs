@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::Scalar;
 
-/// Names a crease group, and with it one unknown of the symmetry-reduced problem.
+/// Number of a crease group, and so of one unknown of the symmetry-reduced problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct GroupId(pub u32);
 
 impl GroupId {
-    /// Position in arrays over groups.
+    /// Returns the group's position in arrays over groups.
     #[inline]
     #[must_use]
     pub fn index(self) -> usize {
@@ -17,17 +17,17 @@ impl GroupId {
     }
 }
 
-/// A crease's part in its group: the group and the sign.
+/// Membership of a crease in a group: the group and the sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Membership {
     /// The group whose angle the crease follows.
     pub group: GroupId,
-    /// Whether it follows with the opposite sign.
+    /// `true` if the crease's fold angle is minus that of the group.
     pub negative: bool,
 }
 
 impl Membership {
-    /// The fold angle of the crease (radians), given that of its group.
+    /// Returns the fold angle of the crease (radians) for this angle of its group.
     #[inline]
     #[must_use]
     pub fn apply<T: Scalar>(self, group_angle: T) -> T {
@@ -39,9 +39,10 @@ impl Membership {
     }
 }
 
-/// Writes the fold angle of every crease, given those of the groups (radians).
+/// Writes the fold angle of every crease (radians) to `creases`, given those of the groups.
 ///
-/// Returns `false`, leaving `creases` unspecified, if the lengths differ or a group is missing.
+/// Returns `false`, leaving `creases` unspecified, if there is not one membership for each crease or a group is
+/// missing.
 #[must_use]
 pub fn expand<T: Scalar>(memberships: &[Membership], groups: &[T], creases: &mut [T]) -> bool {
     memberships.len() == creases.len()

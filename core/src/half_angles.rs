@@ -1,26 +1,27 @@
-//! Sines and cosines of half the fold angles, of `f64` several at once.
+//! Sines and cosines of half the fold angles, several `f64` at once.
 //!
-//! A hinge turns by at most half a turn, so that half its angle stays within a quarter. There libm's sine and cosine
-//! are two polynomials and one step of argument reduction, which have no branch that cannot be a choice between two
-//! results: compilers then take several angles at once, in about half the time. The operations are libm's, one by one,
-//! and so are the results, each bit of them. Angles at which libm reduces in another way, as at half a turn itself,
-//! are left to libm.
+//! A hinge turns by at most half a turn, so that half its angle stays within a quarter turn. There libm's sine and
+//! cosine are two polynomials and one step of argument reduction, and each of their branches can be a choice between
+//! two results. Compilers therefore compute several angles at once, in about half the time. The operations are libm's,
+//! one by one, and every bit of the results is libm's. Angles at which libm reduces the argument in another way, such
+//! as half a turn itself, are left to libm.
 //!
 //! The polynomials and the parts of π/2 are those of fdlibm (Sun Microsystems, 1993), as in libm.
 
 use crate::HalfAngle;
 
-/// What is smaller has its sine and cosine here: π/2 but for its last 33 bits.
+/// Half angles below this size, radians, are computed here: π/2 with its last 32 bits set to 0.
 const LARGEST: f64 = f64::from_bits(0x3ff9_21fb_0000_0000);
-/// What is smaller needs no reduction: the first number above π/4 with no bits in the last 32.
+/// Half angles below this size, radians, need no argument reduction: the first number above π/4 whose last 32 bits are
+/// 0.
 const REDUCED: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
-/// π/2 in parts, the first of 33 bits.
+/// π/2 in two parts, the first of 33 bits.
 const QUARTER: [f64; 2] = [
     f64::from_bits(0x3ff9_21fb_5440_0000),
     f64::from_bits(0x3dd0_b461_1a62_6331),
 ];
 
-/// Of sin r as a polynomial of r.
+/// Coefficients of sin r, from the term r³ on.
 const SINE: [f64; 6] = [
     f64::from_bits(0xbfc5_5555_5555_5549),
     f64::from_bits(0x3f81_1111_1110_f8a6),
@@ -29,7 +30,7 @@ const SINE: [f64; 6] = [
     f64::from_bits(0xbe5a_e5e6_8a2b_9ceb),
     f64::from_bits(0x3de5_d93a_5acf_d57c),
 ];
-/// Of cos r from r⁴ on.
+/// Coefficients of cos r, from the term r⁴ on.
 const COSINE: [f64; 6] = [
     f64::from_bits(0x3fa5_5555_5555_554c),
     f64::from_bits(0xbf56_c16c_16c1_5177),
@@ -39,7 +40,7 @@ const COSINE: [f64; 6] = [
     f64::from_bits(0xbda8_fae9_be88_38d4),
 ];
 
-/// Fills `out` with the half angles of `angles` (radians), as far as both reach.
+/// Writes the half angles of `angles` (radians) to `out`, up to the end of the shorter slice.
 pub(crate) fn of_f64(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     let mut all_near = true;
     for (half, rho) in out.iter_mut().zip(angles) {
@@ -52,7 +53,8 @@ pub(crate) fn of_f64(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     }
 }
 
-/// Leaves to libm what is not below [`LARGEST`]. A loop of its own, so that the other has no branch.
+/// Recomputes by libm each half angle that is not below [`LARGEST`]. This loop is separate, so that the other one has
+/// no branch.
 #[cold]
 #[inline(never)]
 fn far_ones(angles: &[f64], out: &mut [HalfAngle<f64>]) {
@@ -64,14 +66,14 @@ fn far_ones(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     }
 }
 
-/// The same in any precision, by the sine and cosine of its type.
+/// Writes the half angles of `angles` in any precision, one at a time, by the sine and cosine of the type.
 pub(crate) fn one_by_one<T: crate::Scalar>(angles: &[T], out: &mut [HalfAngle<T>]) {
     for (half, &rho) in out.iter_mut().zip(angles) {
         *half = HalfAngle::of(rho);
     }
 }
 
-/// Cosine and sine of an angle below [`LARGEST`] in size; of another, some number.
+/// Returns cosine and sine of an angle whose size is below [`LARGEST`]. The result for other angles is meaningless.
 #[inline(always)]
 fn within_quarter(angle: f64) -> HalfAngle<f64> {
     let size = angle.abs();
@@ -132,7 +134,7 @@ mod tests {
         let mut rng = Pcg64::new(83, 0);
         let mut draw =
             |most: f64| (f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0) * most;
-        // Beyond half a turn, too: there libm does it.
+        // Also beyond half a turn, where libm computes.
         for most in [1e-300, 1e-9, 1e-3, 1.0, PI, 3.3, 100.0] {
             for _ in 0..2_000 {
                 same_bits(&core::array::from_fn::<f64, 77, _>(|_| draw(most)));

@@ -1,16 +1,16 @@
-//! The closure residual of a loop of faces round a hole, and its analytic Jacobian.
+//! The closure residual of a loop of faces round a hole and its analytic Jacobian: do the panels round a hole meet
+//! again?
 //!
-//! Round a vertex the panels turn about axes through one point, and the rotations alone say whether they
-//! meet again. Round a hole the axes lie anywhere: the product L of the rigid motions across the creases
-//! met has to be the identity in rotation and in translation, six conditions. This is the folding map
-//! of [XiLien2015](crate#references), section 3.2, closed to a cycle.
+//! Round a vertex all axes pass through one point, so that the rotations alone decide whether the panels meet again.
+//! Round a hole the axes lie anywhere: the product L of the rigid motions across the creases of the loop has to be the
+//! identity in rotation and in translation, which is six conditions. This is the folding map of
+//! [XiLien2015](crate#references), section 3.2, closed to a cycle; L is its holonomy.
 //!
-//! Places are measured from a point near the middle of the loop in units of the loop's size, so that
-//! both residuals are dimensionless: r of L's rotation as of a [star](crate::closure), and t, by which L
-//! moves that point.
+//! Places are measured from a point near the middle of the loop, in units of the loop's size, so that both residuals
+//! are dimensionless: r of L's rotation, as for a [star](crate::closure), and t, the displacement of that point by L.
 //!
-//! With P and p the rotation and translation before crease k, a = P·axis and q = P·place + p, a turn of
-//! that crease turns all that follows about a through q: ∂r/∂ρ = w a + a × v as of a star, and
+//! With P and p the rotation and translation before crease k, a = P·axis and q = P·place + p, a turn of crease k turns
+//! everything behind the crease about the axis a through the point q. Therefore ∂r/∂ρ = w a + a × v as for a star, and
 //! ∂t/∂ρ = a × (t − q).
 
 use nalgebra::Vector3;
@@ -18,12 +18,12 @@ use nalgebra::Vector3;
 use crate::closure::{derivative, positive};
 use crate::{HalfAngle, Rotation, Scalar, Spoke, StarsView};
 
-/// The creases that a way from face to face round a hole crosses, in order.
+/// The creases that a closed path from face to face round a hole crosses, in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopView<'a, T> {
-    /// The creases; the direction of each has the face that the way comes to on its left.
+    /// The creases; each is directed so that the face that the path enters lies on its left.
     pub spokes: &'a [Spoke<T>],
-    /// For each a point of its line.
+    /// A point on the line of each crease, in the coordinates of the [module](self).
     pub places: &'a [[T; 2]],
 }
 
@@ -35,7 +35,7 @@ pub struct LoopsView<'a, T> {
 }
 
 impl<'a, T: Scalar> LoopsView<'a, T> {
-    /// No loop: a sheet without holes.
+    /// Returns a view without loops: a sheet without holes.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -44,10 +44,10 @@ impl<'a, T: Scalar> LoopsView<'a, T> {
         }
     }
 
-    /// A view of loops that lie one behind the other; loop i ends before spoke `ends[i]`.
+    /// Creates a view of loops that are stored one after the other; loop i ends before spoke `ends[i]`.
     ///
-    /// Returns `None` if the ends decrease or do not end with the last spoke, if not every spoke has a
-    /// place, if a group is not below `unknowns`, or if a direction is not of length one.
+    /// Returns `None` if the ends decrease or the last end is not the number of spokes, if there is not one place for
+    /// each spoke, if a group is not below `unknowns`, or if a direction does not have length 1.
     #[must_use]
     pub fn new(
         spokes: &'a [Spoke<T>],
@@ -59,25 +59,25 @@ impl<'a, T: Scalar> LoopsView<'a, T> {
         (places.len() == spokes.len()).then_some(Self { stars, places })
     }
 
-    /// Number of loops.
+    /// Returns the number of loops.
     #[must_use]
     pub fn len(&self) -> usize {
         self.stars.len()
     }
 
-    /// Whether there is no loop at all.
+    /// Returns `true` if there is no loop.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.stars.is_empty()
     }
 
-    /// Largest number of spokes in a loop.
+    /// Returns the largest number of spokes in a loop.
     #[must_use]
     pub fn max_degree(&self) -> usize {
         self.stars.max_degree()
     }
 
-    /// The loops in order.
+    /// Iterates over the loops in order.
     pub fn iter(&self) -> impl Iterator<Item = LoopView<'a, T>> + use<'a, T> {
         self.stars.iter().scan(self.places, |left, star| {
             let (places, rest) = left.split_at_checked(star.spokes.len())?;
@@ -90,9 +90,9 @@ impl<'a, T: Scalar> LoopsView<'a, T> {
     }
 }
 
-/// Residuals of rotation and translation (dimensionless): zero exactly where the loop closes.
+/// Returns the residuals of rotation and translation (dimensionless), which are zero exactly if the loop closes.
 ///
-/// `half_angles` has one entry for each unknown; a spoke whose group is not there counts as flat.
+/// `half_angles` has one entry for each unknown; a spoke whose group has no entry counts as flat.
 #[must_use]
 pub fn residuals<T: Scalar>(
     cycle: LoopView<'_, T>,
@@ -107,10 +107,10 @@ pub fn residuals<T: Scalar>(
     [positive(motion.turned).v * T::TWO, motion.moved]
 }
 
-/// The residuals, and their derivatives by the fold angle of each spoke in `columns`: first those of
-/// the rotation, then those of the translation.
+/// Returns the residuals of rotation and translation and writes their derivatives by the unknown of each spoke.
 ///
-/// Returns `None` if `columns` has not twice the length of the loop or a group is missing.
+/// `columns` receives first the derivatives of the rotation, then those of the translation. The sign of a `negative`
+/// spoke is included. Returns `None` if `columns` does not have two entries for each spoke, or if a group is missing.
 pub fn residuals_and_jacobian<T: Scalar>(
     cycle: LoopView<'_, T>,
     half_angles: &[HalfAngle<T>],
@@ -137,7 +137,7 @@ pub fn residuals_and_jacobian<T: Scalar>(
     Some([closure.v * T::TWO, motion.moved])
 }
 
-/// The rigid motion of a face of the loop.
+/// Rigid motion of a face of the loop.
 struct Motion<T> {
     turned: Rotation<T>,
     moved: Vector3<T>,
@@ -155,7 +155,7 @@ impl<T: Scalar> Motion<T> {
         self.turned.rotate_in_sheet(*place) + self.moved
     }
 
-    /// On to the face behind a crease, whose line stays where it is.
+    /// Moves on to the face behind a crease: turns about the crease's line, whose points stay where they are.
     fn turn(&mut self, half: HalfAngle<T>, spoke: &Spoke<T>, place: &[T; 2]) {
         let before = self.apply(place);
         self.turned = self.turned.across_crease(half, spoke.direction);

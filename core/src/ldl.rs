@@ -1,12 +1,13 @@
-//! Factors LDLᵀ of small dense matrices, in place over borrowed memory: Cholesky's without square roots, which a
-//! Cortex-M4F would take from software.
+//! Dense LDLᵀ factorisation in place over borrowed memory: Cholesky without square roots, which a Cortex-M4F would
+//! compute in software.
 
 use crate::Scalar;
 use crate::dense::dot;
 
-/// Replaces the lower triangle of A, `n` rows of `n` numbers, by the factors of A + λI = LDLᵀ: L, whose diagonal of
-/// ones is not stored, and D inverted on the diagonal. `false` if that is not positive definite in this precision.
-/// What is above the diagonal is not looked at.
+/// Factorises A + λI = LDLᵀ in place; A is the lower triangle of `n` rows of `n` numbers.
+///
+/// L replaces the triangle; its diagonal of ones is not stored, and the diagonal holds the inverse of D. Entries above
+/// the diagonal are not read. Returns `false` if A + λI is not positive definite in this precision.
 #[inline]
 pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bool {
     for i in 0..n {
@@ -45,7 +46,7 @@ pub(crate) fn factorise<T: Scalar>(matrix: &mut [T], n: usize, damping: T) -> bo
     true
 }
 
-/// Solves LDLᵀx = b in place, with the factors as [`factorise`] leaves them.
+/// Solves LDLᵀx = b in place, with the factors that [`factorise`] leaves.
 #[inline]
 pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
     let rows = factor.chunks_exact(n.max(1)).enumerate();
@@ -59,7 +60,7 @@ pub(crate) fn solve<T: Scalar>(factor: &[T], n: usize, right_side: &mut [T]) {
             *entry *= inverse;
         }
     }
-    // By columns of L, so that this walks along rows too.
+    // Back substitution by columns of L, so that this walks along stored rows too.
     for (i, row) in rows.rev() {
         if let Some((open, [solved, ..])) = right_side.split_at_mut_checked(i) {
             for (other, &factor) in open.iter_mut().zip(row) {

@@ -1,8 +1,8 @@
-//! The least-squares problem that every solver here works on: the closure of a list of stars, and of
-//! loops round holes, as a function of the group angles.
+//! The least-squares problem of every solver: the closure of a list of stars, and of loops round holes, as a function
+//! of the group angles.
 //!
-//! With the residuals r(x) of all stars and loops, solvers minimise ½‖r‖². They hand their rows to an
-//! [`Accumulate`]: a gradient alone needs O(n) memory, dense or sparse normal equations more.
+//! With the residuals r(x) of all stars and loops, solvers minimise ½‖r‖². The problem hands the rows of its
+//! linearisation to an [`Accumulate`]: a gradient alone needs O(n) memory, dense or sparse normal equations need more.
 
 use nalgebra::Vector3;
 
@@ -11,12 +11,12 @@ use crate::objective::larger;
 use crate::{HalfAngle, LoopsView, Scalar, Spoke, StarsView};
 use crate::{closure, hole};
 
-/// Roundings for each spoke in the residual of a star.
+/// Rounding errors in the residual of a star, in ε per spoke.
 const ROUNDINGS: f64 = 4.0;
-/// Roundings of the matrix by which a step with its factor may be off.
+/// Rounding error that a factor may leave in a step, in ε of the matrix.
 const FACTOR: f64 = 16.0;
 
-/// So many, as a number.
+/// Returns a count as a floating-point number; counts above `u32::MAX` saturate.
 pub(crate) fn count<T: Scalar>(things: usize) -> T {
     T::whole(u32::try_from(things).unwrap_or(u32::MAX))
 }
@@ -31,26 +31,27 @@ pub struct Cost<T> {
 }
 
 impl<T: Scalar> Cost<T> {
-    /// Largest ‖r(v)‖ of a star, or of the rotation or translation of a loop.
+    /// Returns the largest ‖r(v)‖ of a star, or of the rotation or translation of a loop.
     #[must_use]
     pub fn max(&self) -> T {
         self.max_square.sqrt()
     }
 
-    /// Whether the residual is defined everywhere.
+    /// Returns `true` if the residual is finite at every star and loop.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.half_square.is_finite() && self.max_square.is_finite()
     }
 }
 
-/// Takes the rows of the linearised problem star by star, then loop by loop.
+/// Receives the rows of the linearised problem, star by star, then loop by loop.
 pub trait Accumulate<T: Scalar> {
     /// Forgets all rows.
     fn clear(&mut self);
-    /// Adds the three rows of star number `star`: `columns[k]` is ∂r/∂(group angle of spoke k).
-    /// Two spokes may belong to the same group. A loop counts as one more star and adds twice under its
-    /// number: the rows of its rotation, then those of its translation.
+    /// Adds the three rows of star number `star`; `columns[k]` is ∂r/∂(group angle of spoke k).
+    ///
+    /// Two spokes may belong to the same group. A loop counts as one more star and takes two calls with its number: the
+    /// first with the rows of its rotation, the second with those of its translation.
     fn add(
         &mut self,
         star: usize,
@@ -60,45 +61,48 @@ pub trait Accumulate<T: Scalar> {
     );
 }
 
-/// Normal equations (JᵀJ + λI) x = b behind which dense, dual and sparse linear algebra look alike.
+/// The normal equations (JᵀJ + λI) x = b, an interface to dense, dual and sparse linear algebra.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
-    /// Whether the rows are kept, without which all steps are [exact](Steps::Exact).
+    /// `true` if the rows of the Jacobian are kept. Without them all steps are [exact](Steps::Exact).
     const KEEPS_ROWS: bool = false;
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     fn unknowns(&self) -> usize;
-    /// The gradient Jᵀr, one number for each unknown.
+    /// Returns the gradient Jᵀr, one number for each unknown.
     fn gradient(&self) -> &[T];
-    /// Largest diagonal entry of JᵀJ.
+    /// Returns the largest diagonal entry of JᵀJ.
     fn max_diagonal(&mut self) -> T;
-    /// Moves an unknown `by` so much (radians) and takes it out of the step: the residual becomes the one there, to
-    /// first order, and the unknown's row, its column and its entry of the gradient become zero, and with any
-    /// damping its step too. Returns by how much ½‖r‖² grows.
+    /// Moves an unknown by `by` (radians) and fixes it there for the rest of the step.
+    ///
+    /// The residual becomes that of the new point, to first order. The unknown's row and column of JᵀJ and its entry of
+    /// the gradient become zero, so that its step is zero with any damping. Returns the growth of ½‖r‖².
     fn hold(&mut self, unknown: usize, by: T) -> T;
-    /// Takes a held unknown out of the last factor, too: what is solved after that are the equations of the others. `false`
-    /// if rounding leaves too little of them, or this cannot be done: then the factor has to be made anew.
+    /// Fixes a held unknown in the last factor as well (Schur complement), so that later solves are those of the
+    /// remaining unknowns. Returns `false` if rounding leaves too little precision, or if this is not supported: the
+    /// caller then has to factorise anew.
     fn amend(&mut self, _held: usize) -> bool {
         false
     }
-    /// Forgets the residuals, but neither rows nor factor.
+    /// Forgets the residuals, but neither the rows nor the factor.
     fn clear_residuals(&mut self) {}
-    /// Adds another residual for rows that are kept: those that were [added](Accumulate::add) as block number `block`.
+    /// Adds a new residual for rows that are kept: those of the `block`-th call of [`add`](Accumulate::add), from 0.
     fn add_residual(&mut self, _block: usize, _spokes: &[Spoke<T>], _residual: &Vector3<T>) {}
-    /// Approximates the step with this damping, without a factor, where rows are kept.
+    /// Computes an approximate step with this damping and without a factor, if rows are kept.
     fn rough_step(&mut self, _damping: T, _step: &mut [T]) {}
-    /// Factorises JᵀJ + λI; `false` if it is not positive definite in this precision.
+    /// Factorises JᵀJ + λI; returns `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
     fn solve(&mut self, right_side: &mut [T]);
-    /// Bound on what the linear model leaves, ‖r + J·step‖, rounding included. `halves` are ½‖r‖², and what a step with
-    /// the last factor promises to leave of that: not to rounding, as the factor leaves the step off by some precisions
-    /// of the matrix.
+    /// Returns an upper bound on ‖r + J·step‖, the residual that the linear model leaves, rounding included.
+    ///
+    /// `halves` holds ½‖r‖² before the step and the value that a step with the last factor promises to reduce it to.
+    /// The promise is not exact to rounding: the factor leaves an error of a few precisions of the matrix in the step.
     fn left(&mut self, step: &[T], halves: [T; 2]) -> T {
         let [before, after] = halves;
         let trace = count::<T>(step.len()) * self.max_diagonal();
         let rounding = T::lit(FACTOR) * T::EPSILON * (before + trace * dot(step, step));
         (T::TWO * (after.max(T::zero()) + rounding)).sqrt()
     }
-    /// The step -(JᵀJ + λI)⁻¹Jᵀr with the last factor, one number for each unknown.
+    /// Computes the step -(JᵀJ + λI)⁻¹Jᵀr with the last factor, one number for each unknown.
     fn step(&mut self, step: &mut [T]) {
         for (step, &slope) in step.iter_mut().zip(self.gradient()) {
             *step = -slope;
@@ -107,7 +111,7 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     }
 }
 
-/// The closure of stars and loops as a least-squares problem, with the scratch memory that it needs.
+/// The closure of stars and loops as a least-squares problem, with borrowed scratch memory.
 #[derive(Debug)]
 pub struct ClosureProblem<'a, T> {
     stars: StarsView<'a, T>,
@@ -117,8 +121,8 @@ pub struct ClosureProblem<'a, T> {
 }
 
 impl<'a, T: Scalar> ClosureProblem<'a, T> {
-    /// Lends the scratch: one half angle for each unknown, one column for each spoke of the largest
-    /// star. Returns `None` if either is too small.
+    /// Creates the problem of these stars with borrowed scratch: one half angle for each unknown, one column for each
+    /// spoke of the largest star. Returns `None` if either is too small.
     pub fn new(
         stars: StarsView<'a, T>,
         half_angles: &'a mut [HalfAngle<T>],
@@ -127,8 +131,8 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         Self::with_loops(stars, LoopsView::none(), half_angles, columns)
     }
 
-    /// The same with loops round holes, in the unknowns of the stars. There have to be
-    /// [`columns`](Self::columns).
+    /// Creates the problem of these stars and of loops round holes, in the unknowns of the stars. `columns` needs
+    /// [`ClosureProblem::columns`] entries.
     pub fn with_loops(
         stars: StarsView<'a, T>,
         loops: LoopsView<'a, T>,
@@ -145,26 +149,26 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         })
     }
 
-    /// Columns of scratch needed: one for each spoke of the largest star, two for each of the largest
-    /// loop.
+    /// Returns the number of scratch columns needed: one for each spoke of the largest star, or two for each spoke of
+    /// the largest loop.
     #[must_use]
     pub fn columns(stars: StarsView<'_, T>, loops: LoopsView<'_, T>) -> usize {
         stars.max_degree().max(2 * loops.max_degree())
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.stars.unknowns()
     }
 
-    /// Residual at `x` (radians) without derivatives; `None` unless `x` has all unknowns.
+    /// Evaluates the residual at `x` (radians) without derivatives; `None` unless `x` has all unknowns.
     pub fn cost(&mut self, x: &[T]) -> Option<Cost<T>> {
         self.each_residual(x, |_, _| {})
     }
 
-    /// The same, each block of three residuals handed to `each` with its spokes, in the order of
-    /// [`linearise`](Self::linearise).
+    /// Evaluates the residual as [`cost`](Self::cost) does, and hands each block of three residuals to `each` with its
+    /// spokes, in the order of [`linearise`](Self::linearise).
     pub fn each_residual(
         &mut self,
         x: &[T],
@@ -185,7 +189,8 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         Some(cost)
     }
 
-    /// The same, the residuals put in place of those of the rows last accumulated, where rows are kept.
+    /// Evaluates the residual as [`cost`](Self::cost) does, and replaces the residuals of the rows last accumulated, if
+    /// the equations keep rows. Rows and factor stay those of the earlier point.
     pub fn renew(&mut self, x: &[T], equations: &mut impl NormalEquations<T>) -> Option<Cost<T>> {
         equations.clear_residuals();
         let mut block = 0;
@@ -195,7 +200,8 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         })
     }
 
-    /// Residual at `x` (radians), its rows handed to `rows`; `None` unless `x` has all unknowns.
+    /// Evaluates residual and Jacobian at `x` (radians) and adds the rows to `rows`; `None` unless `x` has all
+    /// unknowns.
     pub fn linearise(&mut self, x: &[T], rows: &mut impl Accumulate<T>) -> Option<Cost<T>> {
         self.set_half_angles(x)?;
         rows.clear();
@@ -220,11 +226,13 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         Some(cost)
     }
 
-    /// Bound on what a move by `step` (radians) adds to the residual of a star but its part to first order, with the
-    /// rounding of an evaluation; of loops, whose edges have lengths, none is known.
+    /// Bounds the change of a star's residual beyond first order for a move by `step` (radians), plus the rounding of
+    /// an evaluation. Returns the largest number if there are loops: their edges have lengths, and no bound is known
+    /// for them.
     ///
-    /// A turn by t δ of a quaternion has the derivative δ/2 by t, so that the second one of their product is at most
-    /// (Σ|δ|/2)², that of r twice that, and half of it is what Taylor's theorem adds.
+    /// A quaternion turned by t δ has the derivative δ/2 by t, so that the second derivative of a product of
+    /// quaternions is at most (Σ|δ|/2)². The second derivative of r is at most twice as large, and Taylor's theorem
+    /// takes half of it.
     pub(crate) fn bend(&self, step: &[T]) -> T {
         if !self.loops.is_empty() {
             return T::MAX;
@@ -261,7 +269,7 @@ impl<T: Scalar> Cost<T> {
     }
 }
 
-/// Accumulates the gradient Jᵀr alone.
+/// Accumulates the gradient Jᵀr alone, in O(n) memory.
 #[derive(Debug)]
 pub struct Gradient<'a, T>(pub &'a mut [T]);
 
@@ -289,15 +297,15 @@ impl<T: Scalar> Accumulate<T> for Gradient<'_, T> {
 /// Bounds on the unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Limits<'a, T> {
-    /// A hinge cannot turn past touching itself: [-π, π] for each unknown.
+    /// [-π, π] for each unknown: a hinge cannot turn past touching itself.
     #[default]
     HalfTurn,
-    /// Its own (lower, upper) for each unknown, in radians; unknowns past the end get [-π, π].
+    /// A pair (lower, upper) for each unknown, radians; unknowns past the end get [-π, π].
     Each(&'a [(T, T)]),
 }
 
 impl<T: Scalar> Limits<'_, T> {
-    /// Lower and upper bound of unknown number `index`.
+    /// Returns the lower and the upper bound of unknown number `index`, radians.
     #[inline]
     #[must_use]
     pub fn of(&self, index: usize) -> (T, T) {
@@ -308,7 +316,7 @@ impl<T: Scalar> Limits<'_, T> {
         .unwrap_or((-T::PI, T::PI))
     }
 
-    /// `value` of unknown number `index`, moved to the nearest value allowed. A NaN stays one: the
+    /// Returns `value` of unknown number `index`, moved to the nearest value allowed. A NaN stays a NaN, because the
     /// solver has to see it.
     #[inline]
     #[must_use]
@@ -323,7 +331,7 @@ impl<T: Scalar> Limits<'_, T> {
         }
     }
 
-    /// Whether every unknown of `x` is within its limits.
+    /// Returns `true` if every unknown of `x` is within its limits.
     #[must_use]
     pub fn contain(&self, x: &[T]) -> bool {
         x.iter().enumerate().all(|(index, &x)| {
@@ -332,7 +340,7 @@ impl<T: Scalar> Limits<'_, T> {
         })
     }
 
-    /// Whether descent along -`slope` would push unknown number `index` from `value` past a limit.
+    /// Returns `true` if descent along -`slope` would push unknown number `index` from `value` past a limit.
     #[inline]
     #[must_use]
     pub fn blocks(&self, index: usize, value: T, slope: T) -> bool {
@@ -346,29 +354,30 @@ impl<T: Scalar> Limits<'_, T> {
 pub struct Options<T> {
     /// Largest closure residual ‖r(v)‖ that counts as closed.
     pub tolerance: T,
-    /// Residual from which on a step is not worth taking that does not promise to halve ½‖r‖². Stars
-    /// with rounded directions close nowhere: the least that is left then pulls the configuration far
-    /// along the motion, at last to flat. Not above the tolerance: never.
+    /// Residual at or below which a step is only taken if it promises to halve ½‖r‖². Stars with rounded directions
+    /// close at no configuration; without this rule, what is left of their residual pulls the configuration far along
+    /// the motion, and in the end to flat. A value that is not above the tolerance switches the rule off.
     pub acceptable: T,
-    /// Steps tried before giving up.
+    /// Largest number of iterations.
     pub max_iterations: u32,
-    /// No unknown moves by more than this in one step, radians.
+    /// Largest change of an unknown in one step, radians.
     pub max_step: T,
-    /// How Levenberg-Marquardt makes its steps where the equations keep their rows.
+    /// Reuse of factors by Levenberg-Marquardt, if the equations keep their rows.
     pub steps: Steps,
 }
 
-/// How steps are made on large sheets, where factorisations are most of the work.
+/// Reuse of factors by Levenberg-Marquardt. On large sheets factorisations are most of the work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Each with a factor of its own: from where conditions lose rank, as in the flat sheet, that leads to the nearest
-    /// configuration most surely.
+    /// Each step has a factor of its own. This is the surest way to the nearest configuration from points at which the
+    /// conditions lose rank, such as the flat sheet.
     #[default]
     Exact,
-    /// With a factor of which several are made as long as they leave little: half the factorisations, or fewer.
+    /// Several steps share a factor as long as they leave little of the residual (chord method): this saves at least
+    /// half the factorisations.
     Repeated,
-    /// The same, but those far from closing roughly: that saves most of the time, and the configuration found is less surely
-    /// the nearest one.
+    /// As [`Repeated`](Steps::Repeated), and steps far from closing come from conjugate gradients without a factor.
+    /// This saves most of the time, but the configuration found is less surely the nearest one.
     Rough,
 }
 
@@ -378,43 +387,43 @@ impl<T: Scalar> Default for Options<T> {
             tolerance: T::CLOSURE_TOLERANCE,
             acceptable: T::CLOSURE_TOLERANCE,
             max_iterations: 100,
-            // A sixth of a turn: less than any fold angle's way to its mirror image far from flat.
+            // A sixth of a turn. Far from flat, every fold angle is farther than this from its mirror image.
             max_step: T::PI / (T::TWO + T::one()),
             steps: Steps::Exact,
         }
     }
 }
 
-/// How a solver ended. Not converging is an outcome, not an error.
+/// Result of a solver. Not converging is an outcome, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Every star and loop closes within the tolerance.
     Converged,
-    /// No step improves the residual any more, but it is above the tolerance.
+    /// No step improves the residual any more, but the residual is above the tolerance.
     Stalled,
-    /// The iterations allowed were used up.
+    /// All allowed iterations were used.
     IterationLimit,
-    /// The workspace, or the start, has not the length of the problem.
+    /// The workspace or the start does not have the length that the problem needs.
     Capacity,
-    /// The start holds a NaN or an infinity, or the residual there is one.
+    /// The start, or the residual at the start, holds a NaN or an infinity.
     NotFinite,
 }
 
-/// What a solver did.
+/// Outcome of a solver and the work that it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report<T> {
-    /// How it ended.
+    /// Why the solver ended.
     pub outcome: Outcome,
-    /// Steps tried.
+    /// Number of iterations.
     pub iterations: u32,
-    /// Evaluations of the residual, with or without derivatives.
+    /// Number of evaluations of the residual, with or without derivatives.
     pub evaluations: u32,
-    /// Largest ‖r(v)‖ at the point returned, or a bound on it that is within the tolerance.
+    /// Largest ‖r(v)‖ at the point returned, or an upper bound on it that is within the tolerance.
     pub residual: T,
 }
 
 impl<T: Scalar> Report<T> {
-    /// Nothing done yet: what is reported if the memory lent does not suffice.
+    /// Returns the report of a solver that has done nothing, because the memory lent does not suffice.
     pub(crate) fn capacity() -> Self {
         Self {
             outcome: Outcome::Capacity,

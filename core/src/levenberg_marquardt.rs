@@ -1,26 +1,28 @@
-//! Levenberg-Marquardt on the closure of stars.
+//! Levenberg-Marquardt: finds a configuration near a given one in which every star closes.
 //!
-//! Implements the method of [Nielsen1999](crate#references) (damping adapted by the gain ratio) in
-//! the form of [YamashitaFukushima2001](crate#references) for zero-residual problems: the damping
-//! is λ = ½μ‖r(v)‖² of the star or loop that closes worst, with μ adapted as Nielsen adapts λ. It
-//! vanishes as the residual does, so that convergence stays quadratic although the Jacobian of a
-//! folding sheet is always rank deficient (it moves!). Of all stars together it would grow with the
-//! sheet, whose every hinge is bound by two of them however many there are. It is of all together
-//! only where the residual is acceptable: what is left there may be rounding, which should move nothing.
-//! Differs from both sources in that each step is bounded, because far from closing an undamped one was seen to wander
-//! off to multiples of 2π, and kept within the [`Limits`].
+//! Implements the method of [Nielsen1999](crate#references) (damping adapted by the gain ratio) in the form of
+//! [YamashitaFukushima2001](crate#references) for zero-residual problems: the damping is λ = ½μ‖r(v)‖² of the star or
+//! loop that closes worst, with μ adapted as Nielsen adapts λ. This damping vanishes with the residual, so that
+//! convergence stays quadratic although the Jacobian of a folding sheet is always rank deficient (the sheet has a
+//! motion). The sum over all stars would make the damping grow with the sheet, although only two stars bind each hinge
+//! on a sheet of any size. The sum is used only while the residual is acceptable: the rest may then be rounding, which
+//! should move nothing.
 //!
-//! On large sheets factorisations are what costs. Where that is allowed ([`Steps::Repeated`]), a factor is used again, for
-//! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) with the rows of where it was made: one such step makes the order of convergence three,
-//! [Fan2012](crate#references), and as long as they leave little, more are worth their price (the chord method, chapter 5.4
-//! of [Kelley1995](crate#references)). Both factors of J₀ᵀr have to be old: with Jᵀ of now the step would have a part along
-//! the motion of J₀, which the inverse blows up by 1/λ. Unknowns that meet their limits are taken out of the factor that is
-//! there, each for a solution with it, as by [GillMurraySaundersWright1990](crate#references).
-//! With [`Steps::Rough`], those far from closing are made by [`conjugate_gradients`](crate::conjugate_gradients) while the
-//! linear model lets them close most of what is open.
+//! Differs from both sources in two ways. The length of each step is bounded, because undamped steps far from closing
+//! were seen to wander off to multiples of 2π. And each step is kept within the [`Limits`].
 //!
-//! The last step of a run is often so short that it closes for certain, by what the linear model leaves and a bound on
-//! second derivatives. Then the residual is not evaluated there.
+//! On large sheets factorisations are most of the cost. If [`Steps::Repeated`] allows it, a factor is used again for
+//! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) with the rows of the point where the factor was made. One such step raises the order of
+//! convergence to three, [Fan2012](crate#references), and more of them are worth their price as long as they leave
+//! little (the chord method, chapter 5.4 of [Kelley1995](crate#references)). The matrix J₀ᵀ in front of r has to be the
+//! old one too: with the current Jᵀ the step would have a part along the motion of J₀, which the inverse enlarges by
+//! 1/λ. An unknown that reaches a limit is fixed for the rest of the step. It is taken out of the factor by a Schur
+//! complement ([GillMurraySaundersWright1990](crate#references)), at the cost of one solve. With [`Steps::Rough`],
+//! steps far from closing come from [`conjugate_gradients`](crate::conjugate_gradients) while the linear model lets
+//! them close most of what is open.
+//!
+//! The last step of a run is often so short that the sheet closes for certain, by the residual of the linear model and
+//! a bound on second derivatives. The residual is then not evaluated at the last point.
 
 use crate::Scalar;
 use crate::dense::dot;
@@ -28,33 +30,36 @@ use crate::least_squares::{
     ClosureProblem, Limits, NormalEquations, Options, Outcome, Report, Steps,
 };
 
-/// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a
-/// fraction of a radian to close.
+/// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a fraction of a radian
+/// to close.
 const FIRST_MU: f64 = 1.0;
 /// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
 const MIN_MU: f64 = 1e-6;
-/// Precisions of the largest diagonal entry that damping has at least, and the factor by which more is tried if that
-/// does not suffice.
+/// Smallest damping, in precisions (ε) of the largest diagonal entry of JᵀJ; also the factor by which the damping grows
+/// if the matrix is not positive definite.
 const FLOOR: f64 = 16.0;
-/// Times that a step is made in an iteration, each time with more unknowns at their limits: two or three are seen.
+/// Largest number of times that one iteration computes its step, each time with more unknowns at their limits. Two or
+/// three times are seen.
 const ROUNDS: u32 = 8;
 /// Closure residual down to which rough steps are made.
 const ROUGH: f64 = 1e-2;
-/// Part of ½‖r‖² that a rough step has to promise for another one.
+/// Fraction of ½‖r‖² that a rough step has to promise for another rough step to follow.
 const ENOUGH: f64 = 0.9;
-/// Part of the residual that a step with a factor may leave for another one with the same: a new factor costs six to ten
-/// of them. Sheets of 50 to 1,700 unknowns are closed soonest with a tenth to a half.
+/// Fraction of the residual that a step may leave if another step with the same factor is to follow. A new factor costs
+/// as much as six to ten such steps. Sheets of 50 to 1,700 unknowns are closed soonest with fractions of 0.1 to 0.5.
 const LEFT: f64 = 0.25;
-/// Applications of the damped projection: with fewer, rates in `f32` keep errors of 1e-4 where the
+/// Number of times that the damped projection is applied. With fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
 const PROJECTIONS: u32 = 4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
 /// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
-/// Cost of an iteration: one linearisation and one factorisation, and one more each time that more unknowns meet their
-/// limits. With [`Steps::Repeated`] that is a solution for each of these instead, and some take several steps with a factor,
-/// each for an evaluation without derivatives; with [`Steps::Rough`] some make no factorisation.
+///
+/// Cost of an iteration: one linearisation and one factorisation, and one more factorisation each time that more
+/// unknowns reach their limits. With [`Steps::Repeated`] each unknown at a limit costs one solve instead, and some
+/// iterations take several steps with one factor, each for an evaluation without derivatives. With [`Steps::Rough`]
+/// some iterations make no factorisation.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -82,7 +87,7 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         return report;
     };
     report.evaluations += 1;
-    // An unknown that no star has does not show in the cost.
+    // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
     if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
         report.outcome = Outcome::NotFinite;
         return report;
@@ -100,7 +105,7 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         }
         report.iterations += 1;
 
-        // Most of what stays at its limit is found without making a step that passes it.
+        // This finds most of the unknowns that stay at their limits without a step that passes a limit.
         for (index, &value) in x.iter().enumerate() {
             let slope = equations.gradient().get(index).copied();
             if slope.is_some_and(|slope| limits.blocks(index, value, slope)) {
@@ -137,8 +142,9 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
         if moved <= T::EPSILON {
             break Outcome::Stalled;
         }
-        // About what a step leaves, in the median. Derivatives are not needed there if that closes, or if its factor may
-        // be used again; and no evaluation where it closes for certain.
+        // Estimate of the residual that the step leaves: right in the median. If the new point probably closes, or if
+        // the factor may be used again, derivatives are not needed there; if it closes for certain, no evaluation is
+        // needed.
         let left = moved * moved * T::HALF;
         if exact && left <= options.tolerance {
             let bend = problem.bend(step);
@@ -202,14 +208,14 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
     report
 }
 
-/// How a step is made.
+/// Method by which a step is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum By {
-    /// With a factor of the matrix.
+    /// With a new factor of the matrix.
     Factor,
-    /// With the factor last made.
+    /// With the last factor.
     LastFactor,
-    /// Roughly, without a factor.
+    /// Approximately, from the rows, without a factor.
     Rows,
 }
 
@@ -217,17 +223,17 @@ enum By {
 struct Step<T> {
     /// Decrease of ½‖r‖² that the linear model promises.
     promised: T,
-    /// How it was made, in the end.
+    /// Method of the last computation of the step.
     by: By,
-    /// Whether the promise is kept to rounding: the factor was made for this step, and no unknown was clamped after it.
+    /// `true` if the promise holds to rounding: the factor was made for this step, and no unknown was clamped after it.
     exact: bool,
 }
 
-/// Moves `trial` by the damped step within the limits, made roughly only as long as that meets none; `None` if no damping
-/// makes the matrix definite.
+/// Moves `trial` by the damped step within the limits. Returns `None` if no damping makes the matrix positive definite.
 ///
-/// What would pass its limit goes there, and the step of the others is made anew: it counted on what was cut off. For that
-/// the factor is [amended](NormalEquations::amend) unless steps are exact.
+/// An unknown whose step would pass a limit is moved to the limit and fixed. The step of the others is then computed
+/// anew, because it relied on the part that was cut off. For that the factor is [amended](NormalEquations::amend),
+/// unless steps are exact. A rough step is replaced by one with a factor as soon as it meets a limit.
 fn bounded_step<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     limits: Limits<'_, T>,
@@ -243,7 +249,7 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
             By::Rows => equations.rough_step(damping, step),
             By::LastFactor => equations.step(step),
             By::Factor => {
-                // Below this the factorisation cannot tell the matrix from a singular one.
+                // With less damping the factorisation cannot tell the matrix from a singular one.
                 let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
                 damping = damping.max(least);
                 while !equations.factorise(damping) {
@@ -283,7 +289,7 @@ fn bounded_step<T: Scalar, E: NormalEquations<T>>(
     }
 }
 
-/// The factor by which `step` is shortened so that no unknown moves by more than `max_step`.
+/// Returns the factor that shortens `step` so that no unknown moves by more than `max_step`.
 fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
     let largest = step.iter().fold(T::zero(), |max, &d| max.max(d.abs()));
     if largest > max_step {
@@ -293,18 +299,19 @@ fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
     }
 }
 
-/// Decrease of ½‖r‖² that the linear model promises for s·d, d the damped step and s the factor that
+/// Returns the decrease of ½‖r‖² that the linear model promises for s·d, with the damped step d and the factor s that
 /// shortens it: -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d.
 fn promised<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
     let (slope, square) = (dot(gradient, step), dot(step, step));
     scale * (scale * T::HALF * (slope + damping * square) - slope)
 }
 
-/// Replaces `direction` by its projection on the null space of the Jacobian last accumulated: the
-/// infinitesimal motion nearest to it.
+/// Replaces `direction` by its projection on the null space of the Jacobian last accumulated: the infinitesimal motion
+/// nearest to it.
 ///
-/// λ(JᵀJ + λI)⁻¹d tends to the projection with λ → 0; applied k times it leaves (λ/σ²)ᵏ of what is no
-/// motion, with σ the smallest singular value that is not zero. Returns `false` if no λ makes the matrix definite.
+/// λ(JᵀJ + λI)⁻¹d tends to the projection with λ → 0. Applied k times, it leaves (λ/σ²)ᵏ of the part of d that is no
+/// motion, with σ the smallest singular value that is not zero. Returns `false` if the matrix with this λ is not
+/// positive definite, or if the result is not finite.
 pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     direction: &mut [T],
@@ -313,14 +320,14 @@ pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     equations.factorise(damping) && project_by_factor(equations, damping, PROJECTIONS, direction)
 }
 
-/// λ of [`project_on_motions`]: the square root of the precision, so that rounding, which is ε/λ, stays as small as λ
-/// itself.
+/// Returns the λ of [`project_on_motions`]: the square root of the precision, so that the rounding error ε/λ stays as
+/// small as λ itself.
 pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &mut E) -> T {
     equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
 }
 
-/// The second half of [`project_on_motions`], with the factor last made, of a matrix with this damping, applied so many
-/// `times`.
+/// Second half of [`project_on_motions`]: applies the damped projection `times` times with the last factor, which has
+/// to have this `damping`. Returns `false` if the result is not finite.
 pub fn project_by_factor<T: Scalar, E: NormalEquations<T>>(
     equations: &mut E,
     damping: T,

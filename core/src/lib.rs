@@ -1,20 +1,20 @@
-//! Rigid-origami kinematics and solvers without an allocator: what foldpath's planner on the host
-//! and its controller in the machine share.
+//! Rigid-origami kinematics and solvers without an allocator, shared by foldpath's planner on the host and the
+//! controller in the machine.
 //!
 //! # The problem
 //!
-//! A flat sheet of rigid panels joined by hinges folds by turning each hinge by its *fold angle* ρ
-//! (π minus the dihedral angle; valley positive, mountain negative). Round an interior vertex the
-//! panels must meet again: the rotations about its creases, multiplied counter-clockwise, must give
-//! the identity. That is one *closure* condition a vertex, and a *configuration* (all fold angles)
-//! that meets them all folds the sheet without bending a panel.
+//! A flat sheet of rigid panels joined by hinges folds by turning each hinge by its *fold angle* ρ (π minus the
+//! dihedral angle; valley positive, mountain negative). Round an interior vertex the panels must meet again: the
+//! product of the rotations about its creases, taken counter-clockwise, must be the identity. This is one *closure*
+//! condition for each vertex. A *configuration* (all fold angles) that meets every condition folds the sheet without
+//! bending a panel.
 //!
-//! In a tessellation most conditions say the same. Creases that turn by the same absolute angle all
-//! along the motion form a *crease group*; with one unknown a group and one *star* for each distinct
-//! condition, a Miura fold of any size has two unknowns and one star.
+//! In a tessellation most of these conditions coincide. Creases whose fold angles have the same absolute value all
+//! along the motion form a *crease group*. With one unknown for each group and one *star* for each distinct condition,
+//! a Miura fold of any size has two unknowns and one star.
 //!
-//! Round a hole the panels must meet again too: a [loop](hole) is the same condition on the way round it,
-//! with the places of the creases.
+//! Round a hole the panels must meet again too: a [loop](hole) is the closure condition along a closed path round the
+//! hole, which also needs the places of the creases.
 //!
 //! A controller moves a sheet along a planned path with a [`follower`], which a host feeds over a [`wire`].
 //!
@@ -58,21 +58,22 @@
 //!
 //! # Guaranteed
 //!
-//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's and its
-//! own: the same `f32` program gives the same bits on the host and on the controller. Memory is lent by the
-//! caller; too little is a reported outcome. Nothing here panics.
+//! No allocation, no clock, no files, no `unsafe`, no recursion, and no trigonometry but libm's and this crate's own:
+//! the same `f32` program gives the same bits on the host and on the controller. The caller lends all memory; too
+//! little memory is a reported outcome. Nothing here panics.
 //!
 //! # Not guaranteed
 //!
-//! A closed configuration may still pass panels through each other: that is the host's to check.
+//! A closed configuration may still pass panels through each other; the host has to check for crossings.
 //!
 //! # How exact
 //!
-//! A residual is within 3e-15 of the truth in `f64` and 1.2e-6 in `f32` for stars of up to 64 creases, whatever the
-//! angles, and a few roundings for four. Solvers stop at 1e-14 and 5e-6, so that angles below that are closed as they
-//! stand: in `f32` fold angles below 1e-6 radians are as good as flat. A 24x24 Miura folded by such angles deforms by at
-//! most 5e-14 and 3e-5, one of 1,000x1,000 by 9e-11 and 7e-2. Angles that are no numbers make residuals that are none; an
-//! `f32` beyond 12,866 radians has no sine.
+//! A residual is within 3e-15 (`f64`) or 1.2e-6 (`f32`) of its exact value for stars of up to 64 creases at any angles,
+//! and within a few roundings for stars of four creases. Solvers stop at residuals of 1e-14 and 5e-6, so that fold
+//! angles below these values count as closed and stay as they are: in `f32`, fold angles below 1e-6 radians are as good
+//! as flat. A 24x24 Miura folded by such angles deforms by at most 5e-14 (`f64`) and 3e-5 (`f32`), one of 1,000x1,000
+//! by 9e-11 and 7e-2. Angles that are infinite or NaN give residuals that are NaN; the sine of an `f32` beyond 12,866
+//! radians is NaN.
 //!
 //! # References
 //!

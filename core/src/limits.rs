@@ -1,29 +1,29 @@
-//! What the hinges of a group are allowed.
+//! Limits of a crease group: the range of its fold angle, its speed and its acceleration.
 
 use crate::Scalar;
 
-/// What a group's hinges are allowed.
+/// Limits that every hinge of a group has to keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupLimits<T = f32> {
     /// Smallest fold angle of the group, radians.
     pub lower: T,
     /// Largest fold angle of the group, radians.
     pub upper: T,
-    /// Largest speed, radians per second; infinite for any.
+    /// Largest speed, radians per second; infinite if there is no limit.
     pub speed: T,
-    /// Largest acceleration, radians per second squared; infinite for any.
+    /// Largest acceleration, radians per second squared; infinite if there is no limit.
     pub acceleration: T,
 }
 
 impl<T: Scalar> GroupLimits<T> {
-    /// Whether the angles are finite and in order, and the others above 0.
+    /// Returns `true` if the angles are finite and in order, and speed and acceleration are above 0.
     #[must_use]
     pub fn are_sound(&self) -> bool {
         let angles = self.lower.is_finite() && self.upper.is_finite() && self.lower <= self.upper;
         angles && self.speed > T::zero() && self.acceleration > T::zero()
     }
 
-    /// Whether the angle (radians) is within them.
+    /// Returns `true` if `angle` (radians) is between `lower` and `upper`.
     #[must_use]
     pub fn allow(&self, angle: T) -> bool {
         (self.lower..=self.upper).contains(&angle)

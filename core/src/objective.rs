@@ -1,15 +1,15 @@
-//! The report's two objectives: how far a configuration is from closing.
+//! The report's two objectives, which measure how far a configuration is from closing.
 //!
-//! Implements Eq. (2) of [XiLien2015](crate#references), F(C) = max ‖L(v) − I‖, and the older sum
-//! form of FROCC. Differs from the source in that L is taken with its vertex at the origin, so that
-//! the value does not change when the sheet is moved.
+//! Implements Eq. (2) of [XiLien2015](crate#references), F(C) = max ‖L(v) − I‖, and the older sum form of FROCC.
+//! Differs from the source in that L is taken with its vertex at the origin, so that the value does not change when the
+//! sheet is moved.
 
 use nalgebra::Vector3;
 
 use crate::closure;
 use crate::{HalfAngle, Scalar, StarsView};
 
-/// Which of the report's objectives.
+/// The report's two objectives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
     /// Largest ‖L(v) − I‖ over the stars, Eq. (2).
@@ -20,10 +20,10 @@ pub enum Objective {
 }
 
 impl Objective {
-    /// Value at the configuration `unknowns` (radians), with the Frobenius norm.
+    /// Returns the objective at the configuration `unknowns` (radians), with the Frobenius norm.
     ///
-    /// `scratch` needs one entry for each unknown. Returns `None` if it has fewer, or `unknowns` is not
-    /// as long as the stars ask for.
+    /// `scratch` needs one entry for each unknown. Returns `None` if it has fewer, or if the number of `unknowns` is
+    /// not that of the stars.
     pub fn value<T: Scalar>(
         self,
         stars: StarsView<'_, T>,
@@ -46,14 +46,14 @@ impl Objective {
     }
 }
 
-/// Euclidean norm.
+/// Returns the Euclidean norm.
 #[inline]
 #[must_use]
 pub fn norm<T: Scalar>(vector: &Vector3<T>) -> T {
     vector.dot(vector).sqrt()
 }
 
-/// The larger number, or NaN if either is: an undefined residual must not hide behind a small one.
+/// Returns the larger number, or NaN if either is NaN: an undefined residual must not hide behind a small one.
 #[inline]
 pub(crate) fn larger<T: Scalar>(a: T, b: T) -> T {
     if a >= b || !a.is_finite() { a } else { b }

@@ -1,26 +1,26 @@
-//! The clock of a path: how fast the time of the path passes in the time of the world.
+//! The clock of a path: how many seconds of the path pass in a second of the world?
 //!
-//! All hinges share one path parameter, so that slowing its clock leaves the sheet on the motion that was
-//! planned and certified, while braking each hinge on its own would tear it. The clock's rate is between 0
-//! and 1 and changes by no more than its limits allow.
+//! All hinges share one path parameter. Slowing its clock leaves the sheet on the motion that was planned and
+//! certified, whereas braking each hinge on its own would tear the sheet. The clock's rate is between 0 and 1 and
+//! changes by no more than its limits allow.
 //!
-//! At the rate ṙ the way to a stop is ṙ²/2b with the braking b. So the rate never exceeds √(2 b · what is left),
-//! and the clock comes to rest exactly at the end of what is known of the path. With the trapezoidal rule a
-//! tick from ṙ to ṙ − b·dt keeps that parabola without error, so no margin is needed.
+//! At the rate ṙ the braking distance is ṙ²/2b with the braking b. The rate therefore never exceeds √(2 b · path time
+//! left), and the clock comes to rest exactly at the end of the known path. With the trapezoidal rule a tick from ṙ to
+//! ṙ − b·dt keeps that parabola without error, so that no margin is needed.
 
 use crate::Scalar;
 
-/// How fast the rate of a [`PathClock`] may change.
+/// Limits on the change of the rate of a [`PathClock`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClockLimits<T> {
-    /// Growth of the rate in a second.
+    /// Largest growth of the rate in a second.
     pub rise: T,
-    /// Loss of the rate in a second.
+    /// Largest loss of the rate in a second.
     pub brake: T,
 }
 
 impl<T: Scalar> ClockLimits<T> {
-    /// Whether both are finite and above 0.
+    /// Returns `true` if both limits are finite and above 0.
     #[must_use]
     pub fn are_sound(&self) -> bool {
         [self.rise, self.brake]
@@ -29,7 +29,7 @@ impl<T: Scalar> ClockLimits<T> {
     }
 }
 
-/// The rate of path time, at first 0.
+/// The rate of path time, 0 at first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathClock<T> {
     limits: ClockLimits<T>,
@@ -37,7 +37,7 @@ pub struct PathClock<T> {
 }
 
 impl<T: Scalar> PathClock<T> {
-    /// A clock at rest. Limits that are not [sound](ClockLimits::are_sound) never let it start.
+    /// Creates a clock at rest. It never starts if its limits are not [sound](ClockLimits::are_sound).
     #[must_use]
     pub fn new(limits: ClockLimits<T>) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl<T: Scalar> PathClock<T> {
         }
     }
 
-    /// Seconds of the path in a second of the world, from 0 to 1.
+    /// Returns the rate, seconds of the path in a second of the world, from 0 to 1.
     #[must_use]
     pub fn rate(&self) -> T {
         self.rate
@@ -57,10 +57,10 @@ impl<T: Scalar> PathClock<T> {
         self.rate = T::zero();
     }
 
-    /// Lets `dt` seconds of the world pass and returns how many of the path pass in them: never more than
-    /// `left`. The rate moves towards `goal` as its limits and what is then left allow.
+    /// Lets `dt` seconds of the world pass and returns the seconds of the path that pass meanwhile, at most `left`.
     ///
-    /// Cost: a square root and a division.
+    /// The rate moves towards `goal` as far as its limits, and the path time then left, allow. Cost: a square root and
+    /// a division.
     #[must_use]
     pub fn tick(&mut self, dt: T, goal: T, left: T) -> T {
         let positive = |value: T| value.max(T::zero());
@@ -71,7 +71,7 @@ impl<T: Scalar> PathClock<T> {
             return T::zero();
         }
         let slewed = goal.max(before - brake * dt).min(before + rise * dt);
-        // Of the rates r with r²/2b no more than what is left after (before + r)/2 · dt, the largest.
+        // The largest rate r whose braking distance r²/2b is at most the path time left after (before + r)/2 · dt.
         let half = brake * dt * T::HALF;
         let room = T::TWO * (brake * left - half * before);
         let largest = if room > T::zero() {

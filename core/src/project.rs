@@ -1,31 +1,31 @@
-//! From where hinges are measured to be, to a configuration near it that closes.
+//! Finds a closed configuration near the measured hinge angles.
 //!
-//! After a reset without memory, or after hinges were moved by hand, the measured angles say where the sheet
-//! is, but measured they close nowhere. Their means by group, moved on by
-//! [Levenberg-Marquardt](crate::levenberg_marquardt), are where a path may begin.
+//! After a reset without memory, or after hinges were moved by hand, the measured angles say where the sheet is, but
+//! they close nowhere. The mean angle of each group, corrected by [Levenberg-Marquardt](crate::levenberg_marquardt), is
+//! a configuration where a path may begin.
 
 use crate::least_squares::{ClosureProblem, Limits, NormalEquations, Options, Report};
 use crate::levenberg_marquardt;
 use crate::objective::larger;
 use crate::{Membership, Scalar};
 
-/// Steps tried at most: from a tenth of a radian off, four suffice where the sheet is not flat.
+/// Largest number of solver steps. From a tenth of a radian off, four suffice if the sheet is not flat.
 const STEPS: u32 = 12;
 
-/// What a projection came to.
+/// Result of a projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection<T> {
-    /// How the solver ended: only if it converged, the configuration closes.
+    /// Report of the solver. The configuration closes only if the outcome is `Converged`.
     pub report: Report<T>,
-    /// Largest way of an angle, radians.
+    /// Largest change of a group angle, radians.
     pub moved: T,
 }
 
-/// Writes the mean of each group's measured hinges (radians), by their signs, and returns the largest distance of a
-/// hinge from its mean.
+/// Writes the mean of each group's measured hinge angles (radians), signs included, to `angles`.
 ///
-/// `counts` is scratch of the length of `angles`. Returns `None` if it has another, or if a group has no hinge or
-/// a hinge no group. A measurement that is no number makes the mean of its group none, and the distance.
+/// Returns the largest distance of a hinge from the mean of its group, radians. `counts` is scratch of the length of
+/// `angles`. Returns `None` if the length of `counts` differs, if a group has no hinge, or if a hinge has no group. A
+/// measurement that is NaN makes the mean of its group and the distance NaN.
 pub fn means<T: Scalar>(
     hinges: impl Iterator<Item = (Membership, T)> + Clone,
     angles: &mut [T],
@@ -57,8 +57,8 @@ pub fn means<T: Scalar>(
 
 /// Moves the group angles `x` (radians) to a configuration near them in which every star closes.
 ///
-/// To first order that is the nearest one. `workspace` needs 3n numbers. Cost: at most twelve linearisations and
-/// factorisations.
+/// To first order, the result is the nearest closed configuration. `workspace` needs 3n numbers. Cost: at most twelve
+/// linearisations and factorisations.
 pub fn project<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,

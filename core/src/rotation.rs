@@ -1,16 +1,15 @@
-//! Rotations as unit quaternions: the form the solvers run on.
+//! Rotations as unit quaternions, the form that the solvers compute with.
 //!
-//! nalgebra's quaternions ask for its `RealField`, which [`Scalar`](crate::Scalar) avoids on
-//! purpose; this is the small part of their algebra that folding needs.
+//! nalgebra's quaternions need its `RealField`, which [`Scalar`](crate::Scalar) avoids on purpose. This file has the
+//! small part of their algebra that folding needs.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::Scalar;
 
-/// A rotation `r_ab`: it takes coordinates in frame b to coordinates in frame a.
+/// A rotation `r_ab`: takes coordinates in frame b to coordinates in frame a.
 ///
-/// Stored as the unit quaternion (w, v) = (cos θ/2, axis · sin θ/2). Composition reads
-/// `r_ac = r_ab * r_bc`.
+/// Stored as the unit quaternion (w, v) = (cos θ/2, axis · sin θ/2). Composition reads `r_ac = r_ab * r_bc`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation<T> {
     /// Scalar part, cos θ/2.
@@ -20,7 +19,7 @@ pub struct Rotation<T> {
 }
 
 impl<T: Scalar> Rotation<T> {
-    /// No rotation.
+    /// Returns the identity.
     #[must_use]
     pub fn identity() -> Self {
         Self {
@@ -29,8 +28,8 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// Rotation about an axis in the plane of the sheet, given cosine and sine of half the angle
-    /// and the axis' direction (cos α, sin α).
+    /// Returns the rotation about an axis in the plane of the sheet, given cosine and sine of half the angle and the
+    /// axis' direction (cos α, sin α).
     #[inline]
     #[must_use]
     pub fn about_crease(half: HalfAngle<T>, direction: [T; 2]) -> Self {
@@ -41,7 +40,7 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// This rotation times that about a crease, see [`about_crease`](Self::about_crease): the general
+    /// Returns this rotation times that about a crease, see [`about_crease`](Self::about_crease). This is the general
     /// product without the terms of the axis' z, which is 0.
     #[inline]
     #[must_use]
@@ -59,7 +58,7 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// Scaled back to length one, which repeated products lose by roundings.
+    /// Returns this rotation scaled back to length 1, which repeated products lose by rounding.
     #[inline]
     #[must_use]
     pub fn renormalised(self) -> Self {
@@ -70,7 +69,7 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// The rotation by the opposite angle.
+    /// Returns the rotation by the opposite angle.
     #[inline]
     #[must_use]
     pub fn inverse(self) -> Self {
@@ -80,7 +79,7 @@ impl<T: Scalar> Rotation<T> {
         }
     }
 
-    /// `vector` rotated.
+    /// Returns `vector` rotated.
     #[inline]
     #[must_use]
     pub fn rotate(self, vector: &Vector3<T>) -> Vector3<T> {
@@ -88,7 +87,7 @@ impl<T: Scalar> Rotation<T> {
         vector + t * self.w + self.v.cross(&t)
     }
 
-    /// The vector (`x`, `y`, 0) rotated: [`rotate`](Self::rotate) without the terms of its z.
+    /// Returns the vector (`x`, `y`, 0) rotated: [`rotate`](Self::rotate) without the terms of the vector's z.
     #[inline]
     #[must_use]
     pub fn rotate_in_sheet(self, [x, y]: [T; 2]) -> Vector3<T> {
@@ -98,7 +97,7 @@ impl<T: Scalar> Rotation<T> {
         Vector3::new(x + moved.x, y + moved.y, moved.z) + v.cross(&t)
     }
 
-    /// The same rotation as a 3x3 matrix.
+    /// Returns this rotation as a 3x3 matrix.
     #[must_use]
     pub fn matrix(self) -> Matrix3<T> {
         let unit = |x, y, z| self.rotate(&Vector3::new(x, y, z));
@@ -123,7 +122,7 @@ impl<T: Scalar> core::ops::Mul for Rotation<T> {
     }
 }
 
-/// Cosine and sine of half a fold angle; flat by default.
+/// Cosine and sine of half a fold angle; the default is flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfAngle<T> {
     /// cos ρ/2.
@@ -142,7 +141,7 @@ impl<T: Scalar> Default for HalfAngle<T> {
 }
 
 impl<T: Scalar> HalfAngle<T> {
-    /// Of the fold angle `rho` in radians.
+    /// Returns the half angle of the fold angle `rho` (radians).
     #[inline]
     #[must_use]
     pub fn of(rho: T) -> Self {
@@ -150,7 +149,7 @@ impl<T: Scalar> HalfAngle<T> {
         Self { cos, sin }
     }
 
-    /// Of the opposite fold angle where `negative` is set.
+    /// Returns the half angle of the opposite fold angle if `negative`, else this one.
     #[inline]
     #[must_use]
     pub fn signed(self, negative: bool) -> Self {

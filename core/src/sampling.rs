@@ -1,13 +1,13 @@
-//! Random configurations, from a generator that the caller seeds.
+//! Random configurations for randomised search, from a generator that the caller seeds.
 
 use rand_core::Rng;
 
 use crate::Scalar;
 use crate::least_squares::Limits;
 
-/// Writes to `out` the configuration `center` with each angle moved by a uniformly distributed
-/// amount of at most `radius` (radians), within the limits: the report's C_rand round C_τ.
+/// Writes a random configuration near `center` to `out`: the report's C_rand round C_τ.
 ///
+/// Each angle moves by a uniformly distributed amount of at most `radius` (radians) and is then clamped to its limits.
 /// One seed gives one result on every machine: each angle takes one `u32` of the generator.
 pub fn random_near<T: Scalar>(
     rng: &mut impl Rng,

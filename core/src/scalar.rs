@@ -1,9 +1,9 @@
 //! The one numeric bound of this crate: [`Scalar`], over `f32` and `f64`.
 //!
-//! It is deliberately not nalgebra's `RealField`: that trait's trigonometry changes with the
-//! features that other crates switch on, and then the same program would no longer give the same
-//! bits on the host and on the controller. All transcendental functions here are libm's, but for sine and
-//! cosine of `f32`, which are this crate's own: libm's are slow where `f64` is software.
+//! `Scalar` is deliberately not nalgebra's `RealField`: that trait's trigonometry changes with the features that other
+//! crates switch on, and then the same program would no longer give the same bits on the host and on the controller.
+//! All transcendental functions here are libm's, except sine and cosine of `f32`, which are this crate's own: libm's
+//! are slow where `f64` is computed in software.
 
 use core::fmt::{Debug, Display};
 use core::ops::{AddAssign, DivAssign, MulAssign, Neg, SubAssign};
@@ -51,38 +51,41 @@ pub trait Scalar:
     const EPSILON: Self;
     /// The largest finite number.
     const MAX: Self;
-    /// A closure residual (dimensionless, about radians) at or below this counts as closed.
+    /// Largest closure residual (dimensionless, about radians) that counts as closed.
     ///
-    /// About 45 roundings: what the product of a dozen unit quaternions can promise.
+    /// About 45 rounding errors, which is what the product of a dozen unit quaternions can promise.
     const CLOSURE_TOLERANCE: Self;
 
-    /// The number nearest to `value`.
+    /// Returns the number nearest to `value`.
     fn lit(value: f64) -> Self;
-    /// The number nearest to a whole one.
+    /// Returns the number nearest to a whole number.
     fn whole(value: u32) -> Self;
-    /// This number as `f64`, exactly.
+    /// Returns this number as `f64`, exactly.
     fn to_f64(self) -> f64;
-    /// Absolute value.
+    /// Returns the absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// Square root, correctly rounded.
+    /// Returns the square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Sine and cosine of an angle in radians. Of an `f32` within 8e-8 of the truth, and NaN beyond 12,866
-    /// radians.
+    /// Returns sine and cosine of an angle in radians. For `f32` the error is at most 8e-8, and the result is NaN
+    /// beyond 12,866 radians.
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
-    /// Fills `out` with the half angles of `angles` (radians), as far as both reach: the same as one by one.
+    /// Writes the half angles of `angles` (radians) to `out`, up to the end of the shorter slice. Each has the same
+    /// bits as [`HalfAngle::of`] gives.
     fn half_angles(angles: &[Self], out: &mut [HalfAngle<Self>]);
-    /// Angle of the point (`x`, `self`) in radians.
+    /// Returns the angle of the point (`x`, `self`) in radians.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
-    /// Whether this is neither infinite nor NaN.
+    /// Returns `true` if this number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The smaller of two numbers; the other one if one is NaN. Of two zeros the `other`, on any processor.
+    /// Returns the smaller of two numbers, or the other one if one is NaN. For two zeros returns `other`, on any
+    /// processor.
     #[must_use]
     fn min(self, other: Self) -> Self;
-    /// The larger of two numbers; the other one if one is NaN. Of two zeros the `other`, on any processor.
+    /// Returns the larger of two numbers, or the other one if one is NaN. For two zeros returns `other`, on any
+    /// processor.
     #[must_use]
     fn max(self, other: Self) -> Self;
 }

@@ -1,27 +1,27 @@
 //! Sine and cosine of `f32` in `f32` arithmetic alone.
 //!
-//! libm's run in `f64`, which a Cortex-M4F has in software only: 2,105 instructions where these take about
-//! 60. Additions and multiplications in a fixed order, never fused, give the same bits everywhere.
+//! libm's sine and cosine compute in `f64`, which a Cortex-M4F has in software only: they take 2,105 instructions,
+//! these about 60. Additions and multiplications in a fixed order, never fused, give the same bits everywhere.
 //!
-//! The argument is brought to an eighth of a turn in the manner of W. J. Cody and W. Waite, "Software
-//! manual for the elementary functions" (1980), with π/2 in three parts. There the polynomials are those of
-//! least largest error (E. Remez) for their degrees.
+//! The argument is reduced to an eighth of a turn in the manner of W. J. Cody and W. Waite, "Software manual for the
+//! elementary functions" (1980), with π/2 in three parts. On that interval the polynomials are those of least largest
+//! error (E. Remez) for their degrees.
 
-/// Arguments up to this have a sine and a cosine here, in radians: 8,191 quarter turns, which times the
-/// first two parts of π/2 are still exact.
+/// Largest argument that has a sine and a cosine here, radians: 8,191 quarter turns. The product of that number with
+/// each of the first two parts of π/2 is still exact.
 const LARGEST: f32 = 12_866.0;
 
-/// π/2 in parts, the first two of 11 bits.
+/// π/2 in three parts, the first two of 11 bits each.
 const QUARTER: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
-/// Added to a small number, it leaves the nearest integer in the lowest bits: 1.5 · 2²³.
+/// 1.5 · 2²³: added to a small number, it leaves the nearest integer in the lowest bits.
 const ROUNDER: f32 = 12_582_912.0;
 
-/// Of (sin r − r) / r³ as a function of r². Relative error of the sine below 2e-9.
+/// Coefficients of (sin r − r) / r³ as a polynomial in r². Relative error of the sine below 2e-9.
 const SINE: [f32; 3] = [-0.166_666_51, 0.008_331_972, -1.949_476_3e-4];
-/// Of (cos r − 1 + r²/2) / r⁴ as a function of r². Error of the cosine below 1e-10.
+/// Coefficients of (cos r − 1 + r²/2) / r⁴ as a polynomial in r². Error of the cosine below 1e-10.
 const COSINE: [f32; 3] = [0.041_666_646, -0.001_388_736, 2.443_753_3e-5];
 
-/// Sine and cosine of `angle` (radians), each within 8e-8 of the truth. NaN beyond 12,866 radians.
+/// Returns sine and cosine of `angle` (radians), each with an error of at most 8e-8; NaN beyond 12,866 radians.
 #[inline]
 #[must_use]
 pub(crate) fn sine_cosine(angle: f32) -> (f32, f32) {
@@ -51,7 +51,7 @@ mod tests {
     use rand_core::Rng;
     use rand_pcg::Pcg64;
 
-    /// Largest error of both over `angles`.
+    /// Returns the largest error of sine and cosine over `angles`.
     fn error(angles: impl Iterator<Item = f32>) -> f64 {
         let of = |angle: f32| {
             let (sine, cosine) = sine_cosine(angle);

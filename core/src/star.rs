@@ -1,4 +1,5 @@
-//! Vertex stars: the creases round a vertex, counter-clockwise, each tied to an unknown.
+//! Vertex stars, the input of every closure condition: which creases meet at a vertex, in which directions, and which
+//! unknown turns each of them.
 
 use crate::{GroupId, Scalar};
 
@@ -7,14 +8,14 @@ use crate::{GroupId, Scalar};
 pub struct Spoke<T> {
     /// The unknown whose value, up to sign, is this crease's fold angle.
     pub group: GroupId,
-    /// Whether the fold angle is minus the unknown.
+    /// `true` if the fold angle is minus the unknown.
     pub negative: bool,
     /// Unit direction (cos α, sin α) from the vertex along the crease in the flat sheet.
     pub direction: [T; 2],
 }
 
 impl<T: Scalar> Spoke<T> {
-    /// The crease's fold angle in radians; 0 if its group is not among the `unknowns`.
+    /// Returns the crease's fold angle in radians; 0 if its group is not among the `unknowns`.
     #[inline]
     #[must_use]
     pub fn fold_angle(&self, unknowns: &[T]) -> T {
@@ -23,16 +24,16 @@ impl<T: Scalar> Spoke<T> {
         if self.negative { -value } else { value }
     }
 
-    /// The axis about which its unknown turns what follows: its direction, or the opposite one where its fold angle
-    /// is minus the unknown.
+    /// Returns the axis about which the unknown turns the faces behind this crease: `direction`, or its opposite if
+    /// `negative`.
     #[inline]
     pub(crate) fn axis(&self) -> [T; 2] {
-        // A product with a sign is exact, and takes fewer instructions than a choice between two axes.
+        // Multiplying by a sign is exact and takes fewer instructions than a choice between two axes.
         let sign = if self.negative { -T::one() } else { T::one() };
         self.direction.map(|coordinate| coordinate * sign)
     }
 
-    /// Whether its direction is of length one, but for rounding.
+    /// Returns `true` if the direction has length 1 up to rounding: its squared length is within √ε of 1.
     pub(crate) fn is_unit(&self) -> bool {
         let [x, y] = self.direction;
         (x * x + y * y - T::one()).abs() <= T::EPSILON.sqrt()
@@ -46,7 +47,7 @@ pub struct StarView<'a, T> {
     pub spokes: &'a [Spoke<T>],
 }
 
-/// A list of stars in two borrowed arrays; arrays, heapless vectors and `Vec` all lend it.
+/// A list of stars in two borrowed arrays (compressed rows). Arrays, heapless vectors and `Vec` can all lend them.
 #[derive(Clone, Copy, Debug)]
 pub struct StarsView<'a, T> {
     spokes: &'a [Spoke<T>],
@@ -55,14 +56,15 @@ pub struct StarsView<'a, T> {
 }
 
 impl<'a, T: Scalar> StarsView<'a, T> {
-    /// A view of stars that lie one behind the other in `spokes`; star i ends before spoke
-    /// `ends[i]`. `unknowns` is the number of unknowns (group angles) they refer to.
+    /// Creates a view of stars that are stored one after the other in `spokes`.
     ///
-    /// Returns `None` if the ends decrease or do not end with the last spoke, if a group is out of
-    /// range, or if a direction is not of length one.
+    /// Star i ends before spoke `ends[i]`. `unknowns` is the number of unknowns (group angles) that the stars refer to.
+    ///
+    /// Returns `None` if the ends decrease or the last end is not the number of spokes, if a group is out of range, or
+    /// if a direction does not have length 1.
     #[must_use]
     pub fn new(spokes: &'a [Spoke<T>], ends: &'a [u32], unknowns: usize) -> Option<Self> {
-        // Not `is_sorted`: that indexes inside, and leaves panic code in the image.
+        // Not `is_sorted`: it indexes inside, and so leaves panic code in the image.
         let sorted = ends.is_sorted_by(|a, b| a <= b);
         let complete = ends.last().map_or(0, |&end| end as usize) == spokes.len();
         let known = spokes.iter().all(|s| s.group.index() < unknowns);
@@ -74,7 +76,7 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         })
     }
 
-    /// No star.
+    /// Returns a view without stars.
     pub(crate) fn none() -> Self {
         Self {
             spokes: &[],
@@ -83,31 +85,31 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         }
     }
 
-    /// Number of stars.
+    /// Returns the number of stars.
     #[must_use]
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// Whether there is no star at all.
+    /// Returns `true` if there is no star.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// Number of unknowns (group angles) that the stars refer to.
+    /// Returns the number of unknowns (group angles) that the stars refer to.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.unknowns
     }
 
-    /// Largest number of spokes in a star.
+    /// Returns the largest number of spokes in a star.
     #[must_use]
     pub fn max_degree(&self) -> usize {
         self.iter().map(|s| s.spokes.len()).max().unwrap_or(0)
     }
 
-    /// The stars in order.
+    /// Iterates over the stars in order.
     pub fn iter(&self) -> impl Iterator<Item = StarView<'a, T>> + use<'a, T> {
         let spokes = self.spokes;
         self.ends.iter().scan(0, move |start, &end| {

@@ -1,4 +1,4 @@
-//! Trajectories: group angles and their rates at knots, and the motion between them.
+//! Trajectories: group angles and their rates at knots, and the interpolated motion between the knots.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -15,13 +15,13 @@ pub struct Knot<'a, T> {
     pub angles: &'a [T],
     /// Rate of each group, radians per second.
     pub rates: &'a [T],
-    /// Weight of each group's homogeneous half angle and its rate per second; empty unless the
-    /// interpolation is [`Interpolation::Homogeneous`].
+    /// Weight of each group's homogeneous half angle, and the weight's rate per second; empty unless the interpolation
+    /// is [`Interpolation::Homogeneous`].
     pub weights: &'a [[T; 2]],
 }
 
 impl<T: Scalar> Knot<'_, T> {
-    /// What the curves of one group are made of.
+    /// Returns the values of one group, from which its curves are made.
     fn node(&self, group: usize) -> Option<Node<T>> {
         Some(Node {
             angle: *self.angles.get(group)?,
@@ -30,7 +30,7 @@ impl<T: Scalar> Knot<'_, T> {
         })
     }
 
-    /// Why this knot, of that number, cannot be part of a trajectory.
+    /// Returns why this knot, number `index`, cannot be part of a trajectory.
     fn problem(&self, index: usize, kind: Interpolation, groups: usize) -> Option<TrajectoryError> {
         let homogeneous = kind == Interpolation::Homogeneous;
         let weights = if homogeneous { groups } else { 0 };
@@ -53,10 +53,10 @@ impl<T: Scalar> Knot<'_, T> {
     }
 }
 
-/// Why a trajectory cannot be built.
+/// Reason why a trajectory cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrajectoryError {
-    /// The knot of this number has not one angle and one rate for each group.
+    /// The knot of this number does not have one angle and one rate for each group, or lacks its weights.
     Width(usize),
     /// The knot of this number is not later than the one before.
     Order(usize),
@@ -89,7 +89,7 @@ impl core::fmt::Display for TrajectoryError {
 
 impl core::error::Error for TrajectoryError {}
 
-/// A trajectory in borrowed arrays: knot k of n groups has angles and rates k·n .. (k+1)·n.
+/// A trajectory in borrowed arrays: the angles and rates of knot k lie at k·n .. (k+1)·n, for n groups.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryView<'a, T> {
     interpolation: Interpolation,
@@ -101,12 +101,13 @@ pub struct TrajectoryView<'a, T> {
 }
 
 impl<'a, T: Scalar> TrajectoryView<'a, T> {
-    /// A view of `groups` group angles and rates at each of `times`, checked. `weights` is empty
-    /// unless the interpolation is [`Interpolation::Homogeneous`].
+    /// Creates a checked view of the angles and rates of `groups` groups at each of `times`.
+    ///
+    /// `weights` is empty unless the interpolation is [`Interpolation::Homogeneous`].
     ///
     /// # Errors
-    /// If a knot has not its numbers, holds one that is not finite or not in its range, or is not
-    /// later than the last.
+    /// If a knot has too few or too many numbers, has a number that is not finite or not in its range, or is not later
+    /// than the knot before.
     pub fn new(
         interpolation: Interpolation,
         groups: usize,
@@ -149,31 +150,31 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         Ok(view)
     }
 
-    /// How the motion between knots is made.
+    /// Returns the kind of motion between knots.
     #[must_use]
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
 
-    /// Number of group angles in a knot.
+    /// Returns the number of group angles in a knot.
     #[must_use]
     pub fn groups(&self) -> usize {
         self.groups
     }
 
-    /// Number of knots.
+    /// Returns the number of knots.
     #[must_use]
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// Whether there is no knot.
+    /// Returns `true` if there is no knot.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
     }
 
-    /// Knot number `index`.
+    /// Returns knot number `index`, or `None` behind the last knot.
     #[must_use]
     pub fn knot(&self, index: usize) -> Option<Knot<'a, T>> {
         let start = index.checked_mul(self.groups)?;
@@ -186,8 +187,8 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         })
     }
 
-    /// The motion of a group between knot number `segment` and the next; its parameter runs from 0 at
-    /// the one to 1 at the other, in proportion to time.
+    /// Returns the motion of a group from knot number `segment` to the next knot. Its parameter runs from 0 to 1 in
+    /// proportion to time.
     #[must_use]
     pub fn curve(&self, segment: usize, group: usize) -> Option<Curve<T>> {
         let from = self.knot(segment)?;
@@ -197,10 +198,10 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         Some(Curve::between(self.interpolation, span, nodes.0, nodes.1))
     }
 
-    /// Group angles (radians) at `time` (seconds): those of the first or last knot outside the
-    /// trajectory, nothing for an empty one.
+    /// Writes the group angles (radians) at `time` (seconds) to `angles`.
     ///
-    /// Cost: a binary search and a cubic a group, with sine, cosine and arc tangent for half angles.
+    /// Outside the trajectory these are the angles of the first or last knot; an empty trajectory writes nothing. Cost:
+    /// a binary search, and for each group a cubic, with sine, cosine and arc tangent for half angles.
     pub fn sample(&self, time: T, angles: &mut [T]) {
         self.at(
             time,
@@ -210,8 +211,10 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         );
     }
 
-    /// Group rates (radians per second) at `time` (seconds), from its right; those of the first or
-    /// last knot outside the trajectory.
+    /// Writes the group rates (radians per second) at `time` (seconds) to `rates`.
+    ///
+    /// At a knot the rates are those of the segment behind it; outside the trajectory they are those of the first or
+    /// last knot.
     pub fn sample_rates(&self, time: T, rates: &mut [T]) {
         let rate = |curve: Curve<T>, s, span| {
             let [rate, _] = curve.derivatives(s);
@@ -220,8 +223,9 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
         self.at(time, rates, |knot| knot.rates, rate);
     }
 
-    /// Writes a number per group: of the nearest knot outside the trajectory and at its end, else of
-    /// the group's curve, the place on it and the segment's duration.
+    /// Writes a number for each group: within the trajectory that of `inside`, which gets the group's curve, the
+    /// parameter on it and the segment's duration; before the trajectory and from its end on that of `outside`, which
+    /// gets the nearest knot.
     fn at(
         &self,
         time: T,
@@ -253,9 +257,9 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
     }
 }
 
-/// A trajectory that owns its memory: at most `KNOTS` knots with `VALUES` angles in all.
+/// A trajectory that owns its memory, for at most `KNOTS` knots with `VALUES` angles in all.
 ///
-/// Decoding checks a trajectory as [`TrajectoryView::new`] does.
+/// Decoding applies the checks of [`TrajectoryView::new`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "", try_from = "Unchecked<T, KNOTS, VALUES>")]
 pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize> {
@@ -268,7 +272,7 @@ pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize> {
 }
 
 impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VALUES> {
-    /// An empty trajectory of `groups` group angles.
+    /// Creates an empty trajectory of `groups` group angles.
     #[must_use]
     pub const fn new(interpolation: Interpolation, groups: u16) -> Self {
         Self {
@@ -281,7 +285,7 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
         }
     }
 
-    /// The trajectory of these numbers, checked as [`TrajectoryView::new`] does.
+    /// Creates the trajectory of these numbers, with the checks of [`TrajectoryView::new`].
     pub(crate) fn from_parts(
         interpolation: Interpolation,
         groups: u16,
@@ -305,7 +309,7 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
     /// Adds a knot at the end.
     ///
     /// # Errors
-    /// If the knot is not fit to follow, or the storage is full; the trajectory is unchanged then.
+    /// If the knot is not valid, or the storage is full; the trajectory is unchanged then.
     pub fn push(&mut self, knot: Knot<'_, T>) -> Result<(), TrajectoryError> {
         let index = self.times.len();
         let width = usize::from(self.groups);
@@ -325,7 +329,7 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
         self.weights.extend_from_slice(knot.weights).map_err(full)
     }
 
-    /// The trajectory as a view.
+    /// Returns the trajectory as a view.
     #[must_use]
     pub fn view(&self) -> TrajectoryView<'_, T> {
         TrajectoryView {
@@ -339,7 +343,7 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
     }
 }
 
-/// A trajectory as it arrives.
+/// A trajectory as decoded, before it is checked.
 #[derive(Deserialize)]
 #[serde(bound = "")]
 struct Unchecked<T: Scalar, const KNOTS: usize, const VALUES: usize> {

@@ -1,4 +1,4 @@
-//! Trajectories as they are flashed and streamed: `.traj` files.
+//! Reads and writes `.traj` files: trajectories as they are flashed and streamed.
 //!
 //! A file is the postcard encoding of these values, one after the other:
 //!
@@ -14,8 +14,8 @@
 //! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | time; a group: angle, rate and, where N is 4, weight and its rate |
 //! | checksum | `[u8; 4]` | CRC-32 of all bytes before, little endian |
 //!
-//! N is 4 for [`Interpolation::Homogeneous`] and 2 for all others. Radians and seconds throughout. Knots have
-//! one size, so that each is found without reading those before.
+//! N is 4 for [`Interpolation::Homogeneous`] and 2 for all others. Units are radians and seconds throughout. All knots
+//! have the same size, so that a reader finds each knot without reading those before it.
 
 use core::fmt;
 
@@ -29,12 +29,12 @@ use crate::{GroupId, Membership, Spoke, StarsView};
 
 pub use crate::limits::GroupLimits;
 
-/// The first bytes of a file.
+/// First bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
-/// The version that is written, and the only one that is read.
+/// Version that is written, and the only version that is read.
 pub const VERSION: u8 = 2;
 
-/// Why bytes are no trajectory, or a trajectory makes no file.
+/// Reason why bytes are not a trajectory, or why a trajectory cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileError {
     /// The file does not begin with [`MAGIC`].
@@ -49,20 +49,20 @@ pub enum FileError {
     Number(usize),
     /// No interpolation has this number.
     Interpolation(u32),
-    /// More groups than 65,535.
+    /// There are more than 65,535 groups.
     Groups,
     /// The checksum is not that of the bytes before.
     Checksum,
-    /// The limits of the group of this number, if there is such a group, are no range or not above 0.
+    /// The limits of the group of this number are missing or have no group, are no range, or are not above 0.
     Limits(usize),
-    /// The hinge of this number follows a group that is not there.
+    /// The hinge of this number follows a group that does not exist.
     Hinge(usize),
-    /// The spoke of this number follows a group that is not there, has no direction of length 1, or is the last
-    /// of all but not of its vertex.
+    /// The spoke of this number follows a group that does not exist, has a direction whose length is not 1, or is the
+    /// last of all spokes without being marked as the last of its vertex.
     Spoke(usize),
-    /// The closure residual that is allowed is negative or not finite.
+    /// The largest closure residual is negative or not finite.
     Closure,
-    /// A knot is not fit to follow.
+    /// A knot is not valid.
     Knot(TrajectoryError),
     /// The angle of this group at this knot is beyond its limits.
     Angle {
@@ -109,12 +109,12 @@ impl fmt::Display for FileError {
 
 impl core::error::Error for FileError {}
 
-/// Writes a trajectory, the limits of its groups, its hinges, its essential vertices and the `closure` residual that
-/// they may have, piece by piece, as a file.
+/// Writes a file piece by piece to `sink`: a trajectory with the limits of its groups, its hinges, its essential
+/// vertices and the largest `closure` residual that they may have.
 ///
 /// # Errors
-/// If the limits are not one a group and sound, a hinge or a spoke follows no group, the residual is none, or an
-/// angle is beyond its limits; nothing is written then.
+/// If there is not one valid limit for each group, if a hinge or a spoke follows no group, if `closure` is negative or
+/// not finite, or if an angle is beyond its limits; nothing is written then.
 pub fn write(
     trajectory: TrajectoryView<'_, f32>,
     limits: &[GroupLimits],
@@ -180,7 +180,7 @@ fn is_residual(closure: f32) -> bool {
     closure.is_finite() && closure >= 0.0
 }
 
-/// What [`write`] refuses of the motion and the hinges.
+/// Checks the limits, the motion and the hinges for [`write`].
 fn check_to_write(
     trajectory: TrajectoryView<'_, f32>,
     limits: &[GroupLimits],
@@ -208,7 +208,7 @@ fn check_to_write(
     Ok(())
 }
 
-/// Writes values in postcard's encoding, with their checksum.
+/// Writes values in postcard's encoding and computes their checksum.
 struct Writer<S> {
     sink: S,
     digest: Digest<'static, u32>,
@@ -226,7 +226,7 @@ impl<S: FnMut(&[u8])> Writer<S> {
         }
     }
 
-    /// Seven bits a byte, the lowest first; the highest bit says that more follow.
+    /// Writes a varint: seven bits in each byte, the lowest first; the highest bit says that more bytes follow.
     fn count(&mut self, mut value: usize) {
         loop {
             let [low, ..] = value.to_le_bytes();
@@ -240,22 +240,22 @@ impl<S: FnMut(&[u8])> Writer<S> {
     }
 }
 
-/// A trajectory read where it lies: checked bytes in flash or memory.
+/// A checked trajectory file, read in place from flash or memory.
 #[derive(Clone, Copy, Debug)]
 pub struct TrajectoryFile<'a> {
     interpolation: Interpolation,
     groups: u16,
     knots: usize,
     hinges: usize,
-    /// Four numbers a group.
+    /// Four numbers for each group.
     limits: &'a [[u8; 4]],
-    /// A varint a hinge.
+    /// One varint for each hinge.
     hinge_codes: &'a [u8],
     spokes: usize,
-    /// A varint and two numbers a spoke.
+    /// One varint and two numbers for each spoke.
     spoke_codes: &'a [u8],
     closure: f32,
-    /// One record a knot.
+    /// One record for each knot.
     records: &'a [[u8; 4]],
 }
 
@@ -263,7 +263,7 @@ impl<'a> TrajectoryFile<'a> {
     /// Checks a whole file. Cost: proportional to its bytes, without memory of its own.
     ///
     /// # Errors
-    /// The first thing that is wrong: of the lengths, the checksum, the numbers, in this order.
+    /// The first defect, in this order: of the lengths, of the checksum, of the numbers.
     pub fn read(bytes: &'a [u8]) -> Result<Self, FileError> {
         let mut cursor = Cursor { bytes, at: 0 };
         if cursor.array::<4>()? != MAGIC {
@@ -324,7 +324,7 @@ impl<'a> TrajectoryFile<'a> {
         Ok(file)
     }
 
-    /// Checks the numbers.
+    /// Checks the numbers of the file.
     fn check(&self) -> Result<(), FileError> {
         for group in 0..self.groups() {
             if !self.limits(group).is_some_and(|limits| limits.are_sound()) {
@@ -370,37 +370,37 @@ impl<'a> TrajectoryFile<'a> {
         Ok(())
     }
 
-    /// How the motion between knots is made.
+    /// Returns the kind of motion between knots.
     #[must_use]
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
 
-    /// Number of group angles in a knot.
+    /// Returns the number of group angles in a knot.
     #[must_use]
     pub fn groups(&self) -> usize {
         usize::from(self.groups)
     }
 
-    /// Number of hinges.
+    /// Returns the number of hinges.
     #[must_use]
     pub fn hinges(&self) -> usize {
         self.hinges
     }
 
-    /// Number of knots.
+    /// Returns the number of knots.
     #[must_use]
     pub fn len(&self) -> usize {
         self.knots
     }
 
-    /// Whether there is no knot.
+    /// Returns `true` if there is no knot.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.knots == 0
     }
 
-    /// Limits of a group.
+    /// Returns the limits of a group.
     #[must_use]
     pub fn limits(&self, group: usize) -> Option<GroupLimits> {
         let (numbers, _) = self.limits.as_chunks::<4>();
@@ -413,7 +413,7 @@ impl<'a> TrajectoryFile<'a> {
         })
     }
 
-    /// Group and sign of each hinge, in order.
+    /// Iterates over group and sign of each hinge, in order.
     pub fn memberships(&self) -> impl Iterator<Item = Membership> + use<'a> {
         let mut cursor = Cursor {
             bytes: self.hinge_codes,
@@ -428,7 +428,7 @@ impl<'a> TrajectoryFile<'a> {
         })
     }
 
-    /// The spokes of the essential vertices, in order, and whether each is the last of its vertex.
+    /// Iterates over the spokes of the essential vertices, in order. The flag is `true` for the last spoke of a vertex.
     pub fn spokes(&self) -> impl Iterator<Item = (Spoke<f32>, bool)> + use<'a> {
         let mut cursor = Cursor {
             bytes: self.spoke_codes,
@@ -437,19 +437,19 @@ impl<'a> TrajectoryFile<'a> {
         core::iter::from_fn(move || cursor.spoke().ok())
     }
 
-    /// The largest closure residual that a commanded configuration has, rounding included.
+    /// Returns the largest closure residual that a commanded configuration has, rounding included.
     #[must_use]
     pub fn closure(&self) -> f32 {
         self.closure
     }
 
-    /// Seconds since the start at a knot.
+    /// Returns the time of a knot, in seconds since the start.
     #[must_use]
     pub fn time(&self, knot: usize) -> Option<f32> {
         self.number(knot, 0)
     }
 
-    /// A group at a knot: angle and rate; weight 1 where the interpolation has none.
+    /// Returns angle and rate of a group at a knot, with weight 1 if the interpolation has no weights.
     #[must_use]
     pub fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {
         if group >= self.groups() {
@@ -469,8 +469,8 @@ impl<'a> TrajectoryFile<'a> {
         })
     }
 
-    /// The motion of a group between knot number `segment` and the next; its parameter runs from 0 at
-    /// the one to 1 at the other, in proportion to time.
+    /// Returns the motion of a group from knot number `segment` to the next knot. Its parameter runs from 0 to 1 in
+    /// proportion to time.
     #[must_use]
     pub fn curve(&self, segment: usize, group: usize) -> Option<Curve<f32>> {
         let next = segment.checked_add(1)?;
@@ -479,10 +479,10 @@ impl<'a> TrajectoryFile<'a> {
         Some(Curve::between(self.interpolation, span, nodes.0, nodes.1))
     }
 
-    /// The trajectory in memory of its own.
+    /// Copies the trajectory into memory of its own.
     ///
     /// # Errors
-    /// [`TrajectoryError::Capacity`] with the first knot that finds no room.
+    /// [`TrajectoryError::Capacity`] with the first knot for which there is no room.
     pub fn trajectory<const KNOTS: usize, const VALUES: usize>(
         &self,
     ) -> Result<Trajectory<f32, KNOTS, VALUES>, TrajectoryError> {
@@ -512,19 +512,19 @@ impl<'a> TrajectoryFile<'a> {
         )
     }
 
-    /// Numbers in a record.
+    /// Returns the number of `f32` in the record of a knot.
     fn record(&self) -> usize {
         1 + self.groups() * self.interpolation.width()
     }
 
-    /// A number of the record of a knot.
+    /// Returns number `place` of the record of a knot.
     fn number(&self, knot: usize, place: usize) -> Option<f32> {
         let index = knot.checked_mul(self.record())?.checked_add(place)?;
         self.records.get(index).copied().map(f32::from_le_bytes)
     }
 }
 
-/// Why the knot of that number cannot hold this group.
+/// Returns why the knot of this number cannot hold the node.
 fn node_problem(node: Node<f32>, kind: Interpolation, knot: usize) -> Option<TrajectoryError> {
     Some(match node.flaw(kind)? {
         Flaw::NotFinite => TrajectoryError::NotFinite(knot),
@@ -533,7 +533,7 @@ fn node_problem(node: Node<f32>, kind: Interpolation, knot: usize) -> Option<Tra
     })
 }
 
-/// Bytes that are read, and how far.
+/// A reading position in a slice of bytes.
 struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -553,7 +553,7 @@ impl<'a> Cursor<'a> {
         self.take(N)?.try_into().map_err(|_| truncated)
     }
 
-    /// `rows` rows of `width` numbers.
+    /// Reads `rows` rows of `width` numbers.
     fn floats(&mut self, rows: usize, width: usize) -> Result<&'a [[u8; 4]], FileError> {
         let bytes = rows.checked_mul(width).and_then(|n| n.checked_mul(4));
         let bytes = bytes.ok_or(FileError::Truncated(self.at))?;
@@ -566,7 +566,7 @@ impl<'a> Cursor<'a> {
         usize::try_from(self.number()?).map_err(|_| FileError::Number(start))
     }
 
-    /// A spoke, and whether it is the last of its vertex.
+    /// Reads a spoke; the flag is `true` if it is the last of its vertex.
     fn spoke(&mut self) -> Result<(Spoke<f32>, bool), FileError> {
         let code = self.number()?;
         let direction = [self.array()?, self.array()?].map(f32::from_le_bytes);
@@ -578,7 +578,7 @@ impl<'a> Cursor<'a> {
         Ok((spoke, code & 2 == 2))
     }
 
-    /// A varint of at most 32 bits.
+    /// Reads a varint of at most 32 bits.
     fn number(&mut self) -> Result<u32, FileError> {
         let start = self.at;
         let mut value = 0;

@@ -1,7 +1,7 @@
 //! The main loop of a controller, for any board.
 //!
 //! A board offers a serial line by the traits of [`embedded_io`], whose interrupts fill and empty queues
-//! ([`Fifo`](crate::fifo::Fifo)), and the rest as a [`Board`]. Nothing here waits.
+//! ([`Fifo`](crate::fifo::Fifo)), and everything else as a [`Board`]. Nothing here waits.
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
@@ -10,26 +10,26 @@ use foldpath_core::follower::Reason;
 use crate::controller::{Controller, Settings};
 use crate::kept::Kept;
 
-/// Bytes of a record that is kept over a reset.
+/// Bytes of a record that the board keeps over a reset.
 pub const RECORD: usize = 64;
 
 /// Microseconds between two ticks.
 pub const TICK: u64 = 1000;
-/// Bytes that are decoded before something is said.
+/// Largest number of bytes that are decoded in a round before answers are sent.
 const BURST: usize = 64;
 
-/// What a controller asks of its board.
+/// The services that a controller needs of its board.
 pub trait Board {
-    /// Microseconds since the start.
+    /// Returns the microseconds since the start.
     fn now(&mut self) -> u64;
-    /// Whether the stop line is drawn, or was since this was last asked.
+    /// Returns `true` if the stop line is drawn, or was drawn since the last call.
     fn stop(&mut self) -> bool;
-    /// Commands a hinge of this group and sign its angle, radians; returns where it is measured to be, if that is
-    /// known.
+    /// Commands a hinge of this group and sign its angle, radians. Returns the measured angle, radians, if there is
+    /// one.
     fn drive(&mut self, hinge: u32, membership: Membership, angle: f32) -> Option<f32>;
     /// Writes one of two records that a reset leaves as they are.
     fn keep(&mut self, record: usize, bytes: &[u8; RECORD]);
-    /// Reads one of them, whatever was found there at the start.
+    /// Reads one of the two records, whatever its memory held at the start.
     fn kept(&mut self, record: usize) -> [u8; RECORD];
     /// Keeps the watchdog from resetting the board for a while longer.
     fn feed(&mut self);
@@ -48,10 +48,10 @@ pub struct Application<
     board: B,
     line: L,
     device: Controller<GROUPS, HINGES, SPOKES, KNOTS>,
-    /// Number of starts, of which a reset is one, and of records written.
+    /// Number of starts (`starts`, resets included), and number of records written (`records`).
     starts: u32,
     records: u32,
-    /// When the next tick is due.
+    /// Time when the next tick is due, microseconds.
     due: u64,
 }
 
@@ -61,8 +61,10 @@ where
     B: Board,
     L: Read + ReadReady + Write + WriteReady,
 {
-    /// A controller that stands where it was before a reset, if that was kept. What the stop line held is still held.
-    // Inlined, with those that it calls: else it is built on the stack and moved from there.
+    /// Creates a controller that stands where it was before a reset, if that was kept. If the stop line held the
+    /// motion, it still does.
+    // Inlined, as are the constructors that it calls: otherwise the controller is built on the stack and moved from
+    // there.
     #[inline(always)]
     #[must_use]
     pub fn new(mut board: B, line: L, settings: Settings) -> Self {
@@ -79,7 +81,7 @@ where
         }
     }
 
-    /// One round of the main loop: ticks if that is due, decodes what has come, and answers.
+    /// Runs one round of the main loop: ticks if a tick is due, decodes received bytes, and answers.
     pub fn step(&mut self) {
         if self.due == 0 {
             self.restore();
@@ -95,7 +97,8 @@ where
         self.send();
     }
 
-    /// Stands where the records say. Not done in `new`, which would build the controller on the stack and move it.
+    /// Restores the angles and the place that the records hold. Not done in `new`, which would then build the
+    /// controller on the stack and move it.
     #[inline(never)]
     fn restore(&mut self) {
         let Some(kept) = latest(&mut self.board) else {
@@ -110,7 +113,7 @@ where
         }
     }
 
-    /// Asks the stop line. That it stops is kept before the host is told: a reset may come in between.
+    /// Reads the stop line. A stop is kept in a record before the host is told, because a reset may come in between.
     fn watch(&mut self) {
         let drawn = self.board.stop();
         let before = self.device.follower().reason();
@@ -120,7 +123,8 @@ where
         }
     }
 
-    /// Ticks, which is what the watchdog looks for: without a clock, or without this loop, it is not fed.
+    /// Ticks and feeds the watchdog. The watchdog is fed nowhere else, so that it notices a clock or a main loop that
+    /// stands.
     // Not inlined, so that `step` has the stack of one thing at a time.
     #[inline(never)]
     fn tick(&mut self, now: u64) {
@@ -131,7 +135,7 @@ where
         self.board.feed();
     }
 
-    /// Keeps what is commanded, in the record that is the older.
+    /// Keeps the commanded angles in the older of the two records.
     #[inline(never)]
     fn keep(&mut self) {
         let follower = self.device.follower();
@@ -167,7 +171,7 @@ where
     }
 }
 
-/// What was kept last.
+/// Returns the newest record.
 #[inline(never)]
 fn latest(board: &mut impl Board) -> Option<Kept> {
     Kept::latest(&[board.kept(0), board.kept(1)])

@@ -1,5 +1,7 @@
-//! The board: runs the probe, prints through semihosting, and hands its end to the debugger. Then it counts what the
-//! controller's work costs, which is instructions if the emulator runs with `-icount shift=10`.
+//! The probe's board: runs the probe, prints through semihosting, and hands the exit status to the debugger.
+//!
+//! It then counts the cost of the controller's work. The counts are instructions if the emulator runs with
+//! `-icount shift=10`.
 
 use core::fmt::Write;
 
@@ -9,8 +11,8 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hio};
 use foldpath_firmware_sim::{figures, probe};
 
-/// The handler of interrupt 0, the last of those that the probe could have: it enables none.
-// SAFETY: the section is that of these addresses.
+/// The handler of interrupt 0. The probe enables no interrupt, so that the table ends here.
+// SAFETY: this section is the one for the addresses of interrupt handlers.
 #[allow(unsafe_code, reason = "interrupts are found by their address")]
 #[unsafe(export_name = "__INTERRUPTS")]
 #[unsafe(link_section = ".vector_table.interrupts")]
@@ -18,7 +20,7 @@ static INTERRUPTS: [extern "C" fn(); 1] = [interrupt];
 
 extern "C" fn interrupt() {}
 
-/// Counts after which the clock of the core begins anew.
+/// Counts after which the core's clock begins anew.
 const CYCLE: u32 = 1 << 24;
 
 #[entry]
@@ -36,7 +38,7 @@ fn main() -> ! {
     exit(status)
 }
 
-/// Counts instructions of 2¹⁰ ns each by the clock of 25 MHz, which has to be asked once in each of its cycles.
+/// Counts instructions of 2¹⁰ ns each by the clock of 25 MHz, which has to be read at least once in each of its cycles.
 fn instructions() -> impl FnMut() -> u32 {
     let (mut before, mut sum) = (SYST::get_current(), 0_u64);
     move || {
@@ -47,7 +49,7 @@ fn instructions() -> impl FnMut() -> u32 {
     }
 }
 
-/// Nothing in the image panics: a test looks for this message in it.
+/// Never runs: nothing in the image panics, and a test looks for this message in it.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     if let Ok(mut out) = hio::hstdout() {

@@ -17,23 +17,23 @@ use heapless::Vec;
 
 use crate::sheet::Sheet;
 
-/// Longest frame, in bytes.
+/// Length of the longest frame, bytes.
 pub const FRAME: usize = 256;
-/// Bytes that wait for the line at the most.
+/// Largest number of bytes that wait for the line.
 pub const WAITING: usize = 512;
-/// Bytes of them that telemetry leaves to answers: four reports.
+/// Bytes of the ring that telemetry leaves free for answers: four reports.
 const RESERVE: usize = 4 * cobs::longest(56);
 
 /// Options of a [`Controller`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// How the path is followed.
+    /// Options of the follower.
     pub follower: Options<f32>,
     /// Largest closure residual that a host may ask for.
     pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
-    /// Tells the sessions of this run from those of others: a count of resets or a random number.
+    /// Number that tells the sessions of this run from those of other runs: a count of resets or a random number.
     pub boot: u32,
 }
 
@@ -48,8 +48,8 @@ impl Default for Settings {
     }
 }
 
-/// A controller of at most so many groups, hinges and spokes of essential vertices, with a queue of so many
-/// setpoints.
+/// A controller for at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices, with a queue of
+/// `KNOTS` setpoints.
 #[derive(Debug)]
 pub struct Controller<
     const GROUPS: usize,
@@ -63,11 +63,11 @@ pub struct Controller<
     receiver: Receiver,
     deframer: Deframer<FRAME>,
     ring: Ring<WAITING>,
-    /// Whether the path is that of the open session.
+    /// `true` if the path is that of the open session.
     loaded: bool,
-    /// Whether the stop line was drawn since a command was last answered.
+    /// `true` if the stop line was drawn since a command was last answered.
     drawn: bool,
-    /// What the host was last told.
+    /// State, reason and room that the host was last told.
     told: Option<(State, Reason, usize)>,
     telemetry: u64,
 }
@@ -75,8 +75,8 @@ pub struct Controller<
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
     Controller<GROUPS, HINGES, SPOKES, KNOTS>
 {
-    /// A controller that waits for a host.
-    // As `Application::new`.
+    /// Creates a controller that waits for a host.
+    // Inlined for the reason given at `Application::new`.
     #[inline(always)]
     #[must_use]
     pub fn new(settings: Settings) -> Self {
@@ -94,25 +94,25 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// The follower: what is commanded, and where hinges are measured.
+    /// Returns the follower, which has the commanded angles.
     #[must_use]
     pub fn follower(&self) -> &Follower<f32, GROUPS, KNOTS> {
         &self.follower
     }
 
-    /// The follower, to tell it where hinges are.
+    /// Returns the follower, to tell it where the hinges are.
     pub fn follower_mut(&mut self) -> &mut Follower<f32, GROUPS, KNOTS> {
         &mut self.follower
     }
 
-    /// The sheet, for the groups and signs of its hinges.
+    /// Returns the sheet, which has group and sign of each hinge.
     #[must_use]
     pub fn sheet(&self) -> &Sheet<GROUPS, HINGES, SPOKES> {
         &self.sheet
     }
 
-    /// A byte has come.
-    // Not inlined, as the next two: one function that does all is a third longer.
+    /// Takes a byte that came at `now`, microseconds.
+    // Not inlined, nor are `poll` and the function `take`: one function that does everything is a third longer.
     #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
         let room = self.room();
@@ -140,7 +140,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         match event {
             Event::Alive => {}
             Event::Item(item) => {
-                // What the session before has left is nothing to build on.
+                // A sheet that an earlier session has left is no base for items of this session.
                 let founded = self.loaded || matches!(item, Item::Sheet(_));
                 let taken = if founded {
                     take(item, sheet, follower, self.settings.closure)
@@ -156,7 +156,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 }
             }
             Event::Command(command) => {
-                // A host that is answered knows of the stop line before it asks for something else.
+                // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
+                // `Resume` counts.
                 let unaware = core::mem::take(&mut self.drawn) && command == Command::Resume;
                 let answer = if unaware {
                     Err(Denial::Held)
@@ -172,19 +173,19 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// The level of the stop line.
+    /// Sets the level of the stop line.
     pub fn stop(&mut self, drawn: bool) {
         self.drawn |= drawn;
         self.follower.stop(drawn);
     }
 
-    /// Moves on to `now`.
+    /// Moves the follower on to `now`, microseconds.
     pub fn tick(&mut self, now: u64) {
         self.follower.tick(now);
     }
 
-    /// Hands each hinge, by its number, its group and sign, its commanded angle to `drive` (radians), which returns
-    /// where it is measured to be, if that is known. Cost: a multiplication and a comparison a hinge.
+    /// Calls `drive` for each hinge with its number, its group and sign, and its commanded angle (radians). `drive`
+    /// returns the measured angle, radians, if there is one. Cost: a multiplication and a comparison for each hinge.
     pub fn drive(&mut self, mut drive: impl FnMut(u32, Membership, f32) -> Option<f32>) {
         for (hinge, membership) in (0..).zip(self.sheet.hinges()) {
             let Some(angle) = self.follower.hinge(membership) else {
@@ -196,7 +197,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// Puts what is to be said at `now` on the line, as far as there is room.
+    /// Puts all answers due at `now`, microseconds, on the line, as far as there is room.
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         let (state, reason) = (self.follower.state(), self.follower.reason());
@@ -228,7 +229,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// The next byte for the line.
+    /// Takes the next byte for the line.
     pub fn take(&mut self) -> Option<u8> {
         self.ring.take()
     }
@@ -253,7 +254,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// Items for which there is room. A sheet that moves on the path of another host takes none.
+    /// Returns the number of items for which there is room. There is none while the sheet moves on the path of another
+    /// host.
     fn room(&self) -> u16 {
         let room = if self.loaded
             && (self.follower.is_under_way() || self.follower.state() == State::Ready)
@@ -322,7 +324,7 @@ fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNO
     }
 }
 
-/// A setpoint of its bytes; nothing if there are too many, or a piece of a group.
+/// Decodes a setpoint; `None` if it has too many groups, or if a group is cut off.
 fn setpoint<const GROUPS: usize>(
     bytes: &SetpointBytes<'_>,
     interpolation: Interpolation,

@@ -1,28 +1,28 @@
-//! A line between host and controller with faults, from a seed and in virtual time.
+//! A simulated line between host and controller with faults, drawn from a seed, in virtual time.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::vec::Vec;
 
 use rand_core::Rng;
 
-/// What goes wrong on one way of a line. What is written at once is one piece: faults befall pieces.
+/// Faults of one direction of a line. Bytes that are written at once are one piece, and faults befall whole pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Faults {
-    /// Part of the pieces that get lost.
+    /// Fraction of the pieces that get lost.
     pub drop: f64,
-    /// Part of the pieces of which one bit is changed.
+    /// Fraction of the pieces of which one bit is changed.
     pub flip: f64,
-    /// Part of the pieces that come twice.
+    /// Fraction of the pieces that come twice.
     pub double: f64,
-    /// Part of the pieces that are overtaken by others.
+    /// Fraction of the pieces that are overtaken by others.
     pub reorder: f64,
-    /// Microseconds that a piece takes.
+    /// Time that a piece takes, microseconds.
     pub delay: u64,
-    /// Most microseconds by which one that is overtaken is late.
+    /// Largest additional delay of a piece that is overtaken, microseconds.
     pub late: u64,
-    /// Bytes in a second; infinite for any number.
+    /// Bytes per second; infinite for no limit.
     pub speed: f64,
-    /// Bytes that may wait at the far end to be taken; the others of a piece get lost.
+    /// Number of bytes that may wait at the far end to be taken. Further bytes of a piece get lost.
     pub capacity: usize,
 }
 
@@ -42,10 +42,10 @@ impl Default for Faults {
     }
 }
 
-/// How often what went wrong.
+/// Numbers of pieces and bytes, and of the faults that befell them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Pieces written, and their bytes.
+    /// Pieces written.
     pub pieces: u64,
     /// Bytes written.
     pub bytes: u64,
@@ -61,24 +61,24 @@ pub struct Counts {
     pub overrun: u64,
 }
 
-/// One way of a line. Times are microseconds.
+/// One direction of a line. Times are microseconds.
 #[derive(Clone, Debug)]
 pub struct Line<R> {
     faults: Faults,
     rng: R,
     counts: Counts,
-    /// Pieces under way by their time of arrival, and their order.
+    /// Pieces under way, by their time of arrival and the order in which they were written.
     under_way: BTreeMap<(u64, u64), Vec<u8>>,
     order: u64,
     arrived: VecDeque<u8>,
-    /// When the line has sent what was written.
+    /// Time when the line has sent everything that was written.
     free: f64,
-    /// Until when nothing arrives.
+    /// Time before which nothing arrives.
     stalled: u64,
 }
 
 impl<R: Rng> Line<R> {
-    /// A line with these faults, drawn from `rng`.
+    /// Creates a line with these faults, which are drawn from `rng`.
     pub fn new(faults: Faults, rng: R) -> Self {
         Self {
             faults,
@@ -92,29 +92,29 @@ impl<R: Rng> Line<R> {
         }
     }
 
-    /// How often what went wrong so far.
+    /// Returns the counts so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// Other faults from now on.
+    /// Replaces the faults from now on.
     pub fn set(&mut self, faults: Faults) {
         self.faults = faults;
     }
 
-    /// Nothing arrives until that time; it waits.
+    /// Stalls the line until that time: nothing arrives, and everything waits.
     pub fn stall(&mut self, until: u64) {
         self.stalled = until;
     }
 
-    /// Whether the line has sent what was written before.
+    /// Returns `true` if the line has sent everything that was written before.
     #[must_use]
     pub fn is_free(&self, now: u64) -> bool {
         self.free <= micros(now)
     }
 
-    /// Writes a piece.
+    /// Writes a piece at `now`.
     pub fn write(&mut self, bytes: &[u8], now: u64) {
         self.counts.pieces += 1;
         self.counts.bytes += bytes.len() as u64;
@@ -135,7 +135,7 @@ impl<R: Rng> Line<R> {
         }
     }
 
-    /// One copy of a piece, on its way.
+    /// Puts one copy of a piece on its way.
     fn copy(&mut self, bytes: &[u8]) {
         let mut bytes = bytes.to_vec();
         if !bytes.is_empty() && self.happens(self.faults.flip) {
@@ -161,7 +161,7 @@ impl<R: Rng> Line<R> {
         self.under_way.insert((at, self.order), bytes);
     }
 
-    /// The next byte that has arrived by `now`.
+    /// Takes the next byte that has arrived by `now`.
     pub fn read(&mut self, now: u64) -> Option<u8> {
         while now >= self.stalled
             && let Some(entry) = self.under_way.first_entry()

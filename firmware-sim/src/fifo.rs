@@ -1,12 +1,12 @@
-//! Bytes between an interrupt and the main loop.
+//! A lock-free queue of bytes between an interrupt and the main loop.
 
 use core::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 
-/// A queue of up to `N` bytes, a power of 2, that one adds to and another takes from, neither of which waits.
+/// A queue of up to `N` bytes, a power of 2, for one producer and one consumer, neither of which waits.
 #[derive(Debug)]
 pub struct Fifo<const N: usize> {
     bytes: [AtomicU8; N],
-    /// Bytes ever added and taken, modulo 2³².
+    /// Numbers of bytes ever added (`added`) and taken (`taken`), modulo 2³².
     added: AtomicUsize,
     taken: AtomicUsize,
 }
@@ -18,7 +18,7 @@ impl<const N: usize> Default for Fifo<N> {
 }
 
 impl<const N: usize> Fifo<N> {
-    /// An empty queue.
+    /// Creates an empty queue.
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(N.is_power_of_two(), "counts wrap at a power of 2") };
@@ -29,26 +29,26 @@ impl<const N: usize> Fifo<N> {
         }
     }
 
-    /// Bytes that wait.
+    /// Returns the number of bytes that wait.
     #[must_use]
     pub fn len(&self) -> usize {
         let added = self.added.load(Ordering::Acquire);
         added.wrapping_sub(self.taken.load(Ordering::Acquire))
     }
 
-    /// Whether no byte waits.
+    /// Returns `true` if no byte waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether there is no room.
+    /// Returns `true` if there is no room.
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.len() >= N
     }
 
-    /// Adds a byte; returns whether there was room. Only one may call this.
+    /// Adds a byte; returns `true` if there was room. Only the producer may call this.
     pub fn add(&self, byte: u8) -> bool {
         let added = self.added.load(Ordering::Relaxed);
         let place = self.bytes.get(added % N).filter(|_| !self.is_full());
@@ -59,7 +59,7 @@ impl<const N: usize> Fifo<N> {
         place.is_some()
     }
 
-    /// Takes a byte. Only one may call this.
+    /// Takes a byte, if one waits. Only the consumer may call this.
     pub fn take(&self) -> Option<u8> {
         let taken = self.taken.load(Ordering::Relaxed);
         let place = self.bytes.get(taken % N).filter(|_| !self.is_empty())?;

@@ -1,4 +1,5 @@
-//! What the controller's work costs, in counts of whatever clock is given: on the emulated board, instructions.
+//! Measures the cost of the controller's work, in counts of whatever clock is given: on the emulated board,
+//! instructions.
 
 use core::fmt::Write;
 use core::hint::black_box;
@@ -20,9 +21,9 @@ use nalgebra::Vector3;
 use crate::controller::{Controller, Settings};
 use crate::probe::{self, ANY, Failure, MIURA, OPEN, WATERBOMB};
 
-/// Ticks over which a mean is taken.
+/// Number of ticks over which a mean is taken.
 const TICKS: u32 = 256;
-/// Hinges of the largest sheet: those of a Miura fold of 24 x 24 faces.
+/// Number of hinges of the largest sheet, a Miura fold of 24 x 24 faces.
 const HINGES: usize = 1104;
 
 static MEMBERSHIPS: [Membership; HINGES] = [Membership {
@@ -30,7 +31,7 @@ static MEMBERSHIPS: [Membership; HINGES] = [Membership {
     negative: true,
 }; HINGES];
 
-/// A clock, and what reading it costs.
+/// A clock, and the counts that reading it takes.
 struct Meter<C> {
     count: C,
     overhead: u32,
@@ -43,7 +44,7 @@ impl<C: FnMut() -> u32> Meter<C> {
         meter
     }
 
-    /// Counts that `work` takes.
+    /// Returns the counts that `work` takes.
     fn measure<R>(&mut self, work: impl FnOnce() -> R) -> u32 {
         let before = (self.count)();
         black_box(work());
@@ -52,7 +53,7 @@ impl<C: FnMut() -> u32> Meter<C> {
     }
 }
 
-/// Prints the figures, one a line: `cost`, what it is of, and the counts.
+/// Prints the figures, one on each line: `cost`, the name of the work, and the counts.
 ///
 /// # Errors
 /// If a configuration does not close, a path does not run, or the output fails.
@@ -81,7 +82,7 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
     Ok(())
 }
 
-/// An output that is not looked at.
+/// An output that discards everything.
 struct Nowhere;
 
 impl Write for Nowhere {
@@ -90,7 +91,7 @@ impl Write for Nowhere {
     }
 }
 
-/// Whether a vertex closes, from its four angles.
+/// Measures the test of whether a vertex closes, from its four angles.
 fn closes(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let mut spokes = [probe::spoke(0, [1.0, 0.0]); 4];
     for (group, (spoke, miura)) in (0..).zip(spokes.iter_mut().zip(MIURA.spokes)) {
@@ -107,7 +108,7 @@ fn closes(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     }))
 }
 
-/// A step of the solver at a vertex of six groups: its factors, its solution, and a look at where it leads.
+/// Measures a step of the solver at a vertex of six groups: factorisation, solve, and evaluation of the new point.
 fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let mut spokes = [probe::spoke(0, [1.0, 0.0]); 6];
     for (group, (spoke, waterbomb)) in (0..).zip(spokes.iter_mut().zip(WATERBOMB.spokes)) {
@@ -123,10 +124,10 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let (mut rows, mut gradient) = ([[0.0; 3]; 6], [0.0; 6]);
     let equations = DualNormalEquations::new(6, &mut rows, &mut gradient);
     let mut equations = equations.ok_or(Failure::Size)?;
-    // The closed form of this vertex, a little off.
+    // The closed form of this vertex, perturbed a little.
     let (m, d) = (0.8, -1.077);
     let mut angles = black_box([d + 0.02, m, d, d, m, d - 0.01]);
-    // What it takes to look at the start, which is no step.
+    // Counts for the linearisation at the start, which is not part of a step.
     let start = meter.measure(|| problem.linearise(&angles, &mut equations));
     let mut steps = 0;
     let cost = meter.measure(|| {
@@ -146,7 +147,8 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     cost.checked_div(steps).ok_or(Failure::Open)
 }
 
-/// Means of a tick that drives so many hinges, and of a setpoint that is received, checked and answered.
+/// Measures a tick that drives this number of `hinges`, and the reception, check and answer of a setpoint; returns the
+/// mean of each.
 fn stream(
     meter: &mut Meter<impl FnMut() -> u32>,
     stars: StarsView<'_, f32>,
@@ -182,7 +184,7 @@ fn stream(
             bytes.iter().for_each(|byte| device.byte(*byte, now));
             device.poll(now);
         });
-        // Among them all that are neither telemetry nor the first, of which no way is checked.
+        // Leaves out frames at times of telemetry, and the first setpoint, for which no segment is checked.
         if device.follower().room() < room && room < 16 && !now.is_multiple_of(20_000) {
             setpoints = (setpoints.0 + cost, setpoints.1 + 1);
         }

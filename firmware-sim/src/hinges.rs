@@ -1,31 +1,32 @@
 //! The hinges of a simulated sheet: drives that follow their commands in virtual time.
 //!
-//! A motor comes after its command with a time constant, no faster and with no more torque than it has, its hinge
-//! after the motor with the play between them, and what is measured of the hinge is noisy. So the sheet is not where
-//! it is commanded, and [`Hinges::torn`] says by how much it does not close there.
+//! A motor follows its command with a time constant, and no faster than its speed and torque allow. The hinge follows
+//! its motor with the play between them, and measured angles are noisy. The sheet is therefore not where it is
+//! commanded to be, and [`Hinges::torn`] returns the closure residual of its true angles.
 
 use std::vec::Vec;
 
 use foldpath_core::{HalfAngle, Membership, Objective, StarsView};
 use rand_core::Rng;
 
-/// What the drives of all hinges are like.
+/// Properties of the drives of all hinges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Time constant with which a motor follows its command, seconds; 0 for none.
     pub lag: f64,
-    /// Most that a motor turns in a second at full supply, radians.
+    /// Largest speed of a motor at full supply, radians per second.
     pub speed: f64,
-    /// Torque of a motor at full supply over what it turns, radians per second squared.
+    /// Largest acceleration of a motor at full supply (its torque over the inertia that it turns), radians per second
+    /// squared.
     pub acceleration: f64,
     /// Angle by which a motor turns before its hinge turns back, radians.
     pub play: f64,
-    /// Most by which a measured angle is off, radians.
+    /// Largest error of a measured angle, radians.
     pub noise: f64,
 }
 
 impl Default for Drive {
-    /// Drives whose hinges are where they are commanded.
+    /// Ideal drives, whose hinges are where they are commanded to be.
     fn default() -> Self {
         Self {
             lag: 0.0,
@@ -37,16 +38,16 @@ impl Default for Drive {
     }
 }
 
-/// What befalls hinges.
+/// Troubles that befall hinges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
-    /// From now on motors have this part of their speed and torque.
+    /// From now on motors have this fraction of their speed and torque.
     Supply(f64),
     /// From now on this hinge stays where it is.
     Stick(usize),
-    /// It comes loose.
+    /// This hinge comes free.
     Free(usize),
-    /// From now on this hinge is measured to be so many radians from where it is.
+    /// From now on the measured angle of this hinge is off by this much, radians.
     Jump(usize, f64),
 }
 
@@ -57,7 +58,7 @@ struct Hinge {
     rate: f64,
     angle: f64,
     stuck: bool,
-    /// By how much its sensor is off.
+    /// Error of the hinge's sensor, radians.
     off: f64,
 }
 
@@ -71,7 +72,7 @@ pub struct Hinges<R> {
 }
 
 impl<R: Rng> Hinges<R> {
-    /// Hinges of these groups and signs, all at 0, whose noise is drawn from `rng`.
+    /// Creates hinges of these groups and signs, all at 0, whose noise is drawn from `rng`.
     pub fn new(memberships: &[Membership], drive: Drive, rng: R) -> Self {
         let hinge = |&membership| Hinge {
             membership,
@@ -89,7 +90,7 @@ impl<R: Rng> Hinges<R> {
         }
     }
 
-    /// Something happens. A hinge that there is not is left alone.
+    /// Applies a trouble. A hinge that does not exist is ignored.
     pub fn befall(&mut self, trouble: Trouble) {
         let mut at = |hinge: usize, happens: &dyn Fn(&mut Hinge)| {
             self.hinges.get_mut(hinge).into_iter().for_each(happens);
@@ -102,7 +103,7 @@ impl<R: Rng> Hinges<R> {
         }
     }
 
-    /// Follows these angles of the groups (radians) for so many seconds. A hinge whose group is not among them stays.
+    /// Follows these angles of the groups (radians) for `seconds` seconds. A hinge whose group has no angle stays.
     pub fn follow(&mut self, groups: &[f32], seconds: f64) {
         let Drive {
             lag,
@@ -112,7 +113,7 @@ impl<R: Rng> Hinges<R> {
             ..
         } = self.drive;
         let part = 1.0 - (-seconds / lag.max(f64::MIN_POSITIVE)).exp();
-        // Without supply an infinite speed is none either.
+        // Without supply the limit is 0, even if it is infinite at full supply.
         let supplied = |most: f64| {
             if self.supply > 0.0 {
                 most * self.supply
@@ -131,7 +132,7 @@ impl<R: Rng> Hinges<R> {
                 continue;
             }
             let way = f64::from(hinge.membership.apply(*angle)) - hinge.motor;
-            // As fast as it can still brake from afterwards, if its torque is finite.
+            // The largest rate from which the motor can still brake to rest at its command, if its torque is finite.
             let most = (change * change + 2.0 * strongest * way.abs()).sqrt() - change;
             let most = fastest.min(most);
             let wanted = (way * part / seconds).clamp(-most, most);
@@ -143,7 +144,7 @@ impl<R: Rng> Hinges<R> {
         }
     }
 
-    /// Number, membership and angle (radians) of each hinge, as measured.
+    /// Returns number, membership and measured angle (radians) of each hinge.
     pub fn measured(&mut self) -> impl Iterator<Item = (u32, Membership, f32)> {
         let (rng, noise) = (&mut self.rng, self.drive.noise);
         (0..).zip(&self.hinges).map(move |(number, hinge)| {
@@ -154,14 +155,14 @@ impl<R: Rng> Hinges<R> {
         })
     }
 
-    /// The true angle of each hinge, radians.
+    /// Returns the true angle of each hinge, radians.
     #[must_use]
     pub fn angles(&self) -> Vec<f64> {
         self.hinges.iter().map(|hinge| hinge.angle).collect()
     }
 
-    /// The largest closure residual of the true angles at these vertices, whose unknowns are the hinges; infinite if
-    /// they have others.
+    /// Returns the largest closure residual of the true angles at these vertices, whose unknowns are the hinges;
+    /// infinite if the numbers of unknowns and hinges differ.
     #[must_use]
     pub fn torn(&self, stars: StarsView<'_, f64>) -> f64 {
         let mut scratch = std::vec![HalfAngle::default(); self.hinges.len()];
@@ -176,7 +177,7 @@ mod tests {
     use foldpath_core::GroupId;
     use rand_pcg::Pcg64;
 
-    /// Seconds until a hinge has turned by one radian; the most it was beyond.
+    /// Returns the seconds until a hinge has turned by one radian, and how far it went beyond, radians.
     fn one_radian(drive: Drive) -> (f64, f64) {
         let membership = Membership {
             group: GroupId(0),
@@ -195,7 +196,7 @@ mod tests {
         (time.unwrap_or(f64::NAN), beyond)
     }
 
-    /// With half the way to speed up and half the way to brake, or with a speed that it keeps between.
+    /// Half of the way to speed up and half to brake, or with the top speed in between.
     #[test]
     fn a_motor_has_its_torque_and_its_speed() {
         let strong = Drive {
@@ -221,7 +222,7 @@ mod tests {
             (Drive::default(), 0.001),
         ] {
             let (time, beyond) = one_radian(drive);
-            // It comes to rest: the last thousandth takes its time.
+            // The hinge comes to rest: the last thousandth takes its time.
             assert!((time - expected).abs() < 0.02, "{time} {expected}");
             assert!(beyond < 1e-3, "{beyond}");
         }

@@ -1,20 +1,20 @@
-//! What a controller keeps over a reset.
+//! The record that a controller keeps over a reset: its commanded angles, its place on the path, and the stop line.
 
 use foldpath_core::checksum;
 use foldpath_core::follower::Place;
 
 use crate::application::RECORD;
 
-/// Most groups that a record has room for.
+/// Largest number of groups for which a record has room.
 const GROUPS: usize = RECORD / 4 - 6;
 
-/// What was commanded last, and at which place of its path.
+/// The angles that were commanded last, and their place on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kept {
-    /// Number of starts, and of records, modulo 2³².
+    /// Number of starts (`starts`) and of records written (`count`), modulo 2³².
     pub(crate) starts: u32,
     pub(crate) count: u32,
-    /// Whether the stop line holds.
+    /// `true` if the stop line holds the motion.
     pub(crate) stopped: bool,
     pub(crate) place: Place<f32>,
     groups: u32,
@@ -22,7 +22,7 @@ pub(crate) struct Kept {
 }
 
 impl Kept {
-    /// With these angles; nothing if they are too many.
+    /// Creates a record with these angles; `None` if there are too many.
     pub(crate) fn new(starts: u32, count: u32, angles: &[f32]) -> Option<Self> {
         let mut kept = [0.0; GROUPS];
         kept.get_mut(..angles.len())?.copy_from_slice(angles);
@@ -36,13 +36,13 @@ impl Kept {
         })
     }
 
-    /// Angle of each group, radians.
+    /// Returns the angle of each group, radians.
     pub(crate) fn angles(&self) -> &[f32] {
         let groups = usize::try_from(self.groups).unwrap_or(usize::MAX);
         self.angles.get(..groups).unwrap_or(&[])
     }
 
-    /// The record: its numbers, 4 bytes each, little endian, behind the checksum of their bytes.
+    /// Encodes the record: its numbers, 4 bytes each, little endian, behind the checksum of their bytes.
     pub(crate) fn seal(&self) -> [u8; RECORD] {
         let mut record = [0; RECORD];
         let head = [
@@ -64,7 +64,7 @@ impl Kept {
         record
     }
 
-    /// What was kept, if the record is whole.
+    /// Decodes a record; `None` if its checksum differs.
     #[inline(never)]
     pub(crate) fn open(record: &[u8; RECORD]) -> Option<Self> {
         let (words, _) = record.as_chunks();
@@ -95,7 +95,7 @@ impl Kept {
         })
     }
 
-    /// Of two records the one written last.
+    /// Returns the one of two records that was written last, among those that are whole.
     pub(crate) fn latest(records: &[[u8; RECORD]; 2]) -> Option<Self> {
         let [a, b] = records.each_ref().map(Self::open);
         let (Some(a), Some(b)) = (a, b) else {
@@ -121,7 +121,7 @@ mod tests {
         Kept::new(7, count, &[angle; 4]).unwrap().seal()
     }
 
-    /// A reset may come between any two bytes of a record: the one before is found then.
+    /// A reset may come between any two bytes of a record; the record before it is found then.
     #[test]
     fn a_torn_record_is_not_taken() {
         for count in [5, u32::MAX] {

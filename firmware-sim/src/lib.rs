@@ -1,5 +1,5 @@
-//! The controller's program without its board: what runs on the microcontroller, and on the host
-//! when a test compares the two.
+//! The controller's program without its board. It runs on the microcontroller, and on the host when a test compares the
+//! two.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]

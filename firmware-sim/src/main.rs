@@ -1,4 +1,4 @@
-//! The controller's image for QEMU's `mps2-an386` board, a Cortex-M4F: see `board.rs`.
+//! The probe's image for QEMU's `mps2-an386` board, a Cortex-M4F: see `board.rs`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]

@@ -1,7 +1,7 @@
-//! The hinges of an emulated board: drives that turn no faster than they can, one of which may be stuck.
+//! The hinges of an emulated board: drives with a largest speed, and at most one stuck hinge.
 //!
-//! All hinges of a group turn alike but for that one, so that a sheet of any size takes a few words. A reset leaves the
-//! hinges where they are. Faults come as text over a line of its own, the bench: a number and a letter.
+//! All hinges of a group except the stuck one turn alike, so that a sheet of any size takes a few words. A reset leaves
+//! the hinges where they are. Faults come as text over a line of their own, the bench: a number and a letter.
 //!
 //! | text | from now on |
 //! |---|---|
@@ -13,17 +13,18 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use foldpath_core::Membership;
 
-/// Radians in a microsecond at full supply, for each percent of it: 6 a second.
+/// Speed of a drive for each percent of the supply, radians per microsecond: 6 radians per second at full supply.
 const SPEED: f32 = 6e-8;
-/// Microseconds for which a drive turns in one go at the most: its clock begins anew with a reset.
+/// Longest time that one turn of a drive covers, microseconds: the clock begins anew with a reset.
 const LONGEST: u32 = 10_000;
 
-/// One or more hinges that turn alike.
+/// The drive of one or more hinges that turn alike.
 #[derive(Debug)]
 struct Drive {
-    /// Bits of the angle as that of a group, radians; 0 where it is not known: it is then where it is commanded to be.
+    /// Bits of the angle, with the sign of the group, radians. While they are 0, the hinge takes the angle that is
+    /// commanded.
     angle: AtomicU32,
-    /// When it turned last, microseconds.
+    /// Time of the last turn, microseconds.
     turned: AtomicU32,
 }
 
@@ -35,8 +36,8 @@ impl Drive {
         }
     }
 
-    /// Turns towards a command, by as much as `speed` (radians in a microsecond) allows since it last did; returns
-    /// how far it has come.
+    /// Turns towards a command, as far as `speed` (radians per microsecond) allows since the last turn; returns the
+    /// angle reached.
     fn turn(&self, command: f32, now: u32, speed: f32) -> f32 {
         let passed = now.wrapping_sub(self.turned.swap(now, Relaxed));
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
@@ -53,19 +54,19 @@ impl Drive {
     }
 }
 
-/// The hinges of so many groups. An interrupt may tell it of faults; where it lies, memory is 0 at first.
+/// The hinges of `GROUPS` groups. An interrupt may tell it of faults. Memory of all zeros is a plant without faults.
 ///
-/// Before the first fault hinges are where they are commanded to be, which costs next to nothing.
+/// Before the first fault the hinges are where they are commanded to be, which costs next to nothing.
 #[derive(Debug)]
 pub struct Plant<const GROUPS: usize> {
     groups: [Drive; GROUPS],
-    /// The hinge that is or was stuck, its number and 1 more, and whether it is: 1.
+    /// The hinge that is or was stuck: its drive, its number plus 1 (0 for none), and 1 while it is stuck.
     odd: Drive,
     odd_one: AtomicU32,
     stuck: AtomicU32,
-    /// Percent of the supply that are missing.
+    /// Percent of the supply that is missing.
     missing: AtomicU32,
-    /// The number of a text so far, and whether one has come: 1.
+    /// Number in the text so far (`number`), and 1 once a text has come (`tested`).
     number: AtomicU32,
     tested: AtomicU32,
 }
@@ -77,7 +78,7 @@ impl<const GROUPS: usize> Default for Plant<GROUPS> {
 }
 
 impl<const GROUPS: usize> Plant<GROUPS> {
-    /// Hinges without faults that are where they are first commanded to be.
+    /// Creates hinges without faults, which take the angles that are first commanded.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -114,7 +115,7 @@ impl<const GROUPS: usize> Plant<GROUPS> {
         }
     }
 
-    /// Turns a hinge towards its command at `now`, microseconds; returns its angle. Both in radians.
+    /// Turns a hinge towards its command at `now`, microseconds; returns its angle. Both angles are in radians.
     #[inline]
     pub fn drive(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> f32 {
         if self.tested.load(Relaxed) == 0 {
@@ -154,7 +155,7 @@ mod tests {
         text.bytes().for_each(|byte| plant.hear(byte));
     }
 
-    /// Ticks from `from` to `to` milliseconds; returns where two hinges of each group are in the end.
+    /// Ticks from `from` to `to` milliseconds; returns the final angles of two hinges of each group.
     fn run(plant: &Plant<2>, commands: [f32; 2], (from, to): (u32, u32)) -> [f32; 4] {
         let [first, second] = commands;
         let mut angles = [0.0; 4];
@@ -186,7 +187,7 @@ mod tests {
         let plant = Plant::new();
         tell(&plant, "30s");
         run(&plant, [0.5, 0.5], (0, 1));
-        // 1.8 rad/s for 100 ms; the way of the second group is less.
+        // 1.8 rad/s for 100 ms; the second group has less far to go.
         let angles = run(&plant, [1.0, 0.4], (1, 101));
         near(angles, [0.68, -0.4, -0.68, 0.4]);
         tell(&plant, "0s");
@@ -196,7 +197,7 @@ mod tests {
             run(&plant, [1.0, 1.0], (200, 210)),
             [0.74, -0.46, -0.74, 0.46],
         );
-        // The clock begins anew, and no hinge is elsewhere for it.
+        // The clock begins anew, which moves no hinge.
         near(run(&plant, [1.0, 1.0], (0, 1)), [0.8, -0.52, -0.8, 0.52]);
     }
 

@@ -1,7 +1,7 @@
-//! Runs the real foldpath-core on whatever machine this is compiled for, in `f32`.
+//! The probe: runs the real foldpath-core in `f32` on whatever machine this is compiled for.
 //!
-//! Two folds start flat and are followed step by step, as a planner would, and are then played, as
-//! a controller would. All results are printed bit by bit, so that two machines can be compared.
+//! Two folds start flat and are followed step by step, as a planner would do, and are then played, as a controller
+//! would. All results are printed bit by bit, so that two machines can be compared.
 
 use core::fmt::Write;
 
@@ -21,22 +21,23 @@ use nalgebra::Vector3;
 
 use crate::controller::{self, Controller};
 
-/// Steps of a walk.
+/// Number of steps of a walk.
 pub const STEPS: u16 = 25;
-/// By how much a step turns the first group, which turns at 1 rad/s: 4 degrees.
+/// Turn of the first group in a step, 4 degrees in radians, and duration of a step, seconds: the group turns at 1
+/// rad/s.
 pub const STEP: f32 = core::f32::consts::PI / 45.0;
 
-/// Samples a step.
+/// Number of samples in a step.
 const SAMPLES: u16 = 4;
-/// The most groups of a fold here.
+/// Largest number of groups of a fold here.
 const GROUPS: usize = 4;
-/// The most spokes of a star here.
+/// Largest number of spokes of a star here.
 const DEGREE: usize = 6;
-/// Knots of a path: the flat state, and one a step.
+/// Number of knots of a path: the flat state, and one for each step.
 const KNOTS: usize = STEPS as usize + 1;
 
-/// Largest closure residual of what is streamed: the first segment of the waterbomb leaves the flat state, which
-/// is singular, and is open by as much as cubics of 4 degrees are there.
+/// Largest closure residual of the streamed paths. The first segment of the waterbomb leaves the flat state, which is
+/// singular, and a cubic over a step of 4 degrees has such a residual there.
 pub(crate) const OPEN: f32 = 1e-4;
 /// No limits.
 pub(crate) const ANY: GroupLimits = GroupLimits {
@@ -45,14 +46,14 @@ pub(crate) const ANY: GroupLimits = GroupLimits {
     speed: f32::INFINITY,
     acceleration: f32::INFINITY,
 };
-/// By how much hinges are measured to be elsewhere, radians.
+/// Error of the measured angles, radians.
 const OFF: f32 = 0.02;
-/// Ticks of a controller after which it should have come to the end.
+/// Number of ticks after which a controller should have reached the end of the path.
 const MOST_TICKS: u32 = 10_000;
 
 pub(crate) type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
 
-/// Why the probe stopped.
+/// Reason why the probe stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// A fold is ill-formed or larger than the memory for it.
@@ -61,14 +62,14 @@ pub enum Failure {
     Open,
     /// The trajectory did not take a knot.
     Knot,
-    /// The controller did not come to the end of a path.
+    /// The controller did not reach the end of a path.
     Stream,
     /// The output did not take a line.
     Output,
 }
 
-/// A fold with one degree of freedom: its stars, and the rates (rad/s) at which it leaves the flat
-/// state, the first of which is 1.
+/// A fold with one degree of freedom: its stars, and the rates (rad/s) at which it leaves the flat state. The first
+/// rate is 1.
 pub(crate) struct Fold<'a> {
     name: &'a str,
     pub(crate) spokes: &'a [Spoke<f32>],
@@ -127,14 +128,15 @@ pub(crate) const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
     }
 }
 
-/// Follows and plays all folds. A line names the fold and what it tells, and gives each number as
-/// the 8 hexadecimal digits of its bits:
+/// Follows and plays all folds.
+///
+/// Each line names the fold and the kind of its numbers, and gives each number as the 8 hexadecimal digits of its bits:
 ///
 /// - `gradient` and `solve`: iterations, evaluations, residual, then the angles;
 /// - `knot`: the angles, then the rates;
 /// - `sample`: the two objectives, then the angles;
-/// - `project`: as `solve`, from angles measured some way off, and the way, before the angles;
-/// - `tick`: the angles and rates that a controller commands to which the path is sent, every 16th time.
+/// - `project`: the numbers of `solve` for angles measured with an error, with the largest change before the angles;
+/// - `tick`: the angles and rates commanded by a controller to which the path is sent, at every 16th tick.
 ///
 /// # Errors
 /// If a configuration does not close, or the output fails.
@@ -149,8 +151,8 @@ pub fn run(out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Walks from the flat state by predicting with the rates, correcting with a solver, and turning
-/// the rates into the motion that the new configuration allows.
+/// Walks from the flat state: predicts with the rates, corrects with a solver, and turns the rates into the motion that
+/// the new configuration allows.
 pub(crate) fn follow(
     fold: &Fold<'_>,
     stars: StarsView<'_, f32>,
@@ -218,7 +220,7 @@ pub(crate) fn follow(
     Ok(path)
 }
 
-/// Samples the motion between the knots, and how far it is from closing.
+/// Samples the motion between the knots and its closure residuals.
 fn play(
     fold: &Fold<'_>,
     stars: StarsView<'_, f32>,
@@ -240,7 +242,7 @@ fn play(
     Ok(())
 }
 
-/// Sends the path to a controller, over a line without faults, which runs it at full speed.
+/// Sends the path over a line without faults to a controller, which runs it at full speed.
 fn stream(
     fold: &Fold<'_>,
     stars: StarsView<'_, f32>,
@@ -287,7 +289,7 @@ fn stream(
     Err(Failure::Stream)
 }
 
-/// Brings a configuration back that was measured some way off.
+/// Projects a configuration that was measured with an error back to a closed one.
 fn measure(
     fold: &Fold<'_>,
     stars: StarsView<'_, f32>,

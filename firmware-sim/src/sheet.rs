@@ -1,4 +1,4 @@
-//! The sheet as the host describes it, piece by piece.
+//! The sheet as the host describes it, received piece by piece.
 
 use foldpath_core::acceptance::SheetView;
 use foldpath_core::wire::message::{ItemRefusal, SheetHead};
@@ -6,22 +6,22 @@ use foldpath_core::wire::path;
 use foldpath_core::{GroupLimits, Membership, Spoke, StarsView};
 use heapless::Vec;
 
-/// A sheet of at most so many groups, hinges and spokes of essential vertices.
+/// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
     head: Option<SheetHead>,
     limits: Vec<GroupLimits, GROUPS>,
-    /// Their codes.
+    /// Code of each hinge, see [`path::hinge`].
     hinges: Vec<u16, HINGES>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS, HINGES, SPOKES> {
-    /// Begins a new sheet, whose configurations may be open by at most `closure`.
+    /// Begins a new sheet, which may ask for a closure residual of at most `closure`.
     ///
     /// # Errors
-    /// If there is no room, or it wants to be open by more.
+    /// If there is no room, or if the sheet asks for a larger residual.
     pub fn begin(&mut self, head: SheetHead, closure: f32) -> Result<(), ItemRefusal> {
         self.clear();
         let SheetHead {
@@ -50,10 +50,10 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         self.ends.clear();
     }
 
-    /// The next limits. All or none are taken, as of all pieces.
+    /// Adds the next limits. Either all limits of a piece are taken or none, as with all pieces.
     ///
     /// # Errors
-    /// If they are too many, cut off or not sound.
+    /// If there are too many, or if they are cut off or not valid.
     pub fn add_limits(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
         let (head, pieces) = (self.head()?, whole(bytes)?);
         room(self.limits.len(), pieces, head.groups)?;
@@ -65,10 +65,10 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         push(&mut self.limits, pieces.iter().map(path::limits))
     }
 
-    /// The next hinges.
+    /// Adds the next hinges.
     ///
     /// # Errors
-    /// If they are too many, cut off or without a group.
+    /// If there are too many, or if they are cut off or without a group.
     pub fn add_hinges(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
         let head = self.head()?;
         let bits = path::hinge_bits(head.groups);
@@ -87,10 +87,10 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         push(&mut self.hinges, codes())
     }
 
-    /// The next spokes.
+    /// Adds the next spokes.
     ///
     /// # Errors
-    /// If they are too many or cut off, or with the last of them the vertices are not sound.
+    /// If there are too many, if they are cut off, or if the vertices are not valid once the last spoke has come.
     pub fn add_spokes(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
         let (head, pieces) = (self.head()?, whole(bytes)?);
         let before = (self.spokes.len(), self.ends.len());
@@ -119,7 +119,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         StarsView::new(&self.spokes, &self.ends, groups.into())
     }
 
-    /// The sheet and where on its path to begin, if it is complete.
+    /// Returns the sheet and the place on its path at which to begin, if the sheet is complete.
     #[must_use]
     pub fn view(&self) -> Option<(SheetView<'_, f32>, SheetHead)> {
         let head = self.head?;
@@ -134,13 +134,13 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         complete.then_some((view, head))
     }
 
-    /// Group and sign of each hinge.
+    /// Iterates over group and sign of each hinge.
     pub fn hinges(&self) -> impl Iterator<Item = Membership> {
         self.hinges.iter().map(|code| path::hinge(*code))
     }
 }
 
-/// The pieces of `N` bytes, if there is no other.
+/// Splits bytes into pieces of `N` bytes; fails if a piece is cut off.
 fn whole<const N: usize>(bytes: &[u8]) -> Result<&[[u8; N]], ItemRefusal> {
     let (pieces, rest) = bytes.as_chunks();
     if rest.is_empty() {
@@ -150,7 +150,7 @@ fn whole<const N: usize>(bytes: &[u8]) -> Result<&[[u8; N]], ItemRefusal> {
     }
 }
 
-/// Whether so many more pieces are still among those that the sheet has.
+/// Fails if these pieces are more than the sheet still lacks.
 fn room<T>(have: usize, pieces: &[T], most: u16) -> Result<(), ItemRefusal> {
     if have + pieces.len() > usize::from(most) {
         return Err(ItemRefusal::Pieces);
@@ -158,7 +158,7 @@ fn room<T>(have: usize, pieces: &[T], most: u16) -> Result<(), ItemRefusal> {
     Ok(())
 }
 
-/// Adds pieces for which there is room.
+/// Adds pieces; fails if there is no room.
 fn push<T, const N: usize>(
     pieces: &mut Vec<T, N>,
     mut more: impl Iterator<Item = T>,
@@ -166,7 +166,7 @@ fn push<T, const N: usize>(
     more.try_for_each(|piece| pieces.push(piece).map_err(|_| ItemRefusal::Room))
 }
 
-/// A count below 2¹⁶ as it is sent.
+/// Returns a count below 2¹⁶ in the type in which it is sent.
 fn number(count: usize) -> u16 {
     u16::try_from(count).unwrap_or(u16::MAX)
 }

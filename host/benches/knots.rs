@@ -1,8 +1,7 @@
-//! Knots that a path needs so that the deformation of the whole sheet is certified, for each
-//! interpolation.
+//! Number of knots that a path needs until the deformation of the whole sheet is certified, for each interpolation.
 //!
-//! `cargo bench -p foldpath --bench knots`. In the first table time runs so that few knots suffice, in the
-//! second as fast as the speed of the hinges allows.
+//! `cargo bench -p foldpath --bench knots`. In the first table time runs so that few knots suffice, in the second as
+//! fast as the speed of the hinges allows.
 
 use core::f64::consts::PI;
 
@@ -58,7 +57,7 @@ fn main() {
     }
 }
 
-/// Sheets with their goals: Miura to 170 degrees and folded flat, and the waterbomb near the tube.
+/// Returns the sheets with their goals: Miura to 170 degrees and folded flat, and the waterbomb near the tube.
 fn sheets() -> Vec<(&'static str, CreasePattern)> {
     let miura = |degrees: f64| {
         let miura = Miura {

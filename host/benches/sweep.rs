@@ -1,4 +1,4 @@
-//! Whole motions swept for crossings.
+//! Times the sweep of whole motions for crossings, with and without a lattice.
 //!
 //! `cargo bench -p foldpath --bench sweep`.
 
@@ -23,7 +23,7 @@ const PATTERNS: [&str; 8] = [
     "waterbomb-12x22-crossing",
 ];
 
-/// Runs of which the shortest counts.
+/// Number of runs, of which the shortest counts.
 const RUNS: usize = 11;
 
 fn main() {
@@ -43,7 +43,7 @@ fn main() {
     }
 }
 
-/// Prints the shortest times of some runs: to take up the sheet, and to sweep it.
+/// Prints the shortest times of the runs: to set the sweep up, and to sweep the motion.
 fn time(
     pattern: &CreasePattern,
     memberships: &[Membership],
@@ -72,8 +72,8 @@ fn time(
     }
 }
 
-/// A pattern and its closed-form motion from flat to its goal: all tangents of half the fold angles
-/// keep their ratios, but that of the waterbomb's boundary lines is 3t + 4t³.
+/// Reads a pattern and makes its closed-form motion from flat to its goal. The tangents of half the fold angles keep
+/// their ratios, except those of the waterbomb's boundary lines, which are 3t + 4t³.
 fn read(name: &str) -> (CreasePattern, Vec<Membership>, Vec<Vec<Curve<f64>>>) {
     let path = format!("{}/../patterns/{name}.fold", env!("CARGO_MANIFEST_DIR"));
     let pattern = read_pattern(Path::new(&path)).unwrap().pattern;

@@ -1,13 +1,13 @@
-//! Colours of pictures.
+//! Colours of crease groups and of numbers in pictures.
 
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::{Color, HSLColor, RGBColor};
 
-/// Part of the colour circle from one group to the next: the golden section, so that however many there are,
-/// neighbours differ.
+/// Fraction of the colour circle from one group to the next: the golden section, so that neighbouring groups differ in
+/// hue however many groups there are.
 const HUE_STEP: f64 = 0.618_033_988_749_895;
 
-/// Colour of a crease group.
+/// Returns the colour of a crease group.
 pub(crate) fn of_group(index: usize) -> RGBColor {
     #[allow(clippy::cast_precision_loss, reason = "any hue will do")]
     let hue = (0.6 + HUE_STEP * index as f64).fract();
@@ -15,12 +15,12 @@ pub(crate) fn of_group(index: usize) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// Colour of a number from 0, dark, to 1, bright.
+/// Returns the colour of a number from 0 (dark) to 1 (bright), of the Viridis map.
 pub(crate) fn ramp(part: f64) -> RGBColor {
     ViridisRGB.get_color(part.clamp(0.0, 1.0))
 }
 
-/// As `#rrggbb`.
+/// Formats a colour as `#rrggbb`.
 pub(crate) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }

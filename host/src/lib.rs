@@ -7,15 +7,14 @@
 //!    fold angles.
 //! 2. [`symmetry`] finds *crease groups* (creases that turn alike) and *essential vertices* (one for
 //!    each distinct closure condition). A Miura fold of any size has 2 groups and 1 such vertex.
-//! 3. [`planner`] follows the motion in group angles from the goal back to the flat sheet with
-//!    [`foldpath_core`]'s solvers, and reuses it on the whole sheet.
-//! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`]
-//!    looks for faces that pass through each other, at one configuration or over a whole motion.
-//! 5. [`certificate`] bounds closure, and with it deformation and gap, between the knots too.
-//! 6. [`unfold`](mod@unfold) makes a crease pattern of a shape that is folded already.
-//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of it, [`plot`](mod@plot)
-//!    draws its curves; [`stream`] sends it to a
-//!    controller.
+//! 3. [`planner`] follows the motion in group angles from the goal back to the flat sheet with [`foldpath_core`]'s
+//!    solvers, and lifts the path to the whole sheet.
+//! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`] looks for faces that
+//!    pass through each other, at one configuration or over a whole motion.
+//! 5. [`certificate`] bounds closure over the whole motion between knots, and with it deformation and gap.
+//! 6. [`unfold`](mod@unfold) makes a crease pattern of a folded shape.
+//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of the path, [`plot`](mod@plot) draws
+//!    its curves, and [`stream`] sends it to a controller.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -31,10 +30,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # A path, and what is made of it
+//! # Judging, showing and exporting a path
 //!
-//! A path is a FOLD file that others can read. [`check`](check::check) judges it from that file alone, and all that
-//! shows or drives it is made of the same:
+//! A path is a FOLD file that other programs can read. [`check`](check::check) judges it from that file alone, and
+//! everything that shows or drives a path is made from the same file:
 //!
 //! ```
 //! use std::path::Path;
@@ -77,8 +76,8 @@
 //!
 //! # To a controller
 //!
-//! [`stream::run`] sends a path over a [`stream::Link`]: to a device, to an emulated one, or to
-//! [`stream::Sim`], the same controller in this process, whose time is virtual:
+//! [`stream::run`] sends a path over a [`stream::Link`]: to a device, to an emulated board, or to [`stream::Sim`],
+//! which runs the same controller in this process and in virtual time:
 //!
 //! ```
 //! use std::io;
@@ -119,9 +118,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # And back
+//! # From a folded shape back to a pattern
 //!
-//! [`unfold`](unfold::unfold) makes the pattern of a folded shape, with the angles that are measured on it:
+//! [`unfold`](unfold::unfold) makes the crease pattern of a folded shape, with the fold angles measured on that shape:
 //!
 //! ```
 //! use foldpath::folding::{FoldingMap, SpanningTree};
@@ -148,17 +147,18 @@
 //!
 //! # Guaranteed
 //!
-//! A path called planned is closed, within the bound on deformation and gap, and free of crossings
-//! *all along its motion*, as far as the plan's `certified_deformation` and `clearance` say: the first is
-//! a bound with roundings included, the second stands where the search for crossings came to its end.
-//! No hinge is faster, or accelerates more, than it may.
+//! A path called planned is closed, within the bound on deformation and gap, and free of crossings *all along its
+//! motion*, as far as the plan's `certified_deformation` and `clearance` say: the first is a bound with rounding
+//! included, the second is given if the search for crossings was completed. No hinge exceeds its limits of speed and
+//! acceleration.
 //!
 //! # Limits
 //!
-//! Errors are those of `f64` times the way: a 24x24 Miura deforms by 5e-14, one of 1,000x1,000 by 9e-11, a sheet 10⁹
-//! edges from the origin by 3e-7, as far as rounded coordinates allow. What cannot be certified, `plan` notes. Angles
-//! below 10⁻⁹ radians are flat, coordinates beyond 10⁵⁰ refused. `host/FORMAT.md` has all limits, `BENCHMARKS.md` how
-//! they were found.
+//! Errors are the rounding errors of `f64`, which grow with the distance across the sheet and from the origin: a 24x24
+//! Miura deforms by 5e-14, one of 1,000x1,000 by 9e-11, a sheet 10⁹ edges from the origin by 3e-7, as far as rounded
+//! coordinates allow. `plan` adds a note about everything that it cannot certify. Angles below 10⁻⁹ radians count as
+//! flat, and coordinates beyond 10⁵⁰ are refused. `host/FORMAT.md` lists all limits, `BENCHMARKS.md` how they were
+//! found.
 //!
 //! # References
 //!

@@ -1,15 +1,15 @@
-//! Numbers measured on the whole sheet.
+//! Maxima that never lose a NaN, and the diagonal of a bounding box.
 
 use nalgebra::SVector;
 
-/// The largest of numbers that are not negative, 0 for none; NaN if one is, so that a broken map never
-/// passes for a good one. Their bits are in the same order, those of NaN last.
+/// Returns the largest of numbers that are not negative, 0 for none, and NaN if any is NaN, so that a broken folding
+/// map never passes for a good one. Compares the bits, which have the order of the numbers, with NaN last.
 pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let bits = numbers.into_iter().map(f64::to_bits);
     f64::from_bits(bits.fold(0, u64::max))
 }
 
-/// Diagonal of the box round points, 0 for none.
+/// Returns the diagonal of the bounding box of the points, 0 for none.
 pub(crate) fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
     let Some(&first) = points.first() else {
         return 0.0;
@@ -19,7 +19,7 @@ pub(crate) fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
     (high - low).norm()
 }
 
-/// The larger number; NaN if either is, so that what is broken never passes for good.
+/// Returns the larger number, and NaN if either is NaN, so that a broken value never passes for a good one.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }

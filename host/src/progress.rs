@@ -1,4 +1,4 @@
-//! How far a long call has come, told to another thread, and the way to end it before it is done.
+//! Progress of a long call as another thread sees it, and a way to cancel the call.
 //!
 //! The caller lends a [`Progress`] to [`plan_watched`](crate::planner::plan_watched),
 //! [`check_watched`](crate::check::check_watched) and the like, and reads it, or cancels the call, from another thread:
@@ -23,7 +23,7 @@
 use core::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Instant;
 
-/// What is done at the moment.
+/// Stage of a long call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Reading files.
@@ -32,7 +32,7 @@ pub enum Stage {
     Symmetry,
     /// Following the motion.
     Following,
-    /// Placing knots on it, and certifying the motion between them.
+    /// Placing knots on the motion, and certifying it between them.
     Placing,
     /// Folding and measuring the whole sheet.
     Folding,
@@ -56,25 +56,26 @@ impl Stage {
         (Self::Writing, "writing"),
     ];
 
-    /// In words.
+    /// Returns the name of the stage, in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 }
 
-/// The stage of a long call and the part of it that is done, and whether the call is cancelled. Each change costs one
-/// relaxed store.
+/// Stage of a long call, the fraction of the stage that is done, and the request to cancel the call. A change costs one
+/// or two relaxed stores.
 #[derive(Debug)]
 pub struct Progress {
     cancelled: AtomicBool,
     stage: AtomicU32,
-    /// How many of how many, the latter in the upper half; 0 of 0 where that is not known.
+    /// Number of parts of the stage that are done, and in the upper half the number of all its parts; 0 of 0 if
+    /// unknown.
     done: AtomicU64,
 }
 
 impl Progress {
-    /// Before anything is done.
+    /// Makes the progress of a call that has not begun.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -84,7 +85,7 @@ impl Progress {
         }
     }
 
-    /// Asks the call to end soon. It answers as if its time were up.
+    /// Asks the call to end soon. The call then answers as if its time were up.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
@@ -95,20 +96,20 @@ impl Progress {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// A stage begins.
+    /// Notes that a stage begins.
     pub fn begin(&self, stage: Stage) {
         self.done.store(0, Ordering::Relaxed);
         self.stage.store(stage as u32, Ordering::Relaxed);
     }
 
-    /// So many of so many parts of the stage are done.
+    /// Notes that `done` of `of` parts of the stage are done.
     pub fn done(&self, done: usize, of: usize) {
         let [done, of] =
             [done, of].map(|count| u64::from(u32::try_from(count).unwrap_or(u32::MAX)));
         self.done.store(done | of << 32, Ordering::Relaxed);
     }
 
-    /// The part from 0 to 1 of the stage is done.
+    /// Notes that a fraction of the stage, from 0 to 1, is done.
     pub fn part(&self, part: f64) {
         #[allow(
             clippy::cast_possible_truncation,
@@ -119,7 +120,7 @@ impl Progress {
         self.done(done, 1000);
     }
 
-    /// What is done at the moment, and the part of it that is over, from 0 to 1, if that is known.
+    /// Returns the present stage and the fraction of it that is done, from 0 to 1, if that is known.
     #[must_use]
     pub fn now(&self) -> (Stage, Option<f64>) {
         let stage = self.stage.load(Ordering::Relaxed) as usize;
@@ -139,7 +140,7 @@ impl Default for Progress {
     }
 }
 
-/// The progress that a long call tells, if anybody looks on, and the time at which the call has to end, if there is one.
+/// Progress that a long call reports, if a caller watches it, and the deadline of the call, if there is one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch<'a> {
     progress: Option<&'a Progress>,
@@ -147,7 +148,7 @@ pub struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Tells `progress`, and ends when that is cancelled.
+    /// Makes a watch that reports to `progress`, and ends the call when that is cancelled.
     #[must_use]
     pub fn new(progress: &'a Progress) -> Self {
         Self {
@@ -156,7 +157,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Ends at `deadline` too.
+    /// Ends the call at `deadline` too.
     #[must_use]
     pub fn until(self, deadline: Option<Instant>) -> Self {
         Self { deadline, ..self }
@@ -171,21 +172,21 @@ impl<'a> Watch<'a> {
                 .is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Tells that a stage begins.
+    /// Reports that a stage begins.
     pub(crate) fn begin(&self, stage: Stage) {
         if let Some(progress) = self.progress {
             progress.begin(stage);
         }
     }
 
-    /// Tells that `done` of `of` parts of the stage are done.
+    /// Reports that `done` of `of` parts of the stage are done.
     pub(crate) fn done(&self, done: usize, of: usize) {
         if let Some(progress) = self.progress {
             progress.done(done, of);
         }
     }
 
-    /// Tells that a fraction of the stage, from 0 to 1, is done.
+    /// Reports that a fraction of the stage, from 0 to 1, is done.
     pub(crate) fn part(&self, part: f64) {
         if let Some(progress) = self.progress {
             progress.part(part);

@@ -1,9 +1,9 @@
-//! A list of lists in two arrays.
+//! A list of lists in two arrays, as the rows of a matrix in compressed sparse rows (CSR).
 
 use core::borrow::Borrow;
 use core::ops::{Index, IndexMut, Range};
 
-/// Lists of differing lengths, one behind the other in one array.
+/// Lists of differing lengths, one behind the other in one array, with the end of each list in a second array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ragged<T> {
     items: Vec<T>,
@@ -20,7 +20,7 @@ impl<T> Default for Ragged<T> {
 }
 
 impl<T> Ragged<T> {
-    /// No list, with room for so many `lists` of so many `items` in all.
+    /// Makes an empty list of lists with room for `lists` lists and for `items` items in all of them.
     #[must_use]
     pub fn with_capacity(lists: usize, items: usize) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl<T> Ragged<T> {
     /// Adds a list at the end.
     ///
     /// # Panics
-    /// Past 2³² items in all.
+    /// If there are 2³² items or more in all.
     pub fn push(&mut self, list: impl IntoIterator<Item = T>) {
         self.items.extend(list);
         let end = u32::try_from(self.items.len());
@@ -53,7 +53,7 @@ impl<T> Ragged<T> {
         }
     }
 
-    /// Takes all lists away and keeps the memory.
+    /// Removes all lists and keeps the memory.
     pub fn clear(&mut self) {
         self.items.clear();
         self.ends.clear();
@@ -65,18 +65,18 @@ impl<T> Ragged<T> {
         self.ends.len()
     }
 
-    /// Whether there is no list.
+    /// Returns `true` if there is no list.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// The lists in order.
+    /// Returns the lists in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         (0..self.len()).map(|list| &self[list])
     }
 
-    /// The lists with `image` of each item.
+    /// Replaces each item by its `image`. The lists keep their lengths.
     pub fn map<U>(self, image: impl FnMut(T) -> U) -> Ragged<U> {
         Ragged {
             items: self.items.into_iter().map(image).collect(),
@@ -90,7 +90,7 @@ impl<T> Ragged<T> {
         &self.items
     }
 
-    /// For each list, the position behind its last item.
+    /// Returns for each list the position behind its last item in [`items`](Self::items).
     #[must_use]
     pub fn ends(&self) -> &[u32] {
         &self.ends
@@ -129,8 +129,8 @@ impl<T, L: IntoIterator<Item = T>> FromIterator<L> for Ragged<T> {
     }
 }
 
-/// The inverse relation: for each of `count` keys, the values paired with it, in the given order. Goes
-/// over the pairs twice.
+/// Inverts a relation: lists, for each of `count` keys, the values paired with it, in the given order. Iterates over
+/// the pairs twice.
 ///
 /// # Panics
 /// If a key is not below `count`.

@@ -1,4 +1,4 @@
-//! The shapes of the sheet along a path.
+//! Folded shapes of the sheet along a path, and the deformation of each face in them.
 
 use nalgebra::Vector3;
 
@@ -7,13 +7,14 @@ use crate::folding::{SpanningTree, sheets_laid_on};
 use crate::formats::fold::PathFile;
 use crate::numbers::largest;
 
-/// Radians that a hinge turns at most from one shape to the next where vertices are drawn on straight lines
-/// between: what is drawn is then shorter than the sheet by a thousandth.
+/// Largest turn of a hinge from one shape to the next, radians, where vertices are drawn on straight lines between
+/// shapes: the drawn sheet is then shorter than the real one by a thousandth.
 pub const STEP: f64 = 0.1;
 
-/// For each knot the folded positions of the vertices, those in the file or else by the folding map. Each
-/// shape is laid on the one before, from the flat sheet on, so that every sheet as a whole stays where it is
-/// while it folds. Cost: O(faces) a knot.
+/// Returns the folded positions of the vertices at each knot: those in the file, or else those of the folding map.
+///
+/// Each shape is aligned with the one before by rigid registration, the first one with the flat sheet, so that every
+/// sheet as a whole stays where it is while it folds. Cost: O(faces) for each knot.
 pub fn shapes(path: &PathFile) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
@@ -24,7 +25,8 @@ pub fn shapes(path: &PathFile) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     })
 }
 
-/// For each face the largest relative change of length of its edges and diagonals, at knots and between them.
+/// Returns for each face the largest relative change of length of its edges and diagonals, at the knots and between
+/// them.
 #[must_use]
 pub fn deformation_of_faces(path: &PathFile) -> Vec<f64> {
     let pattern = &path.pattern;

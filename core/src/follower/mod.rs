@@ -1,9 +1,9 @@
-//! Follows a path: from setpoints to the angles of each moment.
+//! The follower of a path: turns setpoints into the commanded angles of each moment.
 //!
-//! A state machine without a clock of its own. Setpoints are [accepted](Follower::accept) one after the other
-//! into a queue; [`Follower::tick`], called at a steady pace, moves along the queued path as fast as the
-//! [path clock](crate::path_clock) lets it. Whatever slows or holds the motion does so through that clock, so that
-//! the sheet stays where it closes.
+//! It is a state machine without a clock of its own. Setpoints are [accepted](Follower::accept) one after the other
+//! into a queue. [`Follower::tick`], called at a steady pace, moves along the queued path as fast as the
+//! [path clock](crate::path_clock) allows. Whatever slows or holds the motion does so through that clock, so that the
+//! sheet stays on configurations that close.
 //!
 //! | state | meaning | left by |
 //! |---|---|---|
@@ -14,7 +14,7 @@
 //! | [Done](State::Done) | at the last setpoint of the path | [`load`](Follower::load) |
 //! | [Faulted](State::Faulted) | a hinge stalled | [`clear`](Follower::clear) |
 //!
-//! An empty queue and a lagging hinge hold the motion only while they last. All else holds it until
+//! An empty queue and a lagging hinge hold the motion only while they last. Every other reason holds the motion until
 //! [`resume`](Follower::resume), whatever else happens in between.
 
 mod queue;
@@ -27,31 +27,31 @@ use crate::{Membership, Scalar};
 use queue::Queue;
 pub use state::{Denial, Options, Place, Reason, State};
 
-/// Part of its rate that the clock keeps while a hinge lags by almost the most: less, and a stalled hinge
-/// would never be found to lag by more.
+/// Fraction of the full rate that the clock keeps while a hinge lags by almost `most_lag`. If the rate fell to 0, the
+/// command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
 const CREEP: f64 = 0.1;
 
-/// The hinge that was last seen farthest from its command, if any was seen off it.
+/// The hinge that was last measured farthest from its command, radians; the default if no hinge was off its command.
 #[derive(Clone, Copy, Debug, Default)]
 struct Lag<T> {
     hinge: u32,
     distance: T,
 }
 
-/// A follower of at most `GROUPS` groups and `KNOTS` setpoints at a time.
+/// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
 #[derive(Clone, Debug)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     options: Options<T>,
     state: State,
-    /// What holds the motion until it is asked to go on.
+    /// Reason that holds the motion until [`resume`](Follower::resume).
     latch: Reason,
-    /// Whether the stop line is drawn.
+    /// `true` while the stop line is drawn.
     line: bool,
     clock: PathClock<T>,
     now: u64,
     heard: u64,
     lag: Lag<T>,
-    /// Since when a hinge has lagged by the most.
+    /// Time since which a hinge has lagged by at least `most_lag`, microseconds.
     lagging: Option<u64>,
 
     queue: Queue<T, GROUPS, KNOTS>,
@@ -59,7 +59,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     ended: bool,
 
     groups: usize,
-    /// Whether `angles` have been commanded, or measured, and where on the path that has been left that was.
+    /// `stands`: `true` if `angles` have been commanded or measured. `stood`: place of those angles on the path that
+    /// was left.
     stands: bool,
     stood: Place<T>,
     angles: [T; GROUPS],
@@ -67,8 +68,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
 }
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
-    /// An idle follower that does not know where the hinges are.
-    // Inlined, so that a large one is built in its place and not on the stack.
+    /// Creates an idle follower that does not know where the hinges are.
+    // Inlined, so that a large follower is built in its place and not on the stack.
     #[inline(always)]
     #[must_use]
     pub fn new(options: Options<T>) -> Self {
@@ -93,13 +94,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// What it does.
+    /// Returns the state.
     #[must_use]
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// What holds or slows the motion.
+    /// Returns the reason that holds or slows the motion.
     #[must_use]
     pub fn reason(&self) -> Reason {
         let Lag { hinge, distance } = self.lag;
@@ -113,13 +114,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Seconds of the path in a second, from 0 to 1.
+    /// Returns the rate of the path clock, seconds of the path in a second, from 0 to 1.
     #[must_use]
     pub fn rate(&self) -> T {
         self.clock.rate()
     }
 
-    /// Where the commanded angles are: on the path, or before that has begun, on the one before.
+    /// Returns the place of the commanded angles: on this path, or on the path before if this one has not begun.
     #[must_use]
     pub fn place(&self) -> Place<T> {
         match self.state {
@@ -128,37 +129,37 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Number of the setpoint that is expected next.
+    /// Returns the number of the setpoint that is expected next.
     #[must_use]
     pub fn next(&self) -> u32 {
         self.next
     }
 
-    /// Setpoints for which there is room.
+    /// Returns the number of setpoints for which there is room.
     #[must_use]
     pub fn room(&self) -> usize {
         KNOTS.saturating_sub(self.queue.setpoints().len())
     }
 
-    /// Seconds of the path that are queued ahead.
+    /// Returns the seconds of the path that are queued ahead.
     #[must_use]
     pub fn left(&self) -> T {
         self.queue.left()
     }
 
-    /// Whether there is a motion to go on with: running or holding.
+    /// Returns `true` if the follower is running or holding.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         matches!(self.state, State::Running | State::Holding)
     }
 
-    /// Commanded angle of each group, radians; none before it is known where the groups stand.
+    /// Returns the commanded angle of each group, radians; empty while it is not known where the groups stand.
     #[must_use]
     pub fn angles(&self) -> &[T] {
         self.known(&self.angles)
     }
 
-    /// Rate of each group, radians per second of the world.
+    /// Returns the rate of each group, radians per second of the world.
     #[must_use]
     pub fn rates(&self) -> &[T] {
         self.known(&self.rates)
@@ -169,18 +170,18 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         values.get(..groups).unwrap_or(&[])
     }
 
-    /// Commanded angle of a hinge, radians.
+    /// Returns the commanded angle of a hinge, radians.
     #[must_use]
     pub fn hinge(&self, membership: Membership) -> Option<T> {
         let angle = self.angles().get(membership.group.index())?;
         Some(membership.apply(*angle))
     }
 
-    /// Says where the groups stand (radians), as measured or as commanded before a reset, and at which place of
-    /// their path that was.
+    /// Tells the follower where the groups stand (radians), as measured or as commanded before a reset, and at which
+    /// place of their path.
     ///
     /// # Errors
-    /// Unless idle, or with too many groups.
+    /// If not idle, or if there are too many groups.
     pub fn stand(&mut self, angles: &[T], place: Place<T>) -> Result<(), Denial> {
         if self.state != State::Idle {
             return Err(Denial::State);
@@ -192,11 +193,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(())
     }
 
-    /// Takes up a new path on this sheet, from its beginning or from a place on it; setpoints come next,
-    /// from that of the place on. Drops the path before.
+    /// Takes up a new path on this sheet, from its beginning or from a place on it. Drops the path before.
+    ///
+    /// The setpoints come next, from the knot of the place on.
     ///
     /// # Errors
-    /// While moving, in a fault, or if the sheet has too many groups.
+    /// While moving, in a fault, or if the sheet has too many groups or other groups than those that stand.
     pub fn load(&mut self, sheet: &SheetView<'_, T>, from: Place<T>) -> Result<(), Denial> {
         self.unload()?;
         let groups = sheet.limits.len();
@@ -230,12 +232,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(())
     }
 
-    /// Queues a setpoint. A bad one holds the motion.
+    /// Queues a setpoint. An invalid setpoint holds the motion.
     ///
     /// Cost: that of [`acceptance::check`].
     ///
     /// # Errors
-    /// Why it is not followed; nothing is changed then but for the hold.
+    /// The reason why the setpoint is not followed; nothing but the hold has changed then.
     pub fn accept(
         &mut self,
         sheet: &SheetView<'_, T>,
@@ -262,10 +264,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.queue.push(setpoint)
     }
 
-    /// Begins to move.
+    /// Starts the motion.
     ///
     /// # Errors
-    /// Unless ready and not stopped; if nothing is queued, or the hinges stand elsewhere.
+    /// If not ready, if held or stopped, if no setpoint is queued, or if the hinges stand elsewhere.
     pub fn start(&mut self) -> Result<(), Denial> {
         if self.state != State::Ready {
             return Err(Denial::State);
@@ -280,7 +282,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::Place);
         }
         let begin = self.queue.angles(self.angles);
-        // What stands at no number stands nowhere.
+        // The comparison is false for a NaN, so that a group at no number is denied.
         let near = |(from, to): (&T, &T)| (*from - *to).abs() <= self.options.jump;
         let mut groups = (0..=u16::MAX).zip(self.angles().iter().zip(&begin));
         if let Some((group, _)) = groups.find(|(_, ends)| !near(*ends)) {
@@ -295,9 +297,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(())
     }
 
-    /// Slows down along the path and holds, until asked to go on.
+    /// Slows down along the path and holds until asked to resume.
     pub fn hold(&mut self, reason: Reason) {
-        // What came first is kept, but for the stop line.
+        // The first reason is kept; only the stop line replaces it.
         if self.latch == Reason::None || reason == Reason::StopLine {
             self.latch = reason;
         }
@@ -306,7 +308,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// The level of the stop line: drawn, everything stands at once and until [`resume`](Self::resume).
+    /// Sets the level of the stop line. If it is drawn, everything stops at once and stays stopped until
+    /// [`resume`](Self::resume).
     pub fn stop(&mut self, drawn: bool) {
         self.line = drawn;
         if drawn {
@@ -316,7 +319,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Lets the motion go on from where it stands.
+    /// Lets the motion go on from its place.
     ///
     /// # Errors
     /// While the stop line is drawn.
@@ -332,10 +335,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(())
     }
 
-    /// Leaves a fault behind, and the path with it.
+    /// Leaves a fault and drops the path.
     ///
     /// # Errors
-    /// Unless faulted.
+    /// If not faulted.
     pub fn clear(&mut self) -> Result<(), Denial> {
         if self.state != State::Faulted {
             return Err(Denial::State);
@@ -345,13 +348,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.unload()
     }
 
-    /// The host was heard at `now`, microseconds.
+    /// Notes that the host was heard at `now`, microseconds.
     pub fn heard(&mut self, now: u64) {
         self.heard = self.heard.max(now);
     }
 
-    /// Where a hinge is, radians. Hinges may be measured in any order and at any pace; the worst counts until it
-    /// is measured again.
+    /// Takes the measured angle of a hinge, radians. Hinges may be measured in any order and at any pace; the one
+    /// farthest from its command counts until it is measured again.
     pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
         let Some(commanded) = self.hinge(membership) else {
             return;
@@ -360,7 +363,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if distance <= self.lag.distance && hinge != self.lag.hinge {
             return;
         }
-        // In a fault the hinge that stalled is not forgotten.
+        // In a fault the hinge that stalled is kept.
         if self.state != State::Faulted {
             let distance = if distance.is_finite() {
                 distance
@@ -371,9 +374,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Moves on to `now`, microseconds; time that has passed already does not pass again.
+    /// Moves on to `now`, microseconds. Time that has already passed does not pass again.
     ///
-    /// Cost: a cubic and its derivative a group; where a knot is passed, also the curves behind it.
+    /// Cost: a cubic and its derivative for each group; when a knot is passed, also the curves of the next segment.
     pub fn tick(&mut self, now: u64) {
         let passed = now.saturating_sub(self.now);
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
@@ -394,7 +397,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.settle(goal);
     }
 
-    /// Looks after the host and the hinges.
+    /// Checks for a silent host and for a stalled hinge.
     fn watch(&mut self) {
         let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
         if silent && self.latch == Reason::None {
@@ -413,7 +416,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// The rate that the clock should have.
+    /// Returns the rate that the clock should have.
     fn goal(&self) -> T {
         let Options { lag, most_lag, .. } = self.options;
         let distance = self.lag.distance;
@@ -427,12 +430,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Commands no rate.
+    /// Commands rates of 0.
     fn still(&mut self) {
         self.rates = [T::zero(); GROUPS];
     }
 
-    /// The state after a tick that had this goal.
+    /// Sets the state after a tick with this goal of the rate.
     fn settle(&mut self, goal: T) {
         let rests = self.clock.rate() <= T::zero();
         let dry = self.left() <= T::zero();

@@ -1,4 +1,4 @@
-//! The part of a path that is known, and a place on it.
+//! The queue of setpoints: the known part of a path, and a place on it.
 
 use heapless::Deque;
 
@@ -6,19 +6,20 @@ use crate::acceptance::{Refusal, Setpoint, SheetView};
 use crate::follower::Place;
 use crate::{Curve, Interpolation, Scalar};
 
-/// Setpoints, of which the first is at the place or before it.
+/// Setpoints of the path; the place lies on the segment behind the first one.
 #[derive(Clone, Debug)]
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
     groups: usize,
-    /// Smallest and largest angle of each group, and its speed.
+    /// Smallest angle, largest angle and largest speed of each group.
     bounds: [[T; 3]; GROUPS],
     setpoints: Deque<Setpoint<T, GROUPS>, KNOTS>,
-    /// The segment behind the first setpoint, its seconds, and how many of them have passed.
+    /// Segment behind the first setpoint: its curves, its duration (`span`) and the part of it that has passed
+    /// (`into`), seconds.
     curves: [Curve<T>; GROUPS],
     span: T,
     into: T,
-    /// What rounding has kept from `into`.
+    /// Seconds that rounding has kept out of `into` (compensated summation).
     carry: T,
 }
 
@@ -36,13 +37,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// Forgets the setpoints.
+    /// Forgets all setpoints.
     pub(super) fn clear(&mut self) {
         self.setpoints.clear();
         (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
     }
 
-    /// A path on this sheet, of which the first `into` seconds have passed.
+    /// Begins a path on this sheet, of which the first `into` seconds behind the first setpoint have passed.
     pub(super) fn begin(&mut self, sheet: &SheetView<'_, T>, into: T) {
         self.clear();
         self.interpolation = sheet.interpolation;
@@ -68,12 +69,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         Ok(())
     }
 
-    /// Whether the place is on the first segment, or at the first setpoint.
+    /// Returns `true` if the place is on the first segment, or at the first setpoint.
     pub(super) fn begins(&self) -> bool {
         self.into.is_zero() || self.into > T::zero() && self.into < self.span
     }
 
-    /// The place, if there is a setpoint.
+    /// Returns the place, if there is a setpoint.
     pub(super) fn place(&self) -> Option<Place<T>> {
         self.setpoints.front().map(|first| Place {
             knot: first.number,
@@ -81,7 +82,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         })
     }
 
-    /// Seconds from the place to the last setpoint, as far as there is a number for them.
+    /// Returns the seconds from the place to the last setpoint, at most the largest number.
     pub(super) fn left(&self) -> T {
         match (self.setpoints.front(), self.setpoints.back()) {
             (Some(first), Some(last)) => {
@@ -92,15 +93,16 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// Goes `step` seconds further, to the last setpoint at the most.
+    /// Advances the place by `step` seconds, at most to the last setpoint.
     pub(super) fn advance(&mut self, step: T) {
         if step <= T::zero() {
             return;
         }
-        // What is left may be less than the rounding of the place.
+        // The path time left may be less than the rounding of the place.
         let left = self.left();
         let arrived = left - step <= T::EPSILON * left.max(self.into);
-        // What is carried may be more than a short step, behind a knot where the place is finer; it never goes back.
+        // Behind a knot the place is resolved more finely, so that the carry may be larger than a short step; the place
+        // never goes back.
         let (before, step) = (self.into, step + self.carry);
         self.into = (self.into + step).max(before);
         self.carry = step - (self.into - before);
@@ -114,7 +116,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// Makes the curves of the segment behind the first setpoint; it has no time where there is none.
+    /// Makes the curves of the segment behind the first setpoint. Its duration is 0 if there is no such segment.
     fn enter(&mut self) {
         self.span = T::zero();
         let mut ahead = self.setpoints.iter();
@@ -127,7 +129,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// The angles of the place in `angles`, within their bounds, which rounding could leave between knots.
+    /// Writes the angles at the place into `angles`, clamped to their bounds, which rounding could leave between knots.
     pub(super) fn angles(&self, mut angles: [T; GROUPS]) -> [T; GROUPS] {
         if self.into > T::zero() {
             let place = self.into / self.span;
@@ -143,14 +145,14 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         angles
     }
 
-    /// The rates of the place, within the groups' speed, where so many seconds of the path pass in one of the world.
+    /// Returns the rates at the place, clamped to each group's speed; `clock` is the seconds of the path in a second.
     pub(super) fn rates(&self, clock: T) -> [T; GROUPS] {
         let mut rates = [T::zero(); GROUPS];
         if self.span > T::zero() {
             let place = self.into / self.span;
             let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
             for (rate, (curve, [.., speed])) in rates.iter_mut().zip(curves) {
-                // Over the shortest of times rounding alone is fast.
+                // On a very short segment, rounding alone makes a fast rate.
                 let [slope, _] = curve.derivatives(place);
                 *rate = (slope * clock / self.span).max(-*speed).min(*speed);
             }

@@ -1,4 +1,4 @@
-//! What a follower does, why, and what it is told.
+//! The states of a follower, the reasons for slowing or holding, its options, and its answers to commands.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::acceptance::Refusal;
 use crate::path_clock::ClockLimits;
 
-/// What a follower does.
+/// State of a follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum State {
     /// There is no path.
@@ -24,23 +24,23 @@ pub enum State {
     Faulted,
 }
 
-/// Why a follower does not run at full speed.
+/// Reason why a follower does not run at full speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reason {
-    /// Nothing keeps it.
+    /// Nothing slows or holds the motion.
     #[default]
     None,
-    /// The host asked for it.
+    /// The host asked to hold.
     Asked,
     /// The queue has run dry.
     Underrun,
     /// The host has been silent for too long.
     Silence,
-    /// This hinge lags.
+    /// This hinge lags behind its command.
     Lag(u32),
-    /// The stop line.
+    /// The stop line was drawn.
     StopLine,
-    /// Another host has come.
+    /// Another host has opened a session.
     Session,
     /// A setpoint was refused.
     Refused(Refusal),
@@ -48,14 +48,14 @@ pub enum Reason {
     Stalled(u32),
 }
 
-/// Why a command is not carried out.
+/// Reason why a command is not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Denial {
-    /// Not in this state.
+    /// The command is not allowed in this state.
     State,
-    /// The sheet moves.
+    /// The sheet is moving.
     Moving,
-    /// The sheet has more groups than there is room for, or none.
+    /// The sheet has more groups than there is room for, no group, or other groups than those that stand.
     Groups,
     /// No setpoint is queued.
     Empty,
@@ -63,35 +63,37 @@ pub enum Denial {
     Place,
     /// This group stands too far from the beginning of the path.
     Jump(u16),
-    /// The stop line is drawn, or no one has asked to go on since something held the motion.
+    /// The stop line is drawn, or something held the motion and nobody has asked to resume since.
     Held,
 }
 
 /// A place on a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Place<T> {
-    /// Number of the knot at it or before it.
+    /// Number of the last knot at or before the place.
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,
 }
 
-/// Options of a [`Follower`](crate::follower::Follower). Times in microseconds.
+/// Options of a [`Follower`](crate::follower::Follower). Times are microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<T> {
-    /// How fast the path clock may change. An acceleration of a hinge grows by at most its speed times this.
+    /// Limits on the change of the path clock's rate. They add at most the hinge's speed times this to the acceleration
+    /// of a hinge.
     pub clock: ClockLimits<T>,
     /// Silence of the host after which the motion holds.
     pub silence: u32,
-    /// No tick passes for longer than this.
+    /// Longest time that one tick lets pass.
     pub longest_tick: u32,
-    /// Distance between a hinge and its command from which on the clock slows, radians.
+    /// Distance between a hinge and its command above which the clock slows, radians.
     pub lag: T,
-    /// Distance from which on it holds. Braking takes the command on by up to speed / (2 · brake).
+    /// Distance between a hinge and its command from which on the motion holds, radians. Braking moves the command on
+    /// by up to speed / (2 · brake).
     pub most_lag: T,
-    /// Time that a hinge may lag by so much before the motion fails.
+    /// Time for which a hinge may lag by `most_lag` before the motion fails.
     pub stall: u32,
-    /// How far each group may stand from where a path begins, radians.
+    /// Largest distance of a group from the beginning of a path at which the path may start, radians.
     pub jump: T,
 }
 

@@ -1,18 +1,18 @@
-//! Consistent overhead byte stuffing (S. Cheshire, M. Baker, 1999): frames without zeros, ended by one.
+//! Consistent overhead byte stuffing (S. Cheshire, M. Baker, 1999): frames that hold no zero and end with one.
 //!
-//! A block is a code c and c − 1 bytes that are not 0; behind it the frame has a 0, unless c is 255 or the
-//! frame ends.
+//! A block is a code c and c − 1 bytes that are not 0. A block stands for its bytes and a 0 behind them, unless c is
+//! 255 or the frame ends.
 
-/// The longest run without a zero in one block.
+/// Longest run of bytes without a zero in one block.
 const RUN: usize = 254;
 
-/// Length of a frame of `length` bytes on the line, at the most, with the zero that ends it.
+/// Returns the largest length on the line of a frame of `length` bytes, with the zero that ends it.
 #[must_use]
 pub const fn longest(length: usize) -> usize {
     length + length / RUN + 2
 }
 
-/// Hands the bytes of a frame to `sink`, with the zero that ends it. Cost: proportional to its length.
+/// Hands the encoded bytes of a frame to `sink`, with the zero that ends it. Cost: proportional to its length.
 pub fn encode(payload: &[u8], mut sink: impl FnMut(u8)) {
     for run in payload.split(|&byte| byte == 0) {
         let mut rest = run;
@@ -30,16 +30,16 @@ pub fn encode(payload: &[u8], mut sink: impl FnMut(u8)) {
     sink(0);
 }
 
-/// Finds frames of at most `N` bytes in a stream of bytes.
+/// Decodes frames of at most `N` bytes from a stream of bytes.
 #[derive(Clone, Debug)]
 pub struct Deframer<const N: usize> {
     buffer: [u8; N],
     length: usize,
-    /// Bytes of the block that are still to come.
+    /// Number of bytes of the current block that are still to come.
     left: u8,
-    /// Whether a zero lies between the block and the next.
+    /// `true` if a zero lies between the current block and the next.
     zero: bool,
-    /// Whether the frame is longer than there is room for.
+    /// `true` if the frame is longer than `N` bytes.
     overlong: bool,
 }
 
@@ -56,8 +56,8 @@ impl<const N: usize> Default for Deframer<N> {
 }
 
 impl<const N: usize> Deframer<N> {
-    /// Takes a byte; returns the frame that it ends, if that is whole and not empty. Whatever came before the
-    /// last zero is forgotten.
+    /// Takes a byte; returns the frame that it ends, if the frame is whole and not empty. Forgets whatever came before
+    /// the last zero.
     pub fn push(&mut self, byte: u8) -> Option<&[u8]> {
         if byte == 0 {
             let whole = self.left == 0 && !self.overlong;

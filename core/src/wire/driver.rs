@@ -1,5 +1,5 @@
-//! What a host does with a controller: sends a path from where it is to begin, starts it, and goes on when something
-//! held it, as far as its [`Persistence`] says.
+//! The policy of a host: sends a path from the place where it is to begin, starts it, and resumes when something held
+//! it, as far as its [`Persistence`] says.
 
 use crate::follower::{Place, Reason, State};
 use crate::wire::cobs::Deframer;
@@ -7,29 +7,31 @@ use crate::wire::message::{Command, Item, Report, ToHost};
 use crate::wire::path::PathItems;
 use crate::wire::sender::{Options, Phase, Sender, Source};
 
-/// Microseconds for which what was answered is looked at before something else is asked.
+/// Time between two commands, microseconds. Meanwhile reports show what the first one has done.
 const PATIENCE: u64 = 100_000;
-/// Longest frame from a controller, in bytes.
+/// Length of the longest frame from a controller, bytes.
 const FRAME: usize = 512;
 
-/// After what a path is taken up. All go on after a silence, and after what held an earlier session.
+/// Events after which a host resumes a path. Every variant resumes after a silence, and after whatever held an earlier
+/// session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Persistence {
     /// Begins at the start of the path. A stop line or a fault is the end.
     #[default]
     None,
-    /// Begins where the sheet stands, after a stop line or a fault too. One that comes later is the end.
+    /// Begins at the place where the sheet stands, even after a stop line or a fault. A later stop line or fault is the
+    /// end.
     Resume,
-    /// As before, and goes on after each stop line, and leaves each fault behind.
+    /// As [`Resume`](Persistence::Resume), and resumes after every stop line and clears every fault.
     Always,
 }
 
-/// What is sent: nothing until it is known where to begin.
+/// Items to send: none until it is known where to begin.
 #[derive(Clone, Copy, Debug)]
 struct Begun<'a>(Option<PathItems<'a>>);
 
 impl Begun<'_> {
-    /// Items before the first setpoint.
+    /// Returns the number of items before the first setpoint.
     fn head(&self) -> Option<u64> {
         self.0.map(|items| items.head() as u64)
     }
@@ -41,7 +43,7 @@ impl Source for Begun<'_> {
     }
 }
 
-/// The policy of a host over a [`Sender`].
+/// A host: its policy over a [`Sender`].
 #[derive(Clone, Debug)]
 pub struct Driver<'a> {
     sender: Sender,
@@ -49,7 +51,7 @@ pub struct Driver<'a> {
     persistence: Persistence,
     path: PathItems<'a>,
     begun: Begun<'a>,
-    /// Whether the place that the controller told is not on the path.
+    /// Place that the controller told, if it is not on the path.
     astray: Option<Place<f32>>,
     started: bool,
     stopping: bool,
@@ -57,7 +59,7 @@ pub struct Driver<'a> {
 }
 
 impl<'a> Driver<'a> {
-    /// A host that sends this path, of all its knots. For `id`, see [`Sender::new`].
+    /// Creates a host that sends all knots of this path. For `id`, see [`Sender::new`].
     #[must_use]
     pub fn new(path: PathItems<'a>, persistence: Persistence, id: u32, options: Options) -> Self {
         Self {
@@ -73,44 +75,44 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// The end of the line.
+    /// Returns the host's end of the line.
     #[must_use]
     pub fn sender(&self) -> &Sender {
         &self.sender
     }
 
-    /// Number of setpoints that the controller has taken.
+    /// Returns the number of setpoints that the controller has taken.
     #[must_use]
     pub fn setpoints(&self) -> u64 {
         let head = self.begun.head().unwrap_or(u64::MAX);
         self.sender.acknowledged().saturating_sub(head)
     }
 
-    /// Number of the knot that was sent first.
+    /// Returns the number of the knot that was sent first.
     #[must_use]
     pub fn first_knot(&self) -> u64 {
         self.begun.0.map_or(0, |items| items.first() as u64)
     }
 
-    /// The place where the sheet stands, if it is none of the path.
+    /// Returns the place where the sheet stands, if it is not on the path.
     #[must_use]
     pub fn astray(&self) -> Option<Place<f32>> {
         self.astray
     }
 
-    /// Whether the path was sent whole, and the controller is at its end.
+    /// Returns `true` if the whole path was sent, and the controller is at its end.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.is_sent() && self.sender.report().is_some_and(|r| r.state == State::Done)
     }
 
-    /// Whether this path was started.
+    /// Returns `true` if this path was started.
     #[must_use]
     pub fn is_started(&self) -> bool {
         self.started
     }
 
-    /// From now on slows the motion down and holds it, instead of going on.
+    /// From now on slows the motion down and holds it, instead of resuming it.
     pub fn stop(&mut self) {
         (self.stopping, self.asked) = (true, None);
     }
@@ -127,7 +129,7 @@ impl<'a> Driver<'a> {
         Some(message)
     }
 
-    /// The next frame for the line, in `buffer`, as [`Sender::poll`] gives it.
+    /// Writes the next frame for the line to `buffer`, as [`Sender::poll`] gives it.
     pub fn poll<'b>(
         &mut self,
         now: u64,
@@ -149,8 +151,8 @@ impl<'a> Driver<'a> {
         self.sender.poll(now, &self.begun, scratch, buffer)
     }
 
-    /// Chooses where to begin, once the sheet is at rest: while it moves on an old path, there is no room, and the
-    /// place is not the last. A fault has to be left behind before.
+    /// Chooses the place to begin at, once the sheet is at rest. While the sheet moves on an old path there is no room,
+    /// and the place told is not the last one. A fault has to be cleared before.
     fn begin(&mut self, report: &Report) {
         let rests = report.limit != report.next && report.state != State::Faulted;
         if self.begun.0.is_some() || !rests || self.stopping {
@@ -164,20 +166,20 @@ impl<'a> Driver<'a> {
         self.astray = self.begun.0.is_none().then_some(place);
     }
 
-    /// Whether all items were sent and have come.
+    /// Returns `true` if all items were sent and have come.
     fn is_sent(&self) -> bool {
         let items = self.begun.0.map(|items| items.len() as u64);
         items == Some(self.sender.acknowledged())
     }
 
-    /// What to ask for.
+    /// Returns the command to send next, if any.
     fn wanted(&self, report: &Report) -> Option<Command> {
         if self.stopping {
             let held = !matches!(
                 report.reason,
                 Reason::None | Reason::Underrun | Reason::Lag(_)
             );
-            // A start may be on its way to one that is ready.
+            // A controller that is ready may have a start on its way to it.
             let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
             return (under_way && !held).then_some(Command::Hold);
         }
@@ -193,11 +195,11 @@ impl<'a> Driver<'a> {
         let resumes = match report.reason {
             Reason::Silence | Reason::Session | Reason::Asked => true,
             Reason::StopLine => recovers,
-            // Of the path of an earlier session.
+            // The refused setpoint belongs to the path of an earlier session.
             Reason::Refused(_) => !self.started && report.refused.is_none(),
             _ => false,
         };
-        // The queue is as full as it can be.
+        // The controller's queue is as full as it can be.
         let full = self.is_sent() || report.limit == report.next;
         if resumes {
             Some(Command::Resume)

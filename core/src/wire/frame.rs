@@ -1,13 +1,13 @@
-//! A frame: the session, a message as postcard encodes it, and the CRC-32 of both.
+//! Frames: the session, a message as postcard encodes it, and the CRC-32 of both.
 
 use serde::{Deserialize, Serialize};
 
 use crate::checksum::checksum;
 
-/// Bytes of a frame beside its message.
+/// Number of bytes of a frame besides its message.
 pub const OVERHEAD: usize = 8;
 
-/// Writes a frame into `buffer` and returns it; nothing if there is no room.
+/// Writes a frame into `buffer` and returns it; `None` if there is no room.
 pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
     let (head, body) = buffer.split_first_chunk_mut::<4>()?;
     *head = session.to_le_bytes();
@@ -17,8 +17,8 @@ pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) ->
     buffer.get(..message + OVERHEAD)
 }
 
-/// The session and the message of a frame; nothing if the checksum is another, or the bytes are not those of
-/// one message.
+/// Returns session and message of a frame; `None` if the checksum differs, or if the bytes are not those of exactly one
+/// message.
 pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
     let (covered, sum) = frame.split_last_chunk::<4>()?;
     if checksum(covered).to_le_bytes() != *sum {

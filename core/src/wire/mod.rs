@@ -1,14 +1,14 @@
-//! How a host and a controller talk over a line that loses, changes, doubles and reorders bytes.
+//! The protocol between a host and a controller over a line that loses, changes, doubles and reorders bytes.
 //!
 //! Everything here is a pure state machine: bytes, frames and times come in as arguments, frames go out.
-//! `firmware-sim/PROTOCOL.md` has every byte and every rule.
+//! `firmware-sim/PROTOCOL.md` describes every byte and every rule.
 //!
 //! - [`cobs`]: frames from bytes; a lost byte costs one frame.
-//! - [`driver`]: what a host does, and when.
+//! - [`driver`]: the policy of a host, commands and their times.
 //! - [`frame`]: a session, a message and a CRC-32 in a frame.
-//! - [`message`]: what is said.
-//! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than
-//!   there is room for.
+//! - [`message`]: the messages.
+//! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than there is room
+//!   for.
 //! - [`path`]: a path and its sheet as items.
 //! - [`transmit`]: bytes that wait for the line; telemetry gives way to answers.
 

@@ -1,4 +1,4 @@
-//! A path and its sheet as items, and the bytes of their numbers.
+//! A path and its sheet as items for the line: encodes and decodes the bytes of their numbers.
 
 use core::num::NonZero;
 
@@ -8,16 +8,16 @@ use crate::wire::message::{Item, SetpointBytes, SheetHead};
 use crate::wire::sender::Source;
 use crate::{GroupId, GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
 
-/// Bytes of the limits of a group, and of a spoke.
+/// Bytes of the limits of a group (`LIMITS`) and of a spoke (`SPOKE`).
 const LIMITS: usize = 16;
 const SPOKE: usize = 10;
-/// Most groups, and most spokes, in an item: 128 and 120 bytes.
+/// Largest number of groups and of spokes in an item: 128 and 120 bytes.
 const MOST_LIMITS: usize = 8;
 const MOST_SPOKES: usize = 12;
-/// Most bytes of hinges in an item.
+/// Largest number of bytes of hinges in an item.
 const MOST_BYTES: usize = 128;
 
-/// The groups of a setpoint, of its bytes.
+/// Decodes the groups of a setpoint.
 pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item = Node<f32>> {
     let (numbers, _) = bytes.as_chunks::<4>();
     let groups = numbers.chunks_exact(interpolation.width());
@@ -31,7 +31,7 @@ pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item =
     })
 }
 
-/// The limits of a group, of their bytes.
+/// Decodes the limits of a group.
 #[must_use]
 pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
     let [mut lower, mut upper, mut speed, mut acceleration] = [[0; 4]; 4];
@@ -47,14 +47,15 @@ pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
     }
 }
 
-/// Bits of a hinge of a sheet of so many groups: as few as the numbers below twice that take.
+/// Returns the number of bits of a hinge's code in a sheet of `groups` groups: the fewest that hold all numbers below
+/// 2 · `groups`.
 #[must_use]
 pub fn hinge_bits(groups: u16) -> NonZero<usize> {
     let largest = (2 * u32::from(groups)).saturating_sub(1);
     NonZero::new((u32::BITS - largest.leading_zeros()) as usize).unwrap_or(NonZero::<usize>::MIN)
 }
 
-/// The codes of so many `bits` in these bytes, the lowest bits first; what is left of the last byte is dropped.
+/// Decodes hinge codes of `bits` bits each, the lowest bits first. Bits left over in the last byte are dropped.
 pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u16> {
     let bit = move |place: usize| {
         let byte = bytes.get(place / 8).copied().unwrap_or(0);
@@ -67,7 +68,7 @@ pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u
     (0..8 * bytes.len() / bits).map(code)
 }
 
-/// A hinge, of its code: twice its group, and 1 more if it turns the opposite way.
+/// Decodes a hinge: its code is twice its group, and 1 more if it turns the opposite way.
 #[must_use]
 pub fn hinge(code: u16) -> Membership {
     Membership {
@@ -76,7 +77,7 @@ pub fn hinge(code: u16) -> Membership {
     }
 }
 
-/// A spoke, and whether it is the last of its star, of its bytes.
+/// Decodes a spoke; the flag is `true` if it is the last of its star.
 #[must_use]
 pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
     let [c, d, x0, x1, x2, x3, y0, y1, y2, y3] = bytes;
@@ -90,7 +91,7 @@ pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
     (spoke, code & 2 == 2)
 }
 
-/// A path on a sheet, from a place on: items for a [`Sender`](crate::wire::sender::Sender).
+/// A path on a sheet, from a place on it: the items that a [`Sender`](crate::wire::sender::Sender) sends.
 #[derive(Clone, Copy, Debug)]
 pub struct PathItems<'a> {
     head: SheetHead,
@@ -102,11 +103,11 @@ pub struct PathItems<'a> {
 }
 
 impl<'a> PathItems<'a> {
-    /// A path on the sheet of these groups, hinges and essential vertices. `closure` is the largest residual that
-    /// its commanded configurations have, rounding included.
+    /// Creates the items of a path on the sheet of these groups, hinges and essential vertices.
     ///
-    /// Returns `None` if the numbers of groups differ, a hinge has no group, anything is more than 2¹⁴, or `place` is
-    /// not on the path.
+    /// `closure` is the largest residual that the path's commanded configurations have, rounding included. Returns
+    /// `None` if the numbers of groups differ, if a hinge has no group, if there are more than 2¹⁴ groups, hinges or
+    /// spokes, or if `place` is not on the path.
     #[must_use]
     pub fn new(
         path: TrajectoryView<'a, f32>,
@@ -141,7 +142,8 @@ impl<'a> PathItems<'a> {
         })
     }
 
-    /// Bytes of all limits, hinges and spokes, and the most of them in an item.
+    /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
+    /// item.
     fn bytes(&self) -> [(usize, usize); 3] {
         let SheetHead {
             groups,
@@ -152,7 +154,7 @@ impl<'a> PathItems<'a> {
         let bits = hinge_bits(groups);
         [
             (usize::from(groups) * LIMITS, MOST_LIMITS * LIMITS),
-            // Whole bytes of whole hinges.
+            // A multiple of `bits` bytes, so that whole codes fill whole bytes.
             (
                 (usize::from(hinges) * bits.get()).div_ceil(8),
                 MOST_BYTES / bits * bits.get(),
@@ -161,12 +163,12 @@ impl<'a> PathItems<'a> {
         ]
     }
 
-    /// Items of each kind of piece.
+    /// Returns the number of items of limits, of hinges and of spokes.
     fn counts(&self) -> [usize; 3] {
         self.bytes().map(|(all, most)| all.div_ceil(most))
     }
 
-    /// The same path from another place on; nothing if that is not on it.
+    /// Returns the items of this path from another place on; `None` if that place is not on it.
     #[must_use]
     pub fn at(self, place: Place<f32>) -> Option<Self> {
         let head = SheetHead { place, ..self.head };
@@ -178,25 +180,25 @@ impl<'a> PathItems<'a> {
         })
     }
 
-    /// Number of the knot of the first setpoint.
+    /// Returns the number of the knot of the first setpoint.
     #[must_use]
     pub fn first(&self) -> usize {
         self.first
     }
 
-    /// Number of items before the first setpoint: the sheet.
+    /// Returns the number of items before the first setpoint, which are those of the sheet.
     #[must_use]
     pub fn head(&self) -> usize {
         1 + self.counts().iter().sum::<usize>()
     }
 
-    /// Number of items.
+    /// Returns the number of items.
     #[must_use]
     pub fn len(&self) -> usize {
         self.head() + self.path.len() - self.first
     }
 
-    /// Never: there is at least the sheet.
+    /// Returns `false`: there is at least the sheet.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
@@ -221,7 +223,7 @@ impl<'a> PathItems<'a> {
         }))
     }
 
-    /// The codes of all hinges, one behind the other.
+    /// Encodes the codes of all hinges, one behind the other.
     fn hinge_bytes(&self) -> impl Iterator<Item = u8> {
         let bits = hinge_bits(self.head.groups);
         let bit = move |place: usize| {
@@ -233,7 +235,7 @@ impl<'a> PathItems<'a> {
         (0..(self.hinges.len() * bits.get()).div_ceil(8)).map(byte)
     }
 
-    /// The bytes of piece number `index` of a kind.
+    /// Writes the bytes of piece number `index` of a kind: 0 limits, 1 hinges, 2 spokes.
     fn piece<'b>(&self, kind: usize, index: usize, scratch: &'b mut [u8]) -> Option<&'b [u8]> {
         let (_, length) = *self.bytes().get(kind)?;
         let range = (index * length, length);
@@ -265,7 +267,7 @@ impl<'a> PathItems<'a> {
     }
 }
 
-/// Writes `length` bytes behind the first `from`, or as many as there are.
+/// Writes `length` bytes behind the first `from` to `scratch`, or as many as there are.
 fn part(
     bytes: impl Iterator<Item = u8>,
     (from, length): (usize, usize),
@@ -274,7 +276,7 @@ fn part(
     fill(scratch, bytes.skip(from).take(length))
 }
 
-/// Writes as much as there is; nothing if there is no room.
+/// Writes all bytes to `scratch`; `None` if there is no room.
 fn fill(scratch: &mut [u8], bytes: impl Iterator<Item = u8>) -> Option<&[u8]> {
     let mut length = 0;
     for byte in bytes {

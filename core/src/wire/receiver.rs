@@ -1,45 +1,45 @@
-//! The controller's end of the line.
+//! The controller's end of the line: takes frames in order and answers them.
 //!
-//! Answers are not queued: each is built from what is true when it leaves, so that a line that is full costs
-//! nothing but time.
+//! Answers are not queued. Each is built from the state at the time when it leaves, so that a full line costs nothing
+//! but time.
 
 use crate::follower::{Denial, Place, Reason, State};
 use crate::wire::frame;
 use crate::wire::message::{Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION};
 use crate::wire::sequence::ahead;
 
-/// What a frame brought.
+/// Content of a frame that the controller has to act on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
-    /// The item that is expected: [`Receiver::took`] or [`Receiver::refuse`] it.
+    /// The item that is expected; call [`Receiver::took`] or [`Receiver::refuse`].
     Item(Item<'a>),
-    /// A command not heard before: [`Receiver::answer`] it.
+    /// A command that was not heard before; call [`Receiver::answer`].
     Command(Command),
-    /// A sign of life, as any other frame of the session is.
+    /// A sign of life, as every other frame of the session is.
     Alive,
 }
 
-/// What the controller knows and the receiver does not.
+/// State of the controller for a report, which the receiver does not know itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
-    /// What the follower does.
+    /// State of the follower.
     pub state: State,
-    /// Why it does not run at full speed.
+    /// Reason why the follower does not run at full speed.
     pub reason: Reason,
-    /// Where on the path it is.
+    /// Place of the follower on the path.
     pub place: Place<f32>,
-    /// Items for which there is room.
+    /// Number of items for which there is room.
     pub room: u16,
 }
 
-/// A host and the session that it was offered or has.
+/// A host, and the session that was offered to it or is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peer {
     id: u32,
     session: u32,
 }
 
-/// What is to be said.
+/// Answers that are due.
 #[derive(Clone, Copy, Debug, Default)]
 struct Due {
     mismatch: Option<u32>,
@@ -58,7 +58,7 @@ pub struct Receiver {
     due: Due,
     next: u16,
     heard: u8,
-    /// Whether a later item came before the one expected, and whether that was said.
+    /// Gap before a later item: none, seen, or seen and already told to the host.
     gap: Gap,
     refused: Option<ItemRefusal>,
     command: u8,
@@ -73,8 +73,8 @@ enum Gap {
 }
 
 impl Receiver {
-    /// A receiver without a session. `boot` tells the sessions of this run of the controller from those of others:
-    /// a count of resets or a random number.
+    /// Creates a receiver without a session. `boot` tells the sessions of this run of the controller from those of
+    /// other runs: a count of resets or a random number.
     #[must_use]
     pub fn new(boot: u32) -> Self {
         Self {
@@ -92,18 +92,18 @@ impl Receiver {
         }
     }
 
-    /// The session that is open.
+    /// Returns the session that is open.
     #[must_use]
     pub fn session(&self) -> Option<u32> {
         self.open.map(|peer| peer.session)
     }
 
-    /// Whether a session has begun since this was last asked.
+    /// Returns `true` if a session has begun since the last call.
     pub fn opened(&mut self) -> bool {
         core::mem::take(&mut self.opened)
     }
 
-    /// Takes a frame, with room for so many items. What it brings has to be answered before the next frame.
+    /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
         let (session, message) = frame::open(bytes)?;
         if let ToDevice::Hello {
@@ -143,7 +143,7 @@ impl Receiver {
             self.due.mismatch = Some(id);
             return;
         }
-        // A greeting that comes twice is answered twice the same.
+        // A repeated greeting gets the same session again.
         let known = [self.open, self.offered].into_iter().flatten();
         let known = { known }.find(|peer| peer.id == id);
         let peer = known.unwrap_or_else(|| {
@@ -153,7 +153,7 @@ impl Receiver {
         self.due.welcome = Some(peer);
     }
 
-    /// A session for a host: neither 0 nor the one that is open.
+    /// Returns a new session for a host: neither 0 nor the open one.
     fn fresh(&mut self, id: u32) -> u32 {
         loop {
             self.greetings = self.greetings.wrapping_add(1);
@@ -164,7 +164,8 @@ impl Receiver {
         }
     }
 
-    /// Whether frames of that session count: those of the open one, and those of the one offered, which opens it.
+    /// Returns `Some` if frames of this session count: those of the open session, and those of the offered one, whose
+    /// first frame opens it.
     fn admit(&mut self, session: u32) -> Option<()> {
         if self.session() == Some(session) {
             return Some(());
@@ -186,9 +187,9 @@ impl Receiver {
     fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Event<'b> {
         match ahead(sequence, self.next) {
             0 if room > 0 => return Event::Item(item),
-            // One that came before: its acknowledgement was lost. Or there is no room.
+            // The item came before, and its acknowledgement was lost; or there is no room.
             ..=0 => self.due.report = true,
-            // What follows a refused item is no gap.
+            // Items behind a refused one are dropped: they are no gap.
             _ if self.gap == Gap::None && self.refused.is_none() => {
                 self.gap = Gap::Seen;
                 self.due.report = true;
@@ -198,31 +199,31 @@ impl Receiver {
         Event::Alive
     }
 
-    /// The item was taken.
+    /// Notes that the item was taken.
     pub fn took(&mut self) {
         self.next = self.next.wrapping_add(1);
         (self.gap, self.refused) = (Gap::None, None);
         self.due.report = true;
     }
 
-    /// The item was not taken. It stays the one that is expected.
+    /// Notes that the item was refused. It stays the one that is expected.
     pub fn refuse(&mut self, refusal: ItemRefusal) {
         self.refused = Some(refusal);
         self.due.report = true;
     }
 
-    /// The command was carried out, or not.
+    /// Notes that the command was carried out or denied.
     pub fn answer(&mut self, result: Result<(), Denial>) {
         self.command = self.command.wrapping_add(1);
         self.denied = result.err();
     }
 
-    /// Asks for a report: something has changed that the host should know.
+    /// Makes a report due: something has changed that the host should know.
     pub fn announce(&mut self) {
         self.due.report = self.open.is_some();
     }
 
-    /// The next answer, if there is one, in `buffer`. It stays due until [`sent`](Self::sent).
+    /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent).
     pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
         if let Some(id) = self.due.mismatch {
             let (version, schema) = (VERSION, SCHEMA);
@@ -244,7 +245,7 @@ impl Receiver {
         }
     }
 
-    /// What [`poll`](Self::poll) returned is on its way.
+    /// Notes that the answer of [`poll`](Self::poll) is on its way.
     pub fn sent(&mut self) {
         if self.due.mismatch.take().is_none()
             && self.due.welcome.take().is_none()

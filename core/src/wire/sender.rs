@@ -1,28 +1,29 @@
-//! The host's end of the line.
+//! The host's end of the line: sends items until they have come, and commands until they are answered.
 //!
-//! Go-back-N with cumulative acknowledgement: what is lost is sent again from the first item that has not come,
-//! when the controller says once that there is a gap, or when it has said nothing new for a while. Items are asked of
-//! a [`Source`] again instead of being kept.
+//! Go-back-N with cumulative acknowledgement: lost items are sent again from the first one that has not come, when the
+//! controller tells a gap (once) or has told nothing new for a while. The sender does not keep items, but asks a
+//! [`Source`] for them again.
 
 use crate::follower::Denial;
 use crate::wire::frame;
 use crate::wire::message::{Command, Item, Report, SCHEMA, ToDevice, ToHost, VERSION};
 use crate::wire::sequence::wrapped;
 
-/// What is to be sent.
+/// The items that are to be sent.
 pub trait Source {
-    /// Item number `index` from 0, its bytes in `scratch`; nothing behind the last, or if there is no room.
+    /// Returns item number `index`, from 0, with its bytes in `scratch`; `None` behind the last item, or if there is no
+    /// room.
     fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>>;
 }
 
-/// Options of a [`Sender`], in microseconds.
+/// Options of a [`Sender`]. Times are microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Time after which what was not acknowledged is sent again.
+    /// Time after which items and frames without an answer are sent again.
     pub retry: u64,
-    /// Longest time between two frames, if the last one was answered.
+    /// Longest time between two frames, if the last frame was answered.
     pub alive: u64,
-    /// Silence of the controller after which it is given up.
+    /// Silence of the controller after which the host gives up.
     pub silence: u64,
 }
 
@@ -36,12 +37,12 @@ impl Default for Options {
     }
 }
 
-/// How far a session is.
+/// Progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// The controller has not answered.
     Greeting,
-    /// It has offered a session.
+    /// The controller has offered a session.
     Offered,
     /// Items and commands go through.
     Open,
@@ -49,7 +50,7 @@ pub enum Phase {
     Failed(Failure),
 }
 
-/// Why there is no session.
+/// Reason why there is no session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The controller speaks this version of the protocol.
@@ -59,38 +60,39 @@ pub enum Failure {
         /// [`SCHEMA`] of the controller.
         schema: u32,
     },
-    /// The controller does not know the session any more: it was reset, or another host has come.
+    /// The controller no longer knows the session: it was reset, or another host has come.
     Lost,
     /// The controller is silent.
     Silent,
 }
 
-/// A command on its way.
+/// A command that was not answered yet.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     command: Command,
     sent: Option<u64>,
 }
 
-/// The state machine of the host's end.
+/// The state machine of the host's end of the line.
 #[derive(Clone, Debug)]
 pub struct Sender {
     options: Options,
     id: u32,
     phase: Phase,
     session: u32,
-    /// Items that have come, that are sent next, that were ever sent, and for which there is room.
+    /// Number of items that have come (`acked`), number of the item to send next (`next`), number of items ever sent
+    /// (`highest`), and number of the first item for which there is no room (`limit`).
     acked: u64,
     next: u64,
     highest: u64,
     limit: u64,
-    /// The gap that was answered last.
+    /// Item from which the last gap was sent again.
     rewound: Option<u64>,
     repeated: u64,
-    /// When the controller last took an item or the oldest one was sent.
+    /// Time when the controller last took an item, or when the oldest item under way was sent, microseconds.
     progress: u64,
     sent: Option<u64>,
-    /// Whether a report has since told of one more frame.
+    /// `true` if a report has told of one more frame since the last frame was sent.
     answered: bool,
     heard: Option<u64>,
     number: u8,
@@ -100,7 +102,7 @@ pub struct Sender {
 }
 
 impl Sender {
-    /// A host that wants a session. Its `id` is one that it has not used before, as a random number.
+    /// Creates a host that asks for a session. Its `id` is a number that it has not used before, such as a random one.
     #[must_use]
     pub fn new(id: u32, options: Options) -> Self {
         Self {
@@ -125,31 +127,31 @@ impl Sender {
         }
     }
 
-    /// How far the session is.
+    /// Returns the progress of the session.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// Items that have come.
+    /// Returns the number of items that have come.
     #[must_use]
     pub fn acknowledged(&self) -> u64 {
         self.acked
     }
 
-    /// Items that were sent again.
+    /// Returns the number of items that were sent again.
     #[must_use]
     pub fn repeated(&self) -> u64 {
         self.repeated
     }
 
-    /// What the controller said last. While it has refused an item, none are sent.
+    /// Returns the controller's last report. While it tells of a refused item, no items are sent.
     #[must_use]
     pub fn report(&self) -> Option<&Report> {
         self.report.as_ref()
     }
 
-    /// Asks for a command; `false` while the one before has not been answered.
+    /// Asks for a command; returns `false` while the command before has not been answered.
     pub fn command(&mut self, command: Command) -> bool {
         let free = self.pending.is_none();
         if free {
@@ -160,13 +162,13 @@ impl Sender {
         free
     }
 
-    /// How the last command ended; nothing while it is on its way.
+    /// Returns the result of the last command; `None` while it is on its way.
     #[must_use]
     pub fn answer(&self) -> Option<Result<(), Denial>> {
         self.answer
     }
 
-    /// Sends the refused item again, which its source has changed.
+    /// Sends the refused item again, after its source has changed it.
     pub fn amend(&mut self) {
         if let Some(report) = &mut self.report {
             report.refused = None;
@@ -174,8 +176,8 @@ impl Sender {
         self.next = self.acked;
     }
 
-    /// The next frame to send at `now`, microseconds, in `buffer`; nothing if it is not time, or the buffers are
-    /// too small.
+    /// Writes the next frame to send at `now`, microseconds, to `buffer`; `None` if it is not time yet, or if the
+    /// buffers are too small.
     pub fn poll<'b>(
         &mut self,
         now: u64,
@@ -196,7 +198,7 @@ impl Sender {
         frame::seal(session, &message, buffer)
     }
 
-    /// What to say at `now`, and in which session.
+    /// Returns the message to send at `now`, and its session.
     fn message<'s>(
         &mut self,
         now: u64,
@@ -234,7 +236,7 @@ impl Sender {
         (since(self.sent) >= pace).then_some((self.session, ToDevice::Alive))
     }
 
-    /// The item to send at `now`.
+    /// Returns the item to send at `now`.
     fn item<'s>(
         &mut self,
         now: u64,
@@ -260,7 +262,7 @@ impl Sender {
         Some((sequence, item))
     }
 
-    /// Takes a frame that came at `now`; returns the message if it is for this host.
+    /// Takes a frame that came at `now`, microseconds; returns the message if it is for this host.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], now: u64) -> Option<ToHost<'b>> {
         let (session, message) = frame::open(bytes)?;
         match message {
@@ -291,10 +293,10 @@ impl Sender {
         Some(message)
     }
 
-    /// Takes in a report unless it is older than what is known.
+    /// Takes in a report, unless it is older than the last one.
     fn learn(&mut self, report: Report, now: u64) -> Option<()> {
         let came = u64::from(report.next.wrapping_sub(wrapped(self.acked)));
-        // An old one seems to acknowledge what was never sent.
+        // An old report seems to acknowledge items that were never sent.
         if came > self.highest - self.acked {
             return None;
         }

@@ -1,12 +1,12 @@
-//! Numbers that wrap round.
+//! Sequence numbers modulo 2¹⁶: which of two comes first?
 
-/// By how much `number` is ahead of `other`, modulo 2¹⁶: negative if it lies less than half a round behind.
+/// Returns how far `number` is ahead of `other`, modulo 2¹⁶; negative if it lies less than half a round behind.
 #[inline]
 pub(crate) fn ahead(number: u16, other: u16) -> i16 {
     number.wrapping_sub(other).cast_signed()
 }
 
-/// The lowest 16 bits.
+/// Returns the lowest 16 bits.
 #[inline]
 pub(crate) fn wrapped(number: u64) -> u16 {
     let [a, b, ..] = number.to_le_bytes();

@@ -1,18 +1,18 @@
-//! Bytes that wait for the line.
+//! A ring buffer of bytes that wait for the line.
 
 use heapless::Deque;
 
 use crate::wire::cobs;
 
-/// A ring of `N` bytes between the program, which adds frames, and the line, which takes bytes. Adding never
-/// waits: what finds no room is not added.
+/// A ring buffer of `N` bytes between the program, which adds frames, and the line, which takes bytes. Adding never
+/// waits: a frame without room is not added.
 #[derive(Debug, Default)]
 pub struct Ring<const N: usize> {
     bytes: Deque<u8, N>,
 }
 
 impl<const N: usize> Ring<N> {
-    /// Adds a frame if it leaves `reserve` bytes free; returns whether it did.
+    /// Adds a frame if it leaves `reserve` bytes free; returns `true` if it did.
     pub fn add(&mut self, frame: &[u8], reserve: usize) -> bool {
         let free = N.saturating_sub(self.bytes.len());
         let fits = cobs::longest(frame.len()).saturating_add(reserve) <= free;
@@ -29,7 +29,7 @@ impl<const N: usize> Ring<N> {
         self.bytes.pop_front()
     }
 
-    /// Whether there is nothing to send.
+    /// Returns `true` if there is nothing to send.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()

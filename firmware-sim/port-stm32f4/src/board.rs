@@ -1,4 +1,4 @@
-//! A NUCLEO-F411RE that folds a sheet of four hinges. **Never tried on hardware.**
+//! The board of a port: a NUCLEO-F411RE that folds a sheet of four hinges. **Never tried on hardware.**
 //!
 //! | what | where |
 //! |---|---|
@@ -36,25 +36,27 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::timer::{CounterUs, PwmChannel};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Two groups and four hinges; the essential vertices of a Miura fold have four spokes.
+/// Room for two groups and four hinges. The essential vertices of a Miura fold have four spokes.
 type Controller = Application<Nucleo, Line, 2, 4, 4, 16>;
 
-/// Pulses of a servo at 0 and for a radian more, microseconds: a quarter turn each way.
+/// Pulse of a servo at angle 0 (`MIDDLE`) and its growth for each radian (`RADIAN`), microseconds. A servo turns a
+/// quarter turn each way.
 const MIDDLE: f32 = 1500.0;
 const RADIAN: f32 = 1000.0 / PI;
-/// Readings of a potentiometer at 0 and for a radian more. To be calibrated for each servo.
+/// Reading of a potentiometer at angle 0 (`ZERO`) and its growth for each radian (`READING`). Both have to be
+/// calibrated for each servo.
 const ZERO: f32 = 2048.0;
 const READING: f32 = 2048.0 / (PI / 2.0);
-/// Microseconds after which the clock begins anew, 71 minutes. It is asked in each round of the main loop.
+/// Microseconds after which the clock begins anew, 71 minutes. Each round of the main loop reads it.
 const PERIOD: u32 = u32::MAX;
 
 /// Bytes from the host that wait for the main loop.
 static INCOMING: Fifo<256> = Fifo::new();
-/// The receiver, for its interrupt alone.
+/// The receiver, which only its interrupt uses.
 static RECEIVER: Mutex<RefCell<Option<Rx<USART2>>>> = Mutex::new(RefCell::new(None));
 
 /// Records that a reset leaves as they are.
-// SAFETY: the section is not written at start, and a byte is one whatever is in it.
+// SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
 static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
 
@@ -69,7 +71,8 @@ fn USART2() {
     });
 }
 
-/// The line to the host: a queue that the interrupt fills, and the transmitter, asked for room before each byte.
+/// The line to the host: a queue that the interrupt fills, and the transmitter, which is asked for room before each
+/// byte.
 struct Line(Tx<USART2>);
 
 impl ErrorType for Line {
@@ -110,7 +113,7 @@ impl Write for Line {
     }
 }
 
-/// All else of the board.
+/// The rest of the board.
 struct Nucleo {
     clock: CounterUs<TIM5>,
     count: u32,
@@ -142,7 +145,7 @@ impl Board for Nucleo {
     fn drive(&mut self, hinge: u32, _: Membership, angle: f32) -> Option<f32> {
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
-        // A conversion takes 5 microseconds, for which it is waited.
+        // The read waits for the conversion, which takes 5 microseconds.
         let reading = match hinge {
             0 => {
                 servos.0.set_duty(pulse(angle));
@@ -187,7 +190,7 @@ impl Board for Nucleo {
     }
 }
 
-/// The pulse of a servo at this angle, microseconds.
+/// Returns the pulse of a servo at this angle (radians), microseconds.
 fn pulse(angle: f32) -> u16 {
     let pulse = (MIDDLE + RADIAN * angle).clamp(1000.0, 2000.0);
     #[allow(
@@ -199,7 +202,7 @@ fn pulse(angle: f32) -> u16 {
     pulse
 }
 
-/// The board with its clocks, timers and pins, and the line to the host.
+/// Sets up the board with its clocks, timers and pins, and the line to the host.
 fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
     let mut rcc = device.RCC.freeze(Config::hsi().sysclk(84.MHz()));
     let (a, b, c) = (
@@ -264,7 +267,7 @@ fn main() -> ! {
     SCB::sys_reset()
 }
 
-/// A panic, of which this hardware library has some, starts anew: what was commanded last is kept.
+/// Resets the board after a panic, of which this hardware library has some; the angles commanded last are kept.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     SCB::sys_reset()

@@ -1,18 +1,19 @@
-//! Cubics by their Bernstein coefficients, and what these say of one fold angle over a part of a segment.
+//! Cubics by their Bernstein coefficients: values (de Casteljau's algorithm), restriction to a part of a segment (polar
+//! form), and bounds on one fold angle over that part.
 
 use foldpath_core::{Curve, HalfAngle};
 
 use super::chebyshev::{RADII, Radius};
 
-/// The cubic with Bernstein coefficients `b` at `s`.
+/// Returns the value at `s` of the cubic with Bernstein coefficients `b`.
 ///
-/// Each of the three levels of de Casteljau's algorithm errs by a rounding of the larger coefficient
-/// and two of their difference.
+/// Each of the three levels of de Casteljau's algorithm errs by one rounding of the larger coefficient and two of the
+/// difference of two coefficients.
 pub(super) fn value(b: &[f64; 4], s: f64) -> f64 {
     blossom(b, [s, s, s])
 }
 
-/// The polar form of the cubic: affine in each argument, the cubic where all three are the same.
+/// Returns the polar form (blossom) of the cubic: affine in each argument, and the cubic where all arguments are equal.
 fn blossom([a, b, c, d]: &[f64; 4], s: [f64; 3]) -> f64 {
     let mix = |a: f64, b: f64, s: f64| a + (b - a) * s;
     let (ab, bc, cd) = (mix(*a, *b, s[0]), mix(*b, *c, s[0]), mix(*c, *d, s[0]));
@@ -20,7 +21,7 @@ fn blossom([a, b, c, d]: &[f64; 4], s: [f64; 3]) -> f64 {
     mix(abc, bcd, s[2])
 }
 
-/// Bernstein coefficients over a part of the segment.
+/// Returns the Bernstein coefficients of the cubic over the part `from..to` of the segment.
 pub(crate) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
     let ways = [
         [from, from, from],
@@ -31,7 +32,7 @@ pub(crate) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
     ways.map(|s| blossom(b, s))
 }
 
-/// Largest coefficient, and largest difference of neighbours; infinite if one is no number.
+/// Returns the largest absolute coefficient and the largest difference of neighbours; infinite if one is not finite.
 pub(super) fn sizes(b: &[f64; 4]) -> [f64; 2] {
     let finite = b.iter().all(|b| b.is_finite());
     let size = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
@@ -40,7 +41,7 @@ pub(super) fn sizes(b: &[f64; 4]) -> [f64; 2] {
     sizes.map(|size| if finite { size } else { f64::INFINITY })
 }
 
-/// Chebyshev coefficients over the interval that the Bernstein coefficients refer to.
+/// Returns the Chebyshev coefficients over the interval that the Bernstein coefficients refer to.
 fn chebyshev([a, b, c, d]: &[f64; 4]) -> [f64; 4] {
     let first = 3.0 * (b - a);
     let second = 3.0 * ((c - b) - (b - a));
@@ -53,20 +54,20 @@ fn chebyshev([a, b, c, d]: &[f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// What is known of one fold angle over a part of a segment.
+/// Bounds on one fold angle over a part of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    /// No |c + n i| is less; 1 where the curve is of the angle itself.
+    /// Lower bound on |c + n i|; 1 if the curve is of the angle itself.
     pub(super) least: f64,
-    /// Bound on the error of [`sample`](Self::sample): of the unit quaternion of a fold.
+    /// Bound on the error of [`sample`](Self::sample): the error of the unit quaternion of a fold.
     pub(super) rounding: f64,
-    /// For each Bernstein ellipse a bound on the logarithm of the norm of the fold's quaternion, over
-    /// `least`, for complex parameters in it.
+    /// For each Bernstein ellipse, a bound on the logarithm of the norm of the fold's quaternion, over `least`, for
+    /// complex parameters in the ellipse.
     pub(super) growth: [f64; RADII],
 }
 
 impl Piece {
-    /// Of `curve` over a part of the segment. `least` is not above 0 where nothing is known.
+    /// Bounds `curve` over a part of the segment. `least` is not above 0 if nothing can be bounded.
     pub(super) fn new(curve: &Curve<f64>, part: [f64; 2], radii: &[Radius; RADII]) -> Self {
         match curve {
             Curve::Angle(angle) => {
@@ -106,7 +107,7 @@ impl Piece {
         }
     }
 
-    /// Half angle at `s`, and |c + n i| over `least`.
+    /// Returns the half angle at `s`, and |c + n i| over `least`.
     pub(super) fn sample(&self, curve: &Curve<f64>, s: f64) -> (HalfAngle<f64>, f64) {
         match curve {
             Curve::Angle(angle) => (HalfAngle::of(value(angle, s)), 1.0),
@@ -123,12 +124,13 @@ impl Piece {
     }
 }
 
-/// What a few sums of coefficients of this size lose by rounding.
+/// Returns a bound on the rounding error of a few sums of coefficients of this size.
 pub(super) fn lost(size: f64) -> f64 {
     16.0 * f64::EPSILON * size
 }
 
-/// A lower bound on |c + n i|: of all control points in the direction half way from the first to the last.
+/// Returns a lower bound on |c + n i|: the least component of a control point along the direction half way between the
+/// first and the last control point.
 pub(super) fn least(cos: &[f64; 4], sin: &[f64; 4]) -> f64 {
     let unit = |k: usize| {
         let size = cos[k].hypot(sin[k]);

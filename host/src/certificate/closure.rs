@@ -1,46 +1,47 @@
 //! Bounds on the closure residuals of stars and loops over a whole segment.
 //!
-//! Round a vertex the quaternions c + n (cos α, sin α, 0) are multiplied, with (c, n) either the half
-//! angle (cos ρ/2, sin ρ/2) of a cubic ρ, or cubics themselves. Either way their product is an analytic
-//! function of s without any pole, and as a complex matrix each is of norm max |c ± n i|, which the
-//! Chebyshev coefficients of the cubics bound on an ellipse. So [`chebyshev`](super::chebyshev) gives a
-//! bound on the vector part V from its values at some points. The residual is 2 |V| over the norm of the
-//! product, of which the least is known. Where weights vary much over a segment, or angles turn far, the
-//! segment is halved.
+//! The misclosure of a vertex is a product of quaternions c + n (cos α, sin α, 0), one for each crease, with (c, n)
+//! either the half angle (cos ρ/2, sin ρ/2) of a cubic ρ, or cubics themselves. Either way the product is an analytic
+//! function of s without any pole. As a complex matrix each factor has the norm max |c ± n i|, which the Chebyshev
+//! coefficients of the cubics bound on an ellipse. So [`chebyshev`](super::chebyshev) gives a bound on the vector part
+//! V from its values at some points. The residual is 2 |V| over the norm of the product, of which a lower bound is
+//! known. The segment is halved if weights vary much over it or angles turn far.
 //!
-//! The translation of a loop is a sum of differences of places rotated by products of the same
-//! quaternions, of twice the degree: the rest is the same.
+//! The translation of a loop is a sum of differences of places rotated by products of the same quaternions, of twice
+//! the degree. It is bounded in the same way.
 
 use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
 
-/// The error of the polynomials where it can be had: below all roundings.
+/// Error of the polynomials, as a residual, for which the number of points is chosen: below all rounding. If no number
+/// of points reaches it, the largest one is used.
 const ERROR: f64 = 1e-16;
-/// A part of the segment is halved while a bound is this many times what was seen in the segment.
+/// Ratio of a bound to the largest residual seen in the segment above which a part is halved.
 const LOOSE: f64 = 1.5;
-/// Below this it is not: this is rounding.
+/// Bound up to which a part is never halved, as it is rounding.
 const ROUNDING: f64 = 1e-13;
-/// Parts are no shorter than 2^-8 of the segment.
+/// Largest number of halvings: parts are no shorter than 2^-8 of the segment.
 const HALVINGS: u8 = 8;
-/// Roundings of a product of two quaternions, in ε: each of its components sums four products of at
-/// most four roundings each, half of ε; the norm of |c|, |x|, |y| is at most √3.
+/// Rounding of a product of two quaternions, in ε: each of its components sums four products of at most four roundings
+/// of ε/2 each; the norm of |c|, |x|, |y| is at most √3.
 const PRODUCT: f64 = 3.5;
-/// Rounding counts twice: in the values here, and for those who evaluate the same motion.
+/// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
 const TWICE: f64 = 2.0;
 
-/// Bounds over a segment; infinite where nothing can be said, as of curves that are not finite.
+/// Bounds on the closure residuals over a segment; infinite if nothing can be bounded, as for curves that are not
+/// finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closure<'a> {
-    /// For each star on the norm of its residual r.
+    /// For each star, a bound on the norm of its residual r.
     pub stars: &'a [f64],
-    /// For each loop on the norms of the residuals of its rotation and of its translation.
+    /// For each loop, bounds on the norms of the residuals of its rotation and of its translation.
     pub loops: &'a [[f64; 2]],
 }
 
 impl Closure<'_> {
-    /// The largest of all.
+    /// Returns the largest of all bounds.
     #[must_use]
     pub fn worst(&self) -> f64 {
         let loops = self.loops.iter().flatten();
@@ -48,19 +49,20 @@ impl Closure<'_> {
     }
 }
 
-/// One residual over a part of the segment.
+/// Bounds on one residual over a part of the segment.
 #[derive(Clone, Copy, Debug)]
 struct Condition {
-    /// ln M for each ellipse.
+    /// ln M for each Bernstein ellipse.
     growth: [f64; RADII],
-    /// Bound on the error of a value by rounding.
+    /// Bound on the rounding error of a value.
     rounding: f64,
-    /// Largest residual seen, and largest product of one and of the norms of its quaternions.
+    /// Largest residual seen at the points.
     seen: f64,
+    /// Largest product of a residual seen and the norms of its quaternions, each over its lower bound.
     largest: f64,
 }
 
-/// Memory for certificates of one segment after the other.
+/// Workspace that certifies one segment after the other.
 #[derive(Clone, Debug)]
 pub struct SegmentCertifier {
     radii: [Radius; RADII],
@@ -91,12 +93,11 @@ impl Default for SegmentCertifier {
 }
 
 impl SegmentCertifier {
-    /// Bounds on the residuals of all stars and loops while each group turns along its curve; a spoke
-    /// whose group has none stays flat.
+    /// Bounds the residuals of all stars and loops while each group turns along its curve. A spoke whose group has no
+    /// curve stays flat.
     ///
-    /// Cost: 9 to 49 evaluations, times the number of parts that the segment is halved into: 1 where no
-    /// angle turns by more than about ten degrees, at most 256. Allocates only while it meets larger
-    /// sheets than before.
+    /// Cost: 9 to 49 evaluations for each part into which the segment is halved: 1 part if no angle turns by more than
+    /// about ten degrees, at most 256. Allocates only if a sheet is larger than all before.
     pub fn closure(
         &mut self,
         stars: StarsView<'_, f64>,
@@ -109,7 +110,7 @@ impl SegmentCertifier {
         self.loops.resize(loops.len(), [0.0; 2]);
         self.open.clear();
         self.open.push((0, 0));
-        // Of rotations, and of translations.
+        // Largest residuals seen: of rotations, and of translations.
         let mut seen = [0.0; 2];
         while let Some((depth, index)) = self.open.pop() {
             let length = 1.0 / f64::from(1_u32 << depth);
@@ -133,7 +134,7 @@ impl SegmentCertifier {
         }
     }
 
-    /// What is known of curves and conditions without evaluating any.
+    /// Bounds the curves and the growth of the conditions over a part without evaluating any condition.
     fn prepare(
         &mut self,
         stars: StarsView<'_, f64>,
@@ -154,7 +155,7 @@ impl SegmentCertifier {
         self.conditions.extend(rotations.chain(both));
     }
 
-    /// The fewest points that serve every condition, or the most there are.
+    /// Returns the index of the fewest points that serve every condition, or else of the most points.
     fn enough_points(&self) -> usize {
         let enough = |points: &Points| {
             let mut errors = self.conditions.iter();
@@ -164,7 +165,7 @@ impl SegmentCertifier {
         self.points.iter().position(enough).unwrap_or(last)
     }
 
-    /// Residuals at the points.
+    /// Evaluates the residuals at the points.
     fn evaluate(
         &mut self,
         stars: StarsView<'_, f64>,
@@ -205,7 +206,8 @@ impl SegmentCertifier {
         self.conditions = conditions;
     }
 
-    /// Whether every bound is near what was `seen` in the segment, of rotations and of translations.
+    /// Returns `true` if every bound is near the largest residual of its kind seen in the segment. `seen` has these for
+    /// rotations and for translations, and takes in those of this part.
     fn is_tight(&self, points: usize, seen: &mut [f64; 2]) -> bool {
         let kind = |index: usize| {
             usize::from(index >= self.stars.len() && (index - self.stars.len()) % 2 == 1)
@@ -222,7 +224,7 @@ impl SegmentCertifier {
         })
     }
 
-    /// Takes the bounds over a part into those over the segment.
+    /// Takes the bounds over a part into the bounds over the segment.
     fn accept(&mut self, points: usize) {
         let points = &self.points[points];
         let all = self.stars.iter_mut().chain(self.loops.iter_mut().flatten());
@@ -233,8 +235,8 @@ impl SegmentCertifier {
 }
 
 impl Condition {
-    /// Takes in a value at one of the points, where the norms of the quaternions, each over its least,
-    /// have the product `size`.
+    /// Takes in a residual at one of the points. `size` is the product of the norms of its quaternions, each over its
+    /// lower bound.
     fn see(&mut self, residual: f64, size: f64) {
         let residual = residual + self.rounding;
         self.seen = self.seen.max(residual);
@@ -247,7 +249,7 @@ impl Condition {
     }
 }
 
-/// What is known of the rotation of a star or a loop.
+/// Bounds the growth and the rounding of the rotation of a star or a loop.
 fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
     let mut growth = [core::f64::consts::LN_2; RADII];
     let mut rounding = 0.0;
@@ -263,20 +265,19 @@ fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
     }
     Condition {
         growth,
-        // r is twice the vector part.
+        // The residual r is twice the vector part.
         rounding: TWICE * 2.0 * rounding,
         seen: 0.0,
         largest: 0.0,
     }
 }
 
-/// What is known of the translation of the loop that turns like this.
+/// Bounds the growth and the rounding of the translation of a loop with this rotation.
 fn translation(turn: &Condition, places: &[[f64; 2]]) -> Condition {
     let reach: f64 = places.iter().map(|[x, y]| x.hypot(*y)).sum();
-    // Two rotated places a spoke, each by quaternions on both sides.
+    // Two rotated places for each spoke, each rotated by quaternions on both sides.
     let growth = |growth: f64| 2.0 * (growth - core::f64::consts::LN_2) + (2.0 * reach).ln();
-    // A rotated place is off by twice the error of the quaternion, and each sum by a rounding or two of
-    // all before.
+    // A rotated place is off by twice the error of the quaternion. Each sum adds a rounding or two of all terms before.
     let sums = TWICE * (24.0 + 4.0 * places.iter().map(|_| 1.0).sum::<f64>()) * f64::EPSILON;
     Condition {
         growth: turn.growth.map(growth),

@@ -1,10 +1,12 @@
-//! Bounds on the errors of the whole sheet over a segment, from folding it at some points.
+//! Bounds deformation, gap and twist of the whole sheet over a segment by folding the sheet at Chebyshev points.
 //!
-//! A face is turned by the product of the quaternions of the creases on its way from the root, and its corners lie
-//! where these take the lengths of that way. As in [`closure`](super::closure) all this is analytic, of a norm on
-//! ellipses that adds up along the way; and so are what two faces miss each other by at a vertex, how much the square
-//! of an edge's length is off, and the vector part of what two faces at an edge are off its fold angle. Bounds on vertices
-//! know nothing of how errors of one undo those of another; this is what they add up to.
+//! A face is rotated by the product of the quaternions of the creases on its path from the root of the spanning tree,
+//! and its corners are sums of the lengths on that path, rotated by these products. As in [`closure`](super::closure)
+//! these are analytic functions, and the logarithms of their norms on ellipses add up along the path. So are the three
+//! errors that are bounded: the distance between the positions that two faces give a vertex, the error of the square of
+//! an edge's length, and the vector part of the rotation by which two faces at an edge are off its fold angle. Bounds
+//! on single vertices (`sheet.rs`) have to add up, although errors of one vertex may cancel those of another; the
+//! bounds here are on the sum.
 
 use foldpath_core::{Curve, Membership};
 
@@ -13,42 +15,47 @@ use super::chebyshev::{Points, RADII, Radius, radii};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, Step, rounding};
 use crate::pattern::CreasePattern;
 
-/// The error of the polynomials where it can be had, and as a part of what is enough.
+/// Polynomial error that is always small enough where the number of points is chosen.
 const ERROR: f64 = 1e-13;
+/// Polynomial error that is small enough, as a fraction of the bound that is enough.
 const PART: f64 = 0.01;
-/// A part of the segment is halved while a bound is this many times what was seen in the segment.
+/// Ratio of a bound to the largest error seen in the segment above which a part is halved.
 const LOOSE: f64 = 1.5;
-/// Parts are no shorter than 2^-8 of the segment.
+/// Largest number of halvings: parts are no shorter than 2^-8 of the segment.
 const HALVINGS: u8 = 8;
-/// Rounding counts twice: in the values here, and for those who evaluate the same motion.
+/// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
 const TWICE: f64 = 2.0;
-/// Roundings of a half angle, in ε, that [`rounding`] allows.
+/// Rounding of a half angle that [`rounding`] allows for, 16 ε.
 const HALF_ANGLE: f64 = 16.0 * f64::EPSILON;
-/// By how much more than along four trees a sheet may be torn along others, which no proof knows.
+/// Factor from bounds that are proved for four spanning trees to bounds for any tree, along which a sheet that does not
+/// close may be torn more. No proof knows this factor.
 const OTHER_TREES: f64 = 2.0;
 
-/// Gap, deformation and twist: each with ln M on the ellipses, and how many weights of faces it is to be multiplied by.
+/// For gap, deformation and twist: ln M on the ellipses, and the power of the faces' weights that values are multiplied
+/// by.
 type Growth = [([f64; RADII], f64); 3];
 
-/// Bounds deformation, gap and twist of a whole sheet, as [`FoldingMap::rigidity`] measures them where it is folded from
-/// its middle and from its rim, along rows or columns of its faces: one that does not close is torn elsewhere each time.
-/// Gives twice what is proved of these, for others.
+/// Bounds deformation, gap and twist of a whole sheet, as [`FoldingMap::rigidity`] measures them.
+///
+/// The sheet is folded along four spanning trees: from its middle and from its rim, along rows or columns of its faces.
+/// A sheet that does not close is torn elsewhere by each of them. The bounds are twice those that are proved for the
+/// four trees, to cover other trees.
 #[derive(Clone, Debug)]
 pub struct FoldingCertifier<'a>([Folded<'a>; 4]);
 
 impl<'a> FoldingCertifier<'a> {
-    /// Of a sheet whose creases turn as the groups of `memberships`. Cost: linear.
+    /// Makes the certifier of a sheet whose creases turn as the groups of `memberships`. Cost: linear.
     #[must_use]
     pub fn new(pattern: &'a CreasePattern, memberships: &'a [Membership]) -> Self {
         let trees = SpanningTree::diverse(pattern);
         Self(trees.map(|tree| Folded::new(pattern, tree, memberships)))
     }
 
-    /// Bounds over a segment that are no more than `most`; `None` if they are, or nothing can be said, as of curves that
-    /// are not finite. Those below half of it are not made finer.
+    /// Returns bounds over a segment that are at most `most`; `None` if they would be larger, or nothing can be
+    /// bounded, as for curves that are not finite. Bounds below half of `most` are not refined.
     ///
-    /// Cost: the sheet is folded 9 to 49 times each way, times the number of parts that the segment is halved
-    /// into: 1 where no way from the root to a face turns by more than some ten radians in all, at most 256.
+    /// Cost: the sheet is folded 9 to 49 times along each tree for each part into which the segment is halved: 1 part
+    /// if no path from the root to a face turns by more than some ten radians in all, at most 256.
     pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let most = most / OTHER_TREES;
         let worse = |worst: Rigidity, folded: &mut Folded<'_>| {
@@ -63,7 +70,7 @@ impl<'a> FoldingCertifier<'a> {
     }
 }
 
-/// A sheet folded from one face.
+/// A sheet folded along one spanning tree.
 #[derive(Clone, Debug)]
 struct Folded<'a> {
     pattern: &'a CreasePattern,
@@ -71,18 +78,20 @@ struct Folded<'a> {
     memberships: &'a [Membership],
     map: FoldingMap,
     rounding: Rigidity,
-    /// As of [`SpanningTree::reach`], and the shortest distance that panels hold.
+    /// Longest way from the root to a corner, as [`SpanningTree::reach`] has it.
     reach: f64,
+    /// Length of the shortest edge or diagonal.
     shortest: f64,
     radii: [Radius; RADII],
     points: [Points; 6],
     pieces: Vec<Piece>,
     angles: Vec<f64>,
     weights: Vec<f64>,
-    /// For each face the sum along its way.
+    /// For each face, the sum of the creases' growths along its path from the root.
     growths: Vec<[f64; RADII]>,
+    /// For each face, the sum of the logarithms of the creases' weights along its path from the root.
     sums: Vec<f64>,
-    /// How often rounding counts.
+    /// Factor on the bounds of [`rounding`].
     coarse: f64,
 }
 
@@ -138,7 +147,7 @@ impl<'a> Folded<'a> {
         (worst.worst() <= most).then_some(worst)
     }
 
-    /// What is known of a part without folding the sheet.
+    /// Bounds the growth of the three errors over a part without folding the sheet.
     fn prepare(&mut self, curves: &[Curve<f64>], part: [f64; 2]) -> Growth {
         let piece = |curve| Piece::new(curve, part, &self.radii);
         self.pieces.clear();
@@ -164,7 +173,7 @@ impl<'a> Folded<'a> {
         });
         let across = across.fold([0.0; RADII], larger);
         self.growths = growths;
-        // Where curves have weights, all places are made multiples of the same.
+        // If curves have weights, all positions are brought to a common denominator.
         let weighted = |curve: &Curve<f64>| matches!(curve, Curve::HalfAngle { .. });
         let weights = if curves.iter().any(weighted) {
             4.0
@@ -187,7 +196,7 @@ impl<'a> Folded<'a> {
         ]
     }
 
-    /// The group of the crease that a step crosses, or the crease's own number, if it turns.
+    /// Returns the group of the crease that a step crosses, or without groups the crease's own number, if it turns.
     fn piece_of(&self, step: &Step) -> Option<usize> {
         let crease = step.crease?.index();
         let group = self.memberships.get(crease).map(|of| of.group.index());
@@ -195,7 +204,8 @@ impl<'a> Folded<'a> {
         (group < self.pieces.len()).then_some(group)
     }
 
-    /// Bounds over a part, from as many points; notes the most that is seen there.
+    /// Bounds the errors over a part from their values at the set of points of index `points`. `seen` takes in the
+    /// largest values.
     fn bound(
         &mut self,
         curves: &[Curve<f64>],
@@ -245,7 +255,7 @@ impl<'a> Folded<'a> {
         }
     }
 
-    /// What a sheet may have for values of the functions, if this is measured of it.
+    /// Returns the values of the three analytic functions for a sheet with these measured errors, rounding included.
     fn values(&self, found: Rigidity) -> [f64; 3] {
         let deformation = found.deformation + self.coarse * self.rounding.deformation;
         [
@@ -255,7 +265,8 @@ impl<'a> Folded<'a> {
         ]
     }
 
-    /// The largest sum along the way to a face, or across one more crease, of the logarithms of weights over their least.
+    /// Returns the largest sum, along the path to a face or for one crease alone, of the logarithms of weights over
+    /// their lower bounds.
     fn weight(&mut self, curves: &[Curve<f64>], s: f64) -> f64 {
         self.weights.clear();
         let pairs = self.pieces.iter().zip(curves);
@@ -272,7 +283,7 @@ impl<'a> Folded<'a> {
         self.sums.iter().copied().fold(one, f64::max)
     }
 
-    /// Whether every bound is near what was seen in the segment.
+    /// Returns `true` if every bound is near the largest error seen in the segment.
     fn is_tight(&self, bound: Rigidity, seen: Rigidity) -> bool {
         let tight = |bound: f64, seen: f64, rounding: f64| {
             bound <= LOOSE * (seen + self.coarse * rounding) + ERROR

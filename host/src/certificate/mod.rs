@@ -1,10 +1,9 @@
-//! Rigorous bounds on what happens between two knots: closure residuals of vertices and of loops round
-//! holes over a whole segment, fold angles and rates; and by them deformation, gap and twist of the whole
-//! sheet.
+//! Rigorous bounds on the motion between two knots: closure residuals of vertices and of loops round holes over a whole
+//! segment, fold angles and rates, and from these the deformation, gap and twist of the whole sheet.
 //!
-//! Everything is proved of the exact motion of the given curves, roundings on the way included, and of
-//! that motion evaluated in `f64` by other means. What [`FoldingCertifier`] bounds is proved of four trees along which the
-//! sheet is folded, and doubled for others.
+//! Every bound holds for the exact motion of the given curves, rounding of the computation included, and for the same
+//! motion evaluated in `f64` by other means. The bounds of [`FoldingCertifier`] are proved for the four spanning trees
+//! along which it folds the sheet, and doubled for other trees.
 
 mod bernstein;
 mod chebyshev;

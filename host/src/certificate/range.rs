@@ -1,20 +1,22 @@
-//! Bounds on a fold angle and on its rate over a segment.
+//! Bounds on a fold angle and on its rate over a segment, from the control points of its parts (subdivision).
 
 use foldpath_core::Curve;
 
 use super::bernstein::{least, lost, restrict, sizes};
 
-/// Bounds are this near to values, in radians or parts of the largest coefficient.
+/// Distance of a bound from an attained value that is near enough, in radians or as a fraction of the largest
+/// coefficient.
 const NEAR: f64 = 1e-12;
-/// Parts are no shorter than 2^-24 of the segment: bounds close in with the square of the length.
+/// Largest number of halvings: parts are no shorter than 2^-24 of the segment. Bounds converge with the square of the
+/// length.
 const HALVINGS: u8 = 24;
-/// Parts looked at: a few for each halving and extreme are enough for any sound curve.
+/// Largest number of parts looked at: a few for each halving and each extreme are enough for any sound curve.
 const BUDGET: usize = 512;
-/// Parts, of 1, over which rates are bounded each on its own.
+/// Number of equal parts of a segment over which rates are bounded one by one.
 const PARTS: u8 = 8;
 
-/// Bounds on the fold angle (radians) over the segment, 1e-12 from its least and its largest value; these
-/// themselves where they are at the ends. Infinite where the curve is not finite.
+/// Returns bounds on the fold angle (radians) over the segment, 1e-12 from its least and its largest value, and equal
+/// to these if they are at the ends. The bounds are infinite if the curve is not finite.
 #[must_use]
 pub fn range(curve: &Curve<f64>) -> [f64; 2] {
     let ends = [curve.angle(0.0), curve.angle(1.0)];
@@ -43,21 +45,21 @@ pub fn range(curve: &Curve<f64>) -> [f64; 2] {
     [range[0].min(seen[0]), range[1].max(seen[1])]
 }
 
-/// A part of the segment that was halved so many times.
+/// Returns the ends of part `index` of a segment that was halved `depth` times.
 fn part(depth: u8, index: u32) -> [f64; 2] {
     let length = 1.0 / f64::from(1_u32 << depth);
     [f64::from(index), f64::from(index + 1)].map(|end| end * length)
 }
 
-/// The angles of all control points over a part, and how near they have to be to values; `None` where
-/// they are no numbers.
+/// Returns the least and the largest angle of the control points over a part, and the distance from attained values
+/// that is near enough; `None` if they are not finite.
 fn hull(curve: &Curve<f64>, part: [f64; 2]) -> Option<([f64; 2], f64)> {
     let (angles, near) = match curve {
         Curve::Angle(angle) => (restrict(angle, part), NEAR * (1.0 + sizes(angle)[0])),
         Curve::HalfAngle { cos, sin } => {
             let (cos, sin) = (restrict(cos, part), restrict(sin, part));
             if cos.iter().any(|c| *c < 0.0) {
-                // Points on both sides of the pole: no number is left out.
+                // With control points on both sides of the pole no angle is excluded.
                 let all = 2.0 * core::f64::consts::PI;
                 ([-all, all, -all, all], NEAR)
             } else {
@@ -75,7 +77,7 @@ fn hull(curve: &Curve<f64>, part: [f64; 2]) -> Option<([f64; 2], f64)> {
     finite.then_some(([low, high], near))
 }
 
-/// Bound on |dρ/ds| (radians) over the segment. Infinite where the curve is not finite, or weights vanish.
+/// Returns a bound on |dρ/ds| (radians) over the segment; infinite if the curve is not finite or its weights vanish.
 #[must_use]
 pub fn rate(curve: &Curve<f64>) -> f64 {
     let parts = (0..PARTS).map(|index| [index, index + 1].map(|k| f64::from(k) / f64::from(PARTS)));
@@ -93,7 +95,7 @@ pub fn rate(curve: &Curve<f64>) -> f64 {
     }
 }
 
-/// Bound on the derivative by the parameter of a part, which is 1 long.
+/// Returns a bound on the derivative by a parameter that runs from 0 to 1 over the part.
 fn rate_over(curve: &Curve<f64>, part: [f64; 2]) -> f64 {
     match curve {
         Curve::Angle(angle) => {

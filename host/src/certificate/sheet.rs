@@ -1,18 +1,19 @@
-//! Bounds on the errors of the whole sheet over a segment.
+//! Worst-case bounds on the errors of the whole sheet over a segment, as the sum of what its vertices may contribute.
 
 use super::Closure;
 use crate::folding::{Holonomy, Rigidity, SpanningTree, rounding};
 use crate::pattern::{CreasePattern, VertexId};
 use crate::symmetry::ReducedStars;
 
-/// Takes bounds on the closure of the essential vertices to bounds on deformation, gap and twist of a whole
-/// sheet, as [`FoldingMap::rigidity`](crate::folding::FoldingMap::rigidity) measures them.
+/// Turns bounds on the closure of the essential vertices into worst-case bounds on deformation, gap and twist of a
+/// whole sheet, as [`FoldingMap::rigidity`](crate::folding::FoldingMap::rigidity) measures them.
 #[derive(Clone, Debug)]
 pub struct SheetCertifier<'t> {
     holonomy: &'t Holonomy,
-    /// What rounding adds.
+    /// Errors that rounding adds.
     rounding: Rigidity,
-    /// Each vertex with a condition, the essential star that stands for it, and what they may differ by.
+    /// Each vertex with a condition, the essential star that represents it, and a bound on the difference of their
+    /// residuals.
     stars: Vec<(VertexId, usize, f64)>,
     /// The hole of each loop.
     holes: Vec<usize>,
@@ -21,8 +22,8 @@ pub struct SheetCertifier<'t> {
 }
 
 impl<'t> SheetCertifier<'t> {
-    /// Of a sheet folded along this tree, with the stars and loops of all its vertices and holes. `None`
-    /// as of [`Holonomy::new`].
+    /// Makes the certifier of a sheet folded along this tree, with the stars and loops of all its vertices and holes.
+    /// Returns `None` if [`Holonomy::new`] does.
     #[must_use]
     pub fn new(
         pattern: &CreasePattern,
@@ -40,7 +41,7 @@ impl<'t> SheetCertifier<'t> {
         })
     }
 
-    /// A bound on the closure of all vertices and holes over a segment on which the stars of
+    /// Returns a bound on the closure of all vertices and holes over a segment on which the stars of
     /// [`ReducedStars::essential`] and the loops close to within `closure`.
     #[must_use]
     pub fn closure(&self, closure: &Closure<'_>) -> f64 {
@@ -48,9 +49,9 @@ impl<'t> SheetCertifier<'t> {
         bounds.fold(closure.worst(), f64::max)
     }
 
-    /// Bounds on deformation, gap and twist over a segment on which the stars of
-    /// [`ReducedStars::essential`] and the loops close to within `closure`. Infinite if an essential star or
-    /// a loop is missing. Cost: linear in the size of the sheet.
+    /// Returns bounds on deformation, gap and twist over a segment on which the stars of [`ReducedStars::essential`]
+    /// and the loops close to within `closure`; infinite if an essential star or a loop is missing. Cost: linear in the
+    /// size of the sheet.
     pub fn rigidity(&mut self, closure: &Closure<'_>) -> Rigidity {
         for star in &self.stars {
             self.vertex_bounds[star.0.index()] = of_star(closure, star);
@@ -70,7 +71,7 @@ impl<'t> SheetCertifier<'t> {
     }
 }
 
-/// A bound on the closure of a vertex, by that of the star that stands for it.
+/// Returns a bound on the closure of a vertex, from that of the star that represents it.
 fn of_star(closure: &Closure<'_>, &(_, star, off): &(VertexId, usize, f64)) -> f64 {
     let bound = closure.stars.get(star).copied();
     bound.unwrap_or(f64::INFINITY) + off

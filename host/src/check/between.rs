@@ -1,4 +1,4 @@
-//! The motion between knots, judged as one.
+//! Judges the motion between knots as a whole: closure, shapes and crossings.
 
 use foldpath_core::Curve;
 
@@ -13,14 +13,16 @@ use crate::formats::fold::PathFile;
 use crate::progress::Watch;
 use crate::symmetry::{Lattice, ReducedStars};
 
-/// Looks at pairs of faces that a path is worth of which it is known that it fails: its motion may be absurd.
+/// Number of queries of pairs of faces for a path that is known to fail, whose motion may be absurd.
 const ENOUGH_LOOKS: u64 = 200_000;
 
-/// Up to so many faces all pairs are swept, where the planner lets one stand for those that move alike.
+/// Number of faces up to which all pairs are swept, where the planner lets one pair stand for those that move
+/// alike.
 const MANY_FACES: usize = 4000;
 
-/// Closure between knots, and with it the deformation of the whole sheet: by the most that it adds up to, or, where that is
-/// too much, by what it adds up to where the sheet is folded from its middle and from its rim.
+/// Bounds closure between knots, and with it the deformation of the whole sheet. The deformation is bounded by
+/// the worst case of the sum of all closure residuals or, if that is too much, by folding the sheet from its
+/// middle and from its rim.
 pub(super) fn check_closure(
     path: &PathFile,
     motion: &Motion,
@@ -66,7 +68,7 @@ pub(super) fn check_closure(
     verdict.failures.extend(uncertified(path, options, verdict));
 }
 
-/// What breaks the bound most, or else may do so for all that is known, in words.
+/// Returns the worst violation of the bound in words or, if there is none, the worst that cannot be excluded.
 fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
     let name = |place: Option<Place>| place.map_or_else(String::new, |at| at.name(&path.pattern));
     let worst = |value: fn(&SegmentClosure) -> f64| {
@@ -98,7 +100,7 @@ fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Op
     })
 }
 
-/// Faces that pass through each other anywhere on the motion: the first that do.
+/// Searches the whole motion for faces that pass through each other, and stores the first crossing.
 pub(super) fn check_crossings(
     path: &PathFile,
     motion: &Motion,
@@ -133,8 +135,8 @@ pub(super) fn check_crossings(
     };
     match sweep.watched(watch).sweep(&motion.segments) {
         SweepVerdict::Free(clearance) => {
-            // By what the motion may tear the sheet, faces round a vertex may lie across each other in it, but not at
-            // knots, which tear it by less.
+            // Faces round a vertex may lie across each other by as much as the motion may tear the sheet, but
+            // not at knots, which tear the sheet by less.
             if options.gap > options.tolerance {
                 let crossing = crossed_knot(path, verdict);
                 verdict.crossings.extend(crossing);
@@ -160,14 +162,14 @@ pub(super) fn check_crossings(
     }
 }
 
-/// How much deeper than others faces may cross that meet nowhere. Between knots a motion tears what would close, so that
-/// it is by gaps at knots that coordinates are known to be rounded.
+/// Returns the additional depth, in median edges, up to which faces that meet nowhere may overlap. Between
+/// knots a motion tears even a sheet that could close, so only gaps at knots show that coordinates are rounded.
 fn rounded(verdict: &Verdict) -> f64 {
     let gaps = verdict.knots.iter().map(|knot| knot.gap);
     rounding(gaps.fold(0.0, f64::max))
 }
 
-/// The first knot at which faces pass through each other.
+/// Returns the first knot at which faces pass through each other.
 fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
@@ -184,8 +186,8 @@ fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
     })
 }
 
-/// Shapes at knots and between: whether the sheet deforms there, and, unless that is swept, whether faces
-/// pass through each other.
+/// Judges shapes at knots and between: deformation of the sheet and, unless the motion is swept, crossings of
+/// faces.
 pub(super) fn check_shapes(
     path: &PathFile,
     motion: &Motion,
@@ -208,7 +210,7 @@ pub(super) fn check_shapes(
         let end = if index == 0 { 0.0 } else { 1.0 };
         let mut deepest: Option<Crossing> = None;
         let mut place = end;
-        // Knots have been measured: only crossings are looked for there.
+        // Knots have been measured: they are only searched for crossings.
         for at in inside.chain(scene.is_some().then_some(end)) {
             let between = segment.filter(|_| at < 1.0);
             let angles = between.map_or_else(
@@ -240,12 +242,12 @@ pub(super) fn check_shapes(
     verdict.failures.extend(worst_sample(options, verdict));
 }
 
-/// So many places inside a segment, evenly.
+/// Returns `samples` places inside a segment, evenly spaced.
 fn places(samples: usize) -> impl Iterator<Item = f64> {
     (0..samples).map(move |k| count(k + 1) / count(samples + 1))
 }
 
-/// What breaks the bound most between knots, in words.
+/// Returns the worst violation of the bound between knots, in words.
 fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<String> {
     let errors = verdict.samples.iter().map(|sample| {
         let Rigidity {
@@ -266,7 +268,7 @@ fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<String> {
     ))
 }
 
-/// The first crossing, in words.
+/// Returns the first crossing, in words.
 pub(super) fn first_crossing(path: &PathFile, verdict: &Verdict) -> Option<String> {
     let first = verdict.crossings.first()?;
     let ([before, knot], at) = (first.between_knots, first.at);

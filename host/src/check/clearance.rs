@@ -1,4 +1,4 @@
-//! How far apart faces are along a path, and which are nearest.
+//! Distances between faces along a path, and the nearest pair of faces, by a sweep of the motion.
 
 use foldpath_core::Curve;
 
@@ -10,43 +10,44 @@ use crate::pattern::FaceId;
 use crate::progress::Watch;
 use crate::symmetry::Lattice;
 
-/// Faces beyond which only sheets with a lattice are looked at, where one pair stands for many.
+/// Number of faces above which only sheets with a lattice are judged, in which one pair stands for many.
 const MANY_FACES: usize = 2000;
-/// Looks at pairs of faces for the motion, and for one shape; past these its clearance stays unknown.
+/// Numbers of queries of pairs of faces, for the motion and for one shape, after which the clearance stays
+/// unknown.
 const ENOUGH_LOOKS: [u64; 2] = [1_000_000, 200_000];
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorstPair {
-    /// The faces, the smaller first.
+    /// The faces, the smaller number first.
     pub faces: [FaceId; 2],
-    /// When, in seconds of the path.
+    /// Time, in seconds of the path.
     pub time: f64,
-    /// Their distance, or how deep they cross, in the units of the sheet.
+    /// Distance of the faces, or depth of their crossing, in units of the sheet.
     pub distance: f64,
-    /// Whether they pass through each other.
+    /// `true` if the faces pass through each other.
     pub crosses: bool,
 }
 
-/// How far apart faces that share no vertex are along a path.
+/// Distances between faces that share no vertex along a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clearances {
-    /// For each shape the smallest distance, in the units of the sheet; `None` where faces cross, all share
-    /// vertices, or it would take too long to tell.
+    /// For each shape the smallest distance, in units of the sheet; `None` if faces cross, all share vertices,
+    /// or the answer would take too long.
     pub shapes: Vec<Option<f64>>,
     /// The worst pair of the motion.
     pub worst: Option<WorstPair>,
 }
 
-/// Clearance of `path` at the knots of `shapes`, which are configurations of its motion, as
-/// [`PathFile::with_steps`] has them, with what was measured there. Cost: a sweep of the motion, and one of
-/// each shape.
+/// Returns the clearances of `path` at the knots of `shapes`, which are configurations of its motion, as
+/// [`PathFile::with_steps`] has them; `measured` has the measurements at these knots. Cost: a sweep of the
+/// motion, and one of each shape.
 #[must_use]
 pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> Clearances {
     clearances_until_over(path, shapes, measured, Watch::default())
 }
 
-/// The same; once the call is over nothing more is known.
+/// Returns what [`clearances`] does; once the call is over, the remaining clearances stay unknown.
 pub(crate) fn clearances_until_over(
     path: &PathFile,
     shapes: &PathFile,
@@ -61,7 +62,8 @@ pub(crate) fn clearances_until_over(
     let motion = Motion::of(path);
     let members = motion.groups.memberships();
     let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
-    // Between knots the motion tears what would close.
+    // Between knots a motion tears even a sheet that could close: only gaps at knots tell of rounded
+    // coordinates.
     let is_knot = |shape: &PathKnot| {
         let knots = path
             .knots
@@ -129,7 +131,7 @@ fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPai
     }
 }
 
-/// Seconds of the path at a place of its motion.
+/// Returns the time at a place of the motion, in seconds of the path.
 fn time(path: &PathFile, Place { segment, s }: Place) -> f64 {
     let time = |knot: usize| path.knots.get(knot).map_or(0.0, |knot| knot.time);
     let (from, to) = (time(segment), time((segment + 1).min(path.knots.len() - 1)));

@@ -1,17 +1,17 @@
-//! How far at most a vertex fails to close anywhere between two knots: dense sampling with a margin.
+//! Bounds the closure residual of every vertex anywhere between two knots: dense sampling with a margin.
 //!
-//! The path is cut in intervals, and the misclosure L - I of every vertex is sampled at the m zeros of the
-//! Chebyshev polynomial T_m in each: L as a product of matrices, with fold angles from the curves. Let p be
-//! the polynomial of degree n - 1 that interpolates L - I at the zeros of T_n. Its error is at most
-//! e = gₙ 2¹⁻ⁿ, where gₙ bounds the n-th derivative over n!, in units of the half width of the interval (see
+//! The path is cut into intervals, and the misclosure L - I of every vertex is sampled at the m zeros of the
+//! Chebyshev polynomial T_m in each: L as a product of matrices, with fold angles from the curves. Let p be the
+//! polynomial of degree n - 1 that interpolates L - I at the zeros of T_n. Its error is at most e = gₙ 2¹⁻ⁿ,
+//! where gₙ bounds the n-th derivative over n!, in units of the half width of the interval (see
 //! [`super::majorant`]). And a polynomial of degree n - 1 is nowhere larger than 1 / cos((n - 1) π / 2m) times
 //! the largest of its values at the m samples [EhlichZeller1964]. So with the largest sample r,
 //!
 //! ‖L - I‖ ≤ (r + e) / cos((n - 1) π / 2m) + e
 //!
-//! for every n up to m; the least of these counts. The larger the residual, the smaller the n that gives the
-//! least, and the nearer the bound to the sample; n = 1 is the margin of a Lipschitz constant. Intervals in
-//! which e is what counts are halved.
+//! for every n up to m; the least of these bounds counts. The larger the residual, the smaller the n that gives
+//! the least bound, and the nearer the bound to the sample; n = 1 is the margin of a Lipschitz constant.
+//! Intervals in which e dominates are halved.
 //!
 //! [EhlichZeller1964]: H. Ehlich, K. Zeller, "Schwankung von Polynomen zwischen Gitterpunkten",
 //! Math. Zeitschrift 86.
@@ -27,36 +27,37 @@ use crate::folding::Rigidity;
 use crate::pattern::{CreasePattern, VertexId};
 use crate::symmetry::ReducedStars;
 
-/// How close to what is sampled a bound is to be.
+/// Effort of bounding a segment: how close a bound has to come to the samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
-    /// An interval: m above.
+    /// Number of samples in an interval: m in the formula of this module.
     samples: usize,
-    /// Bounds are good enough at this many times the largest sample of the segment.
+    /// Ratio to the largest sample of the segment at which bounds are good enough.
     loose: f64,
 }
 
 impl Effort {
-    /// At degree 19 the factor above is 3.1.
+    /// At degree 19 the factor 1 / cos(...) of the formula is 3.1.
     pub(super) const ROUGH: Self = Self {
         samples: 24,
         loose: 2.0,
     };
-    /// At degree 8, 1.005.
+    /// At degree 8 the factor is 1.005.
     pub(super) const FINE: Self = Self {
         samples: 128,
         loose: 1.01,
     };
 }
 
-/// Intervals are halved this often at most, and a few of a segment oftener: where a weight goes towards 0.
+/// Largest number of successive halvings of an interval (`HALVINGS`). A few intervals of a segment (`FEW`) are
+/// halved oftener (`MORE_HALVINGS`), because a weight may go towards 0 in them.
 const HALVINGS: u32 = 7;
 const MORE_HALVINGS: u32 = 14;
 const FEW: usize = 64;
-/// Margins below this are small enough.
+/// Margin below which a bound is good enough.
 const MARGIN: f64 = 1e-11;
 
-/// Where a sheet fails to close.
+/// A place at which a sheet fails to close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Round a real vertex.
@@ -66,7 +67,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// In words.
+    /// Returns the place in words.
     #[must_use]
     pub fn name(self, pattern: &CreasePattern) -> String {
         match self {
@@ -82,27 +83,27 @@ impl Place {
     }
 }
 
-/// The closure residual of a segment, over all vertices and holes, and what it allows the sheet.
+/// The closure residual of a segment, over all vertices and holes, and the errors of the sheet that it allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClosure {
-    /// Largest value met.
+    /// Largest residual sampled.
     pub sampled: f64,
-    /// Where in the segment, from 0 to 1, it was met.
+    /// Place of this sample in the segment, from 0 to 1.
     pub at: f64,
-    /// What fails to close by that.
+    /// The vertex or hole with this residual.
     pub open: Option<Place>,
-    /// No value is larger.
+    /// Upper bound of all residuals.
     pub bound: f64,
-    /// What the bound is of: one of those that close worst.
+    /// A vertex or hole with this bound: one of those that close worst.
     pub place: Option<Place>,
     /// Number of samples taken.
     pub samples: usize,
-    /// Deformation, gap and twist of the whole sheet are nowhere larger. `None` where no bound is known.
+    /// Upper bounds of deformation, gap and twist of the whole sheet. `None` if no bound is known.
     pub rigidity: Option<Rigidity>,
 }
 
 impl SegmentClosure {
-    /// The largest of all bounds; infinite if one is not known.
+    /// Returns the largest of all bounds; infinite if one is not known.
     #[must_use]
     pub fn error(&self) -> f64 {
         let sheet = self.rigidity.map_or(f64::INFINITY, Rigidity::worst);
@@ -110,8 +111,9 @@ impl SegmentClosure {
     }
 }
 
-/// Bounds the closure residuals of all stars and holes over a segment: those of stars, then those of holes.
-/// Where one that is larger than `decided` is sampled, bounds are not made finer. Cost: O(samples · stars).
+/// Bounds the closure residuals of all stars and holes over a segment. Returns the summary, and the bounds of
+/// stars, then those of holes. Bounds are not refined further once a residual larger than `decided` is sampled.
+/// Cost: O(samples · stars).
 pub(super) fn certify(
     stars: &ReducedStars,
     curves: &[Curve<f64>],
@@ -145,16 +147,16 @@ pub(super) fn certify(
 struct Condition<'a> {
     place: Place,
     spokes: &'a [Spoke<f64>],
-    /// Points of the creases round a hole; none round a vertex.
+    /// Points of the creases round a hole; empty for a vertex.
     places: &'a [[f64; 2]],
-    /// How much larger than those of the rotation the derivatives of the residual are.
+    /// Ratio of the bounds on the derivatives of the residual to those on the derivatives of the rotation.
     lever: f64,
-    /// By how much rounding may hide.
+    /// Part of the residual that rounding may hide.
     hidden: f64,
 }
 
 fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
-    // ‖·‖ of Frobenius is at most √3 times the operator norm, and the residual is that over √2.
+    // The Frobenius norm is at most √3 times the operator norm, and the residual is the Frobenius norm over √2.
     let turn = 1.5_f64.sqrt();
     let vertices = stars.vertices().iter().zip(stars.view().iter());
     let vertices = vertices.map(|(&vertex, star)| Condition {
@@ -166,8 +168,8 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
     });
     let holes = stars.holes().iter().zip(stars.loops().iter());
     let holes = holes.map(|(&hole, way)| {
-        // t = q₁ + Σ P (q_k - q_k-1) - P q, P the products of the first turns: the derivatives of each are
-        // bounded as those of all.
+        // t = q₁ + Σ P (q_k - q_k-1) - P q, with P the products of the first turns: the derivatives of each P
+        // are bounded as those of the product of all.
         let points = || {
             way.places
                 .iter()
@@ -186,8 +188,8 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
     vertices.chain(holes).collect()
 }
 
-/// Roundings a factor of the product: of sine and cosine of an angle near π, of an entry of the matrix, and
-/// of the product.
+/// Rounding errors, in ε, for each factor of the product: of sine and cosine of an angle near π, of an entry of
+/// the matrix, and of the product.
 const ROUNDINGS: f64 = 32.0;
 
 struct Segment<'a> {
@@ -197,7 +199,7 @@ struct Segment<'a> {
     effort: &'a Effort,
     decided: f64,
     found: SegmentClosure,
-    /// Intervals that are halved as often as most are.
+    /// Number of intervals that come from `HALVINGS` halvings or more.
     short: usize,
 }
 
@@ -261,14 +263,14 @@ impl Segment<'_> {
     }
 }
 
-/// Zero k of the Chebyshev polynomial of degree `of`.
+/// Returns zero number k of the Chebyshev polynomial of degree `of`.
 fn zero_of_chebyshev(k: usize, of: usize) -> f64 {
     ((2.0 * count(k) + 1.0) / count(of) * FRAC_PI_2).cos()
 }
 
 impl Condition<'_> {
-    /// The residual for given sines and cosines of the group angles: ‖L - I‖ / √2 of the rotation, and round
-    /// a hole the translation if that is larger.
+    /// Returns the residual for given sines and cosines of the group angles: ‖L - I‖ / √2 of the rotation, or
+    /// round a hole the translation if that is larger.
     fn residual(&self, turns: &[[f64; 2]]) -> f64 {
         let mut l = Matrix3::identity();
         let mut moved = Vector3::zeros();
@@ -294,8 +296,8 @@ impl Condition<'_> {
         }
     }
 
-    /// The least of the bounds, given the number of samples, the largest of them, and the bounds on the
-    /// derivatives of the groups.
+    /// Returns the least of the bounds over all n, given the number of samples, the largest of them, and the
+    /// bounds on the derivatives of the groups.
     fn bound(&self, samples: usize, sampled: f64, groups: &[Series]) -> f64 {
         let mut sum = [0.0; ORDER + 1];
         for spoke in self.spokes {
@@ -315,7 +317,8 @@ impl Condition<'_> {
     }
 }
 
-/// The turn about the direction (x, y) of the sheet by an angle with this sine and cosine (Rodrigues).
+/// Returns the rotation about the direction (x, y) of the sheet by an angle with this sine and cosine
+/// (Rodrigues).
 fn turn([x, y]: [f64; 2], sin: f64, cos: f64) -> Matrix3<f64> {
     let versine = 1.0 - cos;
     let across = x * y * versine;
@@ -339,7 +342,8 @@ mod tests {
     use super::*;
     use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-    /// A cross folds along one line, while the hinges of the other stay flat and their weights go as that of the first.
+    /// A cross folds along one line, while the hinges of the other line stay flat and have the same weights as
+    /// those of the first.
     #[test]
     fn weights_that_nearly_vanish_are_bounded() {
         let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
@@ -363,10 +367,10 @@ mod tests {
         for effort in [Effort::ROUGH, Effort::FINE] {
             let (segment, _) = certify(&stars, &[moving, still, moving, still], &effort, 1e-3);
             assert!(segment.bound <= 2e-11, "{segment:?}");
-            // Of a whole sheet nothing is known by that.
+            // This says nothing about a whole sheet.
             assert!(segment.error().is_infinite(), "{segment:?}");
         }
-        // One hinge of the line turns otherwise than the other: hopeless, and soon known.
+        // One hinge of the line turns differently from the other: hopeless, and soon known.
         let (segment, _) = certify(&stars, &[moving, still, still, still], &Effort::ROUGH, 1e3);
         assert!(segment.bound >= 1.0, "{segment:?}");
         assert!(segment.samples <= 24 * 600, "{segment:?}");

@@ -1,4 +1,4 @@
-//! What a path claims of its knots, and what is measured there.
+//! Measures a path at its knots, and compares the measurements with the claims of the file.
 
 use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
@@ -8,11 +8,11 @@ use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_lai
 use crate::formats::fold::{PathFile, PathKnot};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
-/// A claim below the measured value by more than this factor is false.
+/// Ratio of the measured value to a claim above which the claim is false.
 const CLAIM_FACTOR: f64 = 10.0;
-/// Errors below this are rounding, and no claim about them is false.
+/// Error below which values are rounding, and no claim about them is false.
 const CLAIM_FLOOR: f64 = 1e-9;
-/// Precisions of a coordinate in space that it may be off by, as folding and laying shapes on each other leave it.
+/// Error of a coordinate in space, in ε, that folding and rigid registration leave.
 const ROUNDINGS: f64 = 16.0;
 
 /// Measures every knot of a path.
@@ -44,7 +44,7 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
     knots.collect()
 }
 
-/// Folded positions of the vertices at a knot: those in the file, or else by the folding map.
+/// Returns the folded positions of the vertices at a knot: those in the file, or else by the folding map.
 #[must_use]
 pub fn positions(
     pattern: &CreasePattern,
@@ -62,7 +62,7 @@ pub(crate) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64
     creases.map(|edge| knot.fold_angles[edge.index()]).collect()
 }
 
-/// Largest closure residual ‖L − I‖ / √2 of a real vertex, and that vertex.
+/// Returns the largest closure residual ‖L − I‖ / √2 of a real vertex, and that vertex.
 fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) {
     let mut worst = (0.0, None);
     for vertex in pattern.real_vertices() {
@@ -89,7 +89,7 @@ fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) 
     worst
 }
 
-/// Largest distance of a vertex between two shapes, each sheet laid on the other as well as possible.
+/// Returns the largest distance of a vertex between two shapes, after rigid registration of each sheet.
 fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     let laid = sheets_laid_on(pattern, a, b);
     let pairs = laid.iter().zip(b).zip(pattern.corners().iter());
@@ -127,7 +127,7 @@ pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
     }
 }
 
-/// Whether all hinges of a group turn alike; if not, says which do not.
+/// Checks that all hinges of a group turn alike; if some do not, reports the first failure.
 pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
     let leaders = path.leaders();
     for (index, knot) in path.knots.iter().enumerate() {
@@ -136,7 +136,7 @@ pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
             let Some((leader, part)) = leaders[member.group.index()] else {
                 continue;
             };
-            // The way from an edge's angle to its group's is that back: a sign.
+            // A membership is a sign, so it takes an edge's angle to its group's as well as back.
             let [expected, found] =
                 [(leader, part), (EdgeId::new(edge), member)].map(|(edge, part)| {
                     let node = knot.node(edge);

@@ -1,24 +1,25 @@
-//! Bounds on all derivatives of a fold angle over an interval, and of a product of turns by such angles.
+//! Bounds all derivatives of a fold angle over an interval, and those of a product of turns by such angles, by
+//! Cauchy's method of majorants.
 //!
-//! A series h bounds a function f on an interval of half width δ if |f⁽ʲ⁾(s)| δʲ / j! ≤ hⱼ there for
-//! every j: around each s of the interval the Taylor coefficients of f are, in units of δ, no larger than
-//! those of h (h is a *majorant*, as Cauchy used them). Sums, products and quotients of functions are
-//! bounded by those of their series. A turn by ρ about a unit axis is exp(ρA) with ‖A‖ = 1, and
-//! exp(ρ(s + t) A) = exp(ρ(s) A) exp((ρ(s + t) - ρ(s)) A), the first factor of norm 1: so a product of
-//! turns is bounded by exp(Σ hᵢ(t) - hᵢ(0)) in the operator norm.
+//! A series h bounds a function f on an interval of half width δ if |f⁽ʲ⁾(s)| δʲ / j! ≤ hⱼ for every s of the
+//! interval and every j: around each s, the Taylor coefficients of f, in units of δ, are no larger than those
+//! of h (h is a *majorant*, as Cauchy used them). Sums, products and quotients of functions are bounded by
+//! those of their series. A turn by ρ about a unit axis is exp(ρA) with ‖A‖ = 1, and exp(ρ(s + t) A) = exp(ρ(s)
+//! A) exp((ρ(s + t) - ρ(s)) A), where the first factor has norm 1. So a product of turns is bounded by exp(Σ
+//! hᵢ(t) - hᵢ(0)) in the operator norm.
 
 use foldpath_core::Curve;
 
 use super::count;
 
-/// Derivatives that are bounded.
+/// Highest order of the derivatives that are bounded.
 pub(super) const ORDER: usize = 20;
 
-/// Coefficients of a majorant from order 0. That of order 0 is not used, and 0.
+/// Coefficients of a majorant from order 0. The coefficient of order 0 is not used, and 0.
 pub(super) type Series = [f64; ORDER + 1];
 
-/// Of the fold angle on the interval about `middle` of half width `half`. Infinite where the pair (c, n)
-/// of a half angle may vanish in the interval, as far as bounds tell.
+/// Returns the majorant of the fold angle on the interval about `middle` of half width `half`. Infinite if the
+/// bounds do not exclude that the pair (c, n) of a half angle vanishes in the interval.
 pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
     let mut series = [0.0; ORDER + 1];
     match curve {
@@ -51,7 +52,7 @@ pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
     series
 }
 
-/// exp of a series without its coefficient of order 0.
+/// Returns exp of a series without its coefficient of order 0.
 pub(super) fn exponential(h: &Series) -> Series {
     let mut g = [0.0; ORDER + 1];
     g[0] = 1.0;
@@ -62,7 +63,8 @@ pub(super) fn exponential(h: &Series) -> Series {
     g
 }
 
-/// Taylor coefficients at `middle`, in units of `half`, of a cubic with Bernstein coefficients `b`.
+/// Returns the Taylor coefficients at `middle`, in units of `half`, of a cubic with these Bernstein
+/// coefficients.
 fn taylor([a, b, c, d]: &[f64; 4], middle: f64, half: f64) -> [f64; 4] {
     let mix = |a: f64, b: f64| a + (b - a) * middle;
     let (ab, bc, cd) = (mix(*a, *b), mix(*b, *c), mix(*c, *d));
@@ -75,8 +77,8 @@ fn taylor([a, b, c, d]: &[f64; 4], middle: f64, half: f64) -> [f64; 4] {
     ]
 }
 
-/// The majorant on [-1, 1] of a cubic with Taylor coefficients at 0 of these absolute values: Σ over k of
-/// (k over j) |aₖ|.
+/// Returns the majorant on [-1, 1] of a cubic with Taylor coefficients at 0 of these absolute values: Σ over k
+/// of (k over j) |aₖ|.
 fn reach(mut shifted: [f64; 4]) -> [f64; 4] {
     for from in 0..4 {
         for k in (from..3).rev() {

@@ -1,9 +1,10 @@
-//! Judges a path afresh: from the file alone, sharing no state with the planner.
+//! Judges a path from its file alone, sharing no state with the planner.
 //!
-//! Closure is taken by folding matrices where the planner uses quaternions; shape by the folding map, and
-//! by the positions in the file where it has them. A path is more than its knots: the motion between
-//! them, as the file has it interpolated, is what is judged. Its closure is bounded everywhere, and with
-//! it the deformation of the sheet; letters and half turns are kept everywhere; shapes are sampled.
+//! Closure is computed by folding matrices, where the planner uses quaternions. The shape is computed by the
+//! folding map, and by the positions in the file if it has them. A path is more than its knots: the motion
+//! between them, as the file has it interpolated, is judged. Its closure is bounded everywhere and, with the
+//! closure, the deformation of the sheet. Assignments (letters) and the limit of half a turn are checked
+//! everywhere; shapes are sampled.
 
 mod between;
 mod clearance;
@@ -31,14 +32,14 @@ use crate::progress::{Progress, Stage, Watch};
 pub struct CheckOptions {
     /// Bound on deformation and gap, a fraction.
     pub bound: f64,
-    /// Shapes looked at in each segment between its knots; with 0, knots alone are judged.
+    /// Number of shapes judged in each segment between its knots; with 0, knots alone are judged.
     pub samples: usize,
-    /// Whether crossings are sought anywhere on the motion, not only in these shapes and at knots.
+    /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
 }
 
 impl CheckOptions {
-    /// Judges knots alone.
+    /// Returns options that judge knots alone.
     #[must_use]
     pub fn knots_alone(bound: f64) -> Self {
         Self {
@@ -59,64 +60,64 @@ impl Default for CheckOptions {
     }
 }
 
-/// Angles that differ by less, in radians, are the same: a hundred times what is lost between
-/// radians and the degrees of a file, a millionth of what can be seen.
+/// Difference of angles below which they are equal, radians: a hundred times the loss between radians and the
+/// degrees of a file, a millionth of a visible difference.
 const SAME_ANGLE: f64 = 1e-9;
-/// A crossing and where on the path it was found.
+/// A crossing, and the place on the path at which it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathCrossing {
-    /// The deepest crossing there.
+    /// The deepest crossing at this place.
     pub crossing: Crossing,
     /// The knots between which it was found.
     pub between_knots: [usize; 2],
-    /// Where between them, from 0 to 1.
+    /// Place between them, from 0 to 1.
     pub at: f64,
 }
 
-/// What was measured at one knot.
+/// Measurements at one knot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Deformation, and gap. Where the file has positions they count as one more opinion on where
-    /// each vertex is.
+    /// Deformation, gap and twist. If the file has positions, these count as one more opinion on the position
+    /// of each vertex.
     pub rigidity: Rigidity,
     /// Gap of the sheet as it is folded, over the median edge, whatever positions the file has.
     pub gap: f64,
     /// Largest closure residual of a real vertex, or twist of a hinge if that is larger.
     pub closure: f64,
-    /// The vertex that closes worst.
+    /// The vertex with the largest closure residual.
     pub vertex: Option<VertexId>,
 }
 
 /// A shape between two knots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// The number of the knot before it.
+    /// Number of the knot before it.
     pub segment: usize,
-    /// Where in the segment, from 0 to 1.
+    /// Place in the segment, from 0 to 1.
     pub at: f64,
-    /// Deformation, gap and twist there.
+    /// Deformation, gap and twist of the shape.
     pub rigidity: Rigidity,
 }
 
 /// The verdict on a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// What is wrong, in words; the path holds if this is empty.
+    /// Faults of the path, in words; the path holds if this is empty.
     pub failures: Vec<String>,
-    /// What was measured at each knot.
+    /// Measurements at each knot.
     pub knots: Vec<Measured>,
-    /// Shapes looked at between knots.
+    /// Shapes judged between knots.
     pub samples: Vec<Sample>,
     /// The closure of each segment.
     pub segments: Vec<SegmentClosure>,
-    /// Crossings found: the first of the motion, or, of samples, the deepest of each segment.
+    /// Crossings found: the first one of the motion or, in samples, the deepest one of each segment.
     pub crossings: Vec<PathCrossing>,
-    /// Smallest distance met between faces that share no vertex, in units of the sheet.
+    /// Smallest distance found between faces that share no vertex, in units of the sheet.
     pub min_clearance: Option<f64>,
 }
 
 impl Verdict {
-    /// Worst deformation and gap, at knots and between.
+    /// Returns the largest deformation, gap and twist, at knots and between.
     #[must_use]
     pub fn rigidity(&self) -> Rigidity {
         let samples = self.samples.iter().map(|sample| sample.rigidity);
@@ -124,7 +125,7 @@ impl Verdict {
         shapes.fold(Rigidity::default(), Rigidity::worse)
     }
 
-    /// Worst closure residual met, at knots and between.
+    /// Returns the largest closure residual found, at knots and between.
     #[must_use]
     pub fn closure(&self) -> f64 {
         let between = self.segments.iter().map(|segment| segment.sampled);
@@ -132,14 +133,14 @@ impl Verdict {
         residuals.fold(0.0, f64::max)
     }
 
-    /// What no closure residual of the whole motion exceeds.
+    /// Returns an upper bound of all closure residuals of the whole motion.
     #[must_use]
     pub fn closure_bound(&self) -> f64 {
         let bounds = self.segments.iter().map(|segment| segment.bound);
         bounds.fold(self.closure(), f64::max)
     }
 
-    /// What no deformation, gap or twist of the whole motion exceeds; `None` where that is not known.
+    /// Returns upper bounds of deformation, gap and twist over the whole motion; `None` if they are not known.
     #[must_use]
     pub fn certified(&self) -> Option<Rigidity> {
         let mut segments = self.segments.iter();
@@ -155,8 +156,8 @@ pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
     check_until_over(path, options, Watch::default())
 }
 
-/// Judges a path as [`check`] does, and tells `progress` how far it is. A call that is cancelled answers that the path
-/// was not judged to its end, which is a failure.
+/// Judges a path as [`check`] does, and reports its progress to `progress`. A cancelled call answers that the
+/// path was not judged to its end, which is a failure.
 #[must_use]
 pub fn check_watched(path: &PathFile, options: &CheckOptions, progress: &Progress) -> Verdict {
     check_until_over(path, options, Watch::new(progress))

@@ -1,4 +1,4 @@
-//! The motion that a path file describes, creases that turn alike taken together.
+//! The motion that a path file describes, with creases that turn alike grouped together.
 
 use std::collections::HashMap;
 
@@ -8,23 +8,23 @@ use crate::formats::fold::PathFile;
 use crate::pattern::EdgeId;
 use crate::symmetry::CreaseGroups;
 
-/// Radians: sectors of stars that are equal but for the rounding of coordinates differ by less. By how much
-/// they do is added to bounds.
+/// Largest difference, radians, of sectors of stars that are equal except for the rounding of coordinates.
+/// Their actual difference is added to bounds.
 const SAME_SECTOR: f64 = 1e-13;
 
 /// The motion of all creases between knots.
 pub(crate) struct Motion {
-    /// Creases whose numbers in the file are the same at all knots, or those with the other sign, bit by
-    /// bit: what the file says of groups is not used.
+    /// Groups of creases whose numbers in the file are equal at all knots, or equal up to the sign, bit by bit.
+    /// The groups that the file claims are not used.
     pub(crate) groups: CreaseGroups,
     /// For each group its first edge, whose sign is that of the group.
     pub(crate) leaders: Vec<EdgeId>,
-    /// For each segment the motion of each group.
+    /// For each segment the curve of each group.
     pub(crate) segments: Vec<Vec<Curve<f64>>>,
 }
 
 impl Motion {
-    /// Cost: O(knots · creases).
+    /// Reads the motion of a path. Cost: O(knots · creases).
     pub(crate) fn of(path: &PathFile) -> Self {
         let mut leaders: Vec<(EdgeId, bool)> = Vec::new();
         let mut groups: HashMap<Vec<u64>, u32> = HashMap::new();
@@ -57,7 +57,7 @@ impl Motion {
         }
     }
 
-    /// Whether all numbers of all curves are finite.
+    /// Returns `true` if all numbers of all curves are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let finite = |cubic: &[f64; 4]| cubic.iter().all(|b| b.is_finite());
         self.segments.iter().flatten().all(|curve| match curve {
@@ -66,7 +66,7 @@ impl Motion {
         })
     }
 
-    /// Fold angles of the creases in a segment at `s`, radians.
+    /// Returns the fold angles of the creases in a segment at `s`, radians.
     pub(super) fn angles(&self, segment: usize, s: f64) -> Vec<f64> {
         let curves = self.segments[segment].iter();
         self.groups
@@ -74,15 +74,15 @@ impl Motion {
     }
 }
 
-/// The bits of all that moves an edge, with the sign that makes the first that is not 0 positive; whether
-/// that is the other sign.
+/// Collects the bits of all numbers that move an edge, with the sign that makes the first that is not 0
+/// positive. Returns `true` if that is the other sign.
 fn numbers_of(path: &PathFile, edge: EdgeId, numbers: &mut Vec<u64>) -> bool {
     let nodes = || path.knots.iter().map(|knot| knot.node(edge));
     let turns = nodes().flat_map(|node| [node.angle, node.rate]);
     let first = turns.clone().find(|turn| turn.abs() > 0.0);
     let negative = first.is_some_and(|first| first < 0.0);
     numbers.clear();
-    // 0 has two signs.
+    // The sum turns -0 into 0, so that equal numbers have equal bits.
     numbers.extend(turns.map(|turn| (if negative { -turn } else { turn } + 0.0).to_bits()));
     numbers.extend(nodes().flat_map(|node| node.weight.map(f64::to_bits)));
     negative

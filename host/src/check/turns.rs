@@ -1,11 +1,12 @@
-//! How far hinges turn between knots: against their letters, or beyond half a turn.
+//! Checks the turns of hinges between knots: none may turn against its assignment (letter), or beyond half a
+//! turn.
 
 use foldpath_core::Curve;
 
 use super::{SAME_ANGLE, motion::Motion};
 use crate::pattern::CreasePattern;
 
-/// The first hinge that turns the wrong way between two knots, in words.
+/// Returns the first hinge that turns the wrong way between two knots, in words.
 pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &Motion) -> Option<String> {
     let segments = motion.segments.iter().enumerate();
     let mut curves = segments.flat_map(|(segment, curves)| {
@@ -33,9 +34,9 @@ pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &Motion) -> Option<Str
     })
 }
 
-/// Where in the segment the fold angle can be farthest from 0 on either side, but for rounding of the
-/// second order: where a cubic turns back. Of a homogeneous half angle (c, n), n changes its sign with
-/// the angle, and c where half a turn is passed.
+/// Returns the places in the segment at which the fold angle can be farthest from 0 on either side, except for
+/// rounding of the second order: the turning points of cubics. For a homogeneous half angle (c, n) these are
+/// the cubics c and n: n changes its sign with the angle, and c at half a turn.
 fn extremes(curve: &Curve<f64>) -> Vec<f64> {
     let cubics = match curve {
         Curve::Angle(angle) => [Some(angle), None],
@@ -45,13 +46,13 @@ fn extremes(curve: &Curve<f64>) -> Vec<f64> {
     turns.chain([0.0, 1.0]).collect()
 }
 
-/// Zeros between 0 and 1 of the derivative of a cubic with these Bernstein coefficients.
+/// Returns the zeros between 0 and 1 of the derivative of a cubic with these Bernstein coefficients.
 fn turning_points([a, b, c, d]: &[f64; 4]) -> impl Iterator<Item = f64> + use<> {
     // The derivative over 3 is x (1 - s)² + 2 y s (1 - s) + z s².
     let (x, y, z) = (b - a, c - b, d - c);
     let (second, first) = (x - 2.0 * y + z, y - x);
     let root = (first * first - second * x).max(0.0).sqrt();
-    // second s² + 2 first s + x, without cancellation.
+    // Zeros of second s² + 2 first s + x, without cancellation.
     let sum = -(first + root.copysign(first));
     let zeros = [sum / second, x / sum];
     zeros.into_iter().filter(|s| *s > 0.0 && *s < 1.0)

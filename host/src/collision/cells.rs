@@ -1,4 +1,5 @@
-//! The cells of a tessellation along a motion: where their faces are, and how long two of them stay apart.
+//! The cells of a tessellation along a motion: places of their faces, and how long two cells or two faces stay
+//! apart. Broad phase of a sweep along a lattice.
 
 use core::ops::{Range, RangeInclusive};
 
@@ -15,13 +16,14 @@ use crate::folding::{Drift, LatticeCourse, LatticeMotion, Pose, Stretch};
 use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{Lattice, Orbit, PairClass};
 
-/// Looks at how far all moves until a time is taken.
+/// Number of evaluations of the motion bound after which the search for the last safe time stops.
 const LOOKS: usize = 2;
-/// A step that turns by no more, at the end of a segment, is held for a translation.
+/// Largest turn of a lattice step at the end of a segment for which the step is treated as a translation (norm
+/// of the residual, about radians).
 const TRANSLATION: f64 = 1e-3;
-/// Tabulated times for which cells are woken.
+/// Number of tabulated times ahead for which cells are woken.
 pub(super) const AHEAD: usize = 4;
-/// Differences of cells that are looked at, at most.
+/// Largest number of differences of cells that are followed.
 const MOST_OFFSETS: usize = 6000;
 
 /// A lattice that is folded at one time after the other.
@@ -31,43 +33,45 @@ pub(super) struct Cells<'a> {
     folded: LatticeMotion,
     time: Tick,
     half_angles: Vec<HalfAngle<f64>>,
-    /// How far all moves between the tabulated times.
+    /// Bounds on the motion of cells and faces between the tabulated times.
     course: LatticeCourse,
     begun: bool,
-    /// Largest differences of cells.
+    /// Largest differences of cells along both steps.
     most: [u32; 2],
-    /// For each orbit the number of pieces, and a circle round a face, reduced.
+    /// For each orbit: number of pieces of a face (`counts`), and a circle round a face in reduced coordinates
+    /// (`circles`).
     counts: Vec<u64>,
     circles: Vec<(Vector2<f64>, f64)>,
-    /// Where those circles are in cell `[0, 0]`, if they were asked for at this time.
+    /// These circles in space, for cell `[0, 0]` (`disks`), and the time for which they were computed
+    /// (`centered`).
     disks: Vec<Disk>,
     centered: Tick,
-    /// Powers of both steps, from the lowest on, with their times: to all cells, `[0, 0]` among them, and for all
-    /// their differences.
+    /// Powers of both steps, each with its time, for all cells and for all differences of cells; `low` has the
+    /// lowest exponents.
     low: [i32; 2],
     powers: [Vec<(Tick, Pose)>; 2],
-    /// Those that were woken, and the same in order.
+    /// Differences of cells woken so far, in order of waking (`offsets`) and sorted (`known`).
     offsets: Vec<Offset>,
     known: Vec<[i32; 2]>,
     all_awake: bool,
-    /// For each row of differences, once it was asked for, the columns that there are between each orbit and each
-    /// other.
+    /// For each row of differences, once requested: for each pair of orbits, the columns of differences that
+    /// exist.
     columns: Vec<Option<Vec<RangeInclusive<i32>>>>,
 }
 
-/// A difference of cells, which stands for the opposite one too.
+/// A difference of two cells, which stands for the opposite difference too.
 #[derive(Clone, Debug)]
 pub(super) struct Offset {
     cell: [i32; 2],
     /// Number of pairs of pieces.
     pairs: u64,
-    /// Those that are not looked at one by one.
+    /// Number of pairs of pieces that are not followed one by one.
     left: u64,
-    /// A bit for each pair of orbits: whether it is; none as long as all are not.
+    /// A bit for each pair of orbits, set if the pair is followed one by one; empty as long as none is.
     taken: Vec<u64>,
 }
 
-/// A circle in space.
+/// A disk in space.
 #[derive(Clone, Copy, Debug)]
 struct Disk {
     center: Vector3<f64>,
@@ -76,7 +80,7 @@ struct Disk {
 }
 
 impl Disk {
-    /// The disk moved with its cell.
+    /// Returns the disk moved with its cell.
     fn carried(&self, by: &Pose) -> Self {
         Self {
             center: by.carry(&self.center),
@@ -85,8 +89,8 @@ impl Disk {
         }
     }
 
-    /// No more than the distance of two disks: that of the balls round them, or of one disk from the
-    /// plane of the other.
+    /// Returns a lower bound of the distance between two disks: the distance of the balls round them, or of one
+    /// disk from the plane of the other.
     fn apart(&self, other: &Self) -> f64 {
         let between = other.center - self.center;
         let balls = between.norm() - self.radius - other.radius;
@@ -97,19 +101,19 @@ impl Disk {
     }
 }
 
-/// Where all pairs of two cells stand that are not looked at one by one.
+/// Distances between two cells, over all pairs of faces that are not followed one by one.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// No more than the smallest distance.
+    /// Lower bound of the smallest distance.
     pub(super) least: f64,
-    /// Pairs of faces that may be too near to stand with the others.
+    /// Pairs of faces that may be too near to be represented by their cells.
     pub(super) near: Vec<[FaceId; 2]>,
-    /// Others that may be nearer than the nearest found so far.
+    /// Other pairs of faces that may be nearer than the nearest found so far.
     pub(super) nearest: Vec<[FaceId; 2]>,
 }
 
 impl<'a> Cells<'a> {
-    /// Cost: O(faces of a cell + cells along both steps).
+    /// Creates the cells of a lattice. Cost: O(faces of a cell + cells along both steps).
     pub(super) fn new(
         pattern: &CreasePattern,
         memberships: &[Membership],
@@ -155,7 +159,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Begins a motion: tabulates how far all moves.
+    /// Begins a motion: tabulates the bounds on the motion of cells and faces.
     pub(super) fn begin(&mut self, motion: &Motion) {
         self.time = Tick::MAX;
         self.centered = Tick::MAX;
@@ -190,7 +194,8 @@ impl<'a> Cells<'a> {
         self.time = Tick::MAX;
     }
 
-    /// The number of pieces of the sheet, and of pairs of them for which no other stands.
+    /// Returns the number of pieces of the sheet, and the number of representative pairs (those for which no
+    /// other pair stands).
     pub(super) fn count(&self) -> [u64; 2] {
         let orbits = self.counts.len();
         let pieces = self.lattice.places().iter();
@@ -215,13 +220,13 @@ impl<'a> Cells<'a> {
         [pieces.sum(), pairs]
     }
 
-    /// Least and largest differences of the cells of two orbits.
+    /// Returns the least and largest differences between cells of two orbits, for each step.
     fn reach(&self, orbits: [usize; 2]) -> [[i32; 2]; 2] {
         let [a, b] = orbits.map(|orbit| &self.lattice.orbits()[orbit]);
         [0, 1].map(|k| [b.low[k] - a.high[k], b.high[k] - a.low[k]])
     }
 
-    /// Number of pairs of pieces so many cells apart.
+    /// Returns the number of pairs of pieces whose cells have this difference.
     fn pairs(&mut self, [column, row]: [i32; 2]) -> u64 {
         let orbits = self.counts.len();
         let within = [column, row] == [0, 0];
@@ -235,9 +240,10 @@ impl<'a> Cells<'a> {
             .sum()
     }
 
-    /// Differences of cells that may come within `near` of each other from a tabulated time to the
-    /// [`AHEAD`]th next, less those that were woken before; their numbers follow one another, the nearest
-    /// comes last. All of them where steps turn, or `near` is infinite; `None` if there are too many.
+    /// Wakes the differences of cells that may come within `near` of each other from a tabulated time to the
+    /// [`AHEAD`]th next, except those woken before. Returns their numbers, which are consecutive; the nearest
+    /// comes last. Wakes all differences if steps turn, or if `near` is infinite. Returns `None` if there are
+    /// too many.
     pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
         let first = self.offsets.len();
         if !self.all_awake {
@@ -282,8 +288,9 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// All differences of cells that there are, and perhaps others between them in a row, unless those are too
-    /// many. A lattice that is not square to the sheet has few of those in the box round them.
+    /// Returns all differences of cells in the sheet, and perhaps others between them in a row; `None` if there
+    /// are too many. If the lattice is oblique to the sheet, these are few of the differences in their bounding
+    /// box.
     pub(super) fn all(&self) -> Option<Vec<[i32; 2]>> {
         let mut cells = Vec::new();
         for (row, columns) in (0..).zip(self.lattice.columns_of_rows()) {
@@ -297,7 +304,8 @@ impl<'a> Cells<'a> {
         Some(cells)
     }
 
-    /// The cells that may come within `near` if both steps are translations, or may be held for such.
+    /// Returns the search for cells that may come within `near`, if both steps are translations or may be
+    /// treated as such.
     fn translated(&self, times: [usize; 2], near: f64) -> Option<Block> {
         let Drift {
             own,
@@ -329,7 +337,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// So many steps on in space.
+    /// Returns the rigid motion of space that leads `column` and `row` steps on.
     fn translation(&mut self, [column, row]: [i32; 2]) -> Pose {
         match [column, row] {
             [0, 0] => Pose::identity(),
@@ -339,7 +347,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// So many of one step.
+    /// Returns a power of one step at the current time.
     fn power(&mut self, step: usize, count: i32) -> &Pose {
         let at = i64::from(count) - i64::from(self.low[step]);
         let at = usize::try_from(at).unwrap_or(usize::MAX);
@@ -350,7 +358,7 @@ impl<'a> Cells<'a> {
         power
     }
 
-    /// The pose of a face, and the place of the flat sheet that it takes to its point.
+    /// Returns the pose of a face, and the point of the flat sheet that the pose takes to its `p_w`.
     pub(super) fn pose(
         &mut self,
         motion: &Motion,
@@ -361,7 +369,7 @@ impl<'a> Cells<'a> {
         self.pose_here(face)
     }
 
-    /// The same where the cells are.
+    /// Returns what [`pose`](Self::pose) does, for the current configuration.
     pub(super) fn pose_here(&mut self, face: FaceId) -> (Pose, Vector2<f64>) {
         let place = self.lattice.place(face);
         let origin = self.lattice.translation(place.cell);
@@ -369,7 +377,7 @@ impl<'a> Cells<'a> {
         (self.translation(place.cell) * here, origin)
     }
 
-    /// How far apart two cells whose difference has this number are at least.
+    /// Returns a lower bound of the distance between two cells whose difference has this number.
     pub(super) fn gap_of(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
         self.fold(motion, time);
         self.gap(self.offsets[offset as usize].cell)
@@ -382,8 +390,8 @@ impl<'a> Cells<'a> {
         self.folded.gap_at(&there)
     }
 
-    /// Where the faces of two cells stand; pairs no farther apart than `near` are taken to be looked at
-    /// one by one, and those nearer than `best` are named.
+    /// Bounds the distances between the faces of two cells. Pairs of faces no farther apart than `near` are
+    /// followed one by one from now on, and pairs nearer than `best` are named.
     pub(super) fn apart(
         &mut self,
         motion: &Motion,
@@ -426,7 +434,7 @@ impl<'a> Cells<'a> {
         apart
     }
 
-    /// Puts the circles round faces in their places.
+    /// Places the circles round faces in space.
     fn put_disks(&mut self) {
         if self.centered == self.time {
             return;
@@ -444,7 +452,7 @@ impl<'a> Cells<'a> {
         self.disks.extend(disks);
     }
 
-    /// Goes to a configuration that is part of no motion, by the angles of the groups (radians).
+    /// Goes to a configuration that is part of no motion, given by the angles of the groups (radians).
     pub(super) fn go_to(&mut self, angles: &[f64]) {
         self.time = self.time.wrapping_add(1);
         half_angles(angles, &mut self.half_angles);
@@ -452,13 +460,13 @@ impl<'a> Cells<'a> {
         self.put_disks();
     }
 
-    /// A number that is another after each [`go_to`](Self::go_to).
+    /// Returns a number that is different after each [`go_to`](Self::go_to).
     pub(super) fn time(&self) -> Tick {
         self.time
     }
 
-    /// Calls `found` for the classes of pairs of faces that may touch there, in these differences of cells; the sheet
-    /// may have none of some.
+    /// Calls `found` for the classes of pairs of faces that may touch at the current configuration, among these
+    /// differences of cells. The sheet may have no pair of some of these classes.
     pub(super) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
         let center = self.folded.middle();
         let orbits = self.disks.len();
@@ -499,17 +507,17 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Number of pairs of pieces of two cells that are not looked at one by one.
+    /// Returns the number of pairs of pieces of two cells that are not followed one by one.
     pub(super) fn left(&self, offset: u32) -> u64 {
         self.offsets[offset as usize].left
     }
 
-    /// Whether there are no others to wake.
+    /// Returns `true` if all differences of cells have been woken.
     pub(super) fn are_all_awake(&self) -> bool {
         self.all_awake
     }
 
-    /// By how much cells may come closer until some tabulated times later.
+    /// Returns a bound on how far two cells may approach each other within the next `count` tabulated times.
     pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
         let mut stretch = motion.rest(time);
         stretch.to = (stretch.to + count).min(self.course.times() - 1);
@@ -517,8 +525,9 @@ impl<'a> Cells<'a> {
             .cells(stretch, self.offsets[offset as usize].cell)
     }
 
-    /// About the last time until which two cells come closer by no more than `allowance`, if there is one after
-    /// `time`, and by how much they may: a tabulated time, or one before the next of these.
+    /// Returns about the last time until which two cells approach each other by no more than `allowance`, and
+    /// the bound on their approach until then. The time is a tabulated one, or one before the next tabulated
+    /// time. Returns `None` if no such time after `time` is found.
     pub(super) fn until(
         &self,
         motion: &Motion,
@@ -532,7 +541,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The same for two faces.
+    /// Returns what [`until`](Self::until) does, for two faces.
     pub(super) fn until_of(
         &self,
         motion: &Motion,
@@ -562,7 +571,7 @@ impl<'a> Cells<'a> {
             return motion.before_next(time, allowance, moved);
         }
         let mut next = high - 1;
-        // Motion is about even, and a time somewhat before the last is as good.
+        // The motion is about uniform, and a time somewhat before the last is as good.
         let mut looks = 0;
         while next > low && (looks < LOOKS || reached.is_none()) {
             looks += 1;
@@ -593,7 +602,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// For the orbits' pairs the columns that there are so many rows on.
+/// Returns, for each pair of orbits, the columns of differences that exist in this row of differences.
 fn columns<'a>(
     known: &'a mut [Option<Vec<RangeInclusive<i32>>>],
     lattice: &Lattice,
@@ -608,8 +617,8 @@ fn columns<'a>(
     })
 }
 
-/// How far creases one after the other turn what is beyond from one time of a segment to another, at most
-/// (chord on the unit sphere); infinite if they do not always turn it back.
+/// Returns a bound on how far a sequence of creases turns the part beyond it from one time of a segment to
+/// another (chord on the unit sphere); infinite if the creases do not always turn it back.
 fn turn(certifier: &mut SegmentCertifier, creases: &[Spoke<f64>], curves: &[Curve<f64>]) -> f64 {
     let end: Vec<_> = curves.iter().map(|curve| curve.half_angle(1.0)).collect();
     let ends = [FaceId::new(creases.len()).0];
@@ -625,7 +634,8 @@ fn turn(certifier: &mut SegmentCertifier, creases: &[Spoke<f64>], curves: &[Curv
     }
 }
 
-/// The class of pairs of a face of orbit `a` and one of orbit `b` so many cells on.
+/// Returns the class of the pairs of a face of orbit `a` and a face of orbit `b` whose cells have this
+/// difference.
 fn class([column, row]: [i32; 2], [a, b]: [usize; 2]) -> PairClass {
     let (orbits, offset) = if a <= b {
         ([a, b], [column, row])

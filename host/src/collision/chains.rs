@@ -1,4 +1,4 @@
-//! The creases between two faces of a sheet, along a shortest chain of faces.
+//! Finds the creases between two faces of a sheet, along a shortest chain of faces (Dijkstra's algorithm).
 
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,23 +8,24 @@ use nalgebra::Vector2;
 
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
 
-/// Creases whose directions differ by no more, in radians, are parallel: what they are off moves points a
-/// thousand edges away by less than counts as a crossing.
+/// Largest angle between creases that count as parallel, radians: such an error moves points a thousand edges
+/// away by less than the depth that counts as a crossing.
 const PARALLEL: f64 = 1e-10;
 
-/// A crease of a chain, or two that turn by opposite angles about parallel lines: what is beyond both
-/// then does not turn, but moves round on a circle as wide as they are apart.
+/// A crease of a chain, or two creases that turn by opposite angles about parallel lines: the part beyond such
+/// a pair does not turn, but moves on a circle whose radius is the distance of the lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     pub(super) group: u32,
-    /// Twice the same for a crease alone.
+    /// The two creases; a single crease appears twice.
     pub(super) creases: [CreaseId; 2],
-    /// Their numbers in the chain, and whether a positive group angle turns what is beyond about the
-    /// direction of the crease's edge.
+    /// For each crease its position in the chain, and `true` if a positive group angle turns the part beyond
+    /// about the direction of the crease's edge.
     pub(super) places: [(u32, bool); 2],
 }
 
-/// A chain: its single creases in order, and its pairs.
+/// A chain as a range of the list of links: its single creases in order (`start..pairs`), and its pairs
+/// (`pairs..end`).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     start: usize,
@@ -43,7 +44,7 @@ struct Crossed {
 }
 
 impl Crossed {
-    /// Whether a later crease of a chain turns what is beyond it back.
+    /// Returns `true` if a later crease of a chain turns the part beyond it back.
     fn undone_by(&self, later: &Self) -> bool {
         let (along, across) = (self.axis.dot(&later.axis), self.axis.perp(&later.axis));
         let opposite = (self.member.negative != later.member.negative) == (along > 0.0);
@@ -51,14 +52,15 @@ impl Crossed {
     }
 }
 
-/// Chains, one behind the other in one list.
+/// Chains, one behind the other in one list of links.
 #[derive(Clone, Debug)]
 pub(super) struct Chains<'a> {
     memberships: &'a [Membership],
-    /// Groups that do not turn for now.
+    /// For each group `true` if it does not turn in the current phase.
     still: Vec<bool>,
     links: Vec<Link>,
-    /// For each face, once it was asked for, how far it is from it to all others; none on large sheets.
+    /// For each face, once requested, the distance to it from every other face (`known`); not kept on large
+    /// sheets (`keeps`).
     known: Vec<Vec<u32>>,
     keeps: bool,
     searched: Search,
@@ -66,18 +68,18 @@ pub(super) struct Chains<'a> {
     way: Vec<(EdgeId, FaceId)>,
 }
 
-/// Sheets of more faces do not keep how far it is from each face to each other: 2^24 numbers.
+/// Largest number of faces for which the distances between all faces are kept: 2^24 numbers.
 const MANY: usize = 1 << 12;
-/// How far it is across a crease that turns; across others, 1.
+/// Cost of crossing a crease that turns; crossing another edge costs 1.
 const TURNING: u32 = 1 << 12;
 
-/// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with graphs",
-/// 1959.
+/// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with
+/// graphs", 1959.
 #[derive(Clone, Debug, Default)]
 struct Search {
-    /// For each face reached how far it is, and one; 0 for the others.
+    /// For each face reached its distance plus one; 0 for the others.
     far: Vec<u32>,
-    /// Faces to go on from, and how far they are, and one.
+    /// Faces to go on from, with their distance plus one.
     open: BinaryHeap<Reverse<(u32, FaceId)>>,
     reached: Vec<FaceId>,
 }
@@ -103,7 +105,8 @@ impl Search {
 }
 
 impl<'a> Chains<'a> {
-    /// For faces that are `near` each other, or for any.
+    /// Creates an empty list of chains. If they are requested only for faces `near` each other, distances are
+    /// not kept.
     pub(super) fn new(pattern: &CreasePattern, memberships: &'a [Membership], near: bool) -> Self {
         let faces = pattern.faces().len();
         let keeps = !near && faces <= MANY;
@@ -122,7 +125,8 @@ impl<'a> Chains<'a> {
         }
     }
 
-    /// From now on these groups do not turn, one flag each; none for all that may. Whether others did not before.
+    /// Sets the groups that do not turn from now on, one flag each; an empty list lets all groups turn. Returns
+    /// `true` if this changes the flags.
     pub(super) fn keep_still(&mut self, still: Vec<bool>) -> bool {
         let others = self.still != still;
         if others {
@@ -132,38 +136,39 @@ impl<'a> Chains<'a> {
         others
     }
 
-    /// Whether each group does not turn for now; empty if all may.
+    /// Returns for each group `true` if it does not turn in the current phase; an empty list if all may turn.
     pub(super) fn still(&self) -> &[bool] {
         &self.still
     }
 
-    /// Length of the list of links.
+    /// Returns the length of the list of links.
     pub(super) fn len(&self) -> usize {
         self.links.len()
     }
 
-    /// Forgets all links of the list behind this length.
+    /// Removes all links of the list behind this length.
     pub(super) fn truncate(&mut self, len: usize) {
         self.links.truncate(len);
     }
 
-    /// All links of a chain.
+    /// Returns all links of a chain.
     pub(super) fn links(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.start..chain.end]
     }
 
-    /// The single creases of a chain in order.
+    /// Returns the single creases of a chain, in order.
     pub(super) fn singles(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.start..chain.pairs]
     }
 
-    /// The pairs of a chain.
+    /// Returns the pairs of a chain.
     pub(super) fn pairs(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.pairs..chain.end]
     }
 
-    /// A shortest chain from a face to another of the same sheet, across few creases that turn, and with few bends; round
-    /// a vertex, if one is given. Cost: O(n log n) for n faces not farther away.
+    /// Returns a shortest chain from a face to another of the same sheet, with few creases that turn and with
+    /// few bends; round a vertex, if one is given. Returns `None` if no chain joins them. Cost: O(n log n) for
+    /// n faces not farther away.
     pub(super) fn find(
         &mut self,
         pattern: &CreasePattern,
@@ -209,7 +214,7 @@ impl<'a> Chains<'a> {
         way.clear();
         self.way = way;
         let pairs = self.links.len();
-        // Those left single come before the pairs.
+        // The creases left single come before the pairs.
         let singles = self.crossed.iter().map(|crossed| Link {
             group: crossed.member.group.0,
             creases: [crossed.crease; 2],
@@ -224,7 +229,8 @@ impl<'a> Chains<'a> {
         })
     }
 
-    /// Finds how far it is to `to` from all faces round a vertex or everywhere: from all, or up to one.
+    /// Finds the distances to `to` from all faces, or from the faces up to `from`; round a vertex, if one is
+    /// given.
     fn search(
         &mut self,
         pattern: &CreasePattern,
@@ -251,7 +257,7 @@ impl<'a> Chains<'a> {
         self.searched = search;
     }
 
-    /// How far it is across an edge.
+    /// Returns the cost of crossing an edge.
     fn across(&self, pattern: &CreasePattern, edge: EdgeId) -> u32 {
         let crease = pattern.edge(edge).crease;
         let member = crease.and_then(|crease| self.memberships.get(crease.index()));
@@ -259,7 +265,7 @@ impl<'a> Chains<'a> {
         if still == Some(&false) { TURNING } else { 1 }
     }
 
-    /// Goes across an edge to the face beyond.
+    /// Crosses an edge to the face beyond: appends its crease, or pairs it with the last one.
     fn cross(&mut self, pattern: &CreasePattern, edge: EdgeId, beyond: FaceId, place: u32) {
         let Some(crease) = pattern.edge(edge).crease else {
             return;
@@ -293,7 +299,7 @@ fn direction(pattern: &CreasePattern, edge: EdgeId) -> Vector2<f64> {
     pattern.direction(edge, pattern.edge(edge).ends[0])
 }
 
-/// Whether an edge ends at a vertex, if one is given.
+/// Returns `true` if the edge ends at the vertex, or no vertex is given.
 fn ends_at(pattern: &CreasePattern, edge: EdgeId, vertex: Option<VertexId>) -> bool {
     vertex.is_none_or(|vertex| pattern.edge(edge).ends.contains(&vertex))
 }

@@ -1,27 +1,27 @@
-//! How long two pieces that touch stay on two sides of a plane.
+//! Bounds how long two pieces in contact stay on two sides of a plane.
 //!
-//! At contact their distance says nothing of what may happen next: to first order all motion is
-//! dangerous. So the plane of a side or of a piece is taken that parts them now, fixed to one piece, and
-//! the heights of the corners of the other over it are followed to second order. With δ the turns of the
-//! creases between, in their order from the fixed piece, the height changes by the sum of gradient times
-//! δ, and by no more than ½ Σᵢⱼ |δᵢ δⱼ| times the distance from the farther of creases i and j.
+//! In contact, the distance of the pieces does not say what may happen next: to first order every motion is
+//! dangerous. Therefore a plane is taken that separates the pieces now, either of a side or of a piece, fixed
+//! to one piece, and the heights of the other piece's corners over it are followed to second order. With δ the
+//! turns of the creases between, in their order from the fixed piece, the height changes by the sum of gradient
+//! times δ, with an error of no more than ½ Σᵢⱼ |δᵢ δⱼ| times the distance from the farther of creases i and j.
 
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
 
-/// A crease between the pieces, seen from the fixed one: its line, and which way a positive group angle
-/// turns what is beyond.
+/// A crease between the pieces, seen from the fixed one: its line, and the direction in which a positive group
+/// angle turns the part beyond.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub(super) group: u32,
     pub(super) point: Vector3<f64>,
-    /// The unit direction about which.
+    /// Unit direction of the axis of a positive turn.
     pub(super) about: Vector3<f64>,
 }
 
-/// What a group angle does over a step: its change, and its largest distance from a straight line
-/// there.
+/// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`),
+/// radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Change {
     pub(super) by: f64,
@@ -32,21 +32,22 @@ pub(super) struct Change {
 #[derive(Clone, Debug)]
 struct Corner {
     height: f64,
-    /// For each turn, change of height per radian and distance from the crease.
+    /// For each turn: change of height per radian (`gradients`), and distance from the crease (`reaches`).
     gradients: Vec<f64>,
     reaches: Vec<f64>,
 }
 
-/// The corners of a piece over a plane that parts it from another.
+/// The corners of a piece over a plane that separates it from another.
 #[derive(Clone, Debug)]
 pub(super) struct Parted {
     turns: Vec<u32>,
     corners: Vec<Corner>,
 }
 
-/// The planes of a piece and of its sides, upright on it, that have it on one side and `other` on the
-/// other, up to `tolerance`; the turns lead from it to the other. Where the other came from `above` the piece, or from
-/// below, it must not go on there on its other side.
+/// Returns the planes that have `piece` on one side and `other` on the other, up to `tolerance`. Candidates are
+/// the plane of `piece`, in both directions, and the planes upright on it through its sides. The turns lead
+/// from `piece` to `other`. If `other` came from `above` the piece (or from below), the plane of `piece` counts
+/// only with `other` on that side.
 pub(super) fn parted(
     piece: &ConvexPiece<'_>,
     other: &ConvexPiece<'_>,
@@ -95,7 +96,7 @@ fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[T
 }
 
 impl Parted {
-    /// Whether no corner comes lower than `-tolerance` while the groups make these changes.
+    /// Returns `true` if no corner comes lower than `-tolerance` while the groups make these changes.
     pub(super) fn holds(&self, changes: &[Change], tolerance: f64) -> bool {
         self.corners
             .iter()
@@ -105,8 +106,8 @@ impl Parted {
     fn lowest(&self, corner: &Corner, changes: &[Change]) -> f64 {
         let change = |turn: usize| changes[self.turns[turn] as usize];
         let (mut along, mut off, mut curved) = (0.0, 0.0, 0.0);
-        // From the moving piece inwards: how far the corner moves as seen from the creases before, and
-        // the sum of the turns of those not yet passed.
+        // From the moving piece inwards: `moved` bounds the motion of the corner due to the creases passed so
+        // far, and `before` sums up the turns of the creases not yet passed.
         let sizes = (0..self.turns.len()).map(|turn| change(turn).by.abs() + change(turn).off);
         let (mut moved, mut before) = (0.0, sizes.clone().sum::<f64>());
         for (turn, size) in sizes.enumerate().collect::<Vec<_>>().into_iter().rev() {

@@ -1,10 +1,13 @@
-//! A whole sheet over one interval of a motion after the other: where its pieces are at the beginning, half way
-//! and at the end, how far they may be off in between, and whether a plane keeps two of them apart all the time.
+//! Broad phase for a whole sheet, over one interval of a motion after the other: proves by a separating plane
+//! that two pieces stay apart during the whole interval.
 //!
-//! Along the quadratic through its three places a corner stays in the hull of that curve's control points, and
-//! so does a piece in the hull of its corners'. Take the corners of two pieces at the same control point: the
-//! least of how far one is ahead of the other, along a fixed direction, is a sum of the three with weights that
-//! are positive and sum to one. Where all three exceed what both pieces stray, the pieces are apart from the
+//! An interval has the positions of the pieces at its beginning, in its middle and at its end, and a bound on
+//! their deviation (*stray*) from the quadratic curves through these positions. Along such a quadratic a corner
+//! stays in the convex hull of the curve's control points, and a piece stays in the hull of its corners'
+//! control points. Take a fixed direction and, at each of the three control points, the least distance by which
+//! the corners of one piece are ahead of the corners of the other. At any time of the interval, the least
+//! distance by which that piece is ahead is no less than a sum of these three with weights that are positive
+//! and sum to one. If all three exceed the deviations of both pieces together, the pieces are apart from the
 //! beginning to the end, however both move together.
 
 use core::ops::Range;
@@ -20,15 +23,15 @@ use super::separation::distance;
 use crate::folding::{Bend, Pose, SpanningTree, Stray};
 use crate::pattern::{CreasePattern, FaceId};
 
-/// Part of the median edge that no piece is to stray: less where intervals are shorter.
+/// Limit on the deviation of a piece, in median edges; intervals are shortened to meet it.
 const STRAY: f64 = 1.0 / 8.0;
-/// The shortest interval.
+/// Shortest interval, ticks.
 const SHORTEST: Tick = SEGMENT >> 14;
-/// Parts of a segment over which its curves are bounded, and the length of one.
+/// Number of parts of a segment over which second derivatives are bounded, and length of a part, ticks.
 const PARTS: u32 = 8;
 const PART: Tick = SEGMENT / PARTS as Tick;
 
-/// How a face is reached from another.
+/// The hinge across which the spanning tree reaches a face from its parent.
 #[derive(Clone, Copy, Debug)]
 struct Hinge {
     face: FaceId,
@@ -36,21 +39,22 @@ struct Hinge {
     crease: Option<Membership>,
     pivot: Vector2<f64>,
     axis: [f64; 2],
-    /// From the pivot of the parent, and to the farthest corner.
+    /// Distances in the flat sheet: from the pivot of the parent to this pivot (`way`), and from this pivot to
+    /// the farthest corner of the face (`reach`).
     way: f64,
     reach: f64,
 }
 
-/// Something at the beginning of an interval, half way and at its end.
+/// A value at the beginning of an interval, in its middle and at its end.
 type Three<T> = [T; 3];
 
 /// A sheet over an interval.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     hinges: Vec<Hinge>,
-    /// What no piece is to stray.
+    /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
-    /// Greatest second derivative of each group over parts of the segment.
+    /// Bound on the second derivative of each group's angle, one row for each part of the segment.
     curvatures: Vec<f64>,
     pub(super) from: Tick,
     pub(super) to: Tick,
@@ -58,14 +62,15 @@ pub(super) struct Course {
     next: Vec<f64>,
     half_angles: Vec<HalfAngle<f64>>,
     bends: Vec<Bend>,
-    /// For each face.
+    /// For each face: sums over the hinges from the root to it (`paths`), bound on its deviation (`strays`),
+    /// and pose.
     paths: Vec<Stray>,
     strays: Vec<f64>,
     poses: Vec<Pose>,
     normals: Three<Vec<Vector3<f64>>>,
-    /// For each corner of the pieces; in the middle the control point.
+    /// Position of each corner of the pieces; in the middle, its control point.
     places: Three<Vec<Vector3<f64>>>,
-    /// For each cluster what holds it all the time.
+    /// For each cluster a box that contains it during the whole interval.
     boxes: Vec<[Vector3<f64>; 2]>,
     open: Vec<[u32; 2]>,
 }
@@ -116,7 +121,7 @@ impl Course {
         }
     }
 
-    /// Begins a motion.
+    /// Goes to the beginning of a motion.
     pub(super) fn begin(&mut self, motion: &Motion, pieces: &Pieces) {
         (self.from, self.to) = (0, 0);
         motion.angles(0, &mut self.angles);
@@ -126,14 +131,15 @@ impl Course {
         self.fold(motion, pieces, 0, 2);
     }
 
-    /// Goes on to the next interval; `false` if none is short enough.
+    /// Goes on to the next interval. Returns `false` if the deviation is beyond the limit even over the
+    /// shortest one.
     pub(super) fn advance(
         &mut self,
         motion: &Motion,
         pieces: &Pieces,
         hierarchy: &Hierarchy,
     ) -> bool {
-        // Twice as long as the last, if that is to end on a multiple of it.
+        // Twice the last length, unless the interval would then not end on a multiple of its length.
         let mut length = 2 * (self.to - self.from);
         self.from = self.to;
         let into = self.from % SEGMENT;
@@ -166,7 +172,7 @@ impl Course {
         true
     }
 
-    /// Whether no piece strays too far over the interval.
+    /// Returns `true` if no piece deviates beyond the limit over the interval.
     fn keeps_near(&mut self, motion: &Motion) -> bool {
         motion.angles(self.to, &mut self.next);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
@@ -202,7 +208,7 @@ impl Course {
         true
     }
 
-    /// Puts all pieces in their places at a time.
+    /// Places all pieces at a time, as entry `which` of the three.
     fn fold(&mut self, motion: &Motion, pieces: &Pieces, time: Tick, which: usize) {
         motion.half_angles(time, &mut self.half_angles);
         self.poses.fill(Pose::identity());
@@ -228,7 +234,7 @@ impl Course {
         }
     }
 
-    /// Makes the boxes.
+    /// Computes the boxes of all clusters.
     fn enclose(&mut self, pieces: &Pieces, hierarchy: &Hierarchy) {
         self.boxes.clear();
         for (node, cluster) in hierarchy.nodes.iter().enumerate() {
@@ -255,8 +261,8 @@ impl Course {
         }
     }
 
-    /// Calls `near` for the pairs of pieces whose boxes come within what it last answered, or are no farther apart than
-    /// `touching`.
+    /// Calls `near` for the pairs of pieces whose boxes are no farther apart than `touching`, or nearer than a
+    /// distance: at first `within`, then the value that `near` returned last.
     pub(super) fn near(
         &mut self,
         hierarchy: &Hierarchy,
@@ -279,7 +285,7 @@ impl Course {
                 if gap > touching && gap >= within {
                     continue;
                 }
-                // The larger is halved: of one piece are both when that is.
+                // Splits the larger cluster. If the larger one is a single piece, so is the other.
                 let (larger, parts, other) = if first.pieces >= second.pieces {
                     (a, first.children, b)
                 } else {
@@ -300,8 +306,9 @@ impl Course {
         apart.sup(&Vector3::zeros()).norm()
     }
 
-    /// How far apart a plane sees two pieces that it keeps farther apart than `touching` from the beginning to the end:
-    /// no farther than they are at the beginning and at the end, the first and the last. `None` if no such plane was
+    /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end.
+    /// Returns their separations along the plane's normal at the three control points; the first and the last
+    /// are lower bounds of their distance at the beginning and at the end. Returns `None` if no such plane is
     /// found.
     pub(super) fn parted(
         &self,
@@ -334,7 +341,7 @@ impl Course {
         None
     }
 
-    /// How far the second piece is ahead of the first at each control point.
+    /// Returns, for each control point, the distance by which the second piece is ahead of the first.
     fn ahead(&self, corners: &[Range<usize>; 2], direction: Vector3<f64>) -> Three<f64> {
         self.places.each_ref().map(|places| {
             let along = |corners: &Range<usize>| {
@@ -348,7 +355,7 @@ impl Course {
         })
     }
 
-    /// The distance of two pieces at the beginning (0) or the end (2) of the interval.
+    /// Returns the distance of two pieces at the beginning (0) or the end (2) of the interval.
     pub(super) fn distance(&self, pieces: &Pieces, pair: [u32; 2], end: usize) -> f64 {
         let [a, b] = pair.map(|piece| {
             let piece = pieces.list[piece as usize];
@@ -399,14 +406,14 @@ mod tests {
         course.begin(&motion, &pieces);
         assert!(course.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
         assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
-        // Not even along the way between their centers, where that is none.
+        // Not even along the line between their centers, if the centers coincide.
         for places in &mut course.places {
             places.copy_within(pieces.list[0].corners(), pieces.list[2].corners().start);
         }
         assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
     }
 
-    /// Torn sheets, each crease on its own: only the tree says where faces are.
+    /// Torn sheets, each crease a group of its own: the spanning tree alone says where faces are.
     #[test]
     fn pieces_stray_no_farther_and_stay_as_far_apart_as_is_said() {
         let mut random = Pcg64::new(7, 1);
@@ -436,7 +443,7 @@ mod tests {
                     let knots = [0.2, 0.4, 0.6].map(|part| *angle + part * noise());
                     curves.push(if segment == 1 {
                         let half = [*angle, knots[0], knots[1], knots[2]].map(|a| a / 2.0);
-                        // As long as they are not, the ends keep their angles.
+                        // The angles at the ends do not depend on the weights as long as these are not 0.
                         let weight = [1.0, 1.0 + 0.2 * noise(), 1.0 + 0.2 * noise(), 1.0];
                         Curve::HalfAngle {
                             cos: core::array::from_fn(|k| weight[k] * half[k].cos()),
@@ -497,7 +504,7 @@ mod tests {
                 }
             }
         }
-        // And not by much less.
+        // The bounds are not vacuous: many pairs are parted, and pieces do deviate.
         assert!(parted > 10_000 && strayed > 0.02, "{parted} {strayed}");
     }
 }

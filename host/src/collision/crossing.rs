@@ -1,25 +1,25 @@
-//! How deep two convex flat polygons pass through each other.
+//! Measures how deep two convex planar polygons pass through each other.
 //!
-//! Implements the interval overlap test of T. Möller, "A fast triangle-triangle intersection test",
-//! J. Graphics Tools 2(2), 1997, for convex polygons. Differs from the source in that it returns a
-//! depth, so that contact (layers, shared vertices) can be told from crossing.
+//! Implements the interval overlap test of T. Möller, "A fast triangle-triangle intersection test", J. Graphics
+//! Tools 2(2), 1997, for convex polygons. Differs from the source in that it returns a depth, so that contact
+//! (layers, shared vertices) can be distinguished from crossing.
 
 use nalgebra::Vector3;
 
-/// Tolerances from a plane beyond which a corner is well off it.
+/// Distance from a plane, in tolerances, up to which a corner is close to it.
 const CLOSE: f64 = 1e3;
 
-/// A convex flat polygon in space.
+/// A convex planar polygon in space.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvexPiece<'a> {
-    /// Its corners in order.
+    /// Corners in order.
     pub corners: &'a [Vector3<f64>],
-    /// Unit normal of its plane.
+    /// Unit normal of the plane.
     pub normal: Vector3<f64>,
 }
 
 impl ConvexPiece<'_> {
-    /// Where the corners are as seen from the plane of `other`.
+    /// Returns the positions of the corners relative to the plane of `other`.
     pub(super) fn reach(&self, other: &Self, tolerance: f64) -> Reach {
         let offset = other.normal.dot(&other.corners[0]);
         let mut reach = Reach {
@@ -38,8 +38,8 @@ impl ConvexPiece<'_> {
         reach
     }
 
-    /// What of a piece lies over or under this one, seen along its normal (I. Sutherland, G. Hodgman, "Reentrant polygon
-    /// clipping", 1974).
+    /// Returns the part of `piece` that lies over or under this one, seen along the normal of this one.
+    /// Implements the clipping of I. Sutherland, G. Hodgman, "Reentrant polygon clipping", 1974.
     pub(super) fn part_over(&self, piece: &Self) -> Vec<Vector3<f64>> {
         let mut part = piece.corners.to_vec();
         let next = self.corners.iter().cycle().skip(1);
@@ -61,7 +61,7 @@ impl ConvexPiece<'_> {
         part
     }
 
-    /// The part of the line along `direction` in which this piece meets the plane of `other`.
+    /// Returns the interval of the line along `direction` in which this piece meets the plane of `other`.
     fn section(&self, other: &Self, direction: &Vector3<f64>) -> [f64; 2] {
         let offset = other.normal.dot(&other.corners[0]);
         let mut section = [f64::INFINITY, f64::NEG_INFINITY];
@@ -81,32 +81,33 @@ impl ConvexPiece<'_> {
     }
 }
 
-/// Where the corners of a piece are as seen from the plane of another.
+/// Positions of the corners of a piece relative to the plane of another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// Lowest and highest signed distance.
+    /// Lowest (`low`) and highest (`high`) signed distance.
     low: f64,
     high: f64,
-    /// Corners in the plane.
+    /// Number of corners in the plane, within the tolerance.
     touching: u32,
-    /// Corners near it.
+    /// Number of corners within `CLOSE` tolerances of the plane.
     close: u32,
 }
 
 impl Reach {
-    /// How far the piece reaches to both sides.
+    /// Returns the smaller of the piece's extents on the two sides of the plane, not positive if it is on one
+    /// side.
     fn depth(self) -> f64 {
         self.high.min(-self.low)
     }
 
-    /// Whether the piece is on one side of the plane and meets it in a corner at most. It crosses nothing there, and
-    /// the other one can stand on it in that corner only.
+    /// Returns `true` if the piece is on one side of the plane and meets it in a corner at most. It then
+    /// crosses nothing in the plane, and the other piece can stand on it in that corner only.
     pub(super) fn is_clear(self, tolerance: f64) -> bool {
         self.close <= 1 && self.depth() <= tolerance
     }
 
-    /// Whether the piece may go on to the other side of the plane beyond one of its own sides: it is on one side of the
-    /// plane, and touches it in more than a corner.
+    /// Returns `true` if the piece is on one side of the plane and touches it in more than a corner. The sheet
+    /// may then continue to the other side of the plane across one of the piece's sides.
     pub(super) fn stands(self, tolerance: f64) -> bool {
         let Self {
             low,
@@ -118,9 +119,10 @@ impl Reach {
     }
 }
 
-/// How deep the two pieces pass through each other: the least of how far each reaches to both sides
-/// of the other's plane and of the length of the line that they share. 0 if they do not cross, or
-/// not deeper than `tolerance`.
+/// Returns the depth to which two pieces pass through each other; 0 if it does not exceed `tolerance`.
+///
+/// The depth is the least of three lengths: each piece's smaller extent on the two sides of the other's plane,
+/// and the length of the segment that both share.
 #[must_use]
 pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) -> f64 {
     let a_reach = a.reach(b, tolerance);
@@ -130,7 +132,7 @@ pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) 
     depth_within(a, b, [a_reach, b.reach(a, tolerance)], tolerance)
 }
 
-/// The same, given where each is as seen from the other.
+/// Returns the [`crossing_depth`] of two pieces, given their positions relative to each other's plane.
 pub(super) fn depth_within(
     a: &ConvexPiece<'_>,
     b: &ConvexPiece<'_>,
@@ -152,9 +154,11 @@ pub(super) fn depth_within(
     if depth > tolerance { depth } else { 0.0 }
 }
 
-/// How deep two pieces joined along a `side` pass through `other` exactly there: neither crosses it,
-/// but the side lies in it and they lie on its two sides. 0 if they do not, or not deeper than
-/// `tolerance`.
+/// Returns the depth to which two pieces joined along a `side` pass through `other` exactly at that side; 0 if
+/// it does not exceed `tolerance`.
+///
+/// In this case neither piece crosses `other` on its own, but the side lies in `other`, and the pieces lie on
+/// its two sides.
 #[must_use]
 pub fn side_crossing_depth(
     pieces: [&ConvexPiece<'_>; 2],
@@ -172,7 +176,8 @@ pub fn side_crossing_depth(
     if depth <= tolerance {
         return 0.0;
     }
-    // In the plane of the other piece: it reaches to both sides of the line, and along it.
+    // In the plane of `other`: its extents on both sides of the line of `side`, and the interval in which it
+    // meets that line.
     let along = (side[1] - side[0]).normalize();
     let across = other.normal.cross(&along);
     let mut reach = [0.0_f64; 2];
@@ -196,7 +201,7 @@ pub fn side_crossing_depth(
     if depth <= tolerance {
         return 0.0;
     }
-    // What is beyond the other piece goes round its border, not through it.
+    // Parts of the pieces beyond the border of `other` pass round it, not through it.
     let [a, b] = pieces.map(|piece| {
         let over = other.part_over(piece);
         let heights = over.iter().map(|corner| other.normal.dot(corner) - offset);
@@ -237,7 +242,7 @@ mod tests {
 
     #[test]
     fn contact_is_no_crossing() {
-        // Standing on it, lying on it, touching in a corner, sharing a side.
+        // Standing on the square, lying on it, touching it in a corner, sharing a side with it.
         for other in [
             [
                 [0.5, 0.2, 0.],
@@ -324,7 +329,7 @@ mod tests {
     #[test]
     fn depth_is_measured() {
         let pierced = |z: f64| [[0.4, 0.4, z], [0.4, 0.4, z + 1.], [0.6, 0.6, z + 1.]];
-        // The tip is 0.01 below; the line that both share is shorter, and that counts.
+        // The tip is 0.01 below the square; the segment that both share is shorter, and limits the depth.
         let found = depth(&SQUARE, &pierced(-0.01));
         assert!(found > 1e-3 && found <= 0.01, "{found}");
         assert!(depth(&SQUARE, &pierced(-1e-7)) <= 0.0);

@@ -1,6 +1,7 @@
-//! Clusters of pieces that hang together, and clusters of clusters.
+//! Hierarchy of clusters for the bounding spheres of a sweep: clusters of adjacent pieces, and clusters of
+//! clusters.
 //!
-//! Made once from the flat sheet; what changes along a motion are the spheres round them.
+//! Made once from the flat sheet; only the spheres round the clusters change along a motion.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -15,7 +16,7 @@ pub(super) struct Sphere {
 }
 
 impl Sphere {
-    /// The smallest sphere round two.
+    /// Returns the smallest sphere that contains both.
     pub(super) fn round(self, other: Self) -> Self {
         let between = other.center - self.center;
         let distance = between.norm();
@@ -32,20 +33,20 @@ impl Sphere {
         }
     }
 
-    /// The distance between two spheres, below 0 where they overlap.
+    /// Returns the distance between two spheres, below 0 if they overlap.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         (other.center - self.center).norm() - self.radius - other.radius
     }
 }
 
-/// A piece, or a cluster of two others.
+/// A piece, or a cluster of two other nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    /// The two clusters; `None` for a piece, which has the number of its node.
+    /// The two child nodes; `None` for a piece, which has the number of its node.
     pub(super) children: Option<[u32; 2]>,
     /// Number of pieces.
     pub(super) pieces: u32,
-    /// A face in the middle, that of one of the children.
+    /// A face in the middle, taken from one of the children.
     pub(super) face: FaceId,
 }
 
@@ -53,14 +54,14 @@ pub(super) struct Node {
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<Node>,
-    /// The cluster of each sheet.
+    /// Root node of each sheet.
     pub(super) roots: Vec<u32>,
-    /// For each piece a circle round it in the flat sheet.
+    /// For each piece a circle round it in the flat sheet: centre and radius.
     pub(super) circles: Vec<(Vector2<f64>, f64)>,
 }
 
 impl Hierarchy {
-    /// Every piece on its own.
+    /// Creates a hierarchy without clusters: every piece on its own.
     pub(super) fn leaves(pieces: &Pieces) -> Self {
         let mut hierarchy = Self {
             nodes: Vec::new(),
@@ -71,7 +72,7 @@ impl Hierarchy {
         hierarchy
     }
 
-    /// Takes up the pieces that were made since, where every piece is on its own.
+    /// Adds the pieces made since the last call, each on its own.
     pub(super) fn extend(&mut self, pieces: &Pieces) {
         for piece in &pieces.list[self.nodes.len()..] {
             self.nodes.push(Node {
@@ -83,8 +84,8 @@ impl Hierarchy {
         }
     }
 
-    /// Joins the smallest neighbours first, level by level. Cost: O(pieces log pieces), if none has very
-    /// many neighbours.
+    /// Builds the hierarchy bottom-up, level by level; the smallest clusters are joined first. Cost: O(pieces
+    /// log pieces), if none has very many neighbours.
     pub(super) fn new(pieces: &Pieces) -> Self {
         let hierarchy = Self::leaves(pieces);
         let faces = pieces.list.last().map_or(0, |piece| piece.face.index() + 1);
@@ -107,11 +108,11 @@ impl Hierarchy {
 struct Builder<'a> {
     pieces: &'a Pieces,
     hierarchy: Hierarchy,
-    /// For each node its pieces, while nothing holds it.
+    /// For each node its pieces; empty once the node has a parent.
     members: Vec<Vec<u32>>,
-    /// For each piece the node that nothing holds yet.
+    /// For each piece the node that contains it and has no parent yet.
     cluster: Vec<u32>,
-    /// For each face the middle of one of its pieces.
+    /// For each face the centre of one of its pieces.
     face_centers: Vec<Vector2<f64>>,
 }
 
@@ -122,7 +123,7 @@ impl Builder<'_> {
             let (mut next, mut fresh) = (Vec::new(), self.hierarchy.nodes.len());
             open.sort_by_key(|&node| self.hierarchy.nodes[node as usize].pieces);
             for node in open {
-                // It may have been joined already.
+                // The node may have been joined already.
                 if self.members[node as usize].is_empty() {
                     continue;
                 }
@@ -141,8 +142,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The neighbour with which a cluster makes the smallest circle; one not yet joined on this level, if
-    /// there is one.
+    /// Returns the neighbour of a cluster with the nearest centre; one not yet joined on this level, if there
+    /// is one.
     fn partner(&self, node: u32, fresh: usize) -> Option<u32> {
         let members = &self.members[node as usize];
         let joints = members.iter().flat_map(|&p| self.pieces.joints(p));
@@ -191,10 +192,11 @@ impl Builder<'_> {
     }
 }
 
-/// Corners of a face up to which a good circle is looked for.
+/// Number of corners up to which circles round the middle of two corners are tried.
 const FEW_CORNERS: usize = 8;
 
-/// A circle round some points: round the middle of two of them or of all, the smallest.
+/// Returns centre and radius of a circle round some points: the smallest of those round the middle of two
+/// points or the mean of all.
 pub(super) fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
     let few = &points[..if points.len() > FEW_CORNERS {
         0

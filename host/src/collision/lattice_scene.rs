@@ -1,4 +1,5 @@
-//! Faces that pass through each other in single configurations of a tessellation.
+//! Judges single configurations of a tessellation for crossings, with one pair of faces tested for all that
+//! move alike.
 
 use core::ops::Range;
 use std::collections::HashMap;
@@ -15,25 +16,26 @@ use super::sweep::SweepCounts;
 use crate::pattern::CreasePattern;
 use crate::symmetry::{Lattice, PairClass};
 
-/// A tessellation folded at one configuration after the other: what a [`CollisionScene`](super::CollisionScene) is
-/// for any sheet, but of all pairs of faces that are alike only one is looked at.
+/// A tessellation folded into one configuration after the other. It answers the same question as a
+/// [`CollisionScene`](super::CollisionScene), but of all pairs of faces that are placed alike it tests only
+/// one.
 #[derive(Clone, Debug)]
 pub struct LatticeScene<'a> {
     pattern: &'a CreasePattern,
-    /// What is no deeper is contact.
+    /// Depth up to which an overlap is contact, units of the sheet.
     tolerance: f64,
     cells: Cells<'a>,
-    /// All differences of cells.
+    /// All differences between two cells of the sheet.
     differences: Vec<[i32; 2]>,
     pieces: Pieces,
-    /// Pairs of pieces that no side joins, of the classes that were asked for.
+    /// Pairs of pieces that share no side, of the pair classes requested so far.
     pairs: Vec<[u32; 2]>,
-    /// For each of these its part of the list, and the number of pairs that a side joins.
+    /// For each of these classes its range of `pairs`, and the number of its pairs that share a side.
     classes: HashMap<PairClass, (Range<usize>, u64), FixedState>,
-    /// Number of pairs of pieces, and of those for which no other stands.
+    /// Number of pairs of pieces, and number of representative pairs (those for which no other pair stands).
     alike: [u64; 2],
     near: Vec<PairClass>,
-    /// When each piece was placed.
+    /// Configuration at which each piece was placed last.
     placed: Vec<Tick>,
     counts: SweepCounts,
     folded: Vec<Vector3<f64>>,
@@ -41,8 +43,9 @@ pub struct LatticeScene<'a> {
 }
 
 impl<'a> LatticeScene<'a> {
-    /// The scene of a sheet with the lattice found for these memberships in so many groups. `None` if that has too
-    /// many cells to go through. Cost: O(faces of a cell + cells).
+    /// Creates the scene of a sheet with the lattice found for these memberships in `groups` crease groups.
+    /// Returns `None` if the lattice has too many differences of cells to go through. Cost: O(faces of a cell +
+    /// cells).
     #[must_use]
     pub fn new(
         pattern: &'a CreasePattern,
@@ -70,8 +73,9 @@ impl<'a> LatticeScene<'a> {
         })
     }
 
-    /// The deepest crossing at a configuration (group angles, radians), at which the sheet has to close; of faces that
-    /// stand for all that are placed alike. Cost: O(cells + pairs of faces near one cell).
+    /// Returns the deepest crossing at a configuration (group angles, radians), at which the sheet has to
+    /// close. Its faces stand for all pairs that are placed alike. Cost: O(cells + pairs of faces near one
+    /// cell).
     pub fn deepest_crossing(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.cells.go_to(angles);
         let mut near = core::mem::take(&mut self.near);
@@ -104,13 +108,13 @@ impl<'a> LatticeScene<'a> {
         deepest
     }
 
-    /// What was looked at since the scene was made.
+    /// Returns the numbers of pairs tested and skipped since the scene was made.
     #[must_use]
     pub fn counts(&self) -> SweepCounts {
         self.counts
     }
 
-    /// The pairs of a class, by their places in the list, and the number of those that a side joins.
+    /// Returns the range of a class in the list of pairs, and the number of its pairs that share a side.
     fn find(&mut self, class: PairClass) -> (Range<usize>, u64) {
         if let Some(found) = self.classes.get(&class) {
             return found.clone();
@@ -135,7 +139,7 @@ impl<'a> LatticeScene<'a> {
         found
     }
 
-    /// How deep two pieces cross.
+    /// Returns the depth to which two pieces cross.
     fn depth(&mut self, pair: [u32; 2]) -> f64 {
         for piece in pair {
             self.put(piece);
@@ -160,7 +164,7 @@ impl<'a> LatticeScene<'a> {
         }
     }
 
-    /// Puts a piece in its place.
+    /// Places a piece at the current configuration.
     fn put(&mut self, piece: u32) {
         let pieces = &self.pieces;
         self.placed.resize(pieces.list.len(), Tick::MAX);

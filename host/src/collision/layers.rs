@@ -1,13 +1,13 @@
-//! Which of two pieces lies on the other. Where they touch all over neither is deep in the other, and yet one that came
-//! from above must not leave below.
+//! Finds out which of two stacked pieces lies on top. Pieces in contact over an area have no crossing depth,
+//! and yet a piece that came from above must not leave below.
 
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
 
-/// Where pieces lie over each other, seen along the normal of each: how high the second is over the first, and the
-/// first over the second, in the middle of what lies over them. `None` where no more than strips as narrow as
-/// `tolerance` do.
+/// Returns the signed heights of `b` over the plane of `a` and of `a` over the plane of `b`. Each height is
+/// measured along the normal of the plane, in the middle of the part of the piece that lies over or under the
+/// other one. Returns `None` if such a part is empty, or no more than a strip about as narrow as `tolerance`.
 pub(super) fn heights(
     a: &ConvexPiece<'_>,
     b: &ConvexPiece<'_>,

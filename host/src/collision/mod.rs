@@ -1,9 +1,10 @@
-//! Whether faces pass through each other, at a configuration or anywhere on a motion.
+//! Answers whether faces pass through each other, at one configuration or anywhere on a motion.
 //!
-//! The only place that knows parry3d. Faces are cut in convex pieces. Pieces joined by an edge need no
-//! look: they cannot cross while their fold angle is within half a turn. A [`CollisionScene`] asks at one
-//! configuration: a bounding volume hierarchy finds the pairs whose boxes meet, and each such pair is
-//! judged by [`crossing_depth`]. A [`Sweep`] asks for a whole motion.
+//! This is the only module that names parry3d. Faces are cut into convex pieces. Two pieces joined by an edge
+//! need no test: they cannot cross while the fold angle between them is within half a turn. A
+//! [`CollisionScene`] judges one configuration: the broad phase, a bounding volume hierarchy, finds the pairs
+//! of pieces whose boxes overlap, and the narrow phase, [`crossing_depth`], judges each of these pairs. A
+//! [`Sweep`] judges a whole motion by conservative advancement.
 
 mod cells;
 mod chains;

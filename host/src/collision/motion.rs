@@ -1,5 +1,5 @@
-//! The motion of a sheet: segments of curves, one a crease group, and how much they vary from one time to
-//! another.
+//! The motion of a sheet as segments of curves, one for each crease group, with bounds on their variation from
+//! one time to another.
 //!
 //! Times are ticks, 2^36 a segment, so that halves of steps are times too, without rounding.
 
@@ -10,32 +10,34 @@ use super::variation::Variation;
 use crate::certificate::restrict;
 use crate::folding::{Bend, Stretch};
 
-/// log2 of the ticks of a segment.
+/// log2 of the number of ticks in a segment.
 const TICKS: u32 = 36;
-/// Times at which variation is tabulated: about so many in all, a power of two a segment.
+/// Approximate number of tabulated times in the whole motion; their number in a segment is a power of two.
 const TABULATED: usize = 64;
-/// Numbers tabulated at most, unless one time a segment makes more.
+/// Largest number of entries of the table, unless one time per segment takes more.
 const MOST_TABULATED: usize = 1 << 16;
-/// Places of a step's length that the next time may have: looks at different pairs then coincide.
+/// Number of multiples of the step's length among which the next time is chosen, so that the queries of
+/// different pairs coincide.
 const PLACES: u64 = 4;
-/// Small parts of the interval between tabulated times.
+/// Number of small parts of the interval between tabulated times.
 const SMALL_PARTS: u32 = 64;
 
-/// Radians that a group turns over a segment at most where it is taken to be still.
+/// Largest variation of a group over a segment, radians, for which the group counts as still.
 const STILL: f64 = 1e-9;
 
-/// A time: segments, in units of 2^-36.
+/// A time, in units of 2^-36 segments.
 pub(super) type Tick = u64;
 
-/// The length of a segment.
+/// Length of a segment, ticks.
 pub(super) const SEGMENT: Tick = 1 << TICKS;
 
-/// How far the points of two bodies may come closer for each radian that crease groups vary.
+/// Levers: how far the points of two bodies may approach each other per radian of variation of each crease
+/// group.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
     per_group: Vec<f64>,
     touched: Vec<u32>,
-    /// For each radian that the group varies which varies most.
+    /// Lever per radian of variation of whichever group varies most.
     pub(super) any: f64,
 }
 
@@ -80,13 +82,14 @@ pub(super) struct Motion {
     stride: Tick,
     /// For each tabulated time and group the variation since the beginning, radians.
     table: Vec<f64>,
-    /// For each tabulated time, the sum over the steps to it of what the group varies that varies most.
+    /// For each tabulated time the sum, over the steps up to it, of the largest variation of a group in the
+    /// step, radians.
     clock: Vec<f64>,
 }
 
 impl Motion {
-    /// `segments` hold a curve for each group; groups without one stay flat. Cost: O(groups x
-    /// segments), and that of some ten thousand angles at most.
+    /// Tabulates a motion. `segments` hold a curve for each group; groups without one stay flat. Cost: O(groups
+    /// x segments), and the evaluation of some ten thousand angles at most.
     pub(super) fn new(segments: &[Vec<Curve<f64>>], groups: usize) -> Self {
         const FLAT: Curve<f64> = Curve::Angle([0.0; 4]);
         let curve = |segment: &Vec<Curve<f64>>, group| segment.get(group).copied().unwrap_or(FLAT);
@@ -126,13 +129,14 @@ impl Motion {
         }
     }
 
-    /// Whether all variation is known.
+    /// Returns `true` if all variation is finite.
     pub(super) fn is_finite(&self) -> bool {
         let curves = self.variations.iter().all(Variation::is_finite);
         curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
-    /// For each group whether it does not turn over a segment, but for rounding; empty if all do.
+    /// Returns for each group `true` if it does not turn over a segment, except for rounding; an empty list if
+    /// all groups turn.
     pub(super) fn still(&self, segment: usize) -> Vec<bool> {
         let variations = self
             .variations
@@ -147,15 +151,17 @@ impl Motion {
         }
     }
 
-    /// How much a crease turns at most from one time to another of the same segment, to and fro, radians.
+    /// Returns a bound on the total variation of a crease's angle from one time to another of the same segment,
+    /// radians.
     pub(super) fn turned(&self, times: [Tick; 2], crease: Membership) -> f64 {
         let (segment, [s, end]) = self.stretch(times);
         let variation = self.variation(segment, crease);
         variation.until(end) - variation.until(s)
     }
 
-    /// By how much two creases turn otherwise than alike at most, or than `opposite` to each other, from one time to
-    /// another of the same segment, radians; infinite where that is not seen.
+    /// Returns a bound on the difference between the turns of two creases from one time to another of the same
+    /// segment, radians. With `opposite`, it bounds the difference from turning by opposite angles. Infinite
+    /// for half-angle curves.
     pub(super) fn unlike(&self, times: [Tick; 2], creases: [Membership; 2], opposite: bool) -> f64 {
         let (segment, [s, end]) = self.stretch(times);
         let opposite = opposite != (creases[0].negative != creases[1].negative);
@@ -164,7 +170,7 @@ impl Motion {
         let (Curve::Angle(a), Curve::Angle(b)) = (a, b) else {
             return f64::INFINITY;
         };
-        // A cubic is within its coefficients.
+        // A cubic is within its Bernstein coefficients.
         let difference: [f64; 4] = core::array::from_fn(|k| a[k] - sign * b[k]);
         let [low, high] = restrict(&difference, [s, end])
             .iter()
@@ -178,17 +184,17 @@ impl Motion {
         &self.variations[segment * self.groups + crease.group.index()]
     }
 
-    /// The last time.
+    /// Returns the last time.
     pub(super) fn end(&self) -> Tick {
         (self.segments as Tick) << TICKS
     }
 
-    /// The end of a segment.
+    /// Returns the end of a segment.
     pub(super) fn end_of(&self, segment: usize) -> Tick {
         ((segment + 1) as Tick) << TICKS
     }
 
-    /// Segment and place in it, 0 to 1.
+    /// Returns the segment of a time, and the parameter in it, 0 to 1.
     pub(super) fn place(&self, tick: Tick) -> (usize, f64) {
         let segment = usize::try_from(tick >> TICKS).unwrap_or(usize::MAX);
         let segment = segment.min(self.segments.saturating_sub(1));
@@ -197,7 +203,7 @@ impl Motion {
         (segment, rest as f64 / (1_u64 << TICKS) as f64)
     }
 
-    /// The segment of two times, and the places in it.
+    /// Returns the segment of two times, and the parameters in it.
     fn stretch(&self, [from, to]: [Tick; 2]) -> (usize, [f64; 2]) {
         let (segment, s) = self.place(from);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
@@ -205,8 +211,8 @@ impl Motion {
         (segment, [s, end])
     }
 
-    /// The first place found at which a group turns past half a turn by more than `slack` radians: its
-    /// segment, place in it, the group and its angle.
+    /// Returns the first place found at which a group turns past half a turn by more than `slack` radians:
+    /// segment, parameter in it, group and angle.
     pub(super) fn overturned(&self, slack: f64) -> Option<(usize, f64, usize, f64)> {
         let segments = self.variations.chunks(self.groups.max(1));
         segments.enumerate().find_map(|(segment, variations)| {
@@ -221,21 +227,21 @@ impl Motion {
         })
     }
 
-    /// Half the angle of a group.
+    /// Returns half the angle of a group at a time.
     pub(super) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
         let (segment, s) = self.place(tick);
         let variation = self.variations.get(segment * self.groups + group);
         variation.map_or_else(HalfAngle::default, |v| v.curve().half_angle(s))
     }
 
-    /// The same for all groups.
+    /// Computes half the angle of each group at a time.
     pub(super) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
         for (group, half) in half_angles.iter_mut().enumerate() {
             *half = self.half_angle(group, tick);
         }
     }
 
-    /// The angles of all groups.
+    /// Computes the angles of all groups at a time, radians.
     pub(super) fn angles(&self, tick: Tick, angles: &mut [f64]) {
         let (segment, s) = self.place(tick);
         for (group, angle) in angles.iter_mut().enumerate() {
@@ -244,8 +250,8 @@ impl Motion {
         }
     }
 
-    /// No less than the greatest second derivative of each group over the segment that begins at a time, in the
-    /// parts that it is divided in.
+    /// Computes upper bounds on the absolute second derivative of each group's angle, over each of the `parts`
+    /// equal parts of the segment that begins at `tick`.
     pub(super) fn curvatures(&self, tick: Tick, parts: u32, curvatures: &mut Vec<f64>) {
         let (segment, _) = self.place(tick);
         let variations = &self.variations[segment * self.groups..][..self.groups];
@@ -256,7 +262,7 @@ impl Motion {
         }
     }
 
-    /// Changes of all groups that are asked for, from one time to another of the same segment.
+    /// Computes the changes of the given groups from one time to another of the same segment.
     pub(super) fn changes(&self, groups: &[u32], from: Tick, to: Tick, changes: &mut [Change]) {
         let (segment, [s, end]) = self.stretch([from, to]);
         for &group in groups {
@@ -265,27 +271,28 @@ impl Motion {
         }
     }
 
-    /// The first tabulated time after `tick`.
+    /// Returns the first tabulated time after `tick`.
     pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
         self.tabulated_after(tick, 1)
     }
 
-    /// So many tabulated times after `tick`, or the last.
+    /// Returns the tabulated time that follows `tick` as number `count`, or the last one.
     pub(super) fn tabulated_after(&self, tick: Tick, count: usize) -> Tick {
         ((tick / self.stride + count as Tick) * self.stride).min(self.end())
     }
 
-    /// The position of a time among those tabulated, if it is one.
+    /// Returns the position of a time among the tabulated ones, if it is one of them.
     pub(super) fn tabulated(&self, tick: Tick) -> Option<usize> {
         tick.is_multiple_of(self.stride).then(|| self.index(tick))
     }
 
-    /// The tabulated time of this position.
+    /// Returns the tabulated time of this position.
     pub(super) fn tick(&self, index: usize) -> Tick {
         index as Tick * self.stride
     }
 
-    /// The rest of the interval between tabulated times that a time is in; nothing at a tabulated time.
+    /// Returns the rest of the interval between tabulated times that contains a time; empty at a tabulated
+    /// time.
     pub(super) fn rest(&self, tick: Tick) -> Stretch {
         let next = self.index(tick + self.stride - 1);
         let rest = self.tick(next) - tick;
@@ -297,8 +304,9 @@ impl Motion {
         }
     }
 
-    /// About the last time after `tick` and before the next tabulated one until which points have `moved` by no
-    /// more than `allowance`, and by how much they have; `None` if that is not well after it.
+    /// Returns about the last time after `tick` and before the next tabulated one until which points have
+    /// `moved` by no more than `allowance`, and the bound on their motion until then. Returns `None` if that
+    /// time is less than a small part of the interval after `tick`.
     pub(super) fn before_next(
         &self,
         tick: Tick,
@@ -333,12 +341,13 @@ impl Motion {
         (part > 0 && by <= allowance && later <= self.next_tabulated(tick)).then_some((later, by))
     }
 
-    /// The time half way from a tabulated one to the next.
+    /// Returns the time half way from a tabulated one to the next.
     pub(super) fn half_way(&self, index: usize) -> Tick {
         self.tick(index) + self.stride / 2
     }
 
-    /// The curves of the groups over the segments, with the position of each segment's last tabulated time.
+    /// Returns the curves of the groups over each segment, with the position of the segment's last tabulated
+    /// time.
     pub(super) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
         let all = self.variations.chunks(self.groups.max(1)).enumerate();
         all.map(|(segment, variations)| {
@@ -350,7 +359,7 @@ impl Motion {
         })
     }
 
-    /// For each group what it does from a tabulated time to the next.
+    /// Computes the variation of each group from a tabulated time to the next.
     pub(super) fn bends(&self, index: usize, bends: &mut Vec<Bend>) {
         let (segment, s) = self.place(self.tick(index));
         let end = s + 1.0 / self.per_segment();
@@ -374,8 +383,8 @@ impl Motion {
         usize::try_from(tick / self.stride).unwrap_or(usize::MAX)
     }
 
-    /// How far points may have come since the beginning of the motion; their difference between two
-    /// times is no less than they have.
+    /// Returns a bound on how far points have moved since the beginning of the motion. The difference between
+    /// two times is a bound on their motion in between.
     pub(super) fn moved(&self, levers: &Levers, tick: Tick) -> f64 {
         if tick.is_multiple_of(self.stride) {
             return self.moved_tabulated(levers, self.index(tick));
@@ -393,8 +402,8 @@ impl Motion {
         levers.sum(|group| row[group]) + levers.any * self.clock[index]
     }
 
-    /// The last tabulated time until which points come no farther than `allowance` from where they are
-    /// at `from`, if one comes after that.
+    /// Returns the last tabulated time until which points move no farther than `allowance` from where they are
+    /// at `from`, if there is one after `from`.
     pub(super) fn tabulated_until(
         &self,
         levers: &Levers,
@@ -415,7 +424,7 @@ impl Motion {
         (until > from).then_some(until)
     }
 
-    /// Times after `from`, each farther from it, up to `next`.
+    /// Returns times after `from` up to `next`, at growing distances.
     pub(super) fn halves(&self, from: Tick, next: Tick) -> impl Iterator<Item = Tick> + use<> {
         let mut unit = 1 << (from % self.stride).trailing_zeros().min(TICKS);
         let mut at = from;
@@ -427,8 +436,8 @@ impl Motion {
         })
     }
 
-    /// A time after `from` until which points come no farther than `allowance`: within a factor the last
-    /// one before the next tabulated time, and at least one tick later.
+    /// Returns a time after `from` until which points move no farther than `allowance`: within a constant
+    /// factor the last such time before the next tabulated one, and at least one tick later.
     pub(super) fn until(&self, levers: &Levers, from: Tick, allowance: f64) -> Tick {
         let (start, next) = (self.moved(levers, from), self.next_tabulated(from));
         #[allow(

@@ -1,26 +1,28 @@
-//! Cells of a lattice of translations that are near each other.
+//! Enumerates the cells of a lattice of translations that are near each other, row by row, by solving a
+//! quadratic inequality for each row.
 
 use nalgebra::Vector3;
 
-/// What may be near the cell at the origin.
+/// Bounds that decide which cells may be near the cell at the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
-    /// Steps in space.
+    /// Translations of the two lattice steps in space.
     pub(super) ways: [Vector3<f64>; 2],
-    /// How far what is one step on may be from there.
+    /// For each step, the largest displacement of a cell one step on from where the translation takes it.
     pub(super) shifts: [f64; 2],
-    /// Distances no larger are near.
+    /// Largest distance that counts as near.
     pub(super) near: f64,
     /// Largest counts of both steps.
     pub(super) most: [u32; 2],
 }
 
 impl Block {
-    /// All counts i and j of steps with |i a + j b| - |i| s - |j| t ≤ near, one of [i, j] and [-i, -j], and
-    /// perhaps a few more. Cost: O(number of them).
+    /// Returns all counts i and j of steps with |i a + j b| - |i| s - |j| t ≤ near, one of [i, j] and [-i, -j],
+    /// and perhaps a few more. Here a and b are the translations, s and t the shifts. Cost: O(number of them).
     ///
-    /// In a row, for i of one sign, the squares of both sides make a quadratic inequality. What holds for
-    /// none of its real i holds for none in the rows beyond, which are larger by a factor.
+    /// In a row, for i of one sign, squaring both sides gives a quadratic inequality in i. If no real i
+    /// satisfies it in one row, none does in the rows beyond: scaling i and j by a factor scales the left side
+    /// by that factor.
     pub(super) fn cells(&self) -> Vec<[i32; 2]> {
         let mut cells = Vec::new();
         let [columns, rows] = self
@@ -45,7 +47,7 @@ impl Block {
         cells
     }
 
-    /// The first and the last real count of columns, taken in one direction, that may be near.
+    /// Returns the first and the last real count of columns, taken in one direction, that may be near.
     fn columns(&self, row: i32, direction: f64) -> Option<[f64; 2]> {
         let [along, across] = [self.ways[0] * direction, self.ways[1] * f64::from(row)];
         let limit = self.near + self.shifts[1] * f64::from(row);

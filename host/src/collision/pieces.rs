@@ -1,4 +1,4 @@
-//! The faces of a sheet cut in convex pieces, and how deep two of them cross where they are placed.
+//! Cuts the faces of a sheet into convex pieces, and measures the crossing depth of two placed pieces.
 
 use core::ops::Range;
 
@@ -7,16 +7,19 @@ use nalgebra::{Vector2, Vector3};
 use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 
-/// A crossing deeper than this part of the median edge counts; what is less is contact.
+/// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
 pub(super) const CROSSING: f64 = 1e-6;
-/// Times its gap that faces may be off which meet nowhere: gaps add up along the way from one to the other.
+/// Ratio of the displacement allowed to faces that share no point of the flat sheet to the gap of the sheet:
+/// gaps add up along the chain of faces from one to the other.
 const FARTHER: f64 = 10.0;
-/// The most (over the median edge) that rounded coordinates are taken to leave.
+/// Largest displacement that is attributed to rounded coordinates, in median edges.
 const ROUNDED: f64 = 1e-3;
 
-/// How much deeper (over the median edge) than others faces that meet nowhere may cross in a sheet torn by a gap, in units
-/// of the median edge, too: as far as it may be one of rounded coordinates, they lie elsewhere if it is folded from another
-/// face.
+/// Returns the additional depth, in median edges, up to which faces that share no point of the flat sheet may
+/// overlap in a sheet torn by `gap` (in median edges, too).
+///
+/// As far as the gap may be one of rounded coordinates, such faces lie elsewhere if the sheet is folded from
+/// another face.
 #[must_use]
 pub fn rounding(gap: f64) -> f64 {
     if gap.is_nan() {
@@ -30,7 +33,7 @@ pub fn rounding(gap: f64) -> f64 {
 pub(super) struct Piece {
     pub(super) face: FaceId,
     pub(super) sheet: u32,
-    /// The part of the list of corners that is this piece's.
+    /// Range of the list of corners that belongs to this piece.
     start: u32,
     end: u32,
 }
@@ -41,30 +44,31 @@ impl Piece {
     }
 }
 
-/// A side that a piece shares with another.
+/// A side that one piece shares with another.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Joint {
     pub(super) piece: u32,
-    /// Positions in the list of corners.
+    /// Positions of the side's ends in the list of corners.
     ends: [u32; 2],
 }
 
-/// The convex pieces of the faces of a pattern, of all or of those that were asked for.
+/// The convex pieces of a pattern's faces: of all faces, or of those requested so far.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
     pub(super) list: Vec<Piece>,
-    /// For each corner its vertex, and its place in the flat sheet.
+    /// Vertex of each corner (`vertices`), and its position in the flat sheet (`flat`).
     pub(super) vertices: Vec<VertexId>,
     pub(super) flat: Vec<Vector2<f64>>,
-    /// For each face its first piece and that behind its last; both 0 for those not asked for.
+    /// For each face its range of `list`: first piece and one past the last; `[0, 0]` if the face was not
+    /// requested.
     of_faces: Vec<[u32; 2]>,
     joints: Vec<Joint>,
-    /// For each piece its part of the list of joints, once it was asked for.
+    /// For each piece its range of `joints`, once `join` has found them.
     joints_of: Vec<Option<[u32; 2]>>,
 }
 
 impl Pieces {
-    /// Those of all faces, and what joins them. Cost: O(faces).
+    /// Cuts all faces and finds the sides that the pieces share. Cost: O(faces).
     pub(super) fn new(pattern: &CreasePattern) -> Self {
         let mut pieces = Self::none(pattern);
         for face in (0..pattern.faces().len()).map(FaceId::new) {
@@ -76,13 +80,13 @@ impl Pieces {
         pieces
     }
 
-    /// The faces of two pieces, if they are different ones of the same sheet.
+    /// Returns the faces of two pieces if they are different faces of the same sheet.
     pub(super) fn comparable(&self, a: u32, b: u32) -> Option<[FaceId; 2]> {
         let [a, b] = [a, b].map(|piece| self.list[piece as usize]);
         (a.sheet == b.sheet && a.face != b.face).then_some([a.face, b.face])
     }
 
-    /// Those of no face yet.
+    /// Returns an empty list, to which `load` adds the pieces of a face on request.
     pub(super) fn none(pattern: &CreasePattern) -> Self {
         Self {
             list: Vec::new(),
@@ -94,7 +98,7 @@ impl Pieces {
         }
     }
 
-    /// The pieces of a face, made if they are not yet there.
+    /// Returns the pieces of a face, and cuts the face if this has not been done yet.
     pub(super) fn load(&mut self, pattern: &CreasePattern, face: FaceId) -> Range<u32> {
         if self.of_faces[face.index()] == [0; 2] {
             let start = self.list.len();
@@ -128,7 +132,8 @@ impl Pieces {
         self.joints_of.push(None);
     }
 
-    /// Finds the sides that a piece shares with others, which are made if they are not yet there.
+    /// Finds the sides that a piece shares with others. Faces of the others are cut if this has not been done
+    /// yet.
     pub(super) fn join(&mut self, pattern: &CreasePattern, piece: u32) {
         if self.joints_of[piece as usize].is_some() {
             return;
@@ -161,7 +166,7 @@ impl Pieces {
         self.joints_of[piece as usize] = Some(range);
     }
 
-    /// Whether a piece has the side from the second vertex to the first.
+    /// Returns `true` if the piece has a side from the second of the vertices to the first.
     fn has_side(&self, piece: u32, [to, from]: [VertexId; 2]) -> bool {
         let corners = &self.vertices[self.list[piece as usize].corners()];
         let next = corners.iter().cycle().skip(1);
@@ -171,13 +176,13 @@ impl Pieces {
             .any(|(a, b)| [*a, *b] == [from, to])
     }
 
-    /// The sides that a piece shares with others, once they were found.
+    /// Returns the sides that a piece shares with others, as found by `join`.
     pub(super) fn joints(&self, piece: u32) -> &[Joint] {
         let [first, end] = self.joints_of[piece as usize].unwrap_or_default();
         &self.joints[first as usize..end as usize]
     }
 
-    /// Number of pairs of pieces of the same sheet.
+    /// Returns the number of pairs of pieces of the same sheet.
     pub(super) fn pairs(&self, sheets: usize) -> u64 {
         let mut in_sheet = vec![0_u64; sheets];
         for piece in &self.list {
@@ -186,9 +191,9 @@ impl Pieces {
         in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2).sum()
     }
 
-    /// How many of them a side joins, where all are there.
+    /// Returns the number of pairs of pieces that share a side. All pieces have to be cut and joined.
     pub(super) fn joined_pairs(&self) -> u64 {
-        // Two faces may share several sides in a line.
+        // Two faces may share several collinear sides.
         let mut joined: Vec<(u32, u32)> = (0..)
             .take(self.list.len())
             .flat_map(|a| self.joints(a).iter().map(move |joint| (a, joint.piece)))
@@ -199,18 +204,18 @@ impl Pieces {
         joined.len() as u64
     }
 
-    /// Whether a side joins the pieces.
+    /// Returns `true` if the pieces share a side.
     pub(super) fn joined(&self, a: u32, b: u32) -> bool {
         self.joints(a).iter().any(|joint| joint.piece == b)
     }
 
-    /// Pairs of pieces of the same sheet that [`meet`](Self::meet), each once.
+    /// Returns the pairs of pieces of the same sheet that [`meet`](Self::meet), each once.
     pub(super) fn touching(&self) -> Vec<[u32; 2]> {
         let mut corners: Vec<_> = (0..)
             .zip(&self.list)
             .flat_map(|(index, piece)| {
                 let places = self.flat[piece.corners()].iter();
-                // -0 is 0.
+                // The sum turns -0 into 0, so that equal coordinates have equal bits.
                 places.map(move |place| ([place.x + 0.0, place.y + 0.0].map(f64::to_bits), index))
             })
             .collect();
@@ -228,15 +233,15 @@ impl Pieces {
         pairs
     }
 
-    /// Whether the pieces meet in a place of the flat sheet. Those on the two sides of a cut do, although
-    /// each has a vertex of its own there.
+    /// Returns `true` if the pieces share a point of the flat sheet. Pieces on the two sides of a cut do,
+    /// although each has a vertex of its own at that point.
     pub(super) fn meet(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|index| &self.flat[self.list[index as usize].corners()]);
         a.iter().any(|p| b.contains(p))
     }
 }
 
-/// Number of convex pieces that a face is cut in.
+/// Returns the number of convex pieces that a face is cut into.
 pub(super) fn count(pattern: &CreasePattern, face: FaceId) -> usize {
     let whole = is_convex(pattern, &pattern.faces()[face.index()]);
     if whole {
@@ -246,11 +251,11 @@ pub(super) fn count(pattern: &CreasePattern, face: FaceId) -> usize {
     }
 }
 
-/// Pieces where a configuration puts them.
+/// The pieces as one configuration places them.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
     pub(super) pieces: &'a Pieces,
-    /// For each corner its place.
+    /// Position of each corner in space (`folded`), and unit normal of each piece (`normals`).
     pub(super) folded: &'a [Vector3<f64>],
     pub(super) normals: &'a [Vector3<f64>],
 }
@@ -263,7 +268,8 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// How deep the pieces cross, alone or with those joined to them; 0 for no deeper than `tolerance`.
+    /// Returns the depth to which the pieces cross, alone or together with the pieces joined to them; 0 if it
+    /// does not exceed `tolerance`.
     pub(super) fn depth(&self, a: u32, b: u32, tolerance: f64) -> f64 {
         let (depth, stands) = self.depth_alone([a, b], tolerance);
         if depth > 0.0 {
@@ -272,7 +278,9 @@ impl<'a> Placed<'a> {
         self.depth_beyond([a, b], stands, tolerance)
     }
 
-    /// How deep the pieces cross without those joined to them; if not at all, which of them may go on to the other side.
+    /// Returns the depth to which the pieces cross without the pieces joined to them. If that is 0, the flag of
+    /// a piece is `true` if the piece stands on the other one, so that pieces joined to it may lie on the other
+    /// side.
     #[inline]
     pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
         let [first, second] = pair.map(|index| self.piece(index));
@@ -288,7 +296,8 @@ impl<'a> Placed<'a> {
         (depth, reaches.map(|reach| reach.stands(tolerance)))
     }
 
-    /// How deep those joined to the pieces that stand on the other cross it.
+    /// Returns the depth to which pieces that stand on the other one cross it together with the pieces joined
+    /// to them.
     #[inline]
     pub(super) fn depth_beyond(
         &self,
@@ -306,7 +315,8 @@ impl<'a> Placed<'a> {
         depth
     }
 
-    /// A piece that only touches another may go on beyond it across one of its sides.
+    /// Returns the depth to which piece `a`, which only touches `b`, passes through it together with a piece
+    /// joined to `a`: the sheet may continue beyond `b` across a side of `a`.
     fn beyond(&self, a: u32, b: u32, tolerance: f64) -> f64 {
         let joints = self.pieces.joints(a).iter();
         let depths = joints.filter(|joint| joint.piece != b).map(|joint| {

@@ -1,4 +1,5 @@
-//! The faces of a sheet as a scene that is asked for crossings at one configuration after another.
+//! Judges one configuration of a sheet after another: finds the deepest crossing of faces, and the clearance
+//! between them. A bounding volume hierarchy is the broad phase.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -13,9 +14,9 @@ use crate::pattern::{CreasePattern, FaceId};
 /// Two faces that pass through each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The faces, the smaller first.
+    /// The faces, the smaller number first.
     pub faces: [FaceId; 2],
-    /// How deep, in the units of the sheet.
+    /// Depth of the crossing, in units of the sheet.
     pub depth: f64,
 }
 
@@ -28,44 +29,43 @@ impl Crossing {
         }
     }
 
-    /// Whether this one is deeper. Equal depths, as symmetry makes them, are told apart by number, so
-    /// that the answer does not hang on the order of the search.
+    /// Returns `true` if this crossing is deeper. Equal depths, as symmetry makes them, are ordered by face
+    /// number, so that the answer does not depend on the order of the search.
     pub(super) fn exceeds(&self, other: &Self) -> bool {
         let order = self.depth.total_cmp(&other.depth);
         order.then(other.faces.cmp(&self.faces)).is_gt()
     }
 }
 
-/// What the search for crossings looked at, and what it did not need to.
+/// Numbers of pairs that the search for crossings tested, and that it could skip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CollisionCounts {
-    /// Pairs of pieces of the same sheet in all configurations asked for; those joined by an edge left
-    /// out.
+    /// Pairs of pieces of the same sheet in all configurations judged, without those joined by an edge.
     pub pairs: u64,
-    /// Pairs judged.
+    /// Pairs judged by the narrow phase.
     pub tested: u64,
-    /// Pairs passed over because their bounding boxes do not meet.
+    /// Pairs skipped because their bounding boxes do not overlap.
     pub skipped_bounds: u64,
 }
 
-/// The faces of a pattern. Those of different sheets are not compared.
+/// The faces of a pattern, to be searched for crossings. Faces of different sheets are not compared.
 #[derive(Clone)]
 pub struct CollisionScene {
     pieces: Pieces,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
-    /// Pairs of pieces of the same sheet that no side joins.
+    /// Number of pairs of pieces of the same sheet that share no side.
     pairs: u64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
     median_edge: f64,
-    /// How far apart faces may be to be compared when a clearance is asked for.
+    /// Distance up to which faces are compared when a clearance is requested, units of the sheet.
     reach: f64,
     counts: CollisionCounts,
 }
 
 impl CollisionScene {
-    /// The scene of a pattern. Cost: O(faces).
+    /// Creates the scene of a pattern. Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern) -> Self {
         let pieces = Pieces::new(pattern);
@@ -82,9 +82,12 @@ impl CollisionScene {
         }
     }
 
-    /// The deepest crossing under a folding map, if any. Where the map tears the sheet by a `gap` (over the median edge),
-    /// of faces that meet in a vertex only what is deeper counts, of others what is deeper than the
-    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes meet.
+    /// Returns the deepest crossing under a folding map, if any.
+    ///
+    /// If the map tears the sheet by a `gap` (in median edges), faces that meet in a vertex cross only if they
+    /// are deeper in each other than the gap. Other faces cross only if they are deeper than the
+    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes
+    /// overlap.
     pub fn deepest_crossing(
         &mut self,
         map: &FoldingMap,
@@ -128,8 +131,9 @@ impl CollisionScene {
         deepest
     }
 
-    /// The smallest distance between faces of a sheet that share no place of it, in its units; `None` if all
-    /// do. Cost: as above, twice or three times, while few faces are as near to each other as the nearest.
+    /// Returns the smallest distance, in units of the sheet, between faces of a sheet that share no point of
+    /// it; `None` if all do. Cost: two or three times that of [`deepest_crossing`](Self::deepest_crossing),
+    /// while few faces are as near to each other as the nearest.
     pub fn clearance(&mut self, map: &FoldingMap) -> Option<f64> {
         let pieces = self.pieces.list.len() as u64;
         let all = pieces * pieces.saturating_sub(1) / 2;
@@ -158,18 +162,18 @@ impl CollisionScene {
                 self.reach = next.max(1e-3 * self.median_edge);
                 return found.then_some(nearest);
             }
-            // What is not within this reach, is no nearer.
+            // With this reach, pairs out of reach are no nearer than the nearest found.
             reach = if found { nearest } else { 4.0 * reach };
         }
     }
 
-    /// What was looked at since the scene was made.
+    /// Returns the numbers of pairs tested and skipped since the scene was made.
     #[must_use]
     pub fn counts(&self) -> CollisionCounts {
         self.counts
     }
 
-    /// Moves the pieces to their places and the hierarchy with them, its boxes wider by `margin` all round.
+    /// Places the pieces and updates the hierarchy, its boxes enlarged by `margin` on all sides.
     fn place(&mut self, map: &FoldingMap, margin: f64) {
         let margin = Vector3::repeat(margin);
         let boxes = self

@@ -1,18 +1,21 @@
-//! How far apart two convex flat polygons are: in space, and as sectors round a corner that they share.
+//! Distance between two convex planar polygons: in space, and as an angle between sectors round a common
+//! corner.
 
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
 
-/// What is ahead of a side by more than minus this part of its length, may be so but for rounding.
+/// Relative slack for rounding: a point that is behind a side by no more than this ratio of its length and
+/// offset counts as ahead of it.
 const ROUNDING: f64 = 1e-9;
 
-/// The distance between two pieces; 0 if they meet.
+/// Returns the distance between two pieces; 0 if they intersect.
 ///
-/// Where they do not meet, two sides are nearest to each other, or a corner of one to the inside of the
-/// other. Sides that have all of the other piece behind them need no look: what is nearest to a point of
-/// one is beyond it, in front of another side, or over the inside. Nor do those that are farther from the
-/// other's plane. Cost: O(product of corners).
+/// Pieces that do not intersect are nearest to each other at two sides, or at a corner of one and the interior
+/// of the other. A side that has all of the other piece behind it needs no test: the part of a piece nearest to
+/// a point is a side that has the point ahead of it, or the interior if the point lies over or under it. Sides
+/// farther from the other's plane than the distance found so far need no test either. Cost: O(product of
+/// corners).
 #[must_use]
 pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
     let (ahead_of_a, over_a) = ahead(a, b);
@@ -38,7 +41,7 @@ pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
 }
 
 impl ConvexPiece<'_> {
-    /// Square of the least distance of a segment from the plane of the piece.
+    /// Returns the squared distance of a segment from the plane of the piece.
     fn square_from_plane(&self, ends: [&Vector3<f64>; 2]) -> f64 {
         let [a, b] = ends.map(|end| self.normal.dot(&(end - self.corners[0])));
         if a * b <= 0.0 {
@@ -49,7 +52,7 @@ impl ConvexPiece<'_> {
     }
 }
 
-/// Sides of a piece by their positions, those past the 64th always in.
+/// A set of sides by their positions; sides from the 64th on always belong to it.
 #[derive(Clone, Copy)]
 struct Sides(u64);
 
@@ -59,8 +62,8 @@ impl Sides {
     }
 }
 
-/// The sides of a piece that have some of the other one ahead, and whether some of that may lie over or
-/// under the piece.
+/// Returns the sides of a piece that have a corner of the other one ahead, and `true` if a part of the other
+/// one may lie over or under the piece.
 fn ahead(piece: &ConvexPiece<'_>, other: &ConvexPiece<'_>) -> (Sides, bool) {
     let (mut found, mut over) = (0, true);
     for (side, [from, to]) in sides(piece).enumerate() {
@@ -82,8 +85,8 @@ fn ahead(piece: &ConvexPiece<'_>, other: &ConvexPiece<'_>) -> (Sides, bool) {
     (Sides(found), over)
 }
 
-/// The distance of the corners of `a` from the inside of `b`, seen along the normal of `b`: infinite
-/// where none lies over it, 0 where a side of `a` passes through `b`.
+/// Returns the distance of the corners of `a` from the interior of `b` along the normal of `b`: infinite if no
+/// corner lies over or under it, 0 if a side of `a` passes through `b`.
 fn sides_to_inside(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
     let offset = b.normal.dot(&b.corners[0]);
     let mut nearest = f64::INFINITY;
@@ -105,7 +108,7 @@ fn sides_to_inside(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
     nearest
 }
 
-/// Whether a point lies over or under a piece.
+/// Returns `true` if the point lies over or under the piece.
 fn inside(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> bool {
     sides(piece).all(|[from, to]| (to - from).cross(&(point - from)).dot(&piece.normal) >= 0.0)
 }
@@ -120,7 +123,7 @@ fn sides<'a>(piece: &ConvexPiece<'a>) -> impl Iterator<Item = [&'a Vector3<f64>;
     })
 }
 
-/// Squared distance of two segments.
+/// Returns the squared distance of two segments.
 ///
 /// Implements `ClosestPtSegmentSegment` of C. Ericson, "Real-time collision detection", 2005, 5.1.9.
 fn segments_squared(a: [&Vector3<f64>; 2], b: [&Vector3<f64>; 2]) -> f64 {
@@ -142,17 +145,17 @@ fn segments_squared(a: [&Vector3<f64>; 2], b: [&Vector3<f64>; 2]) -> f64 {
     (between + along_a * s - along_b * t).norm_squared()
 }
 
-/// The corner of a convex piece at a vertex, as an arc on the unit sphere round it.
+/// The corner of a convex piece at a vertex, as an arc on the unit sphere round the vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sector {
     /// Unit directions of the sides, counter-clockwise, at most half a turn apart.
     pub(super) sides: [Vector3<f64>; 2],
-    /// Unit normal.
+    /// Unit normal of the piece.
     pub(super) normal: Vector3<f64>,
 }
 
 impl Sector {
-    /// The corner of a piece of that position among its corners.
+    /// Returns the sector of a piece at the corner with this position.
     pub(super) fn of(piece: &ConvexPiece<'_>, corner: usize) -> Self {
         let (count, apex) = (piece.corners.len(), piece.corners[corner]);
         let [next, previous] = [corner + 1, corner + count - 1].map(|k| piece.corners[k % count]);
@@ -162,14 +165,15 @@ impl Sector {
         }
     }
 
-    /// Whether a direction lies over or under the sector.
+    /// Returns `true` if the direction lies over or under the sector.
     fn holds(&self, direction: &Vector3<f64>) -> bool {
         let [right, left] = &self.sides;
         right.cross(direction).dot(&self.normal) >= 0.0
             && direction.cross(left).dot(&self.normal) >= 0.0
     }
 
-    /// No more than the angle between a unit direction and the sector: its sine or its chord.
+    /// Returns a lower bound of the angle between a unit direction and the sector, radians: the sine of the
+    /// angle, or its chord.
     fn below_angle(&self, direction: &Vector3<f64>) -> f64 {
         if self.holds(direction) {
             return self.normal.dot(direction).abs();
@@ -178,7 +182,8 @@ impl Sector {
         right.min(left)
     }
 
-    /// No more than the angle (radians) between two sectors of the same apex; 0 if they meet elsewhere.
+    /// Returns a lower bound of the angle between two sectors of the same apex, radians; 0 if they intersect
+    /// outside the apex.
     pub(super) fn separation(&self, other: &Self) -> f64 {
         let common = self.normal.cross(&other.normal);
         if [common, -common]
@@ -203,14 +208,14 @@ mod tests {
     use rand_pcg::Pcg64;
     use rand_pcg::rand_core::Rng;
 
-    /// A number between -1 and 1.
+    /// Returns a random number between -1 and 1.
     fn noise(random: &mut Pcg64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a random number")]
         let part = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         2.0 * part - 1.0
     }
 
-    /// A convex polygon round the origin, turned and moved.
+    /// Returns a convex polygon inscribed in the unit circle, rotated and moved.
     fn polygon(random: &mut Pcg64, r_wf: Rotation<f64>, p_w: Vector3<f64>) -> Vec<Vector3<f64>> {
         let mut angles: Vec<_> = (0..3 + random.next_u64() % 4)
             .map(|_| core::f64::consts::PI * noise(random))
@@ -229,7 +234,8 @@ mod tests {
         turn(a, [1.0, 0.0]) * turn(b, [0.0, 1.0]) * turn(c, [1.0, 0.0])
     }
 
-    /// The point of a polygon nearest to another: that of its plane, or else of a side.
+    /// Returns the point of a polygon nearest to `point`: its foot in the plane if this is inside, or else a
+    /// point of a side.
     fn project(piece: &ConvexPiece<'_>, point: &Vector3<f64>) -> Vector3<f64> {
         let down = point - piece.normal * piece.normal.dot(&(point - piece.corners[0]));
         if inside(piece, &down) {
@@ -245,8 +251,8 @@ mod tests {
         on_sides.min_by(nearer).unwrap()
     }
 
-    /// Projections to one and the other in turn come no nearer to each other than the pieces are, and in the
-    /// end about as near.
+    /// Alternating projections onto the two pieces never give points nearer than the distance, and in the end
+    /// give points about as near.
     #[test]
     fn no_two_points_are_nearer_than_the_distance() {
         let mut random = Pcg64::new(11, 2);
@@ -254,7 +260,7 @@ mod tests {
         for round in 0..3000 {
             let first = random_rotation(&mut random);
             let shift = Vector3::from_fn(|_, _| 1.6 * noise(&mut random));
-            // Some lie over each other corner by corner, some are parallel, some in a plane.
+            // Some pairs lie over each other corner by corner, some are parallel, some lie in one plane.
             let (r_wf, shift) = match round % 4 {
                 0 => (first, first.rotate(&Vector3::new(0.0, 0.0, shift.x))),
                 1 => (first, shift),

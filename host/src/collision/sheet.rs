@@ -1,4 +1,5 @@
-//! The folded sheet at one time, made piece by piece as it is asked for.
+//! The folded sheet at one time: poses, crease lines and spheres, computed when they are requested and cached
+//! for that time.
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::{Vector2, Vector3};
@@ -11,10 +12,10 @@ use super::pieces::{Pieces, Placed};
 use crate::folding::SpanningTree;
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
-/// Things that hold for one time only; memory is taken for those asked for.
+/// A cache of items that are valid at one time only; memory is taken only for items that were requested.
 #[derive(Clone, Debug)]
 struct Fresh<T> {
-    /// For each the number of its item, from 1; 0 as long as there is none.
+    /// For each index the position of its item plus one; 0 if there is none.
     numbers: Vec<u32>,
     items: Vec<(Tick, T)>,
 }
@@ -32,7 +33,7 @@ impl<T> Fresh<T> {
         (*number as usize).checked_sub(1)
     }
 
-    /// The last one, of whatever time.
+    /// Returns the item stored last, of whatever time.
     fn last(&self, index: usize) -> Option<&T> {
         self.number(index).map(|number| &self.items[number].1)
     }
@@ -65,14 +66,14 @@ impl<T> Fresh<T> {
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     r_wf: Rotation<f64>,
-    /// Axes, and the origin of the flat sheet.
+    /// The axes of the flat sheet and its origin, in space.
     x_w: Vector3<f64>,
     y_w: Vector3<f64>,
     p_w: Vector3<f64>,
 }
 
 impl Frame {
-    /// The frame that takes a point of the flat sheet to a place.
+    /// Returns the frame that takes a point of the flat sheet to a place.
     fn new(r_wf: Rotation<f64>, from: Vector2<f64>, to: Vector3<f64>) -> Self {
         let (x_w, y_w) = (r_wf.rotate(&Vector3::x()), r_wf.rotate(&Vector3::y()));
         Self {
@@ -92,7 +93,7 @@ impl Frame {
     }
 }
 
-/// How a face is reached from another.
+/// The hinge across which the spanning tree reaches a face from its parent.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     parent: FaceId,
@@ -109,7 +110,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The distance of a point from the line.
+    /// Returns the distance of a point from the line.
     pub(super) fn distance(&self, point: &Vector3<f64>) -> f64 {
         (point - self.point).cross(&self.direction).norm()
     }
@@ -120,16 +121,16 @@ impl Axis {
 pub(super) struct Sheet<'a> {
     pattern: &'a CreasePattern,
     pub(super) time: Tick,
-    /// Where the lattice says where faces are.
+    /// The lattice that says where faces are, if there is one.
     pub(super) cells: Option<Cells<'a>>,
-    /// For each face but the roots, where there is no lattice.
+    /// For each face but the roots its hinge; empty if there is a lattice.
     reached: Vec<Option<Reached>>,
     half_angles: Fresh<HalfAngle<f64>>,
     frames: Fresh<Frame>,
     axes: Fresh<Axis>,
     spheres: Fresh<Sphere>,
     spreads: Fresh<f64>,
-    /// Times at which pieces were placed.
+    /// Time at which each piece was placed last.
     placed: Vec<Tick>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
@@ -174,7 +175,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Forgets all that was made, as for another motion.
+    /// Invalidates everything cached, as for another motion.
     pub(super) fn forget(&mut self) {
         self.half_angles.forget();
         self.frames.forget();
@@ -184,13 +185,13 @@ impl<'a> Sheet<'a> {
         self.placed.fill(Tick::MAX);
     }
 
-    /// The radius of the sphere last made round a cluster.
+    /// Returns the radius of the sphere computed last for a cluster.
     pub(super) fn radius(&self, node: u32) -> f64 {
         let sphere = self.spheres.last(node as usize);
         sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
-    /// Places of corners that were put.
+    /// Returns the positions of corners that were placed.
     pub(super) fn corners(&self, range: core::ops::Range<usize>) -> &[Vector3<f64>] {
         &self.folded[range]
     }
@@ -243,7 +244,7 @@ impl<'a> Sheet<'a> {
         frame
     }
 
-    /// The line of a crease.
+    /// Returns the line of a crease.
     pub(super) fn axis(&mut self, motion: &Motion, crease: CreaseId) -> Axis {
         if let Some(axis) = self.axes.get(crease.index(), self.time) {
             return *axis;
@@ -260,23 +261,23 @@ impl<'a> Sheet<'a> {
         axis
     }
 
-    /// How far the lines of a pair of creases are apart.
+    /// Returns the distance between the lines of a pair of creases.
     pub(super) fn width(&mut self, motion: &Motion, link: &Link) -> f64 {
         let [a, b] = link.creases.map(|crease| self.axis(motion, crease));
         a.distance(&b.point)
     }
 
-    /// What was noted as the spread of a cluster at this time.
+    /// Returns the spread of a cluster, if it was stored at this time.
     pub(super) fn spread_of(&self, node: u32) -> Option<f64> {
         self.spreads.get(node as usize, self.time).copied()
     }
 
-    /// Notes the spread of a cluster.
+    /// Stores the spread of a cluster.
     pub(super) fn set_spread(&mut self, node: u32, spread: f64) {
         self.spreads.set(node as usize, self.time, spread);
     }
 
-    /// A sphere round a cluster.
+    /// Returns a sphere round a cluster.
     pub(super) fn sphere(
         &mut self,
         motion: &Motion,
@@ -301,7 +302,8 @@ impl<'a> Sheet<'a> {
         })
     }
 
-    /// The sphere of a cluster; without those of its children, none, but the children are then `open`.
+    /// Returns the sphere of a cluster; `None` if the spheres of its children are missing, which are then added
+    /// to `open`.
     fn sphere_of(
         &mut self,
         motion: &Motion,
@@ -329,7 +331,7 @@ impl<'a> Sheet<'a> {
         Some(a.round(b))
     }
 
-    /// Puts a piece, and with `joined` those that a side joins to it, in their places.
+    /// Places a piece and, with `joined`, the pieces that share a side with it.
     pub(super) fn put(&mut self, motion: &Motion, pieces: &Pieces, piece: u32, joined: bool) {
         if joined {
             for joint in pieces.joints(piece) {
@@ -351,7 +353,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// The pieces put in their places.
+    /// Returns the placed pieces.
     pub(super) fn placed<'b>(&'b self, pieces: &'b Pieces) -> Placed<'b> {
         Placed {
             pieces,

@@ -1,5 +1,6 @@
-//! Faces that keep their places to each other over a part of a motion: those joined by what does not turn, and
-//! those hinged to one of these about the same line that turn about it alike. Layers that are folded over together.
+//! Finds faces that stay at rest relative to each other over a part of a motion, by union-find: faces joined by
+//! an edge that does not turn, and faces hinged to one body about the same line that turn about it alike.
+//! Layers that are folded over together move like this.
 
 use core::f64::consts::PI;
 
@@ -10,9 +11,10 @@ use super::sheet::Axis;
 use crate::joined::{are_joined, join, root};
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
-/// Hinges against one body up to which each is compared with all others.
+/// Largest number of hinges against one body for which each is compared with all others.
 const MOST_HINGES: usize = 1000;
-/// Tolerances by which faces may move from each other that are together over a shorter part: as many as it is shorter.
+/// Relative motion, in tolerances, up to which faces may be together over a shorter part: the largest ratio by
+/// which a part is shorter than the segment.
 const NEARLY: f64 = 64.0;
 
 /// A crease that turns, seen from one of its faces.
@@ -20,21 +22,23 @@ struct Hinge {
     face: usize,
     against: usize,
     member: Membership,
-    /// About which a positive fold angle turns the face against the other.
+    /// Axis about which a positive fold angle turns the face against the other.
     line: Axis,
 }
 
-/// What moves together from one time to another.
+/// Faces that move together from one time to another.
 pub(super) struct Together {
-    /// For each face the face that stands for all those from which it moves by no more than a tolerance.
+    /// For each face the representative of its body: faces that move relative to each other by no more than a
+    /// tolerance.
     pub(super) bodies: Vec<usize>,
-    /// Whether others move from each other by little more.
+    /// `true` if other faces move relative to each other by little more.
     pub(super) nearly: bool,
 }
 
-/// What moves together from one time to another of the same segment. Groups that are `still` hardly turn there, `axis` is
-/// the line of a crease in the folded sheet at the first time, and no two points of that are ever farther from each other
-/// than a length.
+/// Finds the faces that move together from one time to another of the same segment.
+///
+/// Groups that are `still` hardly turn in this time, and `axis` returns the line of a crease in the folded
+/// sheet at the first time. No two points of the folded sheet are ever farther from each other than `length`.
 pub(super) fn together(
     pattern: &CreasePattern,
     memberships: &[Membership],
@@ -114,7 +118,8 @@ pub(super) fn together(
 }
 
 impl Hinge {
-    /// How far the face moves at most from that of another hinge, where both turn against one body.
+    /// Returns a bound on how far the face moves relative to that of another hinge, if both turn against one
+    /// body.
     fn parts_from(&self, other: &Self, (motion, times): (&Motion, [Tick; 2]), length: f64) -> f64 {
         let [a, b] = [&self.line, &other.line];
         let opposite = a.direction.dot(&b.direction) < 0.0;
@@ -133,7 +138,7 @@ mod tests {
     use crate::collision::motion::SEGMENT;
     use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-    /// A panel, and beyond a line two flaps with a slit between them.
+    /// Returns a panel and, beyond a line, two flaps with a slit between them.
     fn flaps() -> CreasePattern {
         let vertices = [
             [0, 0],
@@ -166,7 +171,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Numbers of faces that move together.
+    /// Returns the number of bodies of faces that move together.
     fn bodies(angles: [[f64; 4]; 2], negative: bool) -> usize {
         let pattern = flaps();
         let memberships = [(0, false), (1, negative)].map(|(group, negative)| Membership {
@@ -195,14 +200,14 @@ mod tests {
     fn flaps_on_one_line_move_together_if_they_turn_alike() {
         assert_eq!(flaps().faces().len(), 3);
         let angle = [0.1, 0.4, 0.9, 1.0];
-        // From wherever they begin.
+        // The flaps may begin at different angles.
         let ahead = angle.map(|a| a + 0.5);
         assert_eq!(bodies([angle, ahead], false), 2);
         assert_eq!(bodies([angle, angle.map(|a| -a)], true), 2);
-        // By nearly as much.
+        // The flaps turn by nearly the same angle.
         let near = |off: f64| bodies([angle, [0.1, 0.4, 0.9, 1.0 + off]], false);
         assert_eq!([near(1e-7), near(1e-6)], [2, 3]);
-        // The other way, or not at all.
+        // One flap turns the other way, or not at all.
         assert_eq!(bodies([angle, angle.map(|a| -a)], false), 3);
         assert_eq!(bodies([angle, angle], true), 3);
         assert_eq!(bodies([angle, [0.3; 4]], false), 2);
@@ -227,11 +232,11 @@ mod tests {
             first.parts_from(&other, (&motion, [0, SEGMENT]), 10.0)
         };
         assert!(parts(Vector3::x(), Vector3::x()) < 1e-12);
-        // Half a turn about lines 1e-3 apart moves points apart by 2e-3; about lines askew by 1e-3, 20e-3.
+        // Half a turn about lines 1e-3 apart moves points apart by 2e-3, about lines askew by 1e-3 by 20e-3.
         assert!(parts(Vector3::y() * 1e-3, Vector3::x()) >= 2e-3);
         let askew = Vector3::new(1.0, 1e-3, 0.0).normalize();
         assert!(parts(Vector3::zeros(), askew) >= 20e-3);
-        // Seen from its other end, a line turns the other way.
+        // A line seen from its other end turns the other way.
         assert!(parts(Vector3::zeros(), -Vector3::x()) >= 60.0);
     }
 }

@@ -1,8 +1,8 @@
-//! How much fold angles vary along a motion.
+//! Bounds the variation of fold angles along a motion.
 //!
-//! The total variation of a curve bounds what it may do between two places, whatever it does there. A
-//! curve is cut where the Bernstein coefficients of its derivative do not all have one sign, until they
-//! do; what is left after some cuts is bounded by its greatest rate.
+//! The total variation of a curve bounds its change between two places, whatever the curve does in between. A
+//! curve is subdivided where the Bernstein coefficients of its derivative do not all have one sign, until they
+//! do. Parts for which some subdivisions do not suffice are bounded by their greatest rate.
 
 use core::f64::consts::PI;
 
@@ -11,30 +11,31 @@ use foldpath_core::Curve;
 use super::contact::Change;
 use crate::certificate::restrict;
 
-/// Cuts of a curve that is not seen to be monotone.
+/// Number of successive subdivisions of a curve that is not proved to be monotone.
 const CUTS: u32 = 8;
 
-/// Halvings in search of the place where a hinge turns past half a turn: to a millionth of a segment.
+/// Number of bisections in the search for the place where a hinge turns past half a turn: to a millionth of a
+/// segment.
 const HALVINGS: u32 = 20;
 
 /// A part of a segment from `start` on.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     start: f64,
-    /// Variation of the segment up to here, radians.
+    /// Variation of the segment up to `start`, radians.
     before: f64,
     kind: Kind,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// Monotone from this angle on.
+    /// Monotone from this angle on, radians.
     Monotone(f64),
-    /// Of no greater rate than this.
+    /// With a rate of at most this, radians per segment.
     Rate(f64),
 }
 
-/// Largest coefficient of a curve: squares of sums of squares are numbers too.
+/// Largest coefficient of a curve: squares of sums of squares are still finite.
 const LARGEST: f64 = 1e75;
 
 /// The variation of one fold angle over one segment, or a little more than that.
@@ -54,7 +55,8 @@ impl Variation {
         variation
     }
 
-    /// Whether the curve is made of numbers, and so are their squares.
+    /// Returns `true` if the coefficients of the curve are finite, and so small that their squares are finite
+    /// too.
     pub(super) fn is_finite(&self) -> bool {
         let finite = |b: &[f64; 4]| b.iter().all(|b| b.abs() <= LARGEST);
         match &self.curve {
@@ -63,7 +65,7 @@ impl Variation {
         }
     }
 
-    /// The first place found at which the angle exceeds half a turn by more than `slack` radians.
+    /// Returns the first place found at which the angle exceeds half a turn by more than `slack` radians.
     pub(super) fn overturned(&self, slack: f64) -> Option<f64> {
         self.overturned_in(&Rates::of(&self.curve), [0.0, 1.0], slack, HALVINGS)
     }
@@ -91,7 +93,7 @@ impl Variation {
         &self.curve
     }
 
-    /// Change of the angle from `s` to `end`.
+    /// Returns the change of the angle from `s` to `end`.
     pub(super) fn change(&self, s: f64, end: f64) -> Change {
         Change {
             by: self.curve.angle(end) - self.curve.angle(s),
@@ -99,12 +101,13 @@ impl Variation {
         }
     }
 
-    /// No less than the largest distance of the angle from the straight line from `s` to `end`, radians.
+    /// Returns an upper bound of the distance of the angle from the straight line from `s` to `end`, radians.
     pub(super) fn bulge(&self, s: f64, end: f64) -> f64 {
         Rates::of(&self.curve).between(s, end).bulge()
     }
 
-    /// No less than the greatest second derivative of the angle from `s` to `end`, over the square of the segment.
+    /// Returns an upper bound of the absolute second derivative of the angle from `s` to `end`, radians per
+    /// squared segment.
     pub(super) fn curvature(&self, s: f64, end: f64) -> f64 {
         let part = end - s;
         let curvature = Rates::of(&self.curve).between(s, end).curvature();
@@ -136,8 +139,8 @@ impl Variation {
         before + varied
     }
 
-    /// Radians varied from the beginning of the segment to `s`: never less between two places than the
-    /// angle does between them.
+    /// Returns the variation from the beginning of the segment to `s`, radians. The difference between two
+    /// places is never less than the change of the angle between them.
     pub(super) fn until(&self, s: f64) -> f64 {
         let after = self.parts.partition_point(|part| part.start <= s);
         let Some(part) = self.parts.get(after.saturating_sub(1)) else {
@@ -151,8 +154,8 @@ impl Variation {
     }
 }
 
-/// Bernstein coefficients of the rate over a stretch, per length of the stretch: numerator and
-/// denominator.
+/// Bernstein coefficients of a curve over a stretch, from which its rate per length of the stretch is bounded:
+/// those of the angle, or of cosine and sine of the half angle.
 #[derive(Clone, Copy, Debug)]
 enum Rates {
     Angle([f64; 4]),
@@ -177,11 +180,13 @@ impl Rates {
         }
     }
 
-    /// Whether the coefficients say that the angle exceeds half a turn by no more than `slack` radians.
+    /// Returns `true` if the coefficients prove that the angle exceeds half a turn by no more than `slack`
+    /// radians.
     fn stays_within(&self, slack: f64) -> bool {
         match self {
             Self::Angle(angle) => largest(angle) <= PI + slack,
-            // Past half a turn the cosine is below 0, and half the excess has the ratio as tangent.
+            // Past half a turn the cosine is below 0, and its ratio to the sine is the tangent of half the
+            // excess.
             Self::HalfAngle([cos, sin]) => {
                 let lowest = cos.iter().copied().fold(f64::INFINITY, f64::min);
                 let sides = [*sin, sin.map(|n| -n)];
@@ -198,7 +203,7 @@ impl Rates {
         }
     }
 
-    /// No less than the largest distance of the angle from the straight line between its ends.
+    /// Returns an upper bound of the distance of the angle from the straight line between its ends.
     fn bulge(&self) -> f64 {
         match self {
             Self::Angle([a, b, c, d]) => {
@@ -209,11 +214,11 @@ impl Rates {
         }
     }
 
-    /// No less than the greatest second derivative of the angle.
+    /// Returns an upper bound of the absolute second derivative of the angle.
     fn curvature(&self) -> f64 {
         match self {
             Self::Angle(angle) => 2.0 * steepest(&slopes(angle)),
-            // 2 (N/q)' with N the numerator.
+            // The second derivative is 2 (N/q)' with N the numerator and q = c² + n².
             Self::HalfAngle([cos, sin]) => {
                 let numerator = self.numerator();
                 let (c, n) = (square(cos), square(sin));
@@ -228,7 +233,7 @@ impl Rates {
         }
     }
 
-    /// Coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
+    /// Returns coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
     fn numerator(&self) -> [f64; 6] {
         match self {
             Self::Angle(angle) => {
@@ -247,7 +252,7 @@ impl Rates {
         numerator.iter().all(|&b| b >= 0.0) || numerator.iter().all(|&b| b <= 0.0)
     }
 
-    /// No less than the greatest absolute rate.
+    /// Returns an upper bound of the absolute rate.
     fn greatest(&self) -> f64 {
         let most = self
             .numerator()
@@ -278,7 +283,7 @@ fn steepest(b: &[f64]) -> f64 {
     steps.fold(0.0, f64::max)
 }
 
-/// Both halves of a cubic, by de Casteljau's algorithm.
+/// Returns both halves of a cubic, by de Casteljau's algorithm.
 fn halves([a, b, c, d]: &[f64; 4]) -> [[f64; 4]; 2] {
     let middle = |a: f64, b: f64| (a + b) / 2.0;
     let (ab, bc, cd) = (middle(*a, *b), middle(*b, *c), middle(*c, *d));
@@ -287,12 +292,12 @@ fn halves([a, b, c, d]: &[f64; 4]) -> [[f64; 4]; 2] {
     [[*a, ab, abc, center], [center, bcd, cd, *d]]
 }
 
-/// Coefficients of the derivative of a cubic.
+/// Returns the coefficients of the derivative of a cubic.
 fn slopes(b: &[f64; 4]) -> [f64; 3] {
     core::array::from_fn(|k| 3.0 * (b[k + 1] - b[k]))
 }
 
-/// Coefficients of a cubic times a quadratic.
+/// Returns the coefficients of a cubic times a quadratic.
 fn product(a: &[f64; 4], b: &[f64; 3]) -> [f64; 6] {
     let (cubic, quadratic) = ([1.0, 3.0, 3.0, 1.0], [1.0, 2.0, 1.0]);
     let quintic = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
@@ -305,7 +310,7 @@ fn product(a: &[f64; 4], b: &[f64; 3]) -> [f64; 6] {
     product
 }
 
-/// Coefficients of the square of a cubic.
+/// Returns the coefficients of the square of a cubic.
 fn square(a: &[f64; 4]) -> [f64; 7] {
     let cubic = [1.0, 3.0, 3.0, 1.0];
     let sextic = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
@@ -368,7 +373,7 @@ mod tests {
                 }
                 assert!(off < 2e-2, "{curve:?} at {s}: {off}");
             }
-            // And not much more: the parts that are not monotone are short.
+            // The bound is not much larger: the parts that are not monotone are short.
             assert!(variation.until(1.0) < 1.02 * sum, "{curve:?}");
         }
     }

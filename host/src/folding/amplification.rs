@@ -1,19 +1,20 @@
-//! How much larger than the closure residuals of its vertices the errors of a folded sheet can be.
+//! Bounds the ratio of the errors of a folded sheet to the closure residuals of its vertices.
 
 use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::{CreasePattern, EdgeId, Passage};
 
-/// Bounds on gap, deformation and twist of the whole sheet, each per closure residual: none is larger
-/// than its factor times the largest residual |r(v)| of a real vertex. Answers an open question of
-/// [XiLien2015](crate#references): what essential bound a bound on the whole sheet asks for.
+/// Bounds on gap, deformation and twist of the whole sheet, each per closure residual: no error is larger than
+/// its factor times the largest residual |r(v)| of a real vertex. Answers an open question of
+/// [XiLien2015](crate#references): which essential bound a bound on the whole sheet requires.
 ///
-/// It is what [`Holonomy`](super::Holonomy), where the reasons are, says of residuals of 1, that of the gap no less than the
-/// length of the longest crease at a real vertex over the median edge: folded from another face, that may be the one that
-/// is torn. A sheet with holes has a residual |r(v)| of rotation and one |t| of translation, in units of its size, of each
-/// hole too.
+/// The factors are the bounds that [`Holonomy`](super::Holonomy), where the reasons are given, has for
+/// residuals of 1. The factor of the gap is no less than the length of the longest crease at a real vertex over
+/// the median edge: folded from another face, the sheet may be torn at that crease. A sheet with holes also has
+/// a residual |r(v)| of rotation and a residual |t| of translation, in units of its size, for each hole.
 ///
-/// It holds for every configuration. How much of it was filled, at most, in `host/tests/amplification.rs`:
+/// The factors hold for every configuration. The table has each factor, and the largest ratio of an error to
+/// its bound found in `host/tests/it/amplification.rs`:
 ///
 /// | sheet | gap, factor: filled | deformation, factor: filled | twist, factor: filled |
 /// |---|---|---|---|
@@ -23,16 +24,17 @@ use crate::pattern::{CreasePattern, EdgeId, Passage};
 /// | waterbomb 12x22 | 66: 0.21 | 121: 0.08 | 11: 0.26 |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amplification {
-    /// Of the gap.
+    /// Factor of the gap.
     pub gap: f64,
-    /// Of the deformation.
+    /// Factor of the deformation.
     pub deformation: f64,
-    /// Of the twist.
+    /// Factor of the twist.
     pub twist: f64,
 }
 
 impl Amplification {
-    /// The factors of a sheet folded along this tree. `None` as of [`Holonomy::new`](super::Holonomy::new). Cost: linear.
+    /// Returns the factors of a sheet folded along this tree. `None` as for
+    /// [`Holonomy::new`](super::Holonomy::new). Cost: linear.
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
         let turns = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
@@ -59,7 +61,7 @@ impl Amplification {
         })
     }
 
-    /// The largest of the factors; at least 1, as a residual is an error in itself.
+    /// Returns the largest of the factors; at least 1, as a residual is an error in itself.
     #[must_use]
     pub fn worst(&self) -> f64 {
         self.gap.max(self.deformation).max(self.twist).max(1.0)

@@ -1,4 +1,4 @@
-//! Fold angles measured on folded positions, whatever angles the sheet was folded by.
+//! Fold angles measured on folded positions, independently of the angles by which the sheet was folded.
 
 use std::collections::HashMap;
 
@@ -6,19 +6,20 @@ use nalgebra::Vector3;
 
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
-/// Two triangles of the sheet with a side in common.
+/// Two triangles of the sheet with a common side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dihedral {
     /// The side, from its first end to its second.
     pub ends: [VertexId; 2],
-    /// The corners left and right of it.
+    /// The corners left and right of the side.
     pub corners: [VertexId; 2],
     /// The edge of the pattern that the side is; `None` for a diagonal, which a rigid panel keeps flat.
     pub edge: Option<EdgeId>,
 }
 
 impl Dihedral {
-    /// Those at all edges between two faces, in their order, then those at diagonals.
+    /// Returns the dihedrals at all edges between two faces, in the order of the edges, then those at
+    /// diagonals.
     #[must_use]
     pub fn all(pattern: &CreasePattern) -> Vec<Self> {
         let triangles = pattern.triangles().items().iter();
@@ -41,11 +42,11 @@ impl Dihedral {
             .collect()
     }
 
-    /// The fold angle between the triangles where the vertices are at these places: radians from -π to π,
-    /// valley positive; 0 where a triangle has no area.
+    /// Returns the fold angle between the triangles for these positions of the vertices: radians from -π to π,
+    /// valley positive; 0 if a triangle has no area.
     ///
     /// # Panics
-    /// If there is no place for a vertex.
+    /// If a vertex has no position.
     #[must_use]
     pub fn fold_angle(&self, vertices: &[Vector3<f64>]) -> f64 {
         let [a, b] = self.ends.map(|end| vertices[end.index()]);
@@ -56,8 +57,9 @@ impl Dihedral {
     }
 }
 
-/// The fold angle at a side from the normals left and right of it, of any length: radians from -π to π, valley
-/// positive. By the sine and the cosine, so that neither near 0 nor near half a turn digits are lost.
+/// Returns the fold angle at a side from the normals left and right of the side, of any length: radians from -π
+/// to π, valley positive. Sine and cosine are both used, so that digits are lost neither near 0 nor near half a
+/// turn.
 pub(crate) fn fold_angle(left: &Vector3<f64>, right: &Vector3<f64>, side: &Vector3<f64>) -> f64 {
     let sine = right.cross(left).dot(side) / side.norm();
     sine.atan2(right.dot(left))
@@ -69,7 +71,7 @@ mod tests {
     use crate::folding::{FoldingMap, SpanningTree};
     use crate::generate::Miura;
 
-    /// Angles go into the folding map as half angles and come out of cross products.
+    /// Angles enter the folding map as half angles, and are measured by cross products.
     #[test]
     fn a_closed_sheet_shows_the_angles_that_it_was_folded_by() {
         let miura = Miura {

@@ -1,11 +1,11 @@
-//! Laying one shape on another.
+//! Rigid registration: moves one shape onto another with least squared distances (Kabsch 1976).
 
 use nalgebra::{Matrix3, MatrixXx3, Rotation3, Vector3};
 
 use crate::pattern::CreasePattern;
 
-/// The shape `a` of a pattern's vertices laid on its shape `b`, each sheet on its own. Vertices without a
-/// face stay where they are.
+/// Returns the shape `a` of a pattern's vertices moved rigidly onto its shape `b`, each sheet on its own.
+/// Vertices without a face stay where they are.
 #[must_use]
 pub fn sheets_laid_on(
     pattern: &CreasePattern,
@@ -22,7 +22,8 @@ pub fn sheets_laid_on(
     laid
 }
 
-/// For each sheet its vertices, as positions in the list of all. Those without a face are of none.
+/// Returns for each sheet the positions of its vertices in the list of all vertices. Vertices without a face
+/// belong to no sheet.
 pub(crate) fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
     let mut sheets = vec![Vec::new(); pattern.sheets()];
     for (vertex, faces) in pattern.corners().iter().enumerate() {
@@ -33,19 +34,20 @@ pub(crate) fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
     sheets
 }
 
-/// The points of `a` moved rigidly so that they lie on those of `b` as well as possible.
+/// Returns the points of `a` moved rigidly onto those of `b`, with least squared distances.
 #[must_use]
 pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let (r_ba, [a_center, b_center]) = fit(a, b);
     a.iter().map(|a| r_ba * (a - a_center) + b_center).collect()
 }
 
-/// How the points of `a` move rigidly to lie on those of `b` as well as possible: a rotation, and the centres
-/// of both, of which it takes one to the other.
+/// Returns the rigid motion of the points of `a` onto those of `b` with least squared distances: a rotation,
+/// and the centres of both point sets, the first of which the motion takes to the second.
 ///
-/// Implements W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst.
-/// A32, 1976. That goes by squares of lengths, which leave little of a slender shape's width: Newton's
-/// method, which goes by what is left between the points, mends it. Points without a partner count for nothing.
+/// Implements the method of W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta
+/// Cryst. A32, 1976. The method uses squares of lengths, which keep few digits of a slender shape's width.
+/// Newton's method, which uses the remaining distances between the points, refines its answer. Points without a
+/// partner count for nothing.
 #[must_use]
 pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f64>; 2]) {
     #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -76,16 +78,18 @@ pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f6
     (r_ba, [a_center, b_center])
 }
 
-/// Times that a fit is mended: where widths are a ten-thousandth of lengths, each leaves a ten-thousandth of the error.
+/// Number of Newton steps that refine a fit: if widths are a ten-thousandth of lengths, each step leaves a
+/// ten-thousandth of the error.
 const MENDINGS: usize = 2;
 
-/// The rotation of Kabsch's method.
+/// Returns the rotation of Kabsch's method.
 fn rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
-    // Of what is no number there is no decomposition, nor an end of looking for one.
+    // A matrix that is not finite has no decomposition, and the search for one would not end.
     if !covariance.iter().all(|entry| entry.is_finite()) {
         return Matrix3::identity();
     }
-    // nalgebra's decomposition of 3x3 matrices squares once more, that of others does not.
+    // nalgebra's decomposition of 3x3 matrices squares the entries once more; its decomposition of other sizes
+    // does not.
     let svd = MatrixXx3::from_column_slice(covariance.as_slice()).svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
         return Matrix3::identity();
@@ -93,7 +97,7 @@ fn rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
     let (u, v_t) = (u.as_slice(), v_t.as_slice());
     let [u, v_t] = [u, v_t].map(Matrix3::from_column_slice);
     let mut keep_hand = Matrix3::identity();
-    // Singular values come in descending order: the weakest direction is turned.
+    // Singular values come in descending order: a reflection is avoided by reversing the weakest direction.
     keep_hand[(2, 2)] = (u * v_t).determinant().signum();
     v_t.transpose() * keep_hand * u.transpose()
 }

@@ -1,4 +1,4 @@
-//! Errors of the whole folded sheet from the closure residuals of its vertices and holes.
+//! Bounds the errors of the whole folded sheet by the closure residuals of its vertices and holes.
 
 use std::collections::VecDeque;
 
@@ -9,29 +9,30 @@ use crate::ragged::{Ragged, group_by_key};
 
 /// The vertices and holes enclosed by each loop of faces that the spanning tree closes.
 ///
-/// Faces that a step of the spanning tree joins fit. Those at an edge that no step crosses are
-/// joined the long way round, a loop of faces; what they miss each other by is the composition of the
-/// misclosures of the real vertices and holes inside the loop. A misclosure with residual r of a vertex
-/// is a turn about an axis through it, and moves a point at distance d from it by at most |r| d; that of
-/// a hole moves one at distance d from the hole's middle by at most |r| d + |t|, with t the residual of
-/// translation times the size of the loop. Isometries composed move a point by no more than the sum.
+/// Faces joined by a step of the spanning tree fit. Faces at an edge that no step crosses are joined the long
+/// way round, by a loop of faces. Their mismatch is the composition of the misclosures of the real vertices and
+/// holes inside the loop. The misclosure of a vertex with residual r is a rotation about an axis through the
+/// vertex, and moves a point at distance d from the vertex by at most |r| d. The misclosure of a hole moves a
+/// point at distance d from the hole's middle by at most |r| d + |t|, with t the residual of translation times
+/// the size of the loop. A composition of isometries moves a point by no more than the sum of their
+/// displacements.
 ///
-/// The edges that no step crosses form a forest if every hole is drawn together to one point of it: each
-/// tree hangs on one vertex of the outer border, and what is inside the loop of an edge is what is
-/// below it. In the folded sheet a vertex u below p is no farther from p than the flat way along the
-/// forest, `way(u, p)`, is long, which stays inside the loop: so this holds for sheets of any outline.
-/// Where the way meets a hole it goes on along the rim, from one vertex of it to the next as they lie in
-/// the face between: by half the way round it at most, as the other vertices can be left to the other
+/// If every hole is contracted to one of its points, the edges that no step crosses form a forest: each tree
+/// hangs on one vertex of the outer border, and the loop of an edge encloses the vertices and holes below that
+/// edge. In the folded sheet, a vertex u below p is no farther from p than the length `way(u, p)` of the flat
+/// way along the forest. This way stays inside the loop, so the bound holds for sheets of any outline. A way
+/// that meets a hole goes on along the rim, from one vertex of the rim to the next as they lie in the face
+/// between. This takes half the way round the hole at most, as the other vertices can be left to the other
 /// side. The middle of the hole is at most half the way round and the size of the loop away.
 ///
-/// Round a vertex p one can go from any of its faces to any other without crossing the edge on which p
-/// itself hangs. So the positions that faces give p differ by at most T(p) = Σ |r(u)| `way(u, p)` over
-/// all u below p, holes likewise; a vertex by which a hole hangs has everything below it that the hole
-/// has. That gives the gap, max T over the median edge; the deformation, as both ends of an edge may be
-/// off, max (T(a) + T(b)) / |ab|; and the twist, Σ |r| of all that is below an edge.
+/// Round a vertex p one can go from any of its faces to any other without crossing the edge on which p itself
+/// hangs. So the positions that faces give p differ by at most T(p) = Σ |r(u)| `way(u, p)` over all u below p,
+/// and likewise for holes. A vertex by which a hole hangs has everything below it that the hole has. This gives
+/// three bounds: on the gap, max T over the median edge; on the deformation, max (T(a) + T(b)) / |ab|, as both
+/// ends of an edge may be displaced; and on the twist, Σ |r| over everything below an edge.
 #[derive(Clone, Debug)]
 pub struct Holonomy {
-    /// What hangs, each before what is below it.
+    /// Edges of the forest, each before those below it.
     hanging: Vec<Hanging>,
     holes: Vec<Hole>,
     rims: Ragged<VertexId>,
@@ -52,15 +53,15 @@ struct Hanging {
 
 #[derive(Clone, Copy, Debug)]
 struct Hole {
-    /// Half the way round it.
+    /// Half the length of the way round the hole.
     half_way: f64,
-    /// The unit of its residual of translation: the largest distance from its middle to its rim.
+    /// Unit of the hole's residual of translation: the largest distance from its middle to its rim.
     size: f64,
 }
 
 impl Holonomy {
-    /// Of a sheet folded along this tree. `None` if what no step crosses is no such forest, as of no
-    /// pattern known. Cost: linear.
+    /// Creates the forest of a sheet folded along this tree. Returns `None` if the edges that no step crosses
+    /// form no such forest; no pattern is known for which this happens. Cost: linear.
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
         let vertices = pattern.vertices().len();
@@ -137,14 +138,14 @@ impl Holonomy {
         })
     }
 
-    /// Bounds on gap, deformation and twist by residuals: of each vertex |r|, 0 where it has none, and of
-    /// each hole those of rotation and of translation. Cost: linear.
+    /// Bounds gap, deformation and twist by residuals: |r| of each vertex, 0 if it has none, and the residuals
+    /// of rotation and of translation of each hole. Cost: linear.
     ///
     /// # Panics
     /// If a vertex or a hole has no entry.
     #[must_use]
     pub fn rigidity(&self, vertices: &[f64], holes: &[[f64; 2]]) -> Rigidity {
-        // Of all below a vertex: the sum of |r|, and T.
+        // Sums over everything below a vertex: of |r| (`below`), and T (`moved`).
         let mut below = vec![0.0; self.vertices];
         let mut moved = vec![0.0; self.vertices];
         let mut twist = 0.0_f64;

@@ -1,4 +1,4 @@
-//! How far the cells and faces of a folded tessellation move along a motion.
+//! Bounds the motion of the cells and faces of a folded tessellation relative to each other.
 
 use foldpath_core::{HalfAngle, Rotation, Spoke};
 use nalgebra::{Vector2, Vector3};
@@ -7,48 +7,50 @@ use super::lattice_motion::LatticeMotion;
 use super::map::Pose;
 use super::screw::Screw;
 
-/// What a group angle does over an interval: its variation, and its largest distance from a straight line
-/// in time, radians.
+/// Change of a group angle over an interval: its variation, and its largest distance from a straight line in
+/// time, radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
-    /// Total variation.
+    /// Total variation, radians.
     pub varied: f64,
-    /// At most the variation counts.
+    /// Largest distance from a straight line in time, radians; the variation counts instead if it is less.
     pub off: f64,
 }
 
-/// Sums over the intervals of a motion that bound how far any face moves as seen from any other, at all
-/// times, whether the sheet closes between the configurations given or not.
+/// Sums over the intervals of a motion that bound how far any face moves as seen from any other, at all times,
+/// whether or not the sheet closes between the configurations given.
 ///
-/// Why. Let x be a point beyond hinges 1 … n, whose angles change by δₖ, evenly up to an `off` of bₖ, and vary
-/// by vₖ ≥ |δₖ|. Let Lₖ be the way from hinge k to x from pivot to pivot, which no folding makes longer. If all
-/// angles changed evenly, the third derivative of x would be no more than Σⱼ Σₖ Σₗ vⱼ vₖ vₗ L(max(j, k, l)), and x
-/// no farther than √3/216 of that from the quadratic through its values at the beginning, half way and at the
-/// end. As they do not, x is off by up to Σₖ bₖ Lₖ, and so is its value half way. Along the quadratic x moves no
-/// faster than the chord and twice the second difference of the three an interval; so much it *leads*, and it
-/// *strays* from there. The same without levers holds for the rotation.
+/// Reason: let x be a point beyond hinges 1 … n, whose angles change by δₖ, uniformly up to an `off` of bₖ, and
+/// vary by vₖ ≥ |δₖ|. Let Lₖ be the length of the way from hinge k to x from pivot to pivot, which no folding
+/// makes longer. If all angles changed uniformly, the third derivative of x would be no more than Σⱼ Σₖ Σₗ vⱼ
+/// vₖ vₗ L(max(j, k, l)), and x no farther than √3/216 of that from the quadratic through its values at the
+/// beginning, half way and at the end. As they do not, x deviates by up to Σₖ bₖ Lₖ more, and so does its value
+/// half way. Along the quadratic, x moves in an interval by no more than the chord plus twice the second
+/// difference of the three values. This motion is the *lead*, and the deviation from the quadratic is the
+/// *stray*. Without levers, the same bounds hold for the rotation.
 ///
-/// With a step S before and A after, Aⁿ x - Sⁿ x is the sum over m of Aⁿ⁻ᵐ (A S⁻¹ z - z) with z = Sᵐ x, which
-/// is bounded by the motion of one point, the next cell's centre, and the turn times the distance of z from
-/// it. That distance is no more than that of x from the centre and how far m steps lead: no farther than m
-/// times the first, nor than twice the distance from the axis of S and m times its pitch. From a time within
-/// an interval on, only the first holds, with what the next cell's centre moves.
+/// With a step S before and A after the interval, Aⁿ x - Sⁿ x is the sum over m of Aⁿ⁻ᵐ (A S⁻¹ z - z) with z =
+/// Sᵐ x. Each term is bounded by the motion of one point, the next cell's centre, plus the rotation times the
+/// distance of z from this centre. This distance of z is no more than the distance of x from the centre plus
+/// the distance that m steps lead. The latter has two bounds: m times the distance that the first step leads,
+/// and twice the distance from the axis of S plus m times its pitch. From a time within an interval on, only
+/// the first bound holds, increased by the motion of the next cell's centre.
 #[derive(Clone, Debug)]
 pub struct LatticeCourse {
-    /// Largest counts of steps that are asked for.
+    /// Largest counts of steps for which bounds are requested.
     most: [f64; 2],
     orbits: usize,
-    /// For each time each term for the intervals before.
+    /// For each time the sum of each term over the intervals before.
     sums: Vec<Sums<Terms>>,
-    /// For each time and orbit what its faces move in the frame of their cell.
+    /// For each time and orbit the sum of the motion of its faces in the frame of their cell.
     own: Vec<Sums<f64>>,
     folded: Vec<Folded>,
     /// Corners of the cell at the last time.
     places: Vec<Vector3<f64>>,
 }
 
-/// Bounds on the motion of a cell so many steps on: the sum of `own`, the `shifts` times the counts of steps, and
-/// `turned`, which serves all counts that are asked for.
+/// Bounds on the motion of a cell some steps on: the sum of `own`, the `shifts` times the counts of steps, and
+/// `turned`, which holds for all counts that may be requested.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drift {
     pub(crate) own: f64,
@@ -56,24 +58,26 @@ pub(crate) struct Drift {
     pub(crate) turned: f64,
 }
 
-/// Bounds on what moves evenly over an interval, and on how far it may be from there.
+/// Bounds on the motion along the quadratic over an interval (`lead`), and on the deviation from it (`stray`).
 #[derive(Clone, Copy, Debug, Default)]
 struct Parts<T> {
     lead: T,
     stray: T,
 }
 
-/// Bounds on what moves from the beginning until a time, and from any time of the last interval on.
+/// Bounds on the motion from the beginning until a time (`all`), and from any time of the last interval on
+/// (`last`).
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums<T> {
     all: T,
     last: Parts<T>,
 }
 
-/// A part of a course: some of the interval before the first time, from 0 to 1, and all up to the second.
+/// A part of a course: a fraction of the interval before the first time, and all intervals from there up to the
+/// second.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
-    /// The part of the interval before.
+    /// Fraction of the interval before the first time, from 0 to 1.
     pub head: f64,
     /// The first time.
     pub from: usize,
@@ -98,25 +102,26 @@ pub(super) struct Folded {
     pub(super) steps: [Screw; 2],
 }
 
-/// Factors of counts i and j of the first and the second step, and of their sums up to i and j.
+/// Coefficients of the counts i and j of the first and the second step, and of the sums of all counts up to i
+/// and j.
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
     own: f64,
     first: StepTerms,
     second: StepTerms,
-    /// Turn of the first step times the reach of the second.
+    /// Rotation of the first step times the reach of the second.
     across: Reach,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct StepTerms {
-    /// What a point of the next cell moves.
+    /// Motion of a point of the next cell.
     shift: f64,
     reach: Reach,
 }
 
-/// A turn times how far steps lead from cell to cell: along the length of each, or across the axis once and
-/// along it.
+/// A rotation times the distance that steps lead from cell to cell. This distance has two bounds: the `length`
+/// of each step, or the `width` across the axis once and the `pitch` along it for each step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reach {
     length: f64,
@@ -130,7 +135,7 @@ impl Reach {
         let length = way.norm();
         Self {
             length,
-            // Where nothing turns the width is infinite, and the length says as much.
+            // If the step does not rotate, the width is infinite, and the length is as good a bound.
             width: step.width(way).min(most * length),
             pitch: step.pitch(),
         }
@@ -140,7 +145,7 @@ impl Reach {
         Self::default().plus(self, turn)
     }
 
-    /// For `steps` in `ways` ways.
+    /// Returns the bound added up over `ways` ways from cell to cell, with `steps` steps in total.
     fn sum(&self, steps: f64, ways: f64) -> f64 {
         let straight = steps * self.length;
         let round = ways * self.width + steps * self.pitch;
@@ -148,12 +153,12 @@ impl Reach {
     }
 }
 
-/// Sums of bounds, and parts of them.
+/// Bounds that can be added and scaled.
 trait Linear: Copy {
-    /// The sum with `other`, so many times.
+    /// Returns the sum with `other`, taken `times` times.
     fn plus(self, other: Self, times: f64) -> Self;
 
-    /// The same from any time of its interval on, and not from the beginning.
+    /// Returns the bound from any time of its interval on, instead of from its beginning.
     fn within(self) -> Self {
         self
     }
@@ -174,7 +179,7 @@ impl Linear for Reach {
         }
     }
 
-    /// The axis may have come to be anywhere.
+    /// Within the interval the axis may have moved anywhere: only the length is a bound.
     fn within(self) -> Self {
         Self {
             width: 0.0,
@@ -221,7 +226,7 @@ impl Linear for Terms {
 }
 
 impl<T: Linear> Sums<T> {
-    /// With another interval.
+    /// Returns the sums with another interval added.
     fn and(&self, parts: Parts<T>) -> Self {
         Self {
             all: self.all.plus(parts.lead, 1.0).plus(parts.stray, 1.0),
@@ -232,9 +237,9 @@ impl<T: Linear> Sums<T> {
         }
     }
 
-    /// What a stretch between two times adds up to.
+    /// Returns the sum over a stretch between two times.
     ///
-    /// In a part of an interval what strays may do so at its beginning and at its end.
+    /// In a part of an interval, the deviation counts twice: at its beginning and at its end.
     fn until(&self, to: &Self, head: f64) -> T {
         let whole = to.all.plus(self.all, -1.0);
         if head > 0.0 {
@@ -246,7 +251,7 @@ impl<T: Linear> Sums<T> {
 }
 
 impl LatticeCourse {
-    /// A course that begins at a configuration; cells that are compared are at most so many steps apart.
+    /// Creates a course that begins at the configuration of `start`, for cells at most `most` steps apart.
     #[must_use]
     pub fn new(start: &LatticeMotion, most: [u32; 2]) -> Self {
         let orbits = start.folded().poses.len();
@@ -260,19 +265,20 @@ impl LatticeCourse {
         }
     }
 
-    /// Number of times.
+    /// Returns the number of times.
     #[must_use]
     pub fn times(&self) -> usize {
         self.sums.len()
     }
 
-    /// The configuration at a time.
+    /// Returns the configuration at a time.
     pub(super) fn at(&self, time: usize) -> &Folded {
         &self.folded[time]
     }
 
-    /// Goes on half way and to the end of an interval, with what each group angle does over it, and for each
-    /// step how far it turns at most (chord on the unit sphere), if that is known. Cost: O(orbits).
+    /// Adds an interval, given the configurations half way and at its end, the change of each group angle over
+    /// it, and for each step a `known` bound on its rotation (chord on the unit sphere; infinite if there is
+    /// none). `motion` is folded to the end of the interval. Cost: O(orbits).
     pub fn push(
         &mut self,
         motion: &mut LatticeMotion,
@@ -303,7 +309,7 @@ impl LatticeCourse {
             let sum = self.own[last + orbit].and(Parts { lead, stray });
             self.own.push(sum);
         }
-        // Of the cell at any time of the interval, as is the length of the steps.
+        // Radius of the cell at any time of the interval; the length of the steps below holds at any time, too.
         let radius = radius.sqrt() + most.lead + most.stray;
         let mut steps = [(Parts::default(), Parts::default(), Reach::default()); 2];
         for (k, (shift, turn, reach)) in steps.iter_mut().enumerate() {
@@ -314,7 +320,7 @@ impl LatticeCourse {
             ];
             let [off, turn_off] = motion.step_strayed(k, bends);
             let lead = turn_of(three.map(|step| step.r_wf));
-            // What is known of a turn holds from any time to any other.
+            // A known bound on a rotation holds from any time to any other.
             let (lead, stray) = if lead + turn_off <= known[k] {
                 (lead, turn_off)
             } else {
@@ -354,7 +360,7 @@ impl LatticeCourse {
         self.places.copy_from_slice(motion.places());
     }
 
-    /// How far a cell moves, as a body that does not change itself, as seen from that so many steps back.
+    /// Returns a bound on the motion of a cell, as a rigid body, as seen from the cell `offset` steps back.
     fn moved(terms: &Terms, offset: [i32; 2]) -> f64 {
         if offset == [0, 0] {
             return 0.0;
@@ -368,7 +374,7 @@ impl LatticeCourse {
         self.sums[stretch.from].until(&self.sums[stretch.to], stretch.head)
     }
 
-    /// What bounds the motion of cells over a stretch: see [`cells`](Self::cells).
+    /// Returns the bounds on the motion of cells over a stretch: see [`cells`](Self::cells).
     pub(crate) fn drift(&self, stretch: impl Into<Stretch>) -> Drift {
         let terms = self.terms(stretch.into());
         Drift {
@@ -378,15 +384,16 @@ impl LatticeCourse {
         }
     }
 
-    /// How far any face of a cell may move as seen from any face of that so many steps back, from the
-    /// beginning of a stretch to any time before its end.
+    /// Returns a bound on the motion of any face of a cell as seen from any face of the cell `offset` steps
+    /// back, from the beginning of a stretch to any time before its end.
     #[must_use]
     pub fn cells(&self, stretch: impl Into<Stretch>, offset: [i32; 2]) -> f64 {
         let terms = self.terms(stretch.into());
         2.0 * terms.own + Self::moved(&terms, offset)
     }
 
-    /// The same for a face of the second orbit as seen from one of the first, so many steps back.
+    /// Returns the bound of [`cells`](Self::cells) for a face of the second orbit as seen from a face of the
+    /// first orbit, `offset` steps back.
     #[must_use]
     pub fn faces(&self, stretch: impl Into<Stretch>, orbits: [u32; 2], offset: [i32; 2]) -> f64 {
         let stretch = stretch.into();
@@ -404,22 +411,22 @@ impl LatticeCourse {
 }
 
 impl Terms {
-    /// What turns of the steps move what is so many of them on.
+    /// Returns a bound on the motion of a cell some steps on that comes from rotations of the steps.
     fn turned(&self, [i, j]: [f64; 2]) -> f64 {
         let own = |step: &StepTerms, n: f64| step.reach.sum(n * (n + 1.0) / 2.0, n);
         own(&self.first, i) + own(&self.second, j) + i * self.across.sum(j, 1.0)
     }
 }
 
-/// How far a point moves along the quadratic through three places, at the most over an interval.
+/// Returns a bound on the motion of a point over an interval, along the quadratic through three places.
 fn path([from, half, to]: [Vector3<f64>; 3]) -> f64 {
     let second = from - half * 2.0 + to;
     (to - from).norm() + 2.0 * second.norm()
 }
 
-/// The same for a point at distance 1 from the centre of a turn.
+/// Returns the bound of `path` for a point at distance 1 from the centre of a rotation.
 ///
-/// As seen from half way a rotation is 1 + 2w[v]ₓ + 2[v]ₓ².
+/// As seen from half way, a rotation is 1 + 2w[v]ₓ + 2[v]ₓ².
 fn turn_of([from, half, to]: [Rotation<f64>; 3]) -> f64 {
     let whole = to * from.inverse();
     let [a, b] = [from, to].map(|end| end * half.inverse());
@@ -427,11 +434,12 @@ fn turn_of([from, half, to]: [Rotation<f64>; 3]) -> f64 {
     2.0 * whole.v.norm() + 4.0 * second
 }
 
-/// Largest distance of a function from the quadratic through its values at 0, 1/2 and 1, over its largest
-/// third derivative: √3/216.
+/// Ratio of the largest distance of a function from the quadratic through its values at 0, 1/2 and 1 to its
+/// largest third derivative: √3/216.
 const CUBIC: f64 = 0.008_018_753_738_744_8;
 
-/// A point's way over the hinges before it: what they vary, what they bend, and the bends times the ways.
+/// Sums over the hinges on the way to a point: variation of the angles (`varied`), deviation of the rotation
+/// (`turn`), and deviation of the place (`shift`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stray {
     varied: f64,
@@ -440,7 +448,7 @@ pub(crate) struct Stray {
 }
 
 impl Stray {
-    /// Over `way` from the last pivot and then across a hinge.
+    /// Returns the sums after `way` from the last pivot, and then across a hinge.
     pub(crate) fn across(self, way: f64, bend: Bend) -> Self {
         let Bend { varied, off } = bend;
         Self {
@@ -452,26 +460,26 @@ impl Stray {
         }
     }
 
-    /// How far a point so far from the last pivot strays.
+    /// Returns a bound on the deviation of a point at distance `way` from the last pivot.
     pub(crate) fn to(self, way: f64) -> f64 {
         self.shift + self.turn * way
     }
 
-    /// How far the rotation strays.
+    /// Returns a bound on the deviation of the rotation.
     pub(super) fn turn(self) -> f64 {
         self.turn
     }
 }
 
-/// A hinge on the way from a cell to the next, and the way to it from the one before.
+/// A hinge on the way from a cell to the next, and the distance to it from the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passed {
-    /// The hinge as one of a star; `None` if it stays flat.
+    /// The hinge as a spoke of a star; `None` if it stays flat.
     pub(super) spoke: Option<Spoke<f64>>,
     pub(super) way: f64,
 }
 
-/// The hinges from a cell to the next, and the way from the last to its centre.
+/// The hinges from a cell to the next, and the distance from the last hinge to the next cell's centre.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     pub(super) hinges: Vec<Passed>,
@@ -479,7 +487,8 @@ pub(super) struct Passage {
 }
 
 impl Passage {
-    /// From the hinges and their pivots, unfolded, from a cell's centre to the next one's.
+    /// Creates the passage from a cell's centre to the next one's, given the hinges and their pivots in the
+    /// flat sheet.
     pub(super) fn new(
         hinges: &[(Option<Spoke<f64>>, Vector2<f64>)],
         center: Vector2<f64>,

@@ -1,4 +1,4 @@
-//! The folded sheet in terms of its lattice: one cell, and the motions that lead from cell to cell.
+//! Folds a tessellation by its lattice: one cell, and the rigid motions that lead from cell to cell.
 
 use foldpath_core::{HalfAngle, Membership, Rotation, Spoke};
 use nalgebra::{Vector2, Vector3};
@@ -13,11 +13,11 @@ use crate::symmetry::{Lattice, Link, PairClass};
 /// An edge between two faces of a cell, or of neighbouring cells, moved to the cell of the first.
 #[derive(Clone, Copy, Debug)]
 struct Hinge {
-    /// Orbit that the way comes from.
+    /// Orbit of the face that the way comes from.
     from: u32,
-    /// Orbit that it leads to.
+    /// Orbit of the face that the way leads to.
     to: u32,
-    /// `None` if the edge stays flat.
+    /// Group and sign of the crease; `None` if the edge stays flat.
     turns: Option<Membership>,
     /// Middle of the edge.
     pivot: Vector2<f64>,
@@ -26,22 +26,22 @@ struct Hinge {
 }
 
 /// Poses of all faces of a sheet from a few hinges: one cell folded along a tree of orbits, and the rigid
-/// motions that the lattice steps become, S₁ and S₂. Where the sheet closes, these commute, and
-/// `pose(orbit, [i, j])` = S₁ⁱ S₂ʲ `pose(orbit, [0, 0])`: see [`Lattice`] for why.
+/// motions S₁ and S₂ of space that the lattice steps become. If the sheet closes, these commute, and
+/// `pose(orbit, [i, j])` = S₁ⁱ S₂ʲ `pose(orbit, [0, 0])`; [`Lattice`] gives the reason.
 ///
-/// Points of the flat sheet are *reduced*: less the [`translation`](Lattice::translation) of the cell of
-/// their face. The face of the first orbit in cell `[0, 0]` stays where it is. One configuration costs
-/// O(orbits), one pose as much as a few rotations.
+/// Points of the flat sheet are *reduced*: less the [`translation`](Lattice::translation) of the cell of their
+/// face. The face of the first orbit in cell `[0, 0]` stays where it is. One configuration costs O(orbits), one
+/// pose as much as a few rotations.
 #[derive(Clone, Debug)]
 pub struct LatticeMotion {
-    /// Ways to the second and every further orbit.
+    /// Hinges to the second and every further orbit.
     tree: Vec<Hinge>,
-    /// For each step the hinge that leads one cell on, and the step.
+    /// For each step a hinge that leads one cell on, and the step.
     loops: Vec<(Hinge, Vector2<f64>)>,
     /// For each orbit the corners of its faces, reduced.
     corners: Ragged<Vector2<f64>>,
     folded: Folded,
-    /// Corners of the cell in space, as `corners`.
+    /// Positions of `corners` in space, for the cell at the origin.
     places: Vec<Vector3<f64>>,
     ball: Ball,
     center: Vector2<f64>,
@@ -57,7 +57,7 @@ struct Ball {
 }
 
 impl LatticeMotion {
-    /// The motion of a sheet from its lattice, found for these memberships; the sheet is flat.
+    /// Creates the motion of a sheet from its lattice, found for these memberships; the sheet is flat.
     #[must_use]
     pub fn new(pattern: &CreasePattern, memberships: &[Membership], lattice: &Lattice) -> Self {
         let hinge = |link: &Link| Hinge::new(pattern, memberships, lattice, link);
@@ -97,8 +97,8 @@ impl LatticeMotion {
         motion
     }
 
-    /// Goes to the configuration with these half fold angles of the crease groups; those that are not
-    /// given are flat. The sheet has to close there. Cost: O(orbits).
+    /// Goes to the configuration with these half fold angles of the crease groups; groups without one are flat.
+    /// The sheet has to close at this configuration. Cost: O(orbits).
     pub fn fold(&mut self, groups: &[HalfAngle<f64>]) {
         let Folded { poses, steps } = &mut self.folded;
         for hinge in &self.tree {
@@ -108,14 +108,14 @@ impl LatticeMotion {
             let ahead = hinge.cross(&poses[hinge.from as usize], groups);
             let here = poses[hinge.to as usize];
             let r_wf = (ahead.r_wf * here.r_wf.inverse()).renormalised();
-            // The origin of the face here goes to where the step of the flat sheet is ahead.
+            // The origin of the face here goes to the place that the face ahead gives the step.
             let p_w = ahead.apply(*step) - r_wf.rotate(&here.p_w);
             *screw = Screw::new(Pose::new(r_wf, p_w));
         }
         self.place();
     }
 
-    /// Puts the corners of the cell in their places, and a ball round them.
+    /// Places the corners of the cell, and puts a ball round them.
     fn place(&mut self) {
         self.places.clear();
         for (pose, corners) in self.folded.poses.iter().zip(self.corners.iter()) {
@@ -129,19 +129,19 @@ impl LatticeMotion {
         self.ball = Ball { center, radius };
     }
 
-    /// Corners of the faces of an orbit in the flat sheet, reduced.
+    /// Returns the corners of the faces of an orbit in the flat sheet, reduced.
     #[must_use]
     pub fn corners(&self, orbit: u32) -> &[Vector2<f64>] {
         &self.corners[orbit as usize]
     }
 
-    /// S₁ and S₂; where there is one step only, the second rests.
+    /// Returns S₁ and S₂; if there is one step only, the second is the identity.
     #[must_use]
     pub fn steps(&self) -> &[Screw; 2] {
         &self.folded.steps
     }
 
-    /// So many steps on in space.
+    /// Returns the rigid motion of space that leads from cell `[0, 0]` to this cell.
     #[must_use]
     pub fn translation(&self, cell: [i32; 2]) -> Pose {
         match cell {
@@ -151,7 +151,8 @@ impl LatticeMotion {
         }
     }
 
-    /// The pose of the face of an orbit in a cell, whether the sheet has it or not, for reduced points.
+    /// Returns the pose of the face of an orbit in a cell, for reduced points, whether the sheet has this face
+    /// or not.
     #[must_use]
     pub fn pose(&self, orbit: u32, cell: [i32; 2]) -> Pose {
         let here = self.folded.poses[orbit as usize];
@@ -161,39 +162,39 @@ impl LatticeMotion {
         }
     }
 
-    /// The pose of the second face of each pair of a class, for reduced points, as seen from the first:
-    /// in the frame in which that lies flat where its reduced points are.
+    /// Returns the pose of the second face of each pair of a class as seen from the first, for reduced points:
+    /// in the frame in which the first lies flat at its reduced points.
     #[must_use]
     pub fn relative(&self, class: PairClass) -> Pose {
         let [a, b] = class.orbits;
         self.pose(a, [0, 0]).inverse() * self.pose(b, class.offset)
     }
 
-    /// A lower bound of the distance between all faces of a cell and all faces of that so many cells on;
-    /// 0 where the balls round them meet.
+    /// Returns a lower bound of the distance between all faces of a cell and all faces of the cell `offset`
+    /// steps on; 0 if the balls round them meet.
     #[must_use]
     pub fn gap_of_cells(&self, offset: [i32; 2]) -> f64 {
         self.gap_at(&self.translation(offset).carry(&self.ball.center))
     }
 
-    /// The same for a cell with its middle there.
+    /// Returns the bound of [`gap_of_cells`](Self::gap_of_cells) for a cell with this middle.
     pub(crate) fn gap_at(&self, middle: &Vector3<f64>) -> f64 {
         let Ball { center, radius } = self.ball;
         ((middle - center).norm() - 2.0 * radius).max(0.0)
     }
 
-    /// The middle of the ball round a cell.
+    /// Returns the middle of the ball round a cell.
     pub(crate) fn middle(&self) -> Vector3<f64> {
         self.ball.center
     }
 
-    /// Radius of the ball round a cell.
+    /// Returns the radius of the ball round a cell.
     pub(crate) fn radius(&self) -> f64 {
         self.ball.radius
     }
 
-    /// How each step moves the centre of a cell, and how far the centre so many steps on may be from there
-    /// for what the steps turn.
+    /// Returns the translation of a cell's centre by each step, and a bound on the distance of a centre up to
+    /// `most` steps on from the sum of these translations, which comes from the rotation of the steps.
     pub(crate) fn ways(&self, most: [u32; 2]) -> ([Vector3<f64>; 2], f64) {
         let center = self.ball.center;
         let motions = self.folded.steps.map(|step| step.motion());
@@ -217,12 +218,12 @@ impl LatticeMotion {
         &self.folded
     }
 
-    /// Corners of the faces of the cell in space, orbit after orbit.
+    /// Returns the corners of the faces of the cell in space, orbit after orbit.
     pub(super) fn places(&self) -> &[Vector3<f64>] {
         &self.places
     }
 
-    /// A point of the first orbit's face that moves with its cell.
+    /// Returns a point of the first orbit's face that moves with its cell.
     pub(super) fn center(&self) -> Vector3<f64> {
         self.center.push(0.0)
     }
@@ -231,8 +232,8 @@ impl LatticeMotion {
         &self.corners[orbit]
     }
 
-    /// For each orbit, how far its corners may be off the straight line that they take in the frame of
-    /// the first orbit's face.
+    /// Returns for each orbit a bound on the deviation of its corners from their quadratics, in the frame of
+    /// the first orbit's face (see [`LatticeCourse`]).
     pub(super) fn strayed(&self, bends: &[Bend]) -> impl Iterator<Item = f64> {
         let mut strays = vec![Stray::default(); self.reaches.len()];
         for (hinge, &(way, _)) in self.tree.iter().zip(&self.reaches[1..]) {
@@ -246,7 +247,8 @@ impl LatticeMotion {
             .map(|(stray, reach)| stray.to(reach))
     }
 
-    /// How far the centre of the next cell may be off its straight line, and how far the step's turn.
+    /// Returns bounds on the deviation from their quadratics of the next cell's centre, and of the step's
+    /// rotation.
     pub(super) fn step_strayed(&self, step: usize, bends: &[Bend]) -> [f64; 2] {
         let Some(passage) = self.passages.get(step) else {
             return [0.0; 2];
@@ -259,8 +261,8 @@ impl LatticeMotion {
         [stray.to(passage.rest), stray.turn()]
     }
 
-    /// The creases that turn what is a step on, in order, as if round a vertex: they close where the step is a
-    /// translation.
+    /// Returns the creases that turn the part one step on, in order, as the star of a vertex: the star closes
+    /// if the step is a translation.
     pub(crate) fn turning(&self, step: usize) -> Vec<Spoke<f64>> {
         let hinges = self.passages.get(step).map(|passage| passage.hinges.iter());
         hinges
@@ -270,7 +272,8 @@ impl LatticeMotion {
             .collect()
     }
 
-    /// For each orbit the way to its hinge from the one before it, and from there to the farthest corner.
+    /// Returns for each orbit the distance to its hinge from the one before, and from the hinge to the farthest
+    /// corner.
     fn reaches(&self) -> Vec<(f64, f64)> {
         let mut pivots = vec![self.center; self.corners.len()];
         let mut reaches = vec![(0.0, 0.0); self.corners.len()];
@@ -285,7 +288,7 @@ impl LatticeMotion {
         reaches
     }
 
-    /// The hinges on the way from the first orbit's face to the same a step on.
+    /// Returns the hinges on the way from the first orbit's face to its image one step on.
     fn passage(&self, step: usize) -> Passage {
         let (closing, shift) = &self.loops[step];
         let up = |mut orbit: u32| {
@@ -301,7 +304,7 @@ impl LatticeMotion {
         hinges.reverse();
         hinges.push((closing.spoke(), closing.pivot));
         let back = up(closing.to).into_iter();
-        // The other way a hinge turns what is beyond back.
+        // Crossed the other way, a hinge turns the part beyond back.
         hinges.extend(back.map(|(spoke, pivot)| {
             let spoke = spoke.map(|spoke| Spoke {
                 negative: !spoke.negative,
@@ -339,7 +342,7 @@ impl Hinge {
         }
     }
 
-    /// The pose of the face beyond, for points reduced as those of the face that the way comes from.
+    /// Returns the pose of the face beyond, for points reduced as those of the face that the way comes from.
     fn cross(&self, parent: &Pose, groups: &[HalfAngle<f64>]) -> Pose {
         let Some(membership) = self.turns else {
             return *parent;

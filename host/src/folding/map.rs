@@ -1,4 +1,5 @@
-//! The folding map at one configuration, and how rigid the sheet is under it.
+//! The folding map at one configuration, by rotations along a spanning tree of the faces, and the rigidity of
+//! the sheet under it.
 
 use foldpath_core::{HalfAngle, Membership, Rotation, closure};
 use nalgebra::{Vector2, Vector3};
@@ -12,14 +13,14 @@ use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
 pub struct Pose {
     /// Rotation.
     pub r_wf: Rotation<f64>,
-    /// Where the origin of the flat sheet goes.
+    /// Position of the flat sheet's origin in space.
     pub p_w: Vector3<f64>,
-    /// Where `r_wf` takes the axes of the flat sheet.
+    /// Images of the flat sheet's axes under `r_wf`.
     axes_w: [Vector3<f64>; 2],
 }
 
 impl Pose {
-    /// The flat sheet left where it is.
+    /// Returns the pose that leaves the flat sheet where it is.
     #[must_use]
     pub fn identity() -> Self {
         Self {
@@ -29,14 +30,14 @@ impl Pose {
         }
     }
 
-    /// The flat sheet turned, and moved so that its origin comes to `p_w`.
+    /// Returns the pose with this rotation that takes the origin of the flat sheet to `p_w`.
     #[inline]
     #[must_use]
     pub fn new(r_wf: Rotation<f64>, p_w: Vector3<f64>) -> Self {
         Self::about(r_wf, Vector2::zeros(), p_w)
     }
 
-    /// The flat sheet turned, and moved so that its point `pivot` comes to `pivot_w`.
+    /// Returns the pose with this rotation that takes the point `pivot` of the flat sheet to `pivot_w`.
     #[inline]
     #[must_use]
     pub fn about(r_wf: Rotation<f64>, pivot: Vector2<f64>, pivot_w: Vector3<f64>) -> Self {
@@ -57,21 +58,21 @@ impl Pose {
         Self { r_wf, p_w, axes_w }
     }
 
-    /// Where the point of the flat sheet goes.
+    /// Returns the position in space of a point of the flat sheet.
     #[inline]
     #[must_use]
     pub fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
         self.axes_w[0] * point.x + self.axes_w[1] * point.y + self.p_w
     }
 
-    /// Where a point of space that moves with the flat sheet goes.
+    /// Returns the new position of a point of space that moves with the flat sheet.
     #[inline]
     #[must_use]
     pub fn carry(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.r_wf.rotate(point) + self.p_w
     }
 
-    /// The motion back.
+    /// Returns the inverse motion.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let r_wf = self.r_wf.inverse();
@@ -83,34 +84,33 @@ impl Pose {
 impl core::ops::Mul for Pose {
     type Output = Self;
 
-    /// First the other motion, then this one.
+    /// Returns the composition of two motions: first `other`, then this one.
     #[inline]
     fn mul(self, other: Self) -> Self {
         Self::new(self.r_wf * other.r_wf, self.carry(&other.p_w))
     }
 }
 
-/// How far a configuration is from folding the sheet rigidly.
+/// Deviation of a configuration from folding the sheet rigidly.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rigidity {
     /// Largest relative change of length of an edge or a virtual edge.
     pub deformation: f64,
-    /// Largest distance between two positions that faces give the same vertex, over the median
-    /// edge.
+    /// Largest distance between two positions that faces give the same vertex, over the median edge.
     pub gap: f64,
-    /// Largest turn, in radians, by which two faces at an edge are off its fold angle. Round a vertex
-    /// this is its misclosure; positions alone do not see it where both ends of the edge coincide.
+    /// Largest rotation, in radians, by which two faces at an edge deviate from its fold angle. Round a vertex
+    /// this is its misclosure; positions alone do not show it if both ends of the edge coincide.
     pub twist: f64,
 }
 
 impl Rigidity {
-    /// The largest of the three.
+    /// Returns the largest of the three.
     #[must_use]
     pub fn worst(self) -> f64 {
         larger(larger(self.deformation, self.gap), self.twist)
     }
 
-    /// The worse of both in each respect.
+    /// Returns the larger value of both, for each of the three.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
         Self {
@@ -121,17 +121,17 @@ impl Rigidity {
     }
 }
 
-/// The folding map at one configuration: a pose for each face. Reused from one configuration to
-/// the next, so that a path allocates once.
+/// The folding map at one configuration: a pose for each face. Reused from one configuration to the next, so
+/// that a path allocates once.
 #[derive(Clone, Debug)]
 pub struct FoldingMap {
-    /// Of each group, or of each crease.
+    /// Half angle of each group, or of each crease.
     half_angles: Vec<HalfAngle<f64>>,
-    /// Group and sign of each crease; nothing where each is its own.
+    /// Group and sign of each crease; empty if each crease is its own group.
     memberships: Vec<Membership>,
     poses: Vec<Pose>,
     vertices: Vec<Vector3<f64>>,
-    /// Largest distance between two positions that faces give the same vertex.
+    /// Largest distance between two positions that faces give the same vertex, units of the sheet.
     gap: f64,
     struts: Vec<Strut>,
     /// Scratch: positions that faces give one vertex.
@@ -147,7 +147,7 @@ impl FoldingMap {
         map
     }
 
-    /// The sheet as it is drawn.
+    /// Returns the map of the sheet as it is drawn.
     #[must_use]
     pub fn flat(pattern: &CreasePattern) -> Self {
         let struts = pattern.struts().map(|ends| Strut::new(pattern, ends));
@@ -169,8 +169,8 @@ impl FoldingMap {
         self.place(pattern, tree);
     }
 
-    /// The same where each crease has the angle (radians) of a group, up to its sign: one sine and cosine
-    /// a group.
+    /// Replaces this map as [`fold`](Self::fold) does, by the angles (radians) of crease groups: each crease
+    /// has the angle of its group, up to its sign. Takes one sine and cosine a group.
     pub fn fold_groups(
         &mut self,
         pattern: &CreasePattern,
@@ -184,13 +184,13 @@ impl FoldingMap {
         self.place(pattern, tree);
     }
 
-    /// Takes in the angles (radians) of groups or creases.
+    /// Stores the angles (radians) of groups or creases.
     fn turn(&mut self, angles: &[f64]) {
         self.half_angles.resize(angles.len(), HalfAngle::default());
         closure::half_angles(angles, &mut self.half_angles);
     }
 
-    /// The half angle of a crease; flat if no angle was given.
+    /// Returns the half angle of a crease; flat if no angle was given.
     #[inline]
     fn half_angle(&self, crease: CreaseId) -> HalfAngle<f64> {
         let half = |index: usize| self.half_angles.get(index).copied().unwrap_or_default();
@@ -237,11 +237,10 @@ impl FoldingMap {
         self.gap = 0.0;
     }
 
-    /// Places the vertices, each by the first of its faces, and measures how far the others have it from
-    /// there.
+    /// Places each vertex by the first of its faces, and measures how far apart its faces place it.
     fn place_vertices(&mut self, pattern: &CreasePattern) {
         let mut positions = core::mem::take(&mut self.positions);
-        // The square of the widest distance so far.
+        // Square of the widest distance so far.
         let mut widest = 0.0;
         let vertices = self.vertices.iter_mut().zip(pattern.vertices());
         for ((folded, &flat), faces) in vertices.zip(pattern.corners().iter()) {
@@ -256,7 +255,7 @@ impl FoldingMap {
             for face in others {
                 reach = largest([reach, (at(face) - place).norm_squared()]);
             }
-            // No two are farther apart than twice the reach from the first.
+            // No two positions are farther apart than twice the reach from the first.
             if 4.0 * reach <= widest {
                 continue;
             }
@@ -273,7 +272,7 @@ impl FoldingMap {
         self.positions = positions;
     }
 
-    /// Rotation of the face that a step reaches, by that of its parent and the step's fold angle.
+    /// Returns the rotation of the face that a step reaches, from that of its parent and the step's fold angle.
     #[inline]
     fn beyond(&self, step: &Step) -> Rotation<f64> {
         let r_wp = self.poses[step.parent.index()].r_wf;
@@ -283,25 +282,25 @@ impl FoldingMap {
         }
     }
 
-    /// For each face its rigid motion.
+    /// Returns the rigid motion of each face.
     #[must_use]
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }
 
-    /// For each vertex its folded position, as one of its faces has it.
+    /// Returns the folded position of each vertex, as one of its faces places it.
     #[must_use]
     pub fn vertices(&self) -> &[Vector3<f64>] {
         &self.vertices
     }
 
-    /// The folded position of a vertex.
+    /// Returns the folded position of a vertex.
     #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Vector3<f64> {
         self.vertices[vertex.index()]
     }
 
-    /// How rigid the sheet is under this map, made with the same tree. Cost: O(edges + corners).
+    /// Returns the rigidity of the sheet under this map, made with the same tree. Cost: O(edges + corners).
     #[must_use]
     pub fn rigidity(&self, pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
         let twists = tree.loops().iter().map(|step| {
@@ -316,7 +315,7 @@ impl FoldingMap {
     }
 }
 
-/// Largest relative change of length of an edge or virtual edge, for given folded positions.
+/// Returns the largest relative change of length of an edge or virtual edge, for given folded positions.
 #[must_use]
 pub fn deformation(pattern: &CreasePattern, vertices: &[Vector3<f64>]) -> f64 {
     strain(
@@ -325,11 +324,11 @@ pub fn deformation(pattern: &CreasePattern, vertices: &[Vector3<f64>]) -> f64 {
     )
 }
 
-/// Two vertices that panels hold at their distance.
+/// Two vertices that panels hold at a fixed distance.
 #[derive(Clone, Copy, Debug)]
 struct Strut {
     ends: [VertexId; 2],
-    /// The square of that distance.
+    /// Square of this distance.
     square: f64,
 }
 
@@ -342,8 +341,8 @@ impl Strut {
 }
 
 fn strain(struts: impl Iterator<Item = Strut>, vertices: &[Vector3<f64>]) -> f64 {
-    // The bits of the least and the greatest square of a distance over that in the flat sheet: of numbers
-    // that are not negative they are in the same order, those of NaN last.
+    // Bits of the least and the greatest squared distance over that in the flat sheet. The bits of numbers that
+    // are not negative are in the order of the numbers, and those of NaN come last.
     let mut least = 1.0_f64.to_bits();
     let mut greatest = least;
     for Strut { ends, square } in struts {
@@ -364,7 +363,7 @@ mod tests {
     use crate::generate::Miura;
     use foldpath_core::GroupId;
 
-    /// A sheet and groups of its creases, three in turn, every fifth against its group.
+    /// Returns a sheet and groups of its creases, three in turn, every fifth crease against its group.
     fn sheet() -> (CreasePattern, SpanningTree, Vec<Membership>) {
         let miura = Miura {
             rows: 5,
@@ -383,8 +382,8 @@ mod tests {
         (pattern, tree, memberships)
     }
 
-    /// Angles that close nowhere: faces, vertices and edges are all off, and each measure is the largest
-    /// of all that it is said to be of.
+    /// The angles close nowhere: faces, vertices and edges are all displaced, and each measure is the largest
+    /// of all that it is defined for.
     #[test]
     fn a_torn_sheet_is_measured_as_defined() {
         let (pattern, tree, memberships) = sheet();

@@ -1,4 +1,5 @@
-//! The folding map: the rigid motion of every face, and what it does to the sheet.
+//! Folds the sheet: the rigid motion of every face at a configuration (the folding map, along a spanning tree
+//! of the faces), and the deformation, gap and twist that it causes.
 
 mod amplification;
 mod dihedral;

@@ -1,9 +1,10 @@
-//! Coordinates in a plane of space.
+//! Coordinates of points of space in a plane.
 
 use nalgebra::{Vector2, Vector3};
 
-/// Points in coordinates of a plane with this unit normal, seen from where it points to. The first axis is as
-/// near to the x of space as the plane allows, so that standing shapes stay recognisable.
+/// Returns points in coordinates of a plane with this unit normal, seen from the side to which the normal
+/// points. The first axis is as near to the x axis of space as the plane allows, so that standing shapes stay
+/// recognisable; to the y axis if the normal is near the x axis.
 pub(crate) fn in_plane<'a>(
     points: impl IntoIterator<Item = &'a Vector3<f64>>,
     up: &Vector3<f64>,

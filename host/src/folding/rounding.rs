@@ -1,27 +1,30 @@
-//! What rounding alone makes of a folded sheet.
+//! Bounds the errors of a folded sheet that rounding alone causes.
 
 use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::CreasePattern;
 
-/// Roundings of a step of the folding map, in ε: of a rotated vector by half angle, axis, product and
-/// normalisation of quaternions; of the pivot's two rotations and of sums, per length.
+/// Rounding errors of a step of the folding map, in ε per length: of a rotated vector by half angle, axis,
+/// product and normalisation of quaternions (`TURN`), of one rotation of the pivot (`ROTATE`), and of sums
+/// (`SUM`).
 const TURN: f64 = 16.0;
 const ROTATE: f64 = 8.0;
 const SUM: f64 = 2.0;
 
-/// Bounds on gap, deformation and twist that [`FoldingMap`](super::FoldingMap) may show of a sheet that
-/// folds rigidly. Rotations lose some ε each step from the root, positions what rotations lost before,
-/// times the way, and the roundings of coordinates: least where the origin is near. Cost: linear.
+/// Bounds the gap, deformation and twist that [`FoldingMap`](super::FoldingMap) may show for a sheet that folds
+/// rigidly.
+///
+/// Rotations lose some ε in each step from the root. Positions lose as much as rotations lost before, times the
+/// way, and the rounding of coordinates; least is lost if the origin is near. Cost: linear.
 #[must_use]
 pub fn rounding(pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
     #[derive(Clone, Copy)]
     struct Lost {
-        /// Of a rotated vector, per length; of the pivot's position.
+        /// Errors so far: of a rotated vector, per length (`turn`), and of the pivot's position (`shift`).
         turn: f64,
         shift: f64,
         pivot: nalgebra::Vector2<f64>,
-        /// No farther from the root's origin is the pivot in space.
+        /// Upper bound of the distance in space from the root's origin to the pivot.
         reach: f64,
     }
     let corner = |face: usize| pattern.vertices()[pattern.faces()[face][0].index()];

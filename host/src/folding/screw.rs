@@ -1,33 +1,35 @@
-//! Powers of a rigid motion.
+//! Powers of a rigid motion, by its decomposition into a screw motion (Chasles).
 
 use foldpath_core::Rotation;
 use nalgebra::Vector3;
 
 use super::map::Pose;
 
-/// A rigid motion as a turn about an axis and a shift along it (Chasles), which makes its powers as cheap
-/// and as exact as itself.
+/// A rigid motion as a rotation about an axis and a translation along it (Chasles), which makes its powers as
+/// cheap and as exact as the motion itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Screw {
     motion: Pose,
-    /// Unit direction of the axis; zero where nothing turns.
+    /// Unit direction of the axis; zero if the motion does not rotate.
     axis: Vector3<f64>,
-    /// Sine, cosine and size of half the angle of the turn, at most a quarter turn.
+    /// Sine (`sin`) and cosine (`cos`) of half the angle of rotation, and half the angle itself (`half`), at
+    /// most a quarter turn.
     sin: f64,
     cos: f64,
     half: f64,
-    /// The parts of the motion of the origin along the axis and across.
+    /// Components of the origin's motion along the axis and across it.
     along: Vector3<f64>,
     across: Vector3<f64>,
 }
 
 impl Screw {
-    /// The motion as a screw.
+    /// Returns the motion as a screw.
     #[must_use]
     pub fn new(motion: Pose) -> Self {
         let mut r = motion.r_wf.renormalised();
         if r.w < 0.0 {
-            // The same rotation; sines of multiples of a small angle keep their digits.
+            // The quaternion of opposite sign is the same rotation; with w ≥ 0, sines of multiples of a small
+            // angle keep their digits.
             (r.w, r.v) = (-r.w, -r.v);
         }
         let sin = r.v.norm();
@@ -48,13 +50,14 @@ impl Screw {
         }
     }
 
-    /// The motion itself.
+    /// Returns the motion itself.
     #[must_use]
     pub fn motion(&self) -> Pose {
         self.motion
     }
 
-    /// Length of the shift along the axis; of the whole shift where nothing turns.
+    /// Returns the length of the translation along the axis; of the whole translation if the motion does not
+    /// rotate.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         if self.sin > 0.0 {
@@ -64,25 +67,24 @@ impl Screw {
         }
     }
 
-    /// Twice the distance from the axis of a point that the motion moves by `way`, or a little more;
-    /// infinite where nothing turns.
+    /// Returns twice the distance from the axis of a point that the motion moves by `way`, or a little more;
+    /// infinite if the motion does not rotate.
     #[must_use]
     pub fn width(&self, way: Vector3<f64>) -> f64 {
         let across = (way - self.axis * self.axis.dot(&way)).norm();
         if self.sin > 0.0 {
-            // Rounding may hide as much.
+            // The second term covers what rounding may hide.
             (across + 8.0 * f64::EPSILON * way.norm()) / self.sin
         } else {
             f64::INFINITY
         }
     }
 
-    /// The motion so many times, backwards if negative.
+    /// Returns the motion applied n times, backwards if n is negative.
     ///
-    /// With half the angle a, the origin's motions across the axis add up to the first, times
-    /// sin(n a)/sin(a), turned by (n - 1) a. Where a is small this tends to n of them without loss of
-    /// digits, whatever the axis: n times the error of the motion itself is all there is, and its square
-    /// for the turn.
+    /// With a half the angle, the origin's motions across the axis add up to the first of them, times sin(n
+    /// a)/sin(a), turned by (n - 1) a. For small a this tends to n of them without loss of digits, whatever the
+    /// axis: the error is n times that of the motion itself, and n² times for the rotation.
     #[must_use]
     pub fn power(&self, n: i32) -> Pose {
         let count = f64::from(n);
@@ -109,7 +111,7 @@ mod tests {
     use super::*;
     use core::f64::consts::PI;
 
-    /// A turn by `angle` about the axis through `foot`, and a shift along it.
+    /// Returns a rotation by `angle` about the axis through `foot`, with a translation along the axis.
     fn screw(axis: Vector3<f64>, foot: Vector3<f64>, angle: f64, shift: f64) -> Pose {
         let (sin, cos) = (angle / 2.0).sin_cos();
         let r_wf = Rotation {
@@ -120,7 +122,7 @@ mod tests {
         Pose::new(r_wf, p_w)
     }
 
-    /// Angles for which all multiples are known to the last digit: whole parts of a turn.
+    /// The angles are whole parts of a turn, for which all multiples are known to the last digit.
     #[test]
     fn powers_turn_as_often_as_they_say() {
         let axis = Vector3::new(2.0, -3.0, 6.0) / 7.0;
@@ -137,14 +139,14 @@ mod tests {
                 );
                 let point = Vector3::new(-0.6, 0.2, 1.3);
                 let off = motion.power(n).carry(&point) - expected.carry(&point);
-                // To 1e-12 of a sheet of as many cells.
+                // Exact to 1e-12 of the size of a sheet of |n| cells.
                 let size = f64::from(n.abs().max(1));
                 assert!(off.norm() < 1e-12 * size, "{parts} {n}: {:e}", off.norm());
             }
         }
     }
 
-    /// Nearly no turn, about any axis: a shift, and a bow of the third order.
+    /// Nearly no rotation, about any axis: a translation, and a bow of the third order.
     #[test]
     fn a_turn_lost_in_rounding_does_no_harm() {
         for size in [0.0, 1e-300, 1e-17, 1e-15] {

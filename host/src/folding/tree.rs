@@ -1,4 +1,4 @@
-//! A spanning tree of the faces, from a central one.
+//! A breadth-first spanning tree of the faces, from a central one.
 
 use std::collections::VecDeque;
 use std::sync::OnceLock;
@@ -14,11 +14,11 @@ use crate::ragged::Ragged;
 pub struct Step {
     /// The face reached.
     pub face: FaceId,
-    /// The face it is reached from, which comes earlier.
+    /// The face from which it is reached, which comes earlier.
     pub parent: FaceId,
-    /// The edge between.
+    /// The edge between the two faces.
     pub edge: EdgeId,
-    /// Its crease; `None` if the edge stays flat.
+    /// The crease of this edge; `None` if the edge stays flat.
     pub crease: Option<CreaseId>,
     /// A point of the edge in the flat sheet.
     pub pivot: Vector2<f64>,
@@ -33,26 +33,28 @@ pub struct SpanningTree {
     steps: Vec<Step>,
     loops: Vec<Step>,
     faces: usize,
-    /// What its loops enclose, once somebody asked.
+    /// Holonomy of the loops, once requested.
     holonomy: OnceLock<Option<Holonomy>>,
 }
 
 impl SpanningTree {
-    /// A breadth-first tree from a central face of each sheet, which halves the depth and with it
-    /// the growth of errors. Cost: linear.
+    /// Returns a breadth-first tree from a central face of each sheet, which halves the depth and, with the
+    /// depth, the growth of errors. Cost: linear.
     #[must_use]
     pub fn from_central_face(pattern: &CreasePattern) -> Self {
         Self::from_faces(pattern, pattern.neighbours(), central)
     }
 
-    /// A breadth-first tree from a face of each sheet that is as far as can be from the central one. Cost: linear.
+    /// Returns a breadth-first tree from a face of each sheet that is as far as possible from the central one.
+    /// Cost: linear.
     #[must_use]
     pub fn from_outer_face(pattern: &CreasePattern) -> Self {
         Self::from_faces(pattern, pattern.neighbours(), outer)
     }
 
-    /// Trees that tear a sheet that does not close in many ways: both of these, and both with the neighbours of each face
-    /// taken the other way round, so that what one reaches along a row the other does along a column. Cost: linear.
+    /// Returns trees that tear a sheet that does not close in different ways: from the central and from the
+    /// outer face, each with the neighbours of every face in both orders. Faces that one order reaches along a
+    /// row the other reaches along a column. Cost: linear.
     #[must_use]
     pub fn diverse(pattern: &CreasePattern) -> [Self; 4] {
         let around = pattern.neighbours();
@@ -66,8 +68,8 @@ impl SpanningTree {
         ]
     }
 
-    /// The longest way in the flat sheet from the first corner of a root to a corner, from step to step: nothing is ever
-    /// farther from the root. Cost: linear.
+    /// Returns the longest way in the flat sheet, from step to step, from the first corner of a root to a
+    /// corner. No point of the folded sheet is ever farther from the first corner of the root. Cost: linear.
     #[must_use]
     pub fn reach(&self, pattern: &CreasePattern) -> f64 {
         let corners = |face: usize| {
@@ -88,7 +90,7 @@ impl SpanningTree {
         reaches.fold(0.0, f64::max)
     }
 
-    /// A breadth-first tree from a face of each sheet, which is found from another.
+    /// Returns a breadth-first tree from a face of each sheet, which `root` finds from any face of the sheet.
     fn from_faces(
         pattern: &CreasePattern,
         neighbours: &Ragged<(FaceId, EdgeId)>,
@@ -120,7 +122,7 @@ impl SpanningTree {
     ) {
         self.roots.push(root);
         done[root.index()] = true;
-        // The edge by which a face was reached.
+        // The edge by which each face was reached.
         let mut by = vec![None; self.faces];
         let mut open = VecDeque::from([root]);
         while let Some(parent) = open.pop_front() {
@@ -153,49 +155,50 @@ impl SpanningTree {
         }
     }
 
-    /// The faces that stay where they are, one a sheet.
+    /// Returns the faces that stay where they are, one a sheet.
     #[must_use]
     pub fn roots(&self) -> &[FaceId] {
         &self.roots
     }
 
-    /// The steps; each parent is a root or the face of an earlier step.
+    /// Returns the steps; each parent is a root or the face of an earlier step.
     #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// The edges between two faces that no step crosses, each as the step that it would be: there the
-    /// sheet either closes or is torn.
+    /// Returns the edges between two faces that no step crosses, each as the step that it would be: at these
+    /// edges the sheet either closes or is torn.
     #[must_use]
     pub fn loops(&self) -> &[Step] {
         &self.loops
     }
 
-    /// What the loops enclose, of the pattern that this is the tree of. `None` as of [`Holonomy::new`].
+    /// Returns the holonomy of the loops, for the pattern of which this is the tree. `None` as for
+    /// [`Holonomy::new`].
     pub fn holonomy(&self, pattern: &CreasePattern) -> Option<&Holonomy> {
         let holonomy = self.holonomy.get_or_init(|| Holonomy::new(pattern, self));
         holonomy.as_ref()
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     #[must_use]
     pub fn faces(&self) -> usize {
         self.faces
     }
 }
 
-/// Corners of the sheet to which the way from the centre is to be short.
+/// Number of far corners of the sheet from which the central face is to be near.
 const CORNERS: usize = 4;
 
-/// A face of the sheet of `start` that is as far as can be from the central one.
+/// Returns a face of the sheet of `start` that is as far as possible from the central one.
 fn outer(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     let (sheet, _) = distances(neighbours, central(neighbours, start));
     sheet.last().copied().unwrap_or(start)
 }
 
-/// A face from which the farthest others are near: of all, the one whose greatest distance from some
-/// far corners of the sheet, each chosen as far from those before as can be, is least.
+/// Returns a central face: the one whose greatest distance, in steps, from some far corners of the sheet is
+/// least. Each of these corners is chosen as far as possible from those before.
 fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     let (sheet, from_start) = distances(neighbours, start);
     let farthest = |distance: &[u32]| {
@@ -228,7 +231,8 @@ fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     least.unwrap_or(start)
 }
 
-/// The faces of the sheet of `start`, and for all faces the number of steps from there.
+/// Returns the faces of the sheet of `start` in breadth-first order, and the number of steps from `start` to
+/// each face.
 fn distances(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> (Vec<FaceId>, Vec<u32>) {
     let mut order = vec![start];
     let mut distance = vec![u32::MAX; neighbours.len()];

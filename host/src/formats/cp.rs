@@ -1,8 +1,8 @@
-//! CP files of ORIPA and Oriedita: one line of the drawing a line, `type x1 y1 x2 y2`.
+//! Reads CP files of ORIPA and Oriedita: each line of text is one line of the drawing, `type x1 y1 x2 y2`.
 //!
-//! Types are 0 none, 1 contour, 2 mountain and 3 valley; Oriedita writes 4 for auxiliary lines and reads all
-//! others as such. They are no creases. As on the screens of
-//! those programs y points down; it is turned round, so that the sheet is seen as it was drawn.
+//! The types are 0 none, 1 contour, 2 mountain and 3 valley. Oriedita writes 4 for auxiliary lines and reads every
+//! other type as auxiliary; lines of these types are no creases. On the screens of those programs y points down, so
+//! this reader negates y to show the sheet as it was drawn.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,14 +14,14 @@ use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
 
-/// Bytes of a file at most.
+/// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 28;
 
-/// A crease pattern from the text of a file. A CP file names no angles, so that its creases have no goals.
-/// Empty lines and such that begin with `#` say nothing.
+/// Parses a crease pattern from the text of a file. A CP file names no angles, so its creases have no goals. Empty
+/// lines and lines that begin with `#` are skipped.
 ///
 /// # Errors
-/// If a line of the text is not such a line, or they are no crease pattern.
+/// If a line of the text has another form, or the lines form no crease pattern.
 pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
     let mut segments = Vec::new();
     let mut auxiliary: BTreeMap<u8, usize> = BTreeMap::new();

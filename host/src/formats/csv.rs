@@ -1,4 +1,4 @@
-//! CSV: the group angles of a path at its knots.
+//! Writes CSV files: the group angles of a path at its knots.
 
 use core::fmt::Write;
 use std::path::Path;
@@ -7,14 +7,14 @@ use super::FileError;
 use super::fold::PathFile;
 use super::groups::GroupPath;
 
-/// A row a knot: time in seconds, then the fold angle of each crease group in degrees.
+/// Returns one row for each knot: time in seconds, then the fold angle of each crease group in degrees.
 ///
 /// # Errors
-/// If hinges do not turn as their groups do.
+/// If a hinge does not turn as its crease group does.
 pub fn path_text(path: &PathFile, file: &Path) -> Result<String, FileError> {
     let path = GroupPath::of(path, file)?;
     let mut text = String::from("time_s");
-    // Memory refuses nothing.
+    // Writing to memory cannot fail.
     for group in 0..path.groups {
         let _complete = write!(text, ",group_{group}_deg");
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a file: always with its path, the place in it and what was expected.
+//! Errors of reading and writing files. Every error names the file, the place in it and what was expected.
 
 use core::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,15 +10,15 @@ use super::locate;
 use crate::pattern::PatternError;
 use crate::unfold::ShapeError;
 
-/// Why a file could not be read or written.
+/// Reason why a file could not be read or written.
 #[derive(Debug, Error)]
 pub enum FileError {
-    /// The system refused.
+    /// The operating system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error reported by the operating system.
         source: std::io::Error,
     },
     /// The text is not JSON.
@@ -30,37 +30,38 @@ pub enum FileError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What the parser says.
+        /// Message of the JSON parser.
         message: String,
     },
-    /// A value is not what its place asks for.
+    /// A value is not of the kind that its place requires.
     #[error("{}: {place}: expected {expected}, found {found}", path.display())]
     Expected {
         /// The file.
         path: PathBuf,
-        /// The place, as keys and positions.
+        /// The place of the value, as keys and positions.
         place: String,
-        /// What it asks for.
+        /// Description of the value that the place requires.
         expected: String,
-        /// What is there.
+        /// Description of the value that was found.
         found: String,
     },
-    /// The bytes are no trajectory.
+    /// The bytes are no valid trajectory file.
     #[error("{}: {source}", path.display())]
     Trajectory {
         /// The file.
         path: PathBuf,
-        /// What is wrong with them, and where.
+        /// The defect of the bytes and its position.
         source: trajectory_file::FileError,
     },
-    /// The drawing in the file is no crease pattern.
+    /// The drawing in the file is no valid crease pattern.
     #[error("{}: {frame}{source}", path.display())]
     Pattern {
         /// The file.
         path: PathBuf,
-        /// The frame that the keys of the source are in, with a full stop; empty for the key frame.
+        /// Prefix that names the frame to which the keys in `source` belong, ending in a full stop; empty for the key
+        /// frame.
         frame: String,
-        /// What is wrong with it.
+        /// The defect of the drawing.
         source: PatternError,
     },
     /// The shape in the file is no surface of flat faces.
@@ -68,16 +69,16 @@ pub enum FileError {
     Shape {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it; faces and vertices are counted from 0.
+        /// The defect of the shape; faces and vertices are counted from 0.
         source: ShapeError,
     },
 }
 
-/// Bytes beyond which a file is not read again to show the place of an error.
+/// Size in bytes beyond which a file is not read again to show the place of an error.
 const LARGEST_SHOWN: u64 = 1 << 28;
 
 impl FileError {
-    /// The file.
+    /// Returns the path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {
@@ -90,8 +91,8 @@ impl FileError {
         }
     }
 
-    /// The text of the file and the bytes of it that the error is about, read again. `None` if it says no place in a
-    /// text, or the file cannot be read once more.
+    /// Reads the file again and returns its text and the byte range that the error is about. Returns `None` if the
+    /// error names no place in a text, or if the file cannot be read again.
     #[must_use]
     pub fn locate(&self) -> Option<(String, Range<usize>)> {
         let text = self.text_again()?;
@@ -107,7 +108,7 @@ impl FileError {
         Some((text, span))
     }
 
-    /// Not of pipes, from which nothing more comes.
+    /// Reads the text of the file once more. Returns `None` for pipes, whose bytes can be read only once.
     fn text_again(&self) -> Option<String> {
         let found = std::fs::metadata(self.path()).ok()?;
         if !found.is_file() || found.len() > LARGEST_SHOWN {
@@ -122,7 +123,7 @@ impl FileError {
     }
 }
 
-/// The bytes of a place: `line N`, `line N, column M`, something with an `id="..."`, or a place in JSON.
+/// Returns the byte range of a place: `line N`, `line N, column M`, an element with an `id="..."`, or a place in JSON.
 fn span_of(text: &str, place: &str, found: &str) -> Option<Range<usize>> {
     if let Some(position) = place.strip_prefix("line ") {
         let (line, column) = match position.split_once(", column ") {

@@ -1,16 +1,16 @@
-//! Binary glTF 2.0: a path as an animation that any glTF viewer plays.
+//! Writes binary glTF 2.0: a path as an animation that any glTF viewer plays.
 //!
-//! The sheet is one mesh whose vertices move on straight lines from shape to shape: the first shape is the
-//! mesh, each other one a morph target, and the animation blends from one to the next. Panels could be nodes
-//! or bones instead, which turn without any error; but viewers draw thousands of nodes slowly, many allow a
-//! mesh no more than 256 bones, and panels that turn evenly part along their edges between keys. A shape
-//! costs twelve bytes a vertex. No normals are written: a viewer then has to shade each panel flat.
+//! The sheet is one mesh whose vertices move on straight lines from shape to shape. The first shape is the mesh, each
+//! further shape is a morph target, and the animation blends from one to the next. Panels as nodes or bones would turn
+//! without any error, but viewers draw thousands of nodes slowly, many viewers limit a mesh to 256 bones, and panels
+//! that turn at constant rates separate along their edges between keys. A shape costs twelve bytes for each vertex. No
+//! normals are written: a viewer then has to shade each panel flat.
 //!
-//! The front of the paper, its back and its edges are primitives of the same vertices, so that each has a
-//! colour of its own. The sheet lies in x and y and is seen from its front, as viewers look along -z.
+//! The front of the paper, its back and its edges are three primitives over the same vertices, so that each has its own
+//! colour. The sheet lies in x and y and is seen from its front, as viewers look along -z.
 //!
-//! Source: Khronos Group, "glTF 2.0 Specification", sections 3.7.2 (morph targets), 3.11 (animations) and
-//! 4.4 (binary files). The JSON is written as such: the types of a crate would take more lines.
+//! Source: Khronos Group, "glTF 2.0 Specification", sections 3.7.2 (morph targets), 3.11 (animations) and 4.4 (binary
+//! files). The JSON is written directly, because the types of a crate would take more lines.
 
 use std::path::Path;
 
@@ -21,12 +21,12 @@ use super::FileError;
 use super::fold::PathFile;
 use crate::shapes::shapes;
 
-/// Base colours, linear, opaque.
+/// Base colours: linear, opaque.
 const FRONT: [f32; 4] = [0.95, 0.92, 0.85, 1.0];
 const BACK: [f32; 4] = [0.35, 0.45, 0.62, 1.0];
 const EDGES: [f32; 4] = [0.02, 0.02, 0.02, 1.0];
 
-/// Numbers of the specification.
+/// Enumeration values defined by the glTF specification.
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const VERTICES: u32 = 34962;
@@ -34,10 +34,10 @@ const INDICES: u32 = 34963;
 const LINES: u32 = 1;
 const TRIANGLES: u32 = 4;
 
-/// The bytes of a .glb file with the shapes of a path at its knots.
+/// Returns the bytes of a .glb file with the shapes of a path at its knots.
 ///
 /// # Errors
-/// If the file would be 4 GiB or longer, or a coordinate does not fit single precision.
+/// If the file would be 4 GiB or longer, or if a coordinate does not fit single precision.
 pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
     let pattern = &path.pattern;
     let triangles = pattern.triangles().items().iter();
@@ -59,7 +59,7 @@ pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
     let mut base = vec![Vector3::zeros(); pattern.vertices().len()];
     for (knot, shape) in path.knots.iter().zip(shapes(path)) {
         let time = single(knot.time - path.knots[0].time);
-        // Times that single precision does not tell apart would be one key twice.
+        // Skips a shape whose time rounds to that of the shape before, as glTF requires strictly increasing times.
         if times.last().is_some_and(|last| time <= *last) {
             continue;
         }
@@ -114,7 +114,7 @@ pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
     packed(&text, &buffer.bytes, file)
 }
 
-/// How far each vertex moves from one shape to another.
+/// Returns the displacement of each vertex from one shape to another, in single precision.
 fn moves(
     from: &[Vector3<f64>],
     to: &[Vector3<f64>],
@@ -136,13 +136,13 @@ fn moves(
     }
 }
 
-/// The nearest number of single precision.
+/// Rounds to the nearest number of single precision.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
 fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// The length of a file, which its head has as 32 bits.
+/// Returns the length of a file or chunk as the 32-bit number that its header stores.
 fn fits(length: u64, file: &Path) -> Result<u32, FileError> {
     u32::try_from(length).map_err(|_| FileError::Expected {
         path: file.to_path_buf(),
@@ -153,7 +153,7 @@ fn fits(length: u64, file: &Path) -> Result<u32, FileError> {
     })
 }
 
-/// Head, JSON and buffer, each of them a multiple of four bytes.
+/// Joins header, JSON chunk and binary chunk; each has a length that is a multiple of four bytes.
 fn packed(text: &[u8], buffer: &[u8], file: &Path) -> Result<Vec<u8>, FileError> {
     let length = |bytes: usize| fits(bytes as u64, file).map(u32::to_le_bytes);
     let whole = 12 + 8 + text.len() + 8 + buffer.len();
@@ -169,7 +169,7 @@ fn packed(text: &[u8], buffer: &[u8], file: &Path) -> Result<Vec<u8>, FileError>
     Ok(bytes)
 }
 
-/// The binary buffer, and what the JSON says of it.
+/// The binary buffer, with the buffer views and accessors that describe it in the JSON.
 #[derive(Default)]
 struct Buffer {
     bytes: Vec<u8>,
@@ -178,7 +178,7 @@ struct Buffer {
 }
 
 impl Buffer {
-    /// Adds numbers as a view with an accessor, whose position this gives.
+    /// Appends numbers to the buffer as a view with an accessor. Returns the index of the accessor.
     fn add(
         &mut self,
         numbers: impl Iterator<Item = [u8; 4]>,
@@ -232,7 +232,8 @@ impl Buffer {
         )
     }
 
-    /// Weights of the morph targets at each of so many shapes: none at the first, then one after the other.
+    /// Adds the weights of the morph targets at each of `shapes` shapes: all zero at the first shape, and at shape s a
+    /// weight of 1 for target s alone.
     fn steps(&mut self, shapes: usize) -> usize {
         let weight = move |shape, target| if shape == target { 1.0_f32 } else { 0.0 };
         let rows = (0..shapes).flat_map(|s| (1..shapes).map(move |t| weight(s, t).to_le_bytes()));

@@ -1,4 +1,4 @@
-//! The hinges of a path in their crease groups, as controllers have them.
+//! Reduces a path from fold angles of hinges to angles of crease groups, as controllers store it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -18,19 +18,20 @@ pub(super) struct GroupPath {
     pub(super) groups: usize,
     /// Seconds.
     pub(super) times: Vec<f64>,
-    /// A row a knot, radians.
+    /// One row for each knot, radians.
     pub(super) angles: Vec<f64>,
-    /// A row a knot, radians per second.
+    /// One row for each knot, radians per second.
     pub(super) rates: Vec<f64>,
-    /// A row a knot; empty unless the interpolation is homogeneous.
+    /// One row for each knot; empty unless the interpolation is homogeneous.
     pub(super) weights: Vec<[f64; 2]>,
 }
 
-/// Radians, or radians per second: hinges of a group that differ by more do not turn alike.
+/// Largest difference (radians, or radians per second) between two hinges that count as turning alike.
 const ALIKE: f64 = 1e-9;
 
 impl GroupPath {
-    /// The path of a file, in the groups that it has, or with every hinge in a group of its own.
+    /// Reduces a path to the crease groups that its file names. A file without groups gives every hinge a group of its
+    /// own.
     ///
     /// # Errors
     /// If a hinge is in no group or does not turn as its group does.
@@ -76,10 +77,10 @@ impl GroupPath {
         Ok(this)
     }
 
-    /// The path as core's trajectory.
+    /// Returns the path as a trajectory of core.
     ///
     /// # Errors
-    /// With the place of the knot that is not fit to follow.
+    /// If a controller cannot follow a knot; the error names the place.
     pub(super) fn view(&self, file: &Path) -> Result<TrajectoryView<'_, f64>, FileError> {
         let view = TrajectoryView::new(
             self.interpolation,
@@ -93,7 +94,7 @@ impl GroupPath {
     }
 }
 
-/// A trajectory that controllers do not follow.
+/// Makes the error of a trajectory that a controller cannot follow.
 pub(super) fn unfit(file: &Path, error: &dyn core::error::Error) -> FileError {
     FileError::Expected {
         path: file.to_path_buf(),
@@ -113,7 +114,7 @@ fn alike(a: Node<f64>, b: Node<f64>) -> bool {
     differences.iter().all(|d| d.abs() <= ALIKE)
 }
 
-/// The hinges with their groups, numbered from 0 without gaps.
+/// Returns the hinges with their crease groups, renumbered from 0 without gaps.
 pub(super) fn hinges(path: &PathFile, file: &Path) -> Result<Vec<(EdgeId, Membership)>, FileError> {
     let edges = path.pattern.edges().iter().enumerate();
     let hinges = edges.filter_map(|(edge, parts)| parts.crease.map(|crease| (edge, crease)));

@@ -1,5 +1,7 @@
-//! Where in the text of a file a place is that an error names. Parsers keep no places: this looks once more, at the
-//! cost of parsing.
+//! Finds the byte range in a text of the place that an error names.
+//!
+//! The parsers keep no positions. This module reads the text a second time, at the cost of parsing, and only after an
+//! error.
 
 use core::fmt;
 use core::ops::Range;
@@ -7,8 +9,9 @@ use core::ops::Range;
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
-/// The bytes of `place` in a JSON text, such as `file_frames[3].edges_foldAngle[2]`. Where the end of it is missing,
-/// the first byte of what should have it, unless that is the whole text; `None` too if the text is no JSON.
+/// Returns the byte range of `place` in a JSON text, such as `file_frames[3].edges_foldAngle[2]`. If the last keys or
+/// positions of `place` do not exist, returns the first byte of the innermost value that does. Returns `None` if that
+/// value is the whole text, or if the text is not JSON.
 pub(super) fn in_json(text: &str, place: &str) -> Option<Range<usize>> {
     let offset = |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
     let mut here = text;
@@ -22,7 +25,8 @@ pub(super) fn in_json(text: &str, place: &str) -> Option<Range<usize>> {
     Some(offset(here)..offset(here) + here.len())
 }
 
-/// The bytes of line and column, from 1; 0 for a column before the first. At the end of a line its last character.
+/// Returns the byte range of the character at a line and column, both counted from 1; column 0 is before the first
+/// character. A column beyond the end of the line gives the last character.
 pub(super) fn at_position(text: &str, line: usize, column: usize) -> Option<Range<usize>> {
     let line = line_of(text, line)?;
     let content = text[line.clone()].trim_end();
@@ -32,7 +36,8 @@ pub(super) fn at_position(text: &str, line: usize, column: usize) -> Option<Rang
     Some(line.start + start..line.start + start + length)
 }
 
-/// The bytes of `found` in a line, from 1, or else of all that is written there.
+/// Returns the byte range of `found` in a line, counted from 1. If the line does not contain `found`, returns the range
+/// of the whole line without surrounding blanks.
 pub(super) fn in_line(text: &str, line: usize, found: &str) -> Option<Range<usize>> {
     let line = line_of(text, line)?;
     let content = &text[line.clone()];
@@ -63,7 +68,7 @@ impl<'s> Step<'s> {
         index.map_or(Self::Key(part), Self::Index)
     }
 
-    /// The text of the value there.
+    /// Returns the text of the value that this step leads to.
     fn enter(self, text: &str) -> Option<&str> {
         let mut parser = serde_json::Deserializer::from_str(text);
         Some(self.deserialize(&mut parser).ok()??.get())
@@ -101,7 +106,7 @@ impl<'de> Visitor<'de> for Step<'_> {
         Ok(found)
     }
 
-    /// The last value of a key that is there more than once, as it is read.
+    /// If a key occurs more than once, takes its last value, as the reader does.
     fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
         let mut found = None;
         while let Some(key) = entries.next_key::<String>()? {
@@ -131,7 +136,7 @@ mod tests {
             ("a[1][1]", Some("\"é\"")),
             ("b:c.x", Some("8")),
             ("frames[1].x[1]", Some("5.5")),
-            // What is missing would be in there.
+            // The range is the first byte of the value in which the place is missing.
             ("frames[0].x", Some("{")),
             ("frames[1].x[2]", Some("[")),
             ("frames[1].x[0].y", Some("4")),

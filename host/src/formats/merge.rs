@@ -1,4 +1,6 @@
-//! Joins faces that come each with vertices of its own, as in STL files.
+//! Merges coincident vertices of faces that each have vertices of their own, as in STL files.
+//!
+//! Vertices are found in a uniform hash grid whose cells are as wide as the merging distance.
 
 use std::collections::HashMap;
 
@@ -6,11 +8,11 @@ use nalgebra::Vector3;
 
 use crate::unfold::FoldedShape;
 
-/// Vertices nearer to each other than this part of the size of the shape are one: files of single precision
-/// have the same numbers for the same place, or others by 6e-8 at least, which are different places.
+/// Merging distance, as a fraction of the shape's size. Files of single precision write the same place with equal
+/// numbers, and different places with numbers that differ by at least 6e-8 of the size.
 const NEAR: f64 = 1e-9;
 
-/// Whether any vertex has two faces, or there is one face alone.
+/// Returns `true` if any vertex belongs to two faces, or if there are fewer than two faces.
 pub(super) fn shares_vertices(faces: &[Vec<usize>]) -> bool {
     let last = faces.iter().flatten().max().map_or(0, |last| last + 1);
     let mut seen = vec![false; last];
@@ -18,8 +20,8 @@ pub(super) fn shares_vertices(faces: &[Vec<usize>]) -> bool {
     faces.len() < 2 || faces.iter().flatten().any(&mut twice)
 }
 
-/// The shape with vertices at the same place made one, in the order in which faces have them. Faces that lose
-/// a corner thereby have no area and are left out. What was done is said in `notes`.
+/// Merges vertices at the same place and numbers them in the order in which the faces refer to them. A face that loses
+/// a corner by merging has no area and is left out. Adds to `notes` how many vertices were merged and faces left out.
 pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape {
     let near = NEAR * shape.size();
     let mut places = Places {
@@ -70,19 +72,20 @@ pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape
     }
 }
 
-/// Places in space, in a grid of cells as wide as what is near.
+/// Distinct places in space, in a hash grid whose cells are as wide as the merging distance `near`.
 struct Places {
     near: f64,
     cells: HashMap<[i64; 3], Vec<usize>>,
-    /// Names by the bits of coordinates, which mostly are the same.
+    /// Numbers of the places by the bits of their coordinates: a fast path, as coincident vertices mostly have equal
+    /// bits.
     exact: HashMap<[u64; 3], usize>,
     points: Vec<Vector3<f64>>,
-    /// Farthest that two points made one were apart.
+    /// Largest distance between two points that were merged.
     widest: f64,
 }
 
 impl Places {
-    /// The number of a place.
+    /// Returns the number of a place, adding the place if it is new.
     fn name(&mut self, point: Vector3<f64>) -> usize {
         let bits = point.map(f64::to_bits).into();
         if let Some(&known) = self.exact.get(&bits) {
@@ -93,7 +96,7 @@ impl Places {
         name
     }
 
-    /// The number of a place whose very coordinates are new.
+    /// Returns the number of a place whose coordinates have not occurred before bit by bit.
     fn near_name(&mut self, point: Vector3<f64>) -> usize {
         #[allow(
             clippy::cast_possible_truncation,

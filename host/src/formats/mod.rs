@@ -1,4 +1,7 @@
-//! Files. Only this module knows their formats.
+//! Reading and writing of files: crease patterns, folded shapes, paths and their exports.
+//!
+//! No other module knows a file format. The ending of a file's name selects the reader, and every reader bounds the
+//! memory and time that a file can ask for.
 
 mod cp;
 pub mod csv;
@@ -25,8 +28,8 @@ pub use error::FileError;
 
 use crate::unfold::FoldedShape;
 
-/// Reads a crease pattern of whatever format the name's ending says: `.svg`, `.cp`, `.obj`, and FOLD
-/// for all others.
+/// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp` or `.obj`; every other
+/// ending is read as FOLD.
 ///
 /// # Errors
 /// If the file cannot be read, is too large, or holds no flat crease pattern.
@@ -40,10 +43,10 @@ pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
     parse_pattern(path, &read_bytes(path, most)?)
 }
 
-/// A crease pattern from the bytes of a file of that name, as [`read_pattern`] reads it.
+/// Parses a crease pattern from the bytes of a file; `path` selects the format as in [`read_pattern`].
 ///
 /// # Errors
-/// If they are no flat crease pattern.
+/// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<fold::PatternFile, FileError> {
     match ending(path).as_str() {
         "svg" => svg::parse_pattern(path, text(path, bytes)?),
@@ -58,10 +61,10 @@ fn ending(path: &Path) -> String {
     ending.to_string_lossy().to_ascii_lowercase()
 }
 
-/// The bytes of a file.
+/// Reads all bytes of a file. Reading stops after `most` + 1 bytes, because a device may deliver bytes without end.
 ///
 /// # Errors
-/// If the system refuses, or there are more than `most`: what never ends, as a device may, is not read on.
+/// If the system reports an error, or the file has more than `most` bytes.
 pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     let read = || {
         let file = File::open(path)?;
@@ -85,22 +88,23 @@ pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     })
 }
 
-/// A folded shape as a file has it.
+/// A folded shape read from a file.
 #[derive(Clone, Debug)]
 pub struct ShapeFile {
     /// The file's title, or else its name.
     pub title: String,
     /// The shape.
     pub shape: FoldedShape,
-    /// What was assumed in reading, in words.
+    /// Assumptions made while reading, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Reads a folded shape of whatever format the name's ending says: `.obj`, `.stl`, and FOLD for all others,
-/// of which `frame` may choose a frame: the key frame is 0.
+/// Reads a folded shape from a file. The ending of the name selects the format: `.obj` or `.stl`; every other ending is
+/// read as FOLD. In a FOLD file `frame` selects the frame to read; frame 0 is the key frame.
 ///
 /// # Errors
-/// If the file cannot be read, is too large or holds no faces in space, or a frame is asked of a file that has none.
+/// If the file cannot be read, is too large or holds no faces in space, or if `frame` is given for a format without
+/// frames.
 pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
     let most = match ending(path).as_str() {
         "obj" => obj::LARGEST_FILE,
@@ -110,10 +114,10 @@ pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileEr
     parse_shape(path, &read_bytes(path, most)?, frame)
 }
 
-/// A folded shape from the bytes of a file of that name, as [`read_shape`] reads it.
+/// Parses a folded shape from the bytes of a file; `path` selects the format as in [`read_shape`].
 ///
 /// # Errors
-/// If they hold no faces in space, or a frame is asked of a file that has none.
+/// If the bytes hold no faces in space, or if `frame` is given for a format without frames.
 pub fn parse_shape(
     path: &Path,
     bytes: &[u8],
@@ -133,19 +137,19 @@ pub fn parse_shape(
     }
 }
 
-/// The name of a file without its ending.
+/// Returns the name of a file without its ending.
 fn stem(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
-/// The text of a file, without a byte order mark.
+/// Reads a file of at most 64 MiB as text, without a byte order mark.
 pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
     let bytes = read_bytes(path, 1 << 26)?;
     text(path, &bytes).map(String::from)
 }
 
-/// Bytes of a file as text, without a byte order mark.
+/// Decodes the bytes of a file as UTF-8, without a byte order mark.
 fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
     let text = str::from_utf8(bytes).map_err(|error| FileError::Expected {
         path: path.to_path_buf(),
@@ -156,5 +160,5 @@ fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
     Ok(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text))
 }
 
-/// What some programs write before a text.
+/// Byte order mark, which some programs write at the beginning of a text.
 const BYTE_ORDER_MARK: char = '\u{feff}';

@@ -1,9 +1,8 @@
-//! OBJ files: surfaces in space, with the creases that Freeform Origami writes into comments.
+//! Reads OBJ files: surfaces in space, with the creases that Freeform Origami writes into comments.
 //!
-//! Read are `v` and `f`, and lines `#e a b type angle 0`, as T. Tachi's Freeform Origami writes one for each
-//! side of a face: types are 0 boundary, 1 a diagonal inside a face, 2 valley and 3 mountain; the angle is in
-//! degrees, valley positive, seen from where faces run counter-clockwise. All other lines say nothing of the
-//! shape.
+//! The reader takes `v` and `f`, and lines `#e a b type angle 0`, of which T. Tachi's Freeform Origami writes one for
+//! each side of a face. The types are 0 boundary, 1 diagonal inside a face, 2 valley and 3 mountain. The angle is in
+//! degrees, valley positive, seen from where faces run counter-clockwise. All other lines are ignored.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,13 +14,13 @@ use super::{FileError, ShapeFile, merge, stem};
 use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
-/// Bytes of a file at most.
+/// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 28;
 
-/// Reads a folded shape. Faces that share no vertex at all are joined where vertices are at the same place.
+/// Parses a folded shape. If no two faces share a vertex, vertices at the same place are merged.
 ///
 /// # Errors
-/// If a line of it is not what its keyword asks for, or it has no faces.
+/// If a line is not what its keyword requires, or the file has no faces.
 pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileError> {
     let (shape, mut notes) = parse(path, text)?;
     let shared = merge::shares_vertices(&shape.faces);
@@ -37,10 +36,10 @@ pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileErro
     })
 }
 
-/// Reads a flat crease pattern: edges without a crease comment are free hinges.
+/// Parses a flat crease pattern. Edges without a crease comment are free hinges.
 ///
 /// # Errors
-/// Those of [`parse_shape`], or if the vertices lie in no plane or are no crease pattern.
+/// Those of [`parse_shape`], or if the vertices lie in no plane or form no crease pattern.
 pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
     let (shape, mut notes) = parse(path, text)?;
     let Some(vertices) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
@@ -64,7 +63,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
                 letter: Some(Letter::Unassigned),
                 angle: None,
             });
-            // Taken once.
+            // Taking the letter ensures that an edge shared by two faces is added once.
             if let Some(letter) = edge.letter.take() {
                 edges.push(DrawnEdge {
                     ends,
@@ -79,7 +78,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     }
     let flat = edges.iter().all(|e| e.goal.is_none_or(|g| g.abs() <= 0.0));
     if flat {
-        // A goal of zeros alone is the flat sheet, and no goal.
+        // A goal in which all angles are 0 is the flat sheet, and counts as no goal.
         edges.iter_mut().for_each(|edge| edge.goal = None);
     }
     let drawing = Drawing {
@@ -99,7 +98,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     })
 }
 
-/// What a line says is not what it should.
+/// A line that is not what its keyword requires.
 struct Wrong {
     expected: String,
     found: String,
@@ -112,15 +111,15 @@ fn wrong(expected: &str, found: &str) -> Wrong {
     }
 }
 
-/// A surface in the making.
+/// A surface under construction.
 #[derive(Default)]
 struct Reader {
     shape: FoldedShape,
-    /// Lines of the faces, whose vertices may follow later.
+    /// Index of the line of each face, for errors: the vertices of a face may follow later.
     lines: Vec<usize>,
-    /// Edges with a crease comment.
+    /// Letters of the edges that have a crease comment.
     known: HashMap<[usize; 2], Letter>,
-    /// Crease comments that say otherwise than one before.
+    /// Number of crease comments that contradict an earlier comment for the same edge.
     doubtful: usize,
 }
 
@@ -185,7 +184,8 @@ impl Reader {
         Ok(())
     }
 
-    /// The vertex that `A`, `A/T`, `A//N` or `A/T/N` refers to, counted from 1, or from the last backwards.
+    /// Returns the vertex that `A`, `A/T`, `A//N` or `A/T/N` refers to. `A` counts from 1, or from -1 backwards from
+    /// the last vertex.
     fn reference(&self, field: &str) -> Result<usize, Wrong> {
         let name = field.split('/').next().unwrap_or_default();
         let count = self.shape.vertices.len();
@@ -202,7 +202,7 @@ impl Reader {
         })
     }
 
-    /// Takes in a crease comment. Comments that look otherwise are somebody else's.
+    /// Reads a crease comment. Comments of another form belong to other programs and are skipped.
     fn crease(&mut self, line: &str) -> Result<(), Wrong> {
         let fields: Vec<&str> = line.split_whitespace().skip(1).take(5).collect();
         let [a, b, kind, angle, ..] = fields.as_slice() else {
@@ -243,7 +243,7 @@ impl Reader {
     }
 }
 
-/// The coordinates after a `v`; weight or colour may follow.
+/// Parses the coordinates after a `v`; a weight or colour may follow them.
 fn vertex<'a>(line: &str, fields: impl Iterator<Item = &'a str>) -> Result<Vector3<f64>, Wrong> {
     let mut coordinates = [0.0; 3];
     let mut count = 0;

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: a file for each shape of a path, to be rendered one after the other.
+//! Writes Wavefront OBJ sequences: one file for each shape of a path, for renderers that load a sequence of meshes.
 
 use core::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use super::fold::PathFile;
 use crate::shapes::shapes;
 
-/// Frame `index` of a sequence called `output`: `fold.obj` has `fold-0000.obj`, `fold-0001.obj` and so on
-/// beside it, and a folder has `frame-0000.obj` and so on in it.
+/// Returns the name of file `index` of a sequence called `output`: `fold.obj` gives `fold-0000.obj`, `fold-0001.obj`
+/// and so on beside `output`; a folder gives `frame-0000.obj` and so on inside it.
 #[must_use]
 pub fn frame_path(output: &Path, folder: bool, index: usize) -> PathBuf {
     if folder {
@@ -26,7 +26,7 @@ pub fn frame_path(output: &Path, folder: bool, index: usize) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// The files of a sequence with the shapes of a path at its knots, one after the other.
+/// Returns the name and content of each file of a sequence, one file for the shape at each knot of the path.
 pub fn files(
     path: &PathFile,
     output: &Path,
@@ -39,12 +39,12 @@ pub fn files(
     })
 }
 
-/// A shape of the sheet: its vertices in their order, in the units of the pattern, and its faces as
-/// polygons, counter-clockwise seen from the front of the paper.
+/// Formats one shape of the sheet: its vertices in the order and units of the pattern, and its faces as polygons,
+/// counter-clockwise seen from the front of the paper.
 fn frame_text(path: &PathFile, time: f64, shape: &[Vector3<f64>]) -> String {
-    // A title may hold anything, a comment all but a line's end.
+    // A title may contain any character, but a comment must not contain a line break.
     let mut text = format!("# {}, {time} s\n", path.title.escape_debug());
-    // Memory refuses nothing.
+    // Writing to memory cannot fail.
     for p in shape {
         let _complete = writeln!(text, "v {} {} {}", p.x + 0.0, p.y + 0.0, p.z + 0.0);
     }

@@ -1,4 +1,5 @@
-//! Rust: a path as constants for a controller without files, which need `foldpath-core` and no `std`.
+//! Writes Rust source: a path as constants for a controller without files. The source needs `foldpath-core` and no
+//! `std`.
 
 use core::fmt::{Display, Write};
 use std::path::Path;
@@ -9,13 +10,13 @@ use foldpath_core::trajectory_file::TrajectoryFile;
 use super::FileError;
 use super::traj::TrajFile;
 
-/// Characters of a line.
+/// Largest number of characters in a line of a list.
 const WIDTH: usize = 100;
 
-/// The content of a `.traj` file as constants; `title` goes into a comment.
+/// Formats the content of a `.traj` file as Rust constants; `title` goes into a comment.
 ///
 /// # Errors
-/// If the file is none.
+/// If the bytes are no valid trajectory file.
 pub fn source(traj: &TrajFile, title: &str, file: &Path) -> Result<String, FileError> {
     let path = file.to_path_buf();
     let file = TrajectoryFile::read(&traj.bytes)
@@ -31,7 +32,7 @@ pub fn source(traj: &TrajFile, title: &str, file: &Path) -> Result<String, FileE
     let weights = nodes().filter(|_| file.interpolation() == Interpolation::Homogeneous);
     let limits = (0..groups).filter_map(|g| file.limits(g));
     let ends = (1..).zip(file.spokes()).filter(|(_, (_, last))| *last);
-    // A title may hold anything, a comment all but a line's end.
+    // A title may contain any character, but a comment must not contain a line break.
     let title = title.escape_debug();
     let mut text = format!(
         "// {title}: {knots} knots of {groups} groups, {hinges} hinges, {:.3} s. \
@@ -65,10 +66,10 @@ pub fn source(traj: &TrajFile, title: &str, file: &Path) -> Result<String, FileE
     Ok(text)
 }
 
-/// Numbers are what they are, though π be among them.
+/// A number may happen to be near π, for which clippy would suggest the constant.
 const ALLOW: &str = "#[allow(clippy::approx_constant)]\n";
 
-/// What makes entries short; a path may have no hinges, or no vertices.
+/// Constructors that keep the list entries short; unused if a path has no hinges or no vertices.
 const FUNCTIONS: &str = "\
 #[allow(dead_code)]
 const fn hinge(group: u32, negative: bool) -> foldpath_core::Membership {
@@ -85,7 +86,7 @@ fn value(meaning: &str, name: &str, kind: &str, value: &impl Display) -> String 
     format!("/// {meaning}.\npub const {name}: {kind} = {value};\n")
 }
 
-/// A constant list with as many entries a line as fit.
+/// Formats a constant list with as many entries in a line as fit.
 fn list(meaning: &str, name: &str, kind: &str, entries: impl Iterator<Item = String>) -> String {
     let mut text = format!("/// {meaning}.\n{ALLOW}pub const {name}: &[{kind}] = &[");
     let mut column = WIDTH;
@@ -95,14 +96,14 @@ fn list(meaning: &str, name: &str, kind: &str, entries: impl Iterator<Item = Str
             column = 3;
         }
         column += entry.len() + 2;
-        // Memory refuses nothing.
+        // Writing to memory cannot fail.
         let _complete = write!(text, " {entry},");
     }
     text += "\n];\n";
     text
 }
 
-/// The literal of a number, which gives the same bits back.
+/// Formats a literal that parses back to the same bits.
 fn number(value: f32) -> String {
     if value.is_infinite() {
         "f32::INFINITY".into()

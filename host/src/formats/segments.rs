@@ -1,9 +1,8 @@
-//! Loose coloured line segments, as drawing programs leave them, made into a planar drawing.
+//! Repairs loose coloured line segments, as drawing programs leave them, into a planar drawing.
 //!
-//! Ends that nearly meet become one vertex, lines are split where they cross, where others end on them
-//! and where they overlap, what is drawn twice is kept once, and lines are left out that end in the open
-//! or lie within a panel. Whatever was done is said, with counts. Expected cost: n log n, a uniform grid finding what is
-//! near.
+//! Ends that nearly meet become one vertex. Lines are split where they cross, where other lines end on them and where
+//! they overlap. Lines drawn twice are kept once. Lines that end in the open or lie within a panel are left out. Every
+//! repair is reported with a count. Expected cost: O(n log n), as a uniform grid finds the neighbours of each line.
 
 mod grid;
 mod places;
@@ -19,25 +18,25 @@ use super::FileError;
 use super::fold::PatternFile;
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, PatternError};
 
-/// Lines and crossings at most: a hatched sheet has quadratically many crossings, and memory is finite.
+/// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MOST: usize = 1 << 22;
 
 /// A straight line as drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// Where it ends, y pointing up.
+    /// End points, y pointing up.
     pub(super) ends: [Vector2<f64>; 2],
-    /// What it is for.
+    /// The letter (FOLD assignment) of the line.
     pub(super) letter: Letter,
     /// Goal fold angle in radians, valley positive.
     pub(super) goal: Option<f64>,
 }
 
-/// Makes a crease pattern of segments, titled by the name of the file, with notes of what was assumed.
-/// `rounding` is how far their ends may be from where they were drawn.
+/// Makes a crease pattern of segments, titled by the name of the file; `notes` become its assumptions. `rounding` is
+/// the largest distance of an end from the place where it was drawn.
 ///
 /// # Errors
-/// If the lines enclose no faces, are too many, or make no crease pattern even when repaired.
+/// If the lines enclose no faces, are too many, or form no crease pattern even when repaired.
 pub(super) fn pattern_file(
     path: &Path,
     segments: Vec<Segment>,
@@ -89,11 +88,11 @@ pub(super) fn pattern_file(
     })
 }
 
-/// The crease pattern of a drawing; an error says where in the file it is.
+/// Makes the crease pattern of a drawing; an error names its place in the file.
 fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
     let vertices = drawing.vertices.clone();
     let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
-    // As the file has it, y pointing down.
+    // The file's own coordinates, in which y points down.
     let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
     CreasePattern::new(drawing).map_err(|source| {
         if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
@@ -117,8 +116,8 @@ fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
     })
 }
 
-/// The drawing without the sheets that lie inside a face of another, and how many lines those have; `None`
-/// if there are too many to tell.
+/// Removes the islands: sheets that lie inside a face of another sheet. Returns the drawing and the number of lines
+/// removed, or `None` if the budget of proximity tests is used up.
 fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Drawing, usize)> {
     if pattern.sheets() < 2 {
         return Some((drawing, 0));
@@ -139,7 +138,8 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
         .filter_map(|(sheet, at)| Some((at?, sheet)))
         .collect();
     corners.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
-    // What is in an island is in what the island is in: the widest first, most need not be looked at.
+    // A sheet inside an island also lies inside the face round the island. With the widest faces first, most faces of
+    // islands are skipped.
     faces.sort_by(|a, b| (b.1.x - b.0.x).total_cmp(&(a.1.x - a.0.x)));
     let mut island = vec![false; pattern.sheets()];
     let mut looks = Looks::for_lines(drawing.edges.len());
@@ -180,7 +180,7 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
     Some((planar::drawing(&drawing.vertices, drawing.edges), left_out))
 }
 
-/// A vertex at which the error is.
+/// Returns a vertex at which the error lies, if the error has a place.
 fn place(error: &PatternError, edges: &[[usize; 2]]) -> Option<usize> {
     match error {
         PatternError::NotFinite { vertex }

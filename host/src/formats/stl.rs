@@ -1,4 +1,4 @@
-//! STL files, text or binary: triangles in space, each with corners of its own.
+//! Reads STL files, text or binary: triangles in space, each with corners of its own.
 
 use std::path::Path;
 
@@ -11,17 +11,16 @@ use crate::unfold::FoldedShape;
 /// Bytes before the number of triangles in a binary file.
 const HEADER: usize = 80;
 
-/// Bytes of a triangle: normal, three corners, attributes.
+/// Bytes of a triangle in a binary file: normal, three corners, attributes.
 const TRIANGLE: usize = 50;
 
-/// Bytes of a file at most.
+/// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 28;
 
-/// Reads a folded shape. Triangles are joined where their corners are at the same place; their normals are
-/// not looked at.
+/// Parses a folded shape. Triangles are joined at corners that are at the same place; their normals are ignored.
 ///
 /// # Errors
-/// If it is not STL, or has no triangles.
+/// If the bytes are not STL, or hold no triangles.
 pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileError> {
     let expected = |place: String, expected: &str, found: String| FileError::Expected {
         path: path.to_path_buf(),
@@ -75,7 +74,8 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
     })
 }
 
-/// Corners of a binary file; `None` if its length is not that of its number of triangles.
+/// Returns the corners of a binary file, or `None` if the length of the file does not agree with its number of
+/// triangles.
 fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     let (count, triangles) = bytes.get(HEADER..)?.split_first_chunk()?;
     let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;
@@ -93,7 +93,7 @@ fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     Some(corners.collect())
 }
 
-/// Corners of a file of text, or the line with what was expected and found there.
+/// Returns the corners of a text file, or the number of the defective line with what was expected and found there.
 fn ascii(text: &str) -> Result<Vec<Vector3<f64>>, (usize, &'static str, &str)> {
     let mut corners = Vec::new();
     let mut in_loop = 0;

@@ -1,14 +1,14 @@
-//! SVG crease patterns with the colours of Origami Simulator.
+//! Reads SVG crease patterns with the colours of Origami Simulator.
 //!
 //! Source: A. Ghassaei, E. Demaine, N. Gershenfeld, "Fast, Interactive Origami Simulation using GPU
 //! Computation", 2018, and the simulator's own page on designing patterns.
 //!
-//! The colour of a stroke says what a line is: red mountain, blue valley, black border, green cut, yellow
-//! a mark that stays flat, magenta a hinge that may turn either way. Its opacity is the goal fold angle
-//! over 180 degrees; where all mountains and valleys are opaque, letters alone are meant. Fills say
-//! nothing. In SVG y points down: it is turned round, so that the sheet is seen as it is on the screen, and
-//! a mountain rises towards whoever looks at it, as it does in the simulator. Coordinates have the seven
-//! digits of single precision, in which usvg resolves shapes: as many as drawing programs write.
+//! The colour of a stroke is its letter: red mountain, blue valley, black border, green cut, yellow a mark that stays
+//! flat, magenta a hinge that may turn either way. The opacity is the goal fold angle over 180 degrees; if all
+//! mountains and valleys are opaque, the drawing names no angles. Fills are ignored. In SVG y points down: this reader
+//! negates y, so that the sheet is seen as it is on the screen and a mountain rises towards the viewer, as it does in
+//! the simulator. Coordinates have the seven digits of single precision, in which usvg resolves shapes; drawing
+//! programs write as many.
 
 mod effort;
 mod numbers;
@@ -26,16 +26,16 @@ use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
 
-/// Bytes of a file at most.
+/// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 26;
 
-/// Nodes of the document at most, as a file may be of nothing else.
+/// Largest number of nodes of the document, as a file may consist of nothing else.
 const NODES: u32 = 1 << 21;
 
-/// A crease pattern from the text of a file.
+/// Parses a crease pattern from the text of a file.
 ///
 /// # Errors
-/// If it is no SVG, asks for too much, strokes a curve, or its lines are no crease pattern.
+/// If the text is no SVG, asks for too much work, strokes a curve, or its lines form no crease pattern.
 pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
     let error = |place: String, expected: &str, found: String| FileError::Expected {
         path: path.to_path_buf(),
@@ -49,7 +49,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     let strokes = strokes(tree.root()).map_err(told)?;
 
     let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
-    // Opacity says how far a mountain or valley folds, and nothing if none is less than 1.
+    // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
     let says = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
     let angles = strokes.iter().any(|s| says(s) && s.opacity < 1.0)
         && strokes.iter().any(|s| says(s) && s.opacity > 0.0);
@@ -77,7 +77,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     }
     for (colour, (kind, count)) in colours {
         match kind {
-            // Others draw other things in green.
+            // Noted, because other programs use green for other purposes than cuts.
             Kind::Exact(Letter::Cut) => {
                 notes.push(format!("lines of colour {colour} (green) taken as cuts (C): {count}"));
             }
@@ -99,18 +99,18 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     pattern_file(path, segments, rounding.fold(0.0, f64::max), notes)
 }
 
-/// A place, what was expected there and what it is.
+/// Place of an error, the value expected at that place and the value found.
 type Wrong = (String, String, String);
 
-/// What usvg need not do: only where strokes run is read.
+/// Style sheet that spares usvg needless work: only the course of strokes is read.
 const UNUSED: &str = "* { fill: none !important; marker: none !important; filter: none !important; \
                       clip-path: none !important; mask: none !important }";
 
-/// The drawing with styles, transforms and shapes resolved, and notes of what is left out.
+/// Resolves styles, transforms and shapes. Returns the drawing and notes of the elements that are left out.
 fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     let no_drawing = |place: String, found: String| (place, "an SVG drawing".into(), found);
     let options = roxmltree::ParsingOptions {
-        // Illustrator writes one.
+        // Illustrator writes a DTD.
         allow_dtd: true,
         nodes_limit: NODES,
         ..Default::default()
@@ -130,7 +130,7 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     numbers::check(&document)?;
     effort::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
     let options = Options {
-        // Nothing but this file is opened.
+        // No other file is opened.
         image_href_resolver: ImageHrefResolver {
             resolve_data: Box::new(|_, _, _| None),
             resolve_string: Box::new(|_, _| None),
@@ -161,14 +161,14 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     Ok((tree, notes.collect()))
 }
 
-/// What a colour stands for.
+/// Interpretation of a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// One of the simulator's colours.
+    /// Exactly one of the simulator's colours.
     Exact(Letter),
-    /// Nearly the colour of that name.
+    /// Near the colour of that name.
     Near(&'static str, Letter),
-    /// None of them.
+    /// Near none of the simulator's colours.
     Unknown,
 }
 
@@ -180,9 +180,9 @@ impl Kind {
         }
     }
 
-    /// What the colour (0 to 255 a channel) stands for. Black is what has no channel above 64. A colour
-    /// at least half as bright and half as saturated as can be is the nearest of the six full hues, which
-    /// are 60 degrees apart. All others, cyan among them, are unknown.
+    /// Classifies a colour (0 to 255 for each channel). A colour without a channel above 64 is black. A colour that has
+    /// at least half of full brightness and half of full saturation counts as the nearest of the six full hues, which
+    /// are 60 degrees apart. All other colours, cyan among them, are unknown.
     fn of([red, green, blue]: [u8; 3]) -> Self {
         const HUES: [Option<(&str, Letter)>; 6] = [
             Some(("red", Letter::Mountain)),
@@ -205,7 +205,7 @@ impl Kind {
             return Self::Unknown;
         }
         let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
-        // In sixths of a turn from red.
+        // Hue in sixths of a turn from red.
         let hue = if red >= green && red >= blue {
             (green - blue) / full
         } else if green >= blue {
@@ -231,7 +231,7 @@ impl Kind {
 /// The lines of one stroked path.
 struct Stroke {
     kind: Kind,
-    /// As #rrggbb, or what else it is painted with.
+    /// The colour as #rrggbb, or a description of another paint.
     colour: String,
     /// 0 to 1.
     opacity: f64,
@@ -241,13 +241,13 @@ struct Stroke {
 /// The straight lines of a path on the sheet, y pointing up.
 struct Lines {
     ends: Vec<[Vector2<f64>; 2]>,
-    /// How many were written as curves.
+    /// Number of lines that were written as curves.
     straightened: usize,
-    /// How far single precision may have moved an end.
+    /// Largest distance by which single precision may have moved an end.
     rounding: f64,
 }
 
-/// All strokes in the order in which they are painted.
+/// Returns all strokes in the order in which they are painted.
 fn strokes(root: &Group) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
@@ -299,7 +299,7 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, Wrong> {
     Ok(strokes)
 }
 
-/// The lines of a path; `None` if a curve of it is not straight.
+/// Returns the lines of a path, or `None` if a curve of the path is not straight.
 fn lines(path: &usvg::Path) -> Option<Lines> {
     let t = path.abs_transform();
     let [sx, kx, tx, ky, sy, ty] = [t.sx, t.kx, t.tx, t.ky, t.sy, t.ty].map(decimal);
@@ -332,7 +332,7 @@ fn lines(path: &usvg::Path) -> Option<Lines> {
         }
         at = to;
     }
-    // Of what is added up to a coordinate.
+    // The rounding error of a coordinate is that of the largest of its summands.
     let bounds = path.data().bounds();
     let [x, y] = [
         [bounds.left(), bounds.right()],
@@ -350,7 +350,7 @@ fn lines(path: &usvg::Path) -> Option<Lines> {
     })
 }
 
-/// Whether a curve with these control points is the line between its ends, to the rounding of single
+/// Returns `true` if a curve with these control points is the line between its ends, within the rounding of single
 /// precision.
 fn is_straight([from, to]: [Vector2<f64>; 2], controls: [Vector2<f64>; 2]) -> bool {
     let rounding = 1e-6 * from.amax().max(to.amax());
@@ -366,8 +366,8 @@ fn is_straight([from, to]: [Vector2<f64>; 2], controls: [Vector2<f64>; 2]) -> bo
     })
 }
 
-/// The shortest decimal that a single-precision number stands for, which is what the file says: without
-/// this, 0.3333 would be 0.33329999446868896.
+/// Returns the shortest decimal that rounds to a single-precision number, which is the number in the file. A plain
+/// conversion would turn 0.3333 into 0.33329999446868896.
 fn decimal(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }

@@ -1,9 +1,9 @@
-//! SVG: the crease pattern, coloured by its letters, by crease groups or by deformation.
+//! Writes SVG: the crease pattern, coloured by its letters (FOLD assignments), by crease groups or by deformation.
 //!
-//! Coloured by letters it is a crease pattern that Origami Simulator and [`read_pattern`](super::read_pattern)
-//! read: the colour of a line is its letter, its opacity the goal fold angle over 180 degrees. Unassigned
-//! hinges have a colour, and no angle. Drawings are to scale, about a thousand units wide, as such programs
-//! join what is a few units apart; the file says how long a unit of the sheet is.
+//! Coloured by letters, the file is a crease pattern that Origami Simulator and [`read_pattern`](super::read_pattern)
+//! read: the colour of a line is its letter, the opacity is its goal fold angle over 180 degrees. Unassigned hinges
+//! have a colour but no angle. Drawings are to scale and about a thousand units wide, because such programs join points
+//! that are a few units apart; the file states the length of a unit of the sheet.
 
 use core::f64::consts::PI;
 use core::fmt::Write;
@@ -14,18 +14,18 @@ use nalgebra::Vector2;
 use crate::colours::{hex, of_group, ramp};
 use crate::pattern::{CreasePattern, Edge, Letter};
 
-/// Most that a drawing is wide or high, its margin not counted.
+/// Largest width or height of the drawn sheet without its margin, in units of the drawing.
 const SIZE: f64 = 1000.0;
 const MARGIN: f64 = 20.0;
-/// Width of a legend, and height of its rows.
+/// Width of a legend and height of its rows, in units of the drawing.
 const LEGEND: f64 = 260.0;
 const ROW: f64 = 20.0;
-/// Groups that a legend names.
+/// Largest number of groups that a legend names.
 const NAMED: usize = 40;
-/// Steps of a colour bar.
+/// Number of steps of a colour bar.
 const STEPS: u32 = 50;
 
-/// The pattern coloured by its letters, with its goal angles.
+/// Draws the pattern coloured by its letters, with its goal angles as opacity.
 #[must_use]
 pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
     let mut sheet = Sheet::new(title, pattern, 0.0);
@@ -48,8 +48,9 @@ pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
     sheet.end()
 }
 
-/// The pattern with a colour for each crease group, dashed where a crease turns against its group, and a
-/// legend with the fold angles (radians) that each group goes through. For each edge its part in a group.
+/// Draws the pattern with a colour for each crease group. Creases that turn against their group are dashed, and a
+/// legend lists the range of fold angles (radians) of each group in `ranges`. `members` has the group and sign of each
+/// edge.
 #[must_use]
 pub fn by_groups(
     title: &str,
@@ -81,7 +82,7 @@ pub fn by_groups(
     sheet.end()
 }
 
-/// The pattern with each face coloured by a number from 0, its deformation, and a bar of colours.
+/// Draws the pattern with each face coloured by its deformation in `of_faces` (0 or more), and a colour bar.
 #[must_use]
 pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) -> String {
     let mut sheet = Sheet::new(title, pattern, LEGEND);
@@ -107,19 +108,19 @@ pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) ->
     sheet.end()
 }
 
-/// A drawing that is being made.
+/// An SVG drawing under construction.
 struct Sheet<'a> {
     pattern: &'a CreasePattern,
-    /// What is left and above of all vertices.
+    /// Upper left corner of the bounding box of all vertices, in units of the sheet.
     corner: Vector2<f64>,
     /// Units of the drawing per unit of the sheet.
     scale: f64,
-    /// Width and height of the sheet as drawn, and what is beside it.
+    /// Width and height of the drawn sheet, and below the width of the legend beside it.
     size: Vector2<f64>,
     legend: f64,
-    /// Where the legend goes on.
+    /// Height of the next row of the legend, in units of the drawing.
     row: f64,
-    /// Elements that are lines or areas, and those that are texts.
+    /// Elements that are lines or areas, and elements that are texts.
     shapes: String,
     texts: String,
     title: String,
@@ -145,7 +146,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Where a point of the sheet is drawn: y points down.
+    /// Formats the position of a point of the sheet in the drawing, where y points down.
     fn place(&self, point: Vector2<f64>) -> String {
         let at = self.scale * (point - self.corner);
         format!("{},{}", single(at.x), single(0.0 - at.y))
@@ -166,18 +167,18 @@ impl<'a> Sheet<'a> {
         ));
     }
 
-    /// Adds a row to the legend.
+    /// Adds a row of text to the legend.
     fn say(&mut self, text: &str) {
         self.row += ROW;
         let (x, y) = (self.size.x + MARGIN, self.row - 5.0);
-        // Memory refuses nothing.
+        // Writing to memory cannot fail.
         let _complete = writeln!(
             self.texts,
             "<text x=\"{x}\" y=\"{y}\" xml:space=\"preserve\">{text}</text>"
         );
     }
 
-    /// Begins the next row with a line of this colour.
+    /// Begins the next row of the legend with a line of this colour.
     fn swatch(&mut self, colour: &str) {
         let (from, to, y) = (
             self.size.x + MARGIN,
@@ -189,13 +190,13 @@ impl<'a> Sheet<'a> {
         ));
     }
 
-    /// Adds a row with all colours.
+    /// Adds the colour bar as a row of the legend.
     fn bar(&mut self) {
         let width = (LEGEND - 3.0 * MARGIN) / f64::from(STEPS);
         for step in 0..STEPS {
             let colour = hex(ramp(f64::from(step) / f64::from(STEPS - 1)));
             let (x, y) = (self.size.x + MARGIN + width * f64::from(step), self.row);
-            // A little wider, so that no gap shows.
+            // Each step is a little wider than its share, so that no gap shows.
             let width = width + 0.5;
             self.add(&format!(
                 "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{ROW}\" fill=\"{colour}\"/>"
@@ -207,7 +208,7 @@ impl<'a> Sheet<'a> {
     fn end(self) -> String {
         let width = self.size.x + 2.0 * MARGIN + self.legend;
         let height = self.size.y.max(self.row) + 2.0 * MARGIN;
-        // Of a fine sheet, lines are no wider than a tenth of a median edge.
+        // Lines are 2 units wide, or a tenth of a median edge on fine sheets.
         let stroke = single((0.1 * self.scale * self.pattern.median_edge()).min(2.0));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -224,7 +225,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is no larger than a scale.
+/// Returns the largest of 1, 2 and 5 times a power of ten that is not above `scale`.
 fn round_scale(scale: f64) -> f64 {
     let power = 10_f64.powf(scale.log10().floor());
     let digits = [5.0, 2.0, 1.0].into_iter();
@@ -234,13 +235,13 @@ fn round_scale(scale: f64) -> f64 {
     digit.unwrap_or(power)
 }
 
-/// The nearest number of single precision, in which programs read drawings.
+/// Rounds to single precision, in which other programs read drawings.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
 fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// A text without what means something in XML, or may not be in it.
+/// Escapes the characters that have a meaning in XML and drops those that XML forbids.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {

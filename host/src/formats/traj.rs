@@ -1,4 +1,4 @@
-//! `.traj` files: a path in group angles, as a controller stores and follows it.
+//! Writes `.traj` files: a path in group angles, rounded to `f32`, as a controller stores and follows it.
 
 use core::f64::consts::PI;
 use std::path::Path;
@@ -14,10 +14,10 @@ use crate::numbers::largest;
 use crate::planner::Overshoot;
 use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
 
-/// A path as the bytes of a `.traj` file.
+/// A path encoded as a `.traj` file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrajFile {
-    /// The file.
+    /// The bytes of the file.
     pub bytes: Vec<u8>,
     /// Number of crease groups.
     pub groups: usize,
@@ -29,7 +29,8 @@ pub struct TrajFile {
     pub duration: f64,
 }
 
-/// Group and sign of each hinge of a path, in the order in which a `.traj` file has them, which is that of the creases.
+/// Returns the crease group and sign of each hinge of a path, in the order of the creases, which is the order of hinges
+/// in a `.traj` file.
 ///
 /// # Errors
 /// If a hinge has no group.
@@ -38,25 +39,27 @@ pub fn memberships(path: &PathFile, file: &Path) -> Result<Vec<Membership>, File
     Ok(hinges.into_iter().map(|(_, member)| member).collect())
 }
 
-/// Part of its limits by which a path may pass them; what it does is made slower, as what rounding does.
+/// Relative excess over its limits up to which a path is accepted. The path is then slowed down to keep the limits, as
+/// it is for the excess that rounding causes.
 const HASTE: f64 = 0.01;
-/// Times that a path is made slower, since rounded otherwise each time.
+/// Largest number of times that a path is slowed down; every change of speed rounds its times and rates differently.
 const ROUNDS: usize = 16;
-/// Radians: sectors of vertices that are equal but for the rounding of coordinates differ by less.
+/// Largest difference (radians) between sectors of two vertices that counts as rounding of their coordinates.
 const SAME_SECTOR: f64 = 1e-6;
-/// Closure residual that numbers of 32 bits give a configuration that is closed: their rounding, and that of what
-/// a controller makes of them.
+/// Closure residual of a closed configuration in `f32`: the rounding of the stored numbers and of the controller's
+/// arithmetic.
 const FLOOR: f64 = 2e-6;
-/// Places of each segment at which the residual is sampled, beside its beginning.
+/// Number of places in each segment at which the closure residual is sampled, besides its beginning.
 const SAMPLES: u8 = 16;
 
 impl TrajFile {
-    /// The path of `file`, rounded to `f32`. It keeps its limits on speed and acceleration as rounded: time is
-    /// stretched by as little as that takes. A limit that the file does not say is the largest found.
+    /// Rounds the path of `file` to `f32`. The rounded path keeps the limits on speed and acceleration: its duration is
+    /// stretched only as far as that requires. For a limit that the file does not state, the largest value along the
+    /// path is used.
     ///
     /// # Errors
-    /// If hinges do not turn as their groups do, the path passes its own limits, or controllers cannot
-    /// follow a knot.
+    /// If a hinge does not turn as its group does, if the path exceeds its own limits, or if controllers cannot follow
+    /// a knot.
     pub fn of(path: &PathFile, file: &Path) -> Result<Self, FileError> {
         let exact = GroupPath::of(path, file)?;
         let ones = vec![1.0; exact.groups];
@@ -103,7 +106,8 @@ impl TrajFile {
     }
 }
 
-/// A limit, rounded: down if it is known, so that it is kept, else up.
+/// Rounds a limit to `f32`. A limit stated by the file (`known`) is rounded down, so that keeping the rounded limit
+/// keeps the stated one; a measured limit is rounded up.
 fn limit(known: Option<f64>, found: f64) -> f32 {
     let exact = known.unwrap_or(if found > 0.0 { found } else { f64::INFINITY });
     let nearest = f32::lit(exact);
@@ -114,7 +118,7 @@ fn limit(known: Option<f64>, found: f64) -> f32 {
     }
 }
 
-/// A path in numbers of 32 bits, and the same numbers in 64.
+/// A path rounded to `f32`, and the rounded numbers widened to `f64`.
 struct Rounded {
     times: Vec<f32>,
     angles: Vec<f32>,
@@ -124,7 +128,7 @@ struct Rounded {
 }
 
 impl Rounded {
-    /// A path that takes `stretch` times as long.
+    /// Rounds a path that is stretched in time by the factor `stretch`.
     fn of(exact: &GroupPath, stretch: f64) -> Self {
         let start = exact.times.first().copied().unwrap_or(0.0);
         let round = |numbers: &[f64], factor: f64| -> Vec<f32> {
@@ -157,7 +161,7 @@ impl Rounded {
         }
     }
 
-    /// The largest closure residual that the path has, as sampled, and what rounding adds.
+    /// Returns the largest sampled closure residual of the rounded path, plus the residual that rounding adds.
     fn closure(&self, stars: StarsView<'_, f64>, file: &Path) -> Result<f32, FileError> {
         let view = self.wide.view(file)?;
         let segments = 0..self.times.len().saturating_sub(1);
@@ -209,7 +213,7 @@ impl Rounded {
     }
 }
 
-/// The same stars in numbers of 32 bits, and where each ends.
+/// Rounds the spokes of all stars to `f32`. Returns the spokes and, for each star, the index behind its last spoke.
 fn spokes(stars: StarsView<'_, f64>) -> (Vec<Spoke<f32>>, Vec<u32>) {
     let rounded = |spoke: &Spoke<f64>| Spoke {
         group: spoke.group,

@@ -1,10 +1,10 @@
-//! Drawings whose vertices form a grid.
+//! Builds drawings whose vertices form a grid.
 
 use nalgebra::Vector2;
 
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-/// A drawing in the making over (columns + 1) x (rows + 1) vertices.
+/// A drawing under construction with (columns + 1) x (rows + 1) vertices.
 pub(super) struct Grid {
     columns: usize,
     rows: usize,
@@ -12,7 +12,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The vertices, row after row, each where `place` puts (column, row).
+    /// Makes the vertices, row after row, at the points that `place` gives for (column, row).
     pub(super) fn new(
         columns: usize,
         rows: usize,
@@ -29,8 +29,8 @@ impl Grid {
         }
     }
 
-    /// Joins two vertices (column, row) by a crease with that goal fold angle in radians, lettered
-    /// by `mountain`; by a boundary where both lie on the same side of the grid.
+    /// Joins two vertices (column, row) by a crease whose goal fold angle has the given size in radians; `mountain`
+    /// selects its letter. If both vertices lie on the same side of the grid, joins them by a boundary.
     pub(super) fn join(
         &mut self,
         from: (usize, usize),

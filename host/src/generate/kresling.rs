@@ -1,21 +1,21 @@
-//! A flat conical Kresling pattern.
+//! Generates a flat conical Kresling pattern.
 
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::{ParameterError, check_size};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-/// A flat conical Kresling pattern: a regular polygon of `columns` sides as central panel, and round it
-/// `rows` rings of triangles, each ring's outer polygon turned against its inner one.
+/// A flat conical Kresling pattern: a regular polygon of `columns` sides as central panel, and round it `rows` rings of
+/// triangles, with each ring's outer polygon rotated against its inner one.
 ///
-/// It has a goal that closes, but no motion to it: there are as many conditions as creases, and at the goal
-/// they are independent. (Nor is there a raised state in which the rings stay level, as in the cylinder:
-/// with the lengths of the edges given and all N corners of a polygon alike, only the flat one is left.)
-/// The goal has the symmetry of the turn by one side together with the reflection in the plane of the panel:
-/// the corners of each outer polygon lie above and below that plane in turn, so that N must be even.
+/// The pattern has a goal that closes, but no motion leads to it: there are as many conditions as creases, and at the
+/// goal the conditions are independent. (There is also no raised state in which the rings stay level, as in the
+/// cylinder: for the given lengths of edges and with all N corners of a polygon alike, the flat state is the only one.)
+/// The goal is symmetric under the rotation by one side combined with the reflection in the plane of the panel: the
+/// corners of each outer polygon alternate above and below that plane, so N must be even.
 ///
-/// Where the corner of a polygon goes is where three spheres meet: two about the ends of the inner side
-/// that it is tied to, one about its image, the next corner.
+/// Three spheres determine the place of a polygon's corner: two about the ends of the inner side that it is tied to,
+/// one about its image under the symmetry, the next corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kresling {
     /// Rings of triangles.
@@ -24,25 +24,25 @@ pub struct Kresling {
     pub columns: usize,
 }
 
-/// Most sides; below, the rings beyond the second are too narrow to tell.
+/// Largest number of sides; with more, the rings beyond the second are too narrow to be seen.
 const MOST_SIDES: usize = 24;
-/// Height of the triangles on the inner polygon over the least for which there is a second state.
+/// Height of the triangles on the inner polygon, relative to the least height with a second state.
 const HEIGHT: f64 = 1.4;
-/// Turn of an outer polygon against the inner one's sides, over the angle of one side at the centre.
+/// Rotation of an outer polygon against the inner one's sides, relative to the angle of one side at the centre.
 const TWIST: f64 = 0.25;
-/// Steps of the search for a raised state, in fold angle of a ring's inner sides: each at most half a degree
-/// wide, and two states nearer to each other than that would be no use as goals.
+/// Steps of the search for a raised state, in the fold angle of a ring's inner sides. Each step is at most half a
+/// degree wide; two states closer than that would be useless as goals.
 const STEPS: u32 = 720;
-/// Radians: nearer to level than this is the flat state.
+/// Largest angle (radians) from level that still counts as the flat state.
 const LEVEL: f64 = 0.05;
-/// Halvings of a step down to the resolution of the numbers.
+/// Number of bisections of a step, down to the resolution of the numbers.
 const HALVINGS: u32 = 60;
 
 impl Kresling {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
-    /// If a parameter is out of its range, or there are more rings than can be raised.
+    /// If a parameter is out of its range, or there are more rings than have a raised state.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
         check_size("rows", self.rows, 1)?;
         check_size("cols", self.columns, 2)?;
@@ -73,14 +73,14 @@ impl Kresling {
         Ok(self.draw(&flat, &raised))
     }
 
-    /// Angle of a side at the centre.
+    /// Returns the angle of a side at the centre, radians.
     fn side(&self) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "at most 24")]
         let sides = self.columns as f64;
         core::f64::consts::TAU / sides
     }
 
-    /// Corner number k of a polygon whose first is given: turned, and reflected or not.
+    /// Returns corner k of a polygon whose first corner is given: rotated, and reflected for odd k if `reflects`.
     fn corner(&self, first: Vector3<f64>, k: usize, reflects: bool) -> Vector3<f64> {
         #[allow(clippy::cast_precision_loss, reason = "at most 24")]
         let angle = self.side() * k as f64;
@@ -91,7 +91,7 @@ impl Kresling {
         corner
     }
 
-    /// First corner of the next polygon, flat and raised, from those of a polygon.
+    /// Returns the first corner of the next polygon, flat and raised, from the first corner of a polygon.
     fn next(
         &self,
         inner: Vector3<f64>,
@@ -110,7 +110,7 @@ impl Kresling {
             (outer - self.corner(inner, 1, false)).norm(),
             (self.corner(outer, 1, false) - outer).norm(),
         ];
-        // The circle round the raised inner side on which the corner lies.
+        // Circle about the raised inner side on which the corner lies.
         let next = self.corner(inner_raised, 1, true);
         let axis = (next - inner_raised).normalize();
         let side = (next - inner_raised).norm();
@@ -169,7 +169,7 @@ impl Kresling {
                     continue;
                 }
                 let outer = vertex(ring + 1, k);
-                // To the left of the side, towards the centre, then to its right.
+                // The apex to the left of the side, towards the centre; the apex to its right is `outer`.
                 let inside = match ring {
                     0 => vertex(0, k + 2),
                     _ => vertex(ring - 1, k + 1),
@@ -190,8 +190,8 @@ impl Kresling {
     }
 }
 
-/// A crease between two triangles, whose apexes lie to its left and right in some order, with the
-/// fold angle that they have where the vertices are at `places`.
+/// Makes a crease between two triangles, whose apexes lie to its left and right in either order, with the fold angle
+/// that the triangles have if the vertices are at `places`.
 fn crease(
     ends: [usize; 2],
     apexes: [usize; 2],

@@ -1,11 +1,11 @@
-//! The Miura fold.
+//! Generates the Miura fold.
 
 use super::grid::{Grid, point};
 use super::{ParameterError, check_between, check_fold, check_size};
 use crate::pattern::Drawing;
 
-/// The Miura fold of `rows` x `columns` parallelograms with unit sides: straight creases along x,
-/// zigzag creases across. The zigzag creases have the larger fold angle; with the sector angle α,
+/// The Miura fold of `rows` x `columns` parallelograms with unit sides. Straight creases run along x, zigzag creases
+/// across them. The zigzag creases have the larger fold angle. With the sector angle α,
 /// tan(straight/2) = cos α · tan(zigzag/2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Miura {
@@ -20,7 +20,7 @@ pub struct Miura {
 }
 
 impl Miura {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
@@ -46,8 +46,8 @@ impl Miura {
                     grid.join((column, row), (column, row + 1), mountain, zigzag);
                 }
                 if column < self.columns {
-                    // Where the zigzag bends towards +x, the acute sectors lie on that side, and
-                    // the straight crease between them turns against the zigzag.
+                    // At a vertex where the zigzag bends towards +x, the acute sectors lie on that side, and the
+                    // straight crease between them turns against the zigzag.
                     let against = row % 2 == 0;
                     let mountain = mountain ^ against;
                     grid.join((column, row), (column + 1, row), mountain, straight);
@@ -57,7 +57,7 @@ impl Miura {
         Ok(grid.into_drawing())
     }
 
-    /// Fold angle of the straight creases where the zigzag ones have `zigzag` (radians).
+    /// Returns the fold angle of the straight creases if the zigzag creases have `zigzag` (radians).
     #[must_use]
     pub fn straight(&self, zigzag: f64) -> f64 {
         2.0 * (self.sector_angle.cos() * (zigzag / 2.0).tan()).atan()

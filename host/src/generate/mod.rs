@@ -1,4 +1,4 @@
-//! Crease patterns of known families, with letters and a goal that closes, but for [`Quad`]'s, which cannot.
+//! Generates crease patterns of known families, with letters and a goal that closes. The goal of [`Quad`] cannot close.
 
 mod grid;
 mod kresling;
@@ -31,7 +31,7 @@ pub struct ParameterError {
     pub found: f64,
 }
 
-/// Rows or columns that a sheet may have in one direction: 10⁷ edges and a little more.
+/// Largest number of rows or columns of a sheet: the largest sheets have a little more than 10⁷ edges.
 const MOST: usize = 3_000;
 
 fn check_size(parameter: &'static str, size: usize, least: usize) -> Result<(), ParameterError> {

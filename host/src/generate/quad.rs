@@ -1,4 +1,4 @@
-//! A quadrilateral tessellation that does not fold.
+//! Generates a quadrilateral tessellation that does not fold.
 
 use nalgebra::Vector2;
 
@@ -6,20 +6,20 @@ use super::grid::{Grid, point};
 use super::{ParameterError, check_between, check_size};
 use crate::pattern::Drawing;
 
-/// The case of [XiLien2015](crate#references) that is not rigidly foldable, Quad: `rows` x `columns`
-/// slender parallelograms with one crease each along the long diagonal, three crease groups, all valley.
+/// Quad, the case of [XiLien2015](crate#references) that is not rigidly foldable: `rows` x `columns` slender
+/// parallelograms with one crease each along the long diagonal, in three crease groups, all valleys.
 ///
-/// It cannot fold. Round a folded vertex the creases are the corners of a spherical polygon as long as a
-/// great circle. Where all turn the same way it is convex, and so a great circle or two halves of great
-/// circles: at most two creases turn, and these continue each other. With letters all valley one family of
-/// creases at most leaves the flat sheet at any vertex, so that a closed configuration with these letters
-/// is at least the second largest goal angle away from the goal, for a sheet of any size: 0.21 radians.
+/// It cannot fold. Round a folded vertex the creases are the corners of a spherical polygon whose perimeter is that of
+/// a great circle. If all creases turn the same way, this polygon is convex, and so it is a great circle or two halves
+/// of great circles: at most two creases turn, and these continue each other. So with valleys alone at most one family
+/// of creases leaves the flat sheet at any vertex, and a closed configuration with these letters differs from the goal
+/// by at least the second largest goal angle, 0.21 radians, for a sheet of any size.
 ///
-/// By its nature the goal does not close. Yet the closure residual is only 0.0076, and the sheet tears
-/// nearly at right angles to its edges, all almost parallel, which hardly changes their lengths: with all
-/// angles scaled from flat to the goal, 3x3 deforms by less than 0.1 %, although gaps of 3.5 % show what
-/// edge lengths hide. All vertices err the same way, and 24x24 deforms by more than 400 %. These two are
-/// for the default goal, a fold of 0.0675.
+/// So the goal does not close. Yet its closure residual is only 0.0076, and the sheet tears nearly at right angles to
+/// its edges, which are all almost parallel; that hardly changes their lengths. With all angles scaled from flat to the
+/// goal, a 3x3 sheet deforms by less than 0.1 %, although gaps of 3.5 % show what edge lengths hide. The errors of all
+/// vertices have the same direction, and a 24x24 sheet deforms by more than 400 %. The numbers for 3x3 and 24x24
+/// are for the default goal, a fold of 0.0675.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     /// Rows of parallelograms, along their long side.
@@ -31,15 +31,15 @@ pub struct Quad {
 }
 
 impl Quad {
-    /// Long side over short side.
+    /// Ratio of the long side to the short side.
     const LONG: f64 = 1.85;
     /// Angle between the sides, radians.
     const SHARP: f64 = 0.1;
-    /// Goal angles of short and long sides over that of the diagonals.
+    /// Goal angles of the short and the long sides, as fractions of that of the diagonals.
     const SHORT_FOLD: f64 = 0.83;
     const LONG_FOLD: f64 = 0.99;
 
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.

@@ -1,4 +1,4 @@
-//! Ron Resch's triangular tessellation.
+//! Generates Ron Resch's triangular tessellation.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -7,16 +7,16 @@ use nalgebra::Vector2;
 use super::{ParameterError, check_size};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-/// Ron Resch's triangular tessellation: `rows` x `columns` stars, each an equilateral triangle with a
-/// centre, three valleys from there to its corners and three mountains half as long to the midpoints of
-/// its sides, and between the stars smaller equilateral triangles. A corner of each star is the midpoint
-/// of a side of the next. Midpoints are 1 from the centre, corners 2.
+/// Ron Resch's triangular tessellation: `rows` x `columns` stars, with smaller equilateral triangles between them. Each
+/// star is an equilateral triangle with a centre, three valleys from the centre to its corners, and three mountains
+/// half as long to the midpoints of its sides. A corner of each star is the midpoint of a side of the next star.
+/// Midpoints are at distance 1 from the centre, corners at distance 2.
 ///
-/// Goal: stars tucked below, the triangles between them closed to a plane. There valleys turn by 180,
-/// sides by -90 and mountains by -60 degrees, and all vertices close. With the full symmetry of the
-/// tessellation this configuration stands alone: the lattice and the place of a corner in it are two
-/// unknowns, and the sides of the two kinds of triangles between stars two conditions. With each crease on
-/// its own a motion leads there from the flat sheet.
+/// The goal has the stars tucked below, with the triangles between them closed to a plane. There valleys turn by 180,
+/// sides by -90 and mountains by -60 degrees, and all vertices close. With the full symmetry of the tessellation this
+/// configuration is isolated: the unknowns are the lattice constant and the position of a corner in the lattice, two in
+/// all, and the sides of the two kinds of triangles between stars give two conditions. If each crease is an unknown of
+/// its own, a motion leads from the flat sheet to this configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resch {
     /// Rows of stars, along y.
@@ -30,10 +30,10 @@ type Point = (i32, i32);
 
 /// Corners of a star about its centre.
 const CORNERS: [Point; 3] = [(0, 4), (-2, -2), (2, -2)];
-/// Midpoints of its sides; the k-th is opposite the k-th corner.
+/// Midpoints of the star's sides; the k-th is opposite the k-th corner.
 const MIDPOINTS: [Point; 3] = [(0, -2), (1, 1), (-1, 1)];
-/// The triangles between stars, about the centre of one star that they touch, and the centres of all
-/// three that they touch.
+/// The triangles between stars: their corners relative to the centre of one star that they touch, and the relative
+/// centres of all three stars that they touch.
 const BETWEEN: [([Point; 3], [Point; 3]); 2] = [
     ([(1, 1), (2, 4), (0, 4)], [(0, 0), (3, 3), (0, 6)]),
     ([(1, 1), (2, -2), (3, 1)], [(0, 0), (3, 3), (3, -3)]),
@@ -44,7 +44,7 @@ const SIDE: f64 = -core::f64::consts::FRAC_PI_2;
 const MOUNTAIN: f64 = -core::f64::consts::FRAC_PI_3;
 
 impl Resch {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
@@ -97,7 +97,7 @@ fn add(a: Point, b: Point) -> Point {
 struct Sheet {
     index: HashMap<Point, usize>,
     drawing: Drawing,
-    /// Sides of stars and of triangles between them, each with the number of faces it has so far.
+    /// Sides of stars and of triangles between them, each with the number of faces found at it so far.
     sides: BTreeMap<[usize; 2], usize>,
 }
 
@@ -125,7 +125,7 @@ impl Sheet {
         });
     }
 
-    /// A side of a face; a crease if there is a face on either side, else boundary.
+    /// Adds a side of a face. The side becomes a crease if it has a face on either side, else a boundary.
     fn side(&mut self, ends: [Point; 2]) {
         let mut ends = ends.map(|end| self.vertex(end));
         ends.sort_unstable();

@@ -1,19 +1,18 @@
-//! The square twist and its tessellation.
+//! Generates the square twist and its tessellation.
 
 use nalgebra::Vector2;
 
 use super::{ParameterError, check_between, check_fold, check_size};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-/// `rows` x `columns` square twists: squares with unit sides, from each of whose sides a pleat of two
-/// parallel creases leads away at the angle α, on tiles of 2 x 2 that mirror their neighbours.
+/// A tessellation of `rows` x `columns` square twists. A pleat of two parallel creases leaves each side of a unit
+/// square at the angle α. The tiles are 2 x 2 units large and mirror their neighbours.
 ///
-/// Each corner of a square is a flat-foldable vertex with four creases: opposite creases turn by equal
-/// angles, and with τ = tan(π/4 - α/2) the tangents of half the angles of neighbouring creases are in the
-/// ratio τ or 1/τ. Going round the square, the ratios of its four sides have to multiply to 1.
-/// [`Letters::Foldable`] has two of each: the sides turn by (1, -τ, -1, τ) times one parameter, and the
-/// sheet folds rigidly. [`Letters::Unfoldable`] treats all corners alike: τ⁴ is not 1, so there is no motion,
-/// although the sheet folded flat, its goal, does close.
+/// Each corner of a square is a flat-foldable vertex with four creases. Opposite creases turn by angles of equal size,
+/// and the tangents of half the angles of neighbouring creases have the ratio τ or 1/τ, with τ = tan(π/4 - α/2). Round
+/// the square, the ratios at its four corners have to multiply to 1. [`Letters::Foldable`] has each ratio twice: the
+/// sides turn by (1, -τ, -1, τ) times one parameter, and the sheet folds rigidly. [`Letters::Unfoldable`] treats all
+/// corners alike: as τ⁴ is not 1, there is no motion, although the goal, the sheet folded flat, closes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SquareTwist {
     /// Twists along y.
@@ -22,34 +21,34 @@ pub struct SquareTwist {
     pub columns: usize,
     /// Angle α between the sides of the squares and their pleats, radians.
     pub angle: f64,
-    /// Which creases are mountains.
+    /// Assignment of mountains and valleys.
     pub letters: Letters,
-    /// Goal of foldable letters: fold angle of the creases that turn most as a fraction of a half turn.
+    /// Goal of foldable letters: fold angle of the creases that turn most, as a fraction of a half turn.
     pub fold: f64,
 }
 
 /// The two ways to letter a square twist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
-    /// Symmetric under half turns of the square, mountain and valley exchanged; it folds.
+    /// Symmetric under half turns of the square with mountain and valley exchanged; the sheet folds.
     Foldable,
-    /// Symmetric under quarter turns of the square; it does not.
+    /// Symmetric under quarter turns of the square; the sheet does not fold.
     Unfoldable,
 }
 
-/// A side of the tile.
+/// Side length of a tile.
 const TILE: f64 = 2.0;
 
 /// Fold angles at the corner where side k of a square begins, in radians.
 struct Corner {
-    /// Side k.
+    /// Fold angle of side k.
     side: f64,
-    /// The pleat's crease beside it, and that beside the side before.
+    /// Fold angles of the pleat's crease beside side k, and of the crease beside the side before.
     pleats: [f64; 2],
 }
 
 impl SquareTwist {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
@@ -95,8 +94,8 @@ impl SquareTwist {
         Ok(drawing)
     }
 
-    /// Corners of a square: that where side 0 begins first, side 0 and the others anticlockwise where the
-    /// tile is not mirrored.
+    /// Returns the corners of a square, starting with the corner at which side 0 begins. They run counter-clockwise if
+    /// the tile is not mirrored.
     fn corners(&self, row: usize, column: usize) -> [Vector2<f64>; 4] {
         let (sin, cos) = self.angle.sin_cos();
         let first = Vector2::new(sin - cos, -cos - sin) / 2.0;
@@ -125,7 +124,7 @@ impl SquareTwist {
             drawing
                 .edges
                 .push(crease([first + side, first + next], begin.side));
-            // The pleat leads right, up, left, down; in a mirrored tile the other way.
+            // The pleats lead right, up, left, down; in a mirrored tile the opposite way.
             let mirrored = if side.is_multiple_of(2) { column } else { row } % 2 == 1;
             let way = if mirrored { (side + 2) % 4 } else { side };
             let neighbour = match way {
@@ -137,7 +136,7 @@ impl SquareTwist {
             };
             for (corner, angle) in [(side, begin.pleats[0]), (next, end.pleats[1])] {
                 match neighbour {
-                    // Drawn once, from the tile with the lower number.
+                    // A pleat between two tiles is drawn once, from the tile with the lower number.
                     Some(tile) if tile < first => {}
                     Some(tile) => drawing
                         .edges
@@ -160,7 +159,7 @@ impl SquareTwist {
         }
     }
 
-    /// Goal at the corner where a side begins.
+    /// Returns the goal at the corner where a side begins.
     fn corner(&self, side: usize) -> Corner {
         let half_turn = core::f64::consts::PI;
         if self.letters == Letters::Unfoldable {
@@ -185,7 +184,7 @@ impl SquareTwist {
         }
     }
 
-    /// Foldable letters: fold angle of the creases that turn less where the others have `large` (radians).
+    /// For foldable letters, returns the fold angle of the creases that turn less if the others have `large` (radians).
     #[must_use]
     pub fn small(&self, large: f64) -> f64 {
         let ratio = (core::f64::consts::FRAC_PI_4 - self.angle / 2.0).tan();
@@ -206,7 +205,7 @@ fn crease(ends: [usize; 2], angle: f64) -> DrawnEdge {
     }
 }
 
-/// Length of so many tiles.
+/// Returns the length of `tiles` tiles.
 #[allow(clippy::cast_precision_loss, reason = "at most thousands of tiles")]
 fn size(tiles: usize) -> f64 {
     tiles as f64 * TILE

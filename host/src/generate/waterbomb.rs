@@ -1,19 +1,18 @@
-//! The waterbomb tessellation on the report's grid.
+//! Generates the waterbomb tessellation on the report's grid.
 
 use super::grid::{Grid, point};
 use super::{ParameterError, check_fold, check_size};
 use crate::pattern::Drawing;
 
-/// The waterbomb tessellation on `rows` x `columns` unit squares, made of units of 2x2 squares;
-/// neighbouring columns of units are shifted by one square. Every grid point is a vertex, also those
-/// of degree 2 on the units' sides.
+/// The waterbomb tessellation on `rows` x `columns` unit squares. It consists of units of 2x2 squares; neighbouring
+/// columns of units are shifted by one square. Every grid point is a vertex, including those of degree 2 on the sides
+/// of units.
 ///
-/// As in [XiLien2015](crate#references), the first number counts the squares round the tube that
-/// the sheet folds to: rows lie one beside the other along x, columns along y.
+/// As in [XiLien2015](crate#references), the first number counts the squares round the tube that the sheet folds to:
+/// rows follow each other along x, columns along y.
 ///
-/// The symmetric motion has one parameter t and four crease groups: middle lines m = 2 atan t, cross
-/// lines r = 2 atan 2t, diagonals d = -2 atan √2 t (the only mountains), and boundary lines
-/// b = 2r - m, which turn most.
+/// The symmetric motion has one parameter t and four crease groups: middle lines m = 2 atan t, cross lines
+/// r = 2 atan 2t, diagonals d = -2 atan √2 t (the only mountains), and boundary lines b = 2r - m, which turn most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waterbomb {
     /// Squares along x, round the tube.
@@ -38,7 +37,7 @@ pub struct WaterbombAngles {
 }
 
 impl Waterbomb {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
@@ -67,7 +66,7 @@ impl Waterbomb {
                     grid.join((column, row), (column + 1, row), false, goal.cross);
                 }
                 if column < columns && row < rows {
-                    // Towards the unit's centre, which is halfway up its band.
+                    // The diagonal leads towards the centre of the unit, which is halfway up the band.
                     let rises = at_unit_side(column, row) == (row % 2 == 0);
                     let (from, to) = if rises {
                         (row, row + 1)
@@ -81,7 +80,7 @@ impl Waterbomb {
         Ok(grid.into_drawing())
     }
 
-    /// Fold angles of all groups where the boundary lines have `boundary` (radians, 0 to π).
+    /// Returns the fold angles of all groups if the boundary lines have `boundary` (radians, 0 to π).
     #[must_use]
     pub fn angles(boundary: f64) -> WaterbombAngles {
         let t = Self::parameter((boundary / 2.0).tan());
@@ -93,7 +92,7 @@ impl Waterbomb {
         }
     }
 
-    /// Solves 4t³ + 3t = tan(b/2): the hyperbolic form of the triple angle, 4 sinh³ + 3 sinh = sinh 3x.
+    /// Solves 4t³ + 3t = tan(b/2) by the hyperbolic form of the triple angle, 4 sinh³ x + 3 sinh x = sinh 3x.
     fn parameter(tangent: f64) -> f64 {
         (tangent.asinh() / 3.0).sinh()
     }

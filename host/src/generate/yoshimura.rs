@@ -1,15 +1,15 @@
-//! The Yoshimura (diamond) pattern.
+//! Generates the Yoshimura (diamond) pattern.
 
 use super::grid::{Grid, point};
 use super::{ParameterError, check_between, check_fold, check_size};
 use crate::pattern::Drawing;
 
-/// The Yoshimura pattern on `rows` x `columns` cells, each with one diagonal: straight valleys along
-/// y, mountain diagonals that form diamonds two cells wide and high. Cells are one unit wide; the
-/// angle between diagonals and straight creases sets their height.
+/// The Yoshimura pattern on `rows` x `columns` cells, each with one diagonal. Straight valleys run along y, and
+/// mountain diagonals form diamonds two cells wide and high. Cells are one unit wide; the angle between diagonals and
+/// straight creases determines their height.
 ///
-/// With the angle γ between straight creases and diagonals and the straight creases turned by v, put
-/// ψ = v/2 and T = sin ψ tan γ: then cos d = cos²ψ (1 - T²)/(1 + T²) - sin²ψ for the diagonals, and
+/// Let γ be the angle between straight creases and diagonals, v the fold angle of the straight creases, ψ = v/2 and
+/// T = sin ψ tan γ. Then the fold angle d of the diagonals satisfies cos d = cos²ψ (1 - T²)/(1 + T²) - sin²ψ, and
 /// neighbouring straight creases of one line enclose the angle π - 4 atan T.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yoshimura {
@@ -24,7 +24,7 @@ pub struct Yoshimura {
 }
 
 impl Yoshimura {
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
@@ -68,12 +68,12 @@ impl Yoshimura {
         Ok(grid.into_drawing())
     }
 
-    /// Fold angle of the diagonals, negative, where the straight creases have `straight` (radians).
+    /// Returns the fold angle of the diagonals (negative) if the straight creases have `straight` (radians).
     #[must_use]
     pub fn diagonal(&self, straight: f64) -> f64 {
         let (sin, cos) = (straight / 2.0).sin_cos();
         let t = sin * self.angle.tan();
-        // Half-angle form of the cosine above, which keeps its digits near flat and near folded.
+        // The half-angle form of the cosine above keeps its digits near flat and near folded.
         let (s2, c2, t2) = (sin * sin, cos * cos, t * t);
         let (one_minus, one_plus) = (s2 + t2, c2);
         -2.0 * (one_minus / one_plus).sqrt().atan()

@@ -1,4 +1,4 @@
-//! From a drawing to a crease pattern: every check, and everything that follows from the drawing.
+//! Builds a crease pattern from a drawing: performs every check and derives all further data.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -14,7 +14,7 @@ use super::{
 use crate::ragged::{Ragged, group_by_key};
 
 impl CreasePattern {
-    /// Makes a crease pattern of a drawing. Cost: about linear.
+    /// Builds a crease pattern from a drawing. Cost: about linear.
     ///
     /// # Errors
     /// If the drawing is not a planar graph of simple faces, or contradicts itself.
@@ -106,7 +106,7 @@ impl CreasePattern {
     }
 }
 
-/// Largest coordinate; its inverse is the shortest edge.
+/// Largest absolute value of a coordinate; its inverse is the length of the shortest edge.
 pub(crate) const LARGEST: f64 = 1e50;
 
 fn length(drawing: &Drawing, [a, b]: [usize; 2]) -> f64 {
@@ -123,7 +123,7 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
             return Err(PatternError::TooFew { key, found, least });
         }
     }
-    // Squares and products of coordinates have to be finite and above zero.
+    // The limit keeps squares and products of coordinates finite and above zero.
     let infinite = |p: &Vector2<f64>| p.iter().any(|c| c.is_nan() || c.abs() > LARGEST);
     if let Some(vertex) = drawing.vertices.iter().position(infinite) {
         return Err(PatternError::NotFinite { vertex });
@@ -155,7 +155,7 @@ fn check_lists(drawing: &Drawing) -> Result<(), PatternError> {
     Ok(())
 }
 
-/// The first edge that joins the same vertices as one before, and that one.
+/// Returns the first edge that joins the same vertices as an earlier edge, and that earlier edge.
 fn first_duplicate(drawing: &Drawing) -> Option<(usize, usize)> {
     let count = drawing.vertices.len();
     let edges = drawing.edges.iter().enumerate();
@@ -178,10 +178,10 @@ fn first_duplicate(drawing: &Drawing) -> Option<(usize, usize)> {
     first
 }
 
-/// Whether a hinge with that letter can turn to that goal angle (radians).
+/// Checks that a hinge with this letter can turn to the goal angle (radians).
 ///
 /// # Errors
-/// If the angle is beyond half a turn or against the letter.
+/// If the angle is beyond half a turn or contradicts the letter.
 pub(crate) fn check_goal(
     edge: usize,
     letter: Letter,
@@ -191,7 +191,7 @@ pub(crate) fn check_goal(
         return Ok(());
     };
     let degrees = goal.to_degrees();
-    // A hair over half a turn is how 180 degrees come back from radians.
+    // 180 degrees converted to radians and back may come out slightly above half a turn.
     if degrees.is_nan() || degrees.abs() > 180.0 * (1.0 + 4.0 * f64::EPSILON) {
         return Err(PatternError::GoalRange { edge, degrees });
     }
@@ -205,7 +205,7 @@ pub(crate) fn check_goal(
     Ok(())
 }
 
-/// For each vertex its edges, counter-clockwise from direction -π.
+/// Returns the edges at each vertex, counter-clockwise from direction -π.
 fn sorted_stars(drawing: &Drawing) -> Ragged<EdgeId> {
     let edges = drawing.edges.iter().enumerate();
     let ends = edges.flat_map(|(edge, drawn)| {
@@ -221,7 +221,8 @@ fn sorted_stars(drawing: &Drawing) -> Ragged<EdgeId> {
     stars.map(|(_, edge)| edge)
 }
 
-/// A number that grows with the angle of a direction, from -2 at -π to 2 at π, which is -2 once more.
+/// Returns the pseudo-angle of a direction (diamond angle): it grows with the angle from -2 at -π to 2 at π, where it
+/// is -2 again.
 fn turn(direction: Vector2<f64>) -> f64 {
     let x = direction.x / (direction.x.abs() + direction.y.abs());
     match direction.y {
@@ -248,8 +249,8 @@ fn turn_counter_clockwise(
     Ok(())
 }
 
-/// For each vertex the first one at its place. Only where faces are given may vertices share a place,
-/// as on the two sides of a cut: faces alone then say what hangs together.
+/// Returns for each vertex the first vertex at its place. Vertices may share a place only if the drawing names its
+/// faces, as on the two sides of a cut: then only the faces determine which parts are connected.
 fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
     let mut places: Vec<usize> = (0..drawing.vertices.len()).collect();
     if drawing.faces.is_none() {
@@ -258,7 +259,7 @@ fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
     let mut first_at = HashMap::with_capacity(places.len());
     let (mut count, mut first) = (0_usize, None);
     for (vertex, point) in drawing.vertices.iter().enumerate() {
-        // No negative zero.
+        // Adding 0 turns a negative zero into zero.
         let bits = [point.x, point.y].map(|c| (c + 0.0).to_bits());
         places[vertex] = *first_at.entry(bits).or_insert(vertex);
         if places[vertex] != vertex {
@@ -275,14 +276,14 @@ fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
     places
 }
 
-/// For each edge the faces to its left and right.
+/// Returns the faces to the left and right of each edge.
 fn edge_faces(
     drawing: &Drawing,
     stars: &Ragged<EdgeId>,
     faces: &Ragged<VertexId>,
     places: &[usize],
 ) -> Result<EdgeFaces, PatternError> {
-    // In the smaller star of the two: over the edges of a planar graph these add up to linear time.
+    // Searches the smaller of the two stars: over the edges of a planar graph these searches add up to linear time.
     let between = |a: usize, b: usize| {
         let [star, other] = [a, b].map(|vertex| &stars[vertex]);
         let star = if star.len() <= other.len() {
@@ -368,7 +369,7 @@ fn resolve_letters(
     (edges, creases)
 }
 
-/// Faces to the left and right of an edge, looking along it from a vertex.
+/// Returns the faces to the left and right of an edge, looking along it from a vertex.
 fn sides(
     drawing: &Drawing,
     edge_faces: &EdgeFaces,
@@ -383,8 +384,8 @@ fn sides(
     }
 }
 
-/// Puts edges of the same direction, as the two sides of a cut have at its end, in their order
-/// counter-clockwise: the cut is between them.
+/// Orders the edges of a star that have the same direction, as the two sides of a cut have at the cut's end. In
+/// counter-clockwise order the cut then lies between them.
 fn order_twins(drawing: &Drawing, stars: &mut Ragged<EdgeId>, edge_faces: &EdgeFaces) {
     for vertex in 0..stars.len() {
         let star = &mut stars[vertex];
@@ -401,7 +402,7 @@ fn order_twins(drawing: &Drawing, stars: &mut Ragged<EdgeId>, edge_faces: &EdgeF
     }
 }
 
-/// Checks that between two edges that follow each other round a vertex there is one face or none.
+/// Checks that consecutive edges round a vertex have the same face, or no face, between them.
 fn check_stars(
     drawing: &Drawing,
     stars: &Ragged<EdgeId>,
@@ -421,7 +422,7 @@ fn check_stars(
     Ok(())
 }
 
-/// Which vertices are inside the sheet: those whose every edge has faces on both sides.
+/// Returns for each vertex `true` if it is inside the sheet: it has edges, and all have faces on both sides.
 fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
     let inside = |star: &[EdgeId]| {
         let mut edges = star.iter().map(|edge| &edges[edge.index()]);
@@ -430,7 +431,7 @@ fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
     stars.iter().map(inside).collect()
 }
 
-/// Squares of numbers of corners at most, in all: as long as triangulation takes, some seconds' worth.
+/// Largest sum of the squared numbers of corners over all faces: triangulation takes as many steps, some seconds.
 const STEPS: usize = 1 << 30;
 
 type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);
@@ -464,7 +465,8 @@ fn no_area(face: usize, cycle: &[VertexId]) -> PatternError {
     PatternError::NoArea { face, vertex }
 }
 
-/// Refuses an edge inside one face, first one that ends there: where faces are traced, nobody drew that face.
+/// Refuses an edge that lies inside one face, preferably one that ends there. Only traced faces are checked, because a
+/// face that the drawing names is intended.
 fn part_two_faces(
     stars: &Ragged<EdgeId>,
     edges: &[DrawnEdge],
@@ -498,13 +500,13 @@ mod tests {
             .map(|angle| turn(3.0 * Vector2::new(angle.cos(), angle.sin())))
             .collect();
         assert!(turns.is_sorted_by(|a, b| a < b), "{turns:?}");
-        // π and -π are one direction, whatever the sign of zero.
+        // π and -π are one direction, for either sign of zero.
         let [left, back] = [0.0, -0.0].map(|y| turn(Vector2::new(-1.0, y)).to_bits());
         assert_eq!(left, back);
         assert_eq!(left, turns[0].to_bits());
     }
 
-    /// The fifth edge is the second once more, the sixth the first; the earlier of these is named.
+    /// The fifth edge repeats the second, and the sixth repeats the first; the error names the fifth.
     #[test]
     fn the_first_edge_that_is_drawn_twice_is_named() {
         let ends = [[0, 1], [1, 2], [2, 3], [3, 0], [2, 1], [0, 1]];

@@ -1,4 +1,4 @@
-//! A crease pattern as drawn, before anything is known to be right, and what can be wrong with it.
+//! The unchecked drawing of a crease pattern, and the errors that checking it can find.
 
 use nalgebra::Vector2;
 use thiserror::Error;
@@ -10,7 +10,7 @@ use super::Letter;
 pub struct DrawnEdge {
     /// Its ends, as positions in the list of vertices.
     pub ends: [usize; 2],
-    /// What it is for.
+    /// The letter (FOLD assignment).
     pub letter: Letter,
     /// Its goal fold angle in radians, valley positive; `None` if the file names none.
     pub goal: Option<f64>,
@@ -27,7 +27,7 @@ pub struct Drawing {
     pub faces: Option<Vec<Vec<usize>>>,
 }
 
-/// Why a drawing is no crease pattern. Names use FOLD's keys, so that the place can be found.
+/// Reason why a drawing is no crease pattern. The texts use FOLD's keys, so that the place can be found in a file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PatternError {
     /// There is nothing to fold.
@@ -64,7 +64,7 @@ pub enum PatternError {
         /// The edge.
         edge: usize,
     },
-    /// The same edge twice.
+    /// Two edges join the same two vertices.
     #[error("edges_vertices[{edge}]: joins the same vertices as edge {other}")]
     Duplicate {
         /// The later edge.
@@ -94,15 +94,15 @@ pub enum PatternError {
          compare each with each"
     )]
     Crowded {
-        /// The edge at which it became too many.
+        /// The edge at which the limit was exceeded.
         edge: usize,
     },
-    /// A face with more corners than can be cut into triangles, or too many faces with many.
+    /// A face with more corners than can be triangulated in reasonable time, or too many faces with many corners.
     #[error("faces_vertices[{face}]: expected faces of fewer corners, found {corners}")]
     Corners {
-        /// The face at which it became too many.
+        /// The face at which the limit was exceeded.
         face: usize,
-        /// Its corners.
+        /// The face's number of corners.
         corners: usize,
     },
     /// A face with a side that is no edge.
@@ -126,7 +126,7 @@ pub enum PatternError {
         /// Its end.
         vertex: usize,
     },
-    /// An edge with one and the same face on both sides.
+    /// An edge with the same face on both sides.
     #[error(
         "edges_vertices[{edge}]: has the same face on both sides; expected it to part two faces"
     )]
@@ -139,7 +139,7 @@ pub enum PatternError {
     NoArea {
         /// The face.
         face: usize,
-        /// A corner of it: the first where it touches itself, if there is one.
+        /// A corner of the face: the first at which the face touches itself, if there is one.
         vertex: usize,
     },
     /// More than one face on one side of an edge.
@@ -161,7 +161,7 @@ pub enum PatternError {
         /// The vertex.
         vertex: usize,
     },
-    /// A goal fold angle outside what a hinge can do.
+    /// A goal fold angle beyond half a turn.
     #[error("edges_foldAngle[{edge}]: expected -180 to 180 degrees, found {degrees}")]
     GoalRange {
         /// The edge.
@@ -169,7 +169,7 @@ pub enum PatternError {
         /// The angle in degrees.
         degrees: f64,
     },
-    /// A goal fold angle against its letter.
+    /// A goal fold angle whose sign contradicts the letter.
     #[error(
         "edges_foldAngle[{edge}]: {degrees} degrees has the wrong sign for letter {letter}; \
          expected valley positive, mountain negative"

@@ -1,29 +1,30 @@
-//! Whether a sheet may fold flat at each vertex: the theorems of Kawasaki and Maekawa.
+//! Tests the theorems of Kawasaki and Maekawa at each vertex: can the vertex fold flat?
 //!
-//! Source: E. Demaine, J. O'Rourke, "Geometric Folding Algorithms", 2007, sections 12.2.1 and 12.2.2. Both are
-//! necessary; that layers do not pass through each other is more.
+//! Source: E. Demaine, J. O'Rourke, "Geometric Folding Algorithms", 2007, sections 12.2.1 and 12.2.2. Both conditions
+//! are necessary, but they do not exclude layers that pass through each other.
 
 use core::f64::consts::PI;
 
 use super::{CreasePattern, Letter, VertexId};
 
-/// Why a vertex cannot fold flat.
+/// Reason why a vertex cannot fold flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlatFlaw {
-    /// It has this odd number of hinges.
+    /// The vertex has this odd number of hinges.
     Odd(usize),
-    /// Every other sector adds up to this angle (radians) in place of half a turn.
+    /// Every other sector adds up to this angle (radians) instead of half a turn.
     Kawasaki(f64),
-    /// Numbers of mountains and valleys, which have to differ by 2.
+    /// The vertex has these numbers of mountains and valleys, which have to differ by 2.
     Maekawa(usize, usize),
 }
 
-/// Radians: sectors of vertices in rounded coordinates add up to half a turn this nearly.
+/// Largest difference (radians) from half a turn of the sum of every other sector at a flat-foldable vertex with
+/// rounded coordinates.
 const SAME_ANGLE: f64 = 1e-3;
 
 impl CreasePattern {
-    /// The real vertices that cannot fold flat with all their mountains and valleys, and why. Vertices of hinges that
-    /// may turn either way are not judged. Cost: linear.
+    /// Returns the real vertices that cannot fold flat with all their mountains and valleys, each with the reason.
+    /// Vertices with hinges that may turn either way are not judged. Cost: linear.
     #[must_use]
     pub fn flat_flaws(&self) -> Vec<(VertexId, FlatFlaw)> {
         let vertices = self.real_vertices();

@@ -1,24 +1,24 @@
-//! Holes of a sheet, and the ways round them from face to face.
+//! Finds the holes of a sheet and the loops of faces round them.
 
 use nalgebra::Vector2;
 
 use super::{CreasePattern, EdgeId, FaceId, VertexId};
 use crate::ragged::Ragged;
 
-/// One step of the way round a hole: across an edge that ends at the hole's rim.
+/// One step of the loop round a hole: across an edge that ends at the hole's rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// The edge crossed.
+    /// The edge that is crossed.
     pub edge: EdgeId,
-    /// The face that the way comes to.
+    /// The face that the step enters.
     pub to: FaceId,
     /// The vertex of the rim at which the edge ends.
     pub at: VertexId,
 }
 
 impl CreasePattern {
-    /// Middle of a hole, and the largest distance from there to a vertex of the way round it: the unit
-    /// of the loop's residual of translation.
+    /// Returns the middle of a hole and the largest distance from there to a vertex of the loop round it. The distance
+    /// is the unit of the loop's residual of translation.
     ///
     /// # Panics
     /// If there is no hole of that number.
@@ -32,8 +32,8 @@ impl CreasePattern {
         (middle, from_middle.fold(f64::MIN_POSITIVE, f64::max))
     }
 
-    /// For each hole the way round it through the faces that touch its rim; a cut inside the sheet is a
-    /// hole too. Cost: linear, and next to nothing without holes.
+    /// Finds for each hole the loop through the faces that touch its rim. A cut inside the sheet is a hole too. Cost:
+    /// linear, and negligible without holes.
     pub(super) fn find_holes(&self) -> Ragged<Passage> {
         let rims = self.rims();
         let mut outer = vec![(f64::NEG_INFINITY, 0); self.sheets()];
@@ -43,7 +43,7 @@ impl CreasePattern {
         };
         for (index, rim) in rims.iter().enumerate() {
             let best = &mut outer[sheet(rim)];
-            // Walked with the sheet on the left, the border round all of it encloses the most.
+            // All rims are walked with the sheet on the left, so the outer rim of a sheet has the largest signed area.
             *best = if self.area(rim) > best.0 {
                 (self.area(rim), index)
             } else {
@@ -55,7 +55,7 @@ impl CreasePattern {
         holes.map(|(_, rim)| self.way_along(rim)).collect()
     }
 
-    /// The open edges in cycles, each walked with the sheet on the left.
+    /// Returns the cycles of edges with one face, each walked with the sheet on the left.
     fn rims(&self) -> Ragged<EdgeId> {
         let mut leaving = vec![None; self.vertices.len()];
         for (index, edge) in self.edges.iter().enumerate() {
@@ -79,7 +79,7 @@ impl CreasePattern {
         rims
     }
 
-    /// Ends of an open edge, in the order that has its face on the left.
+    /// Returns the ends of an edge with one face, in the order that has the face on the left.
     fn along_rim(&self, edge: EdgeId) -> [VertexId; 2] {
         let edge = self.edge(edge);
         let [a, b] = edge.ends;
@@ -90,7 +90,7 @@ impl CreasePattern {
         }
     }
 
-    /// Twice the signed area that a rim encloses, positive counter-clockwise.
+    /// Returns twice the signed area that a rim encloses, positive counter-clockwise.
     fn area(&self, rim: &[EdgeId]) -> f64 {
         let origin = self.vertices[self.along_rim(rim[0])[0].index()];
         let from_origin =
@@ -102,8 +102,8 @@ impl CreasePattern {
         parts.sum()
     }
 
-    /// The way through all faces that touch a rim: at each of its vertices clockwise through the fan of
-    /// faces there.
+    /// Returns the loop through all faces that touch a rim: at each vertex of the rim, clockwise through the fan of
+    /// faces at that vertex.
     fn way_along(&self, rim: &[EdgeId]) -> Vec<Passage> {
         let next = rim.iter().cycle().skip(1);
         let mut way = Vec::new();

@@ -1,4 +1,4 @@
-//! Names of the parts of a crease pattern: positions in its lists that cannot be mixed up.
+//! Newtype ids of the parts of a crease pattern: positions in its lists, which the types keep from being mixed up.
 
 macro_rules! id {
     ($name:ident, $what:literal) => {
@@ -7,16 +7,16 @@ macro_rules! id {
         pub struct $name(pub u32);
 
         impl $name {
-            /// The id of position `index`.
+            /// Makes the id of position `index`.
             ///
             /// # Panics
-            /// Past 2³², which no list of a crease pattern reaches: reading refuses it.
+            /// If `index` is 2³² or more. No list of a crease pattern is so long: readers refuse such files.
             #[must_use]
             pub fn new(index: usize) -> Self {
                 Self(u32::try_from(index).expect("fewer than 2^32 parts"))
             }
 
-            /// Its position.
+            /// Returns the position.
             #[must_use]
             pub fn index(self) -> usize {
                 self.0 as usize

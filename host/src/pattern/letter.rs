@@ -1,6 +1,6 @@
-//! The letters that say what an edge is (FOLD's `edges_assignment`).
+//! The letters of edges: FOLD's `edges_assignment`.
 
-/// What an edge of a crease pattern is for.
+/// FOLD assignment of an edge of a crease pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Letter {
     /// B: the border of the sheet.
@@ -13,7 +13,7 @@ pub enum Letter {
     Flat,
     /// U: a hinge that may turn either way.
     Unassigned,
-    /// J: joins two parts of one panel, flat for good.
+    /// J: joins two parts of one panel and always stays flat.
     Join,
     /// C: a cut.
     Cut,
@@ -31,7 +31,7 @@ impl Letter {
         ('C', Self::Cut),
     ];
 
-    /// The letter of FOLD's code, which may be written small.
+    /// Parses FOLD's code of a letter, capital or small. Returns `None` for any other text.
     #[must_use]
     pub fn from_code(code: &str) -> Option<Self> {
         let mut chars = code.chars();
@@ -40,14 +40,15 @@ impl Letter {
         known.filter(|_| chars.next().is_none()).map(|l| l.1)
     }
 
-    /// FOLD's code.
+    /// Returns FOLD's code of the letter.
     #[must_use]
     pub fn code(self) -> char {
         let known = Self::ALL.iter().find(|(_, letter)| *letter == self);
         known.map_or('U', |l| l.0)
     }
 
-    /// Sign of the fold angle that the letter asks for: 1 valley, -1 mountain, 0 none.
+    /// Returns the sign of the fold angle that the letter requires: 1 for valley, -1 for mountain, 0 for any other
+    /// letter.
     #[must_use]
     pub fn sign(self) -> f64 {
         match self {
@@ -57,7 +58,7 @@ impl Letter {
         }
     }
 
-    /// The letter with mountain and valley exchanged: the sheet seen from its other side.
+    /// Exchanges mountain and valley, as for a sheet seen from its other side.
     #[must_use]
     pub fn flipped(self) -> Self {
         match self {
@@ -67,7 +68,7 @@ impl Letter {
         }
     }
 
-    /// Whether such an edge between two faces is a hinge that may turn.
+    /// Returns `true` if an edge with this letter between two faces is a hinge that may turn.
     #[must_use]
     pub fn is_hinge(self) -> bool {
         matches!(self, Self::Mountain | Self::Valley | Self::Unassigned)

@@ -1,7 +1,7 @@
 //! Crease patterns: the flat sheet as a straight-edged planar graph.
 //!
-//! A [`Drawing`] is what a file says, a [`CreasePattern`] what was made of it: faces found, every
-//! reference checked, real and virtual vertices told apart, panels triangulated.
+//! A [`Drawing`] has the content of a file. A [`CreasePattern`] is built from it: faces are found, every reference is
+//! checked, vertices are classified as real or virtual, and panels are triangulated.
 
 mod build;
 mod drawing;

@@ -1,4 +1,4 @@
-//! Whether a drawing is planar: no edge crosses another or passes through a vertex.
+//! Checks that a drawing is planar: no edge crosses another edge or passes through a vertex.
 
 use nalgebra::Vector2;
 use robust::{Coord, orient2d};
@@ -6,16 +6,16 @@ use robust::{Coord, orient2d};
 use super::{Drawing, PatternError};
 use crate::ragged::group_by_key;
 
-/// Cells that one edge may cover in the grid before the grid is made coarser.
+/// Mean number of cells covered by an edge above which the grid is made coarser.
 const CELLS_PER_EDGE: f64 = 64.0;
 
-/// Pairs of edges compared at most, for each edge and in all: where all edges are in one place, each is near
-/// all others. In tessellations each is near some tens.
+/// Budget of compared pairs of edges: the first number for each edge, but in all at least the second. If all edges are
+/// in one place, each is near all others. In tessellations each is near some tens of others.
 const PAIRS: [usize; 2] = [1 << 10, 1 << 27];
 
-/// Checks every pair of edges that come near each other, found by a uniform grid of about one edge
-/// length a cell: expected time linear in the number of edges. The orientation tests are exact. Vertices
-/// count as one that share a place: `places` has the first one there for each.
+/// Checks every pair of edges that come near each other. A uniform grid with cells of about one edge length finds these
+/// pairs in expected linear time. The orientation tests are exact. Vertices at the same place count as one: `places`
+/// has for each vertex the first vertex at its place.
 pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternError> {
     let mut cell = mean_extent(drawing);
     let covered = |cell: f64| -> f64 {
@@ -40,7 +40,7 @@ pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternEr
             bounds.map(|p| [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64]);
         (low[0]..=high[0]).flat_map(move |x| (low[1]..=high[1]).map(move |y| [x, y]))
     };
-    // Cells that share a bucket only cost time.
+    // Different cells that share a bucket cost time but do not change the result.
     let buckets = drawing.edges.len().next_power_of_two();
     let edges = 0..drawing.edges.len();
     let in_buckets = |edge| cells(edge).map(move |cell| (bucket(cell, buckets), edge));
@@ -62,8 +62,8 @@ pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternEr
     Ok(())
 }
 
-/// Which of `buckets`, a power of two, a cell is in: cells of one row follow each other, and rows are
-/// strewn by the golden ratio.
+/// Returns the hash bucket of a cell; `buckets` is a power of two. Cells of one row have consecutive buckets, and rows
+/// are spread by the golden ratio (Fibonacci hashing).
 #[allow(
     clippy::cast_possible_truncation,
     reason = "below the number of buckets"
@@ -108,7 +108,7 @@ fn check_pair(
         let turn = orient2d(coord(p), coord(q), coord(r));
         i8::from(turn > 0.0) - i8::from(turn < 0.0)
     };
-    // A vertex on a line is on the edge if it is between the ends.
+    // A vertex on the line through an edge is on the edge if it lies between the ends.
     let on = |v: usize, [p, q]: [usize; 2], turn: i8| {
         let [to_p, to_q] = [p, q].map(|end| drawing.vertices[end] - drawing.vertices[v]);
         turn == 0 && v != p && v != q && to_p.dot(&to_q) <= 0.0

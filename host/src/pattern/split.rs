@@ -1,4 +1,4 @@
-//! Parts the sheet where its faces hang together in nothing: along cuts, and where they meet in a point
+//! Splits vertices and edges where faces are not connected: along cuts, and at vertices where faces meet in a point
 //! alone.
 
 use std::collections::{HashMap, HashSet};
@@ -6,12 +6,12 @@ use std::collections::{HashMap, HashSet};
 use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter, VertexId};
 use crate::ragged::{Ragged, group_by_key};
 
-/// For each edge the faces to its left and right.
+/// The faces to the left and right of each edge.
 pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
 
-/// Gives each fan of faces round a vertex a vertex of its own, and each side of a cut an edge of its
-/// own. The first fan and the left side keep what was drawn; what is added comes behind all of it.
-/// What was done is said in `assumptions`. Returns the cuts along a single edge inside, which are hinges.
+/// Gives each fan of faces round a vertex its own vertex, and each side of a cut its own edge. The first fan and the
+/// left side keep the drawn vertex and edge; new ones are appended behind all drawn ones. Adds notes of the splits to
+/// `assumptions`. Returns the cuts along a single edge inside the sheet, which are hinges.
 pub(super) fn split(
     drawing: &mut Drawing,
     faces: &mut Ragged<VertexId>,
@@ -34,7 +34,7 @@ pub(super) fn split(
         };
         let other = ends_in(ends, right);
         if other == drawing.edges[edge].ends {
-            // Both faces still hold both ends: they can turn about the line between, and no more.
+            // Both faces still share both ends: they can only turn about the line between these.
             drawing.edges[edge].letter = Letter::Unassigned;
             drawing.edges[edge].goal = None;
             slits.push(edge);
@@ -75,18 +75,18 @@ pub(super) fn split(
     slits.into_iter().map(EdgeId::new).collect()
 }
 
-/// Whether an edge so lettered parts the faces on its two sides.
+/// Returns `true` if an edge with this letter separates the faces on its two sides.
 fn parts(letter: Letter) -> bool {
     matches!(letter, Letter::Boundary | Letter::Cut)
 }
 
-/// Faces round the same vertex that edges join, one behind the other.
+/// The fans of all vertices. A fan is a chain of faces round one vertex, each joined to the next by an edge.
 struct Fans {
-    /// The vertex that a face has instead of one drawn.
+    /// The new vertex of a face, by the face and the drawn vertex that it replaces.
     moved: HashMap<(FaceId, usize), usize>,
-    /// For each vertex added, the one in whose place it is.
+    /// For each new vertex the drawn vertex that it replaces.
     sources: Vec<usize>,
-    /// Vertices that were parted although no cut ends there.
+    /// Vertices that were split although no cut ends there.
     points: Vec<usize>,
 }
 
@@ -94,7 +94,7 @@ impl Fans {
     fn new(drawing: &Drawing, faces: &Ragged<VertexId>, edge_faces: &EdgeFaces) -> Self {
         let vertices = drawing.vertices.len();
         let mut cut = vec![false; vertices];
-        // A single fan of n faces has n - 1 joints, or n where it goes all round.
+        // A single fan of n faces has n - 1 joints, or n if it closes round the vertex.
         let mut missing = vec![-1_i64; vertices];
         for corner in faces.items() {
             missing[corner.index()] += 1;
@@ -141,7 +141,7 @@ impl Fans {
         fans
     }
 
-    /// Gives every fan at `vertex` but the first a vertex of its own.
+    /// Gives every fan at `vertex` but the first its own vertex.
     fn part(&mut self, drawn: usize, vertex: usize, faces: &[FaceId], joints: &[[FaceId; 2]]) {
         let mut beyond: HashMap<FaceId, Vec<FaceId>> = HashMap::new();
         for &[a, b] in joints {
@@ -171,7 +171,7 @@ impl Fans {
         }
     }
 
-    /// The vertex that `face` has where `drawn` was.
+    /// Returns the vertex of `face` that replaces the vertex `drawn`.
     fn vertex(&self, face: FaceId, drawn: usize) -> usize {
         if self.moved.is_empty() {
             return drawn;

@@ -1,23 +1,23 @@
-//! Faces from edges: walks round the left side of each directed edge.
+//! Finds faces from edges by walking round the left side of each directed edge (half-edge traversal).
 
 use nalgebra::Vector2;
 
 use super::{Drawing, EdgeId, Letter, VertexId};
 use crate::ragged::Ragged;
 
-/// Faces of a planar drawing, counter-clockwise, given for each vertex the edges round it
-/// counter-clockwise. Left out are the outside and holes: cycles whose every edge is lettered as a
-/// boundary and has a face on its other side.
+/// Returns the faces of a planar drawing, counter-clockwise. `stars` has the edges at each vertex, counter-clockwise.
+/// The outside and holes are left out. A hole is a cycle whose edges all have the letter B and a face on their other
+/// side.
 pub(super) fn faces(drawing: &Drawing, stars: &Ragged<EdgeId>) -> Ragged<VertexId> {
     const NONE: usize = usize::MAX;
-    // Directed edge 2e runs from the first end of e to the second, 2e + 1 back.
+    // Directed edge 2e runs from the first end of edge e to the second, directed edge 2e + 1 runs back.
     let origin = |half: usize| VertexId::new(drawing.edges[half / 2].ends[half % 2]);
     let mut next = vec![NONE; 2 * drawing.edges.len()];
     for (vertex, star) in stars.iter().enumerate() {
         let leaving = |edge: EdgeId| {
             2 * edge.index() + usize::from(drawing.edges[edge.index()].ends[0] != vertex)
         };
-        // Arriving along an edge, the face to the left continues along the next edge clockwise.
+        // At the end of an edge, the face to the left continues along the next edge clockwise.
         let clockwise = star
             .iter()
             .skip(1)
@@ -59,14 +59,14 @@ pub(super) fn faces(drawing: &Drawing, stars: &Ragged<EdgeId>) -> Ragged<VertexI
         .collect()
 }
 
-/// Signed area of a cycle of vertices, positive counter-clockwise.
+/// Returns the signed area of a cycle of vertices, positive counter-clockwise.
 pub(super) fn area(drawing: &Drawing, cycle: impl Iterator<Item = VertexId> + Clone) -> f64 {
     let places = cycle.map(|vertex| drawing.vertices[vertex.index()]);
     twice_area(places) / 2.0
 }
 
-/// Twice the signed area of a polygon, from its first corner: far from the origin, products of coordinates would
-/// leave nothing of it.
+/// Returns twice the signed area of a polygon. Coordinates are taken relative to the first corner, because far from the
+/// origin the products of absolute coordinates would cancel completely.
 pub(crate) fn twice_area(corners: impl Iterator<Item = Vector2<f64>> + Clone) -> f64 {
     let Some(first) = corners.clone().next() else {
         return 0.0;

@@ -1,13 +1,13 @@
-//! Triangulation of a face by cutting ears.
+//! Triangulates a face by ear clipping.
 
 use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
-/// Triangles of a simple counter-clockwise polygon, as positions in `polygon`, or `None` if it is
+/// Returns the triangles of a simple counter-clockwise polygon, as positions in `polygon`, or `None` if the polygon is
 /// not simple.
 ///
-/// Cuts the ear with the largest smallest angle first, which leaves no flat triangle where vertices
-/// lie on a straight side. O(n²) for n corners.
+/// Clips the ear with the largest smallest angle first, which leaves no triangle without area where vertices lie on a
+/// straight side. Cost: O(n²) for n corners.
 pub(super) fn triangulate(polygon: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
     let count = polygon.len();
     let mut open = vec![true; count];
@@ -38,12 +38,13 @@ pub(super) fn triangulate(polygon: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
     })
 }
 
-/// A corner with its neighbours, perhaps an ear.
+/// A corner with its neighbours, a candidate for an ear.
 struct Tip {
     corners: [usize; 3],
     quality: f64,
     turns_left: bool,
-    /// Corners that are not in the triangle, or cut off, from the first on. It stays so.
+    /// Number of corners, counted from the first, that are outside the triangle or already cut off. They remain so, and
+    /// the next test continues behind them.
     outside: usize,
 }
 
@@ -73,7 +74,7 @@ impl Tip {
     }
 }
 
-/// Positive if the three corners turn left, 0 if they lie on a line. Exact.
+/// Returns a positive number if the three corners turn left, and 0 if they lie on a line. The sign is exact.
 fn turn(polygon: &[Vector2<f64>], corners: [usize; 3]) -> f64 {
     let [a, b, c] = corners.map(|k| Coord {
         x: polygon[k].x,
@@ -82,7 +83,7 @@ fn turn(polygon: &[Vector2<f64>], corners: [usize; 3]) -> f64 {
     orient2d(a, b, c)
 }
 
-/// Sine of the smallest angle, about: twice the area over the squared longest side.
+/// Returns about the sine of the smallest angle: twice the area over the squared longest side.
 fn quality(polygon: &[Vector2<f64>], [a, b, c]: [usize; 3]) -> f64 {
     let [a, b, c] = [polygon[a], polygon[b], polygon[c]];
     let longest = (b - a).norm_squared();

@@ -1,4 +1,4 @@
-//! Judging a path at its knots alone: nothing is certified between them, which takes a small part of the time.
+//! Judges a path at its knots alone: nothing is certified between them, which takes a small part of the time.
 
 use std::time::Instant;
 
@@ -18,7 +18,8 @@ use crate::progress::Stage;
 use crate::symmetry::Lattice;
 
 impl Planning<'_> {
-    /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet there.
+    /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet at the
+    /// knots.
     pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
         self.watch.begin(Stage::Placing);
         let start = Instant::now();
@@ -48,7 +49,7 @@ impl Planning<'_> {
         }
     }
 
-    /// The waypoints as knots, as far apart in time as the speed of the hinges asks for.
+    /// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges requires.
     fn knots_of(&self, found: &Found<'_>) -> Vec<Knot> {
         let mut time = 0.0;
         let mut before: Option<&[f64]> = None;
@@ -67,8 +68,8 @@ impl Planning<'_> {
         knots.collect()
     }
 
-    /// Measures the sheet at its knots, or only bounds what it deforms by how well its essential vertices close, where
-    /// that suffices. `Err` names the knot before which time ran out.
+    /// Measures the sheet at its knots or, if that suffices, bounds its errors by the closure of its essential
+    /// vertices. `Err` is the number of the knot before which time ran out.
     fn measure_at_knots(
         &mut self,
         reduction: &Reduction,
@@ -91,7 +92,7 @@ impl Planning<'_> {
         Ok(())
     }
 
-    /// Looks for crossings at the knots, along the lattice if the sheet is where that has it.
+    /// Looks for crossings at the knots, along the lattice if faces are near enough to where the lattice has them.
     fn look_at_knots(self, reduction: &Reduction) -> Plan {
         self.watch.begin(Stage::Crossings);
         let start = Instant::now();
@@ -115,7 +116,7 @@ impl Planning<'_> {
     }
 }
 
-/// A bound on the errors of the sheet at all of some knots; its twist is one on the closure, too.
+/// Returns a bound on the errors of the sheet over all of these knots; its twist bounds the closure, too.
 fn bound_at(knots: &[Knot], pattern: &CreasePattern, reduction: &Reduction) -> Option<Rigidity> {
     let essential = &reduction.essential;
     let count = essential.vertices().len();

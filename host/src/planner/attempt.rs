@@ -1,4 +1,5 @@
-//! One attempt at a path: on given crease groups, from flat to the goal or as near as the motion leads.
+//! One attempt at a path on given crease groups, from flat to the goal or as near as the motion leads: backwards from
+//! the goal, or else forwards from flat, or else by the randomised search.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -17,74 +18,76 @@ use super::solver::{ClosureSolver, Work};
 use super::{Goal, Judged, PlanOptions, Search};
 use crate::pattern::CreasePattern;
 
-/// How an attempt ended.
+/// Outcome of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
-    /// At the goal, or the nearest closed configuration to it.
+    /// The path ends at the goal, or at the closed configuration nearest to it.
     Reached,
-    /// Short of it.
+    /// The path ends before the goal.
     Stopped(Stop),
-    /// Without a goal: none of the phases, counted with the goal as the last, may be missing.
+    /// There is no goal: one of the phases, of which the goal is the last, has no closed configuration.
     NotClosed {
         /// The phase without a closed configuration.
         phase: usize,
-        /// How far (radians) the nearest closed configuration found is, if any is.
+        /// Distance (radians) of the nearest closed configuration that was found, if any was.
         nearest: Option<f64>,
     },
 }
 
-/// How near a goal has to be.
+/// Conditions on a closed configuration that stands for a goal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// How far a crease may be from its goal angle, radians.
+    /// Largest distance of a crease from its goal angle, radians.
     pub(super) radians: f64,
-    /// Whether what closes only as well as can be does not count.
+    /// `true` if the goal has to close to the tolerance: a local minimum of the residual does not count.
     pub(super) exactly: bool,
 }
 
-/// A path in group angles, and how it ended.
+/// A path in group angles, and the reason why it ended.
 pub(super) struct Attempt<'a> {
     pub(super) reduction: Reduction<'a>,
-    /// From flat.
+    /// Waypoints, from flat.
     pub(super) waypoints: Vec<Waypoint>,
     /// The closed configuration at the goal, if one is known.
     pub(super) goal: Option<Vec<f64>>,
-    /// Closure residual that counts as closed although it can be made no smaller.
+    /// Closure residual up to which a local minimum counts as closed.
     pub(super) accepted: f64,
     pub(super) end: End,
-    /// Whether the goal had to close exactly.
+    /// `true` if the goal had to close exactly.
     pub(super) exactly: bool,
-    /// How much of the goal's angles the last waypoint has, 0 to 1.
+    /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
     pub(super) reached: f64,
-    /// Time for closing the goal, and for the rest.
+    /// Times for closing the goal and for the rest.
     pub(super) times: [Duration; 2],
     pub(super) notes: Vec<String>,
 }
 
-/// Radians: a hinge this near what is asked of it may be there.
+/// Distance from the angle asked for up to which a hinge counts as being there, radians.
 const NEARLY: f64 = 1e-6;
-/// Part of the largest angle asked for by which a goal may be moved at most.
+/// Largest distance by which a goal may be moved, as a fraction of the largest angle asked for.
 const MOVED: f64 = 0.5;
-/// Part of the largest angle asked for that the nearest closed configuration has to have.
+/// Angle that the nearest closed configuration has to reach, as a fraction of the largest angle asked for.
 const TURNED: f64 = 0.1;
-/// Part of the residual that the bound allows, up to which configurations are closed where they alone are judged.
+/// Closure residual to which configurations are closed if knots alone are judged, as a fraction of the residual that
+/// the bound allows.
 const ROUGH: f64 = 1e-2;
-/// Iterations that close what is predicted along a motion; a handful suffice, unless nothing closes there.
+/// Largest number of iterations to close a predicted configuration: a handful suffice, unless nothing closes there.
 const ITERATIONS: u32 = 25;
-/// Closure residual that rounding may leave on a straight way.
+/// Closure residual that rounding may leave on a straight way between two configurations.
 const STRAIGHT: f64 = 1e-12;
-/// Steps of it at least: any two configurations close.
+/// Smallest number of steps on a straight way: its two ends close in any case.
 const STEPS: f64 = 4.0;
-/// Branches that are followed from flat.
+/// Largest number of branches that are followed from flat.
 const BRANCHES: usize = 4;
-/// Starts again of the randomised search as a last resort.
+/// Number of restarts of the randomised search as a last resort.
 const LAST_RESORT: usize = 3;
-/// Unknowns beyond which samples are too costly and too rarely good for a last resort.
+/// Number of unknowns above which the randomised search is not tried as a last resort: samples are too costly and too
+/// rarely good.
 const LAST_RESORT_UNKNOWNS: usize = 200;
-/// Starts again of the randomised search where it is asked for.
+/// Number of restarts of the randomised search if it is asked for.
 const RESTARTS: usize = 20;
 
-/// What all steps of an attempt share.
+/// State shared by all steps of an attempt.
 struct Route<'a> {
     pattern: &'a CreasePattern,
     goal: &'a Goal,
@@ -94,12 +97,12 @@ struct Route<'a> {
     signs: Vec<f64>,
     notes: Vec<String>,
     accepted: f64,
-    /// Motions found that leave the flat sheet.
+    /// Number of motions found that leave the flat sheet.
     branches: usize,
 }
 
 impl<'a> Attempt<'a> {
-    /// Tries to find a path.
+    /// Looks for a path.
     pub(super) fn new(
         pattern: &CreasePattern,
         reduction: Reduction<'a>,
@@ -163,17 +166,17 @@ impl<'a> Attempt<'a> {
         }
     }
 
-    /// Where the path ends; nothing if there is none.
+    /// Returns the configuration at the end of the path; empty if there is no path.
     pub(super) fn last(&self) -> &[f64] {
         self.waypoints.last().map_or(&[], |last| &last.angles)
     }
 
-    /// Whether nothing better can be had.
+    /// Returns `true` if no other attempt can do better.
     pub(super) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
     }
 
-    /// Larger is better.
+    /// Returns the rank of the attempt; a larger one is better.
     pub(super) fn rank(&self) -> f64 {
         match self.end {
             End::Reached => 2.0,
@@ -193,7 +196,7 @@ impl<'a> Route<'a> {
         }
     }
 
-    /// A solver of configurations that turn no hinge against its sign.
+    /// Makes a solver of configurations in which no hinge turns against its sign.
     fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
         let mut solver = self.reduction.solver(self.options, accepted);
         solver.set_limits(self.reduction.orthant(&self.signs));
@@ -201,7 +204,7 @@ impl<'a> Route<'a> {
         if self.options.judged == Judged::Motion {
             return solver;
         }
-        // Where crossings are looked for along a lattice, faces have to be where it has them.
+        // The search for crossings along a lattice needs the faces where the lattice has them.
         let alone = self.reduction.groups.is_trivial();
         let rough = ROUGH * self.reduction.tolerance(self.options.bound);
         solver
@@ -209,8 +212,8 @@ impl<'a> Route<'a> {
             .content_with(if alone { rough } else { 0.0 })
     }
 
-    /// The closed configurations to pass through, the goal last; none for a goal that is not a
-    /// configuration. `Err` says which does not close.
+    /// Returns the closed configurations to pass through, with the goal last; without the goal if it is not a
+    /// configuration. `Err` names the phase that does not close.
     fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, End> {
         let mut targets = Vec::new();
         let goals = self.goal.via.iter().chain([self.goal]);
@@ -223,10 +226,11 @@ impl<'a> Route<'a> {
             let near = |closed: &ClosedGoal| {
                 closed.error <= reach.radians.min(goal.reach)
                     && !(reach.exactly && closed.accepted > 0.0)
-                    // Groups that a goal which closes as it stands has only nearly are no groups.
+                    // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
+                    // the goal.
                     && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
             };
-            // The flat sheet, which always closes, is not what is asked for.
+            // The flat sheet always closes, but is not what was asked for.
             let asked = largest(&goal.fold_angles);
             let turned = |closed: &ClosedGoal| {
                 let moved = goal.kind == GoalKind::Letters || closed.error <= MOVED * asked;
@@ -249,7 +253,7 @@ impl<'a> Route<'a> {
         Ok(targets)
     }
 
-    /// The path through all targets, or as far as it goes.
+    /// Returns the path through all targets, or as far as it leads.
     fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
         let whole = targets.len() == self.goal.via.len() + 1;
         let mut waypoints: Vec<Waypoint> = Vec::new();
@@ -272,7 +276,7 @@ impl<'a> Route<'a> {
         if whole {
             return (waypoints, End::Reached);
         }
-        // The last goal is not a configuration: as near as the motion goes.
+        // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
             None => match self.guided(work) {
                 Some(guided) => guided,
@@ -291,7 +295,7 @@ impl<'a> Route<'a> {
         (waypoints, end)
     }
 
-    /// On the way to the guide's goal as far as what is asked for, if it is on that way.
+    /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.
     fn guided(&mut self, work: &mut Work) -> Option<Followed> {
         let guide = self.goal.guide.as_deref()?;
         let (asked, signs) = self.reduction.asked(guide);
@@ -329,7 +333,8 @@ impl<'a> Route<'a> {
         })
     }
 
-    /// From flat to the first target: followed from there, or else from flat, or else searched.
+    /// Leads from flat to the first target: on the straight way, or else followed backwards from the target, or else
+    /// followed forwards from flat, or else by the randomised search.
     fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
         if let Some(straight) = self.straight_way(&vec![0.0; target.angles.len()], &target.angles) {
             return straight;
@@ -338,8 +343,8 @@ impl<'a> Route<'a> {
         if matches!(backwards.stop, None | Some(Stop::Timeout)) {
             return backwards;
         }
-        // Where the goal closes exactly but the way from it does not, as happens with rounded
-        // coordinates, the way from one that closes as well as can be.
+        // The goal closes exactly, but the path from it may not, as happens with rounded coordinates: start from a
+        // local minimum of the residual near the goal.
         if target.accepted <= 0.0 && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
         {
             let accepted = self.reduction.accepted(self.options);
@@ -378,8 +383,8 @@ impl<'a> Route<'a> {
         }
     }
 
-    /// The straight way between two configurations, if the sheet closes all along: what turns does so about the same
-    /// line, or on its own.
+    /// Returns the straight way between two configurations if the sheet closes all along it: the creases that turn do
+    /// so about the same line, or each on its own.
     fn straight_way(&self, from: &[f64], to: &[f64]) -> Option<Followed> {
         let far = max_difference(from, to);
         if far <= 0.0 {
@@ -400,7 +405,7 @@ impl<'a> Route<'a> {
         })
     }
 
-    /// From the target to flat, turned round.
+    /// Follows the motion from the target to flat, and returns the path reversed.
     fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
         let mut solver = self.solver(target.accepted);
         self.accepted = target.accepted;
@@ -418,7 +423,7 @@ impl<'a> Route<'a> {
         }
         *work += solver.work;
         if followed.stop.is_some() {
-            // What does not begin flat is no part of a path.
+            // Waypoints that do not begin at flat are no part of a path.
             followed.waypoints = vec![Waypoint::new(
                 vec![0.0; target.angles.len()],
                 vec![0.0; target.angles.len()],
@@ -427,7 +432,7 @@ impl<'a> Route<'a> {
         followed.reversed()
     }
 
-    /// Between two targets.
+    /// Follows the motion from one target to the next, or else backwards.
     fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
         if let Some(straight) = self.straight_way(from, &to.angles) {
             return straight;
@@ -452,8 +457,8 @@ impl<'a> Route<'a> {
         followed
     }
 
-    /// From flat along the signs of the goal: exactly, or else, where only that leads all the way because
-    /// coordinates are rounded, as closed as can be.
+    /// Follows the motion from flat along the signs of the goal: with exact closure or, if only that leads all the way
+    /// because coordinates are rounded, through local minima of the residual.
     fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
         let exact = self.forwards_to(target, 0.0, work);
         self.accepted = 0.0;
@@ -469,7 +474,7 @@ impl<'a> Route<'a> {
         exact
     }
 
-    /// From flat on the branch that leads farthest.
+    /// Follows the motion from flat on the branch that leads farthest.
     fn forwards_to(
         &mut self,
         target: Option<&ClosedGoal>,
@@ -506,7 +511,7 @@ impl<'a> Route<'a> {
             let mut followed = follow(&mut solver, near, Some(&tangent), target, self.rules());
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
-                // What leads on without coming nearer to the goal is not part of the way there.
+                // Waypoints beyond the one nearest to the goal are not part of the path.
                 let parts = followed.waypoints.iter().map(|w| self.part(&w.angles));
                 let far =
                     parts.enumerate().fold(
@@ -537,7 +542,8 @@ impl<'a> Route<'a> {
         best
     }
 
-    /// A direction from flat: what is asked for, and what is not as large, the way of its letter.
+    /// Returns a direction in which to leave flat: the angles asked for, and for free groups the largest of these
+    /// angles with the group's sign.
     fn guess(&self) -> Vec<f64> {
         let largest = largest(&self.asked);
         let pairs = self.asked.iter().zip(&self.signs);
@@ -546,7 +552,7 @@ impl<'a> Route<'a> {
             .collect()
     }
 
-    /// The randomised search for the last of the targets.
+    /// Searches at random for a path to the last of the targets.
     fn random(
         &mut self,
         targets: &[ClosedGoal],
@@ -555,7 +561,7 @@ impl<'a> Route<'a> {
     ) -> (Vec<Waypoint>, End) {
         let options = self.options;
         let exact = options.search != Search::Random;
-        // As the report does, content with what the deformation bound allows.
+        // As in the report, a closure residual that the deformation bound allows is enough.
         let tolerance = if exact {
             0.0
         } else {
@@ -591,7 +597,7 @@ impl<'a> Route<'a> {
         (followed.waypoints, end)
     }
 
-    /// How much of the goal's angles a configuration has, 0 to 1.
+    /// Returns the fraction of the goal's angles that a configuration has, 0 to 1.
     fn part(&self, angles: &[f64]) -> f64 {
         let pairs = self.asked.iter().zip(angles);
         let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
@@ -606,8 +612,8 @@ impl<'a> Route<'a> {
     }
 }
 
-/// Straight from flat to the group angles `goal`, each configuration moved to where the residual is least
-/// near by: what a sheet could do that may deform.
+/// Makes the straight path from flat to the group angles `goal`, as a sheet that may deform could go. Each
+/// configuration is moved to the local minimum of the residual, if that is near.
 pub(super) fn straight(
     reduction: &Reduction,
     goal: &[f64],
@@ -620,7 +626,7 @@ pub(super) fn straight(
     while step <= steps {
         let exact: Vec<f64> = goal.iter().map(|angle| angle * step / steps).collect();
         let mut near = exact.clone();
-        // The last is the goal itself.
+        // The last configuration is the goal itself.
         let moves = step < steps && solver.closes(&mut near);
         let same = moves
             && max_difference(&near, &exact) <= SHIFT * options.max_step
@@ -631,10 +637,10 @@ pub(super) fn straight(
     polyline(&knots)
 }
 
-/// Part of a step that a configuration of the straight path may be moved.
+/// Largest distance that a configuration of the straight path may be moved, as a fraction of the largest step.
 const SHIFT: f64 = 0.25;
 
-/// Appends what follows a corner, where the path rests.
+/// Appends waypoints to a path, which rests where the two join at a corner.
 fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
     if let (Some(corner), Some(first)) = (waypoints.last_mut(), next.first()) {
         if max_difference(&corner.tangent, &first.tangent) > SMOOTH {

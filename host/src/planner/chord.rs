@@ -1,34 +1,34 @@
-//! Newton's method with one factor: the chord method, for configurations that nearly close.
+//! The chord method (simplified Newton method): closes configurations that nearly close with a single factorisation.
 //!
-//! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the configuration
-//! predicted, and only the residual is new in each step, as Levenberg-Marquardt has it with
-//! [`Steps::Repeated`](foldpath_core::least_squares::Steps::Repeated); but with the damping of the
-//! projection on motions, which the same factor then serves.
+//! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the predicted configuration, and only
+//! the residual is new in each step, as in Levenberg-Marquardt with
+//! [`Steps::Repeated`](foldpath_core::least_squares::Steps::Repeated). Differs from that in the damping, which is that
+//! of the projection on motions, so that the projection can use the same factor.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
 use foldpath_core::levenberg_marquardt::projection_damping;
 
 use super::sparse::SparseNormalEquations;
 
-/// Largest closure residual from which to start: further away the damping of Levenberg-Marquardt is
-/// what keeps a step near.
+/// Largest closure residual from which the chord method starts: from farther away only the damping of
+/// Levenberg-Marquardt keeps a step short.
 const NEAR: f64 = 1e-2;
-/// Part of the residual that a step may leave: more, and the factor is not that of this place any
-/// more. Miura sheets are seen to leave 1e-5 at first, then a hundredth.
+/// Largest fraction of the residual that a step may leave. If more is left, the factor does not fit this configuration
+/// any more. On Miura sheets the first step leaves about 1e-5, later steps a hundredth.
 const CONTRACTION: f64 = 0.1;
 
-/// What was done.
+/// Outcome of the chord method.
 pub(super) struct Chord {
-    /// Whether every star closes.
+    /// `true` if every star closes.
     pub(super) closed: bool,
     /// Damping of the factor.
     pub(super) damping: f64,
-    /// Steps, each with one evaluation; one more evaluation was at the start.
+    /// Number of steps, each with one evaluation; one more evaluation was made at the start.
     pub(super) steps: u32,
 }
 
-/// Moves `x` (radians) to the closed configuration near it, or leaves it as it is if the residual
-/// does not shrink fast or a limit is passed. `workspace` needs 2n numbers.
+/// Moves `x` (radians) to the closed configuration near it; leaves `x` as it is if the residual does not shrink fast or
+/// a limit is passed. `workspace` needs 2n numbers.
 pub(super) fn close(
     problem: &mut ClosureProblem<'_, f64>,
     equations: &mut SparseNormalEquations,
@@ -48,7 +48,7 @@ pub(super) fn close(
         return Some(chord);
     }
     if residual > tolerance {
-        // As in the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
+        // The damping of the projection on motions: rounding, which is ε/λ, stays as small as λ itself.
         chord.damping = projection_damping(equations);
         if !equations.factorise(chord.damping) {
             return Some(chord);
@@ -65,7 +65,7 @@ pub(super) fn close(
         }
         residual = next;
     }
-    // Small residuals add up over a large sheet. One more step costs no evaluation.
+    // Small residuals add up over a large sheet, and one more step costs no evaluation.
     if chord.steps > 0 {
         advance(equations, step, trial);
     }
@@ -76,7 +76,7 @@ pub(super) fn close(
     Some(chord)
 }
 
-/// Moves `trial` by the step for the gradient last made.
+/// Moves `trial` by the step that belongs to the last gradient.
 fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut [f64]) {
     equations.step(step);
     for (trial, step) in trial.iter_mut().zip(step) {
@@ -95,7 +95,8 @@ mod tests {
     use crate::planner::Goal;
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
-    /// What the chord method does so far from a closed Miura sheet, and the angles before and after.
+    /// Runs the chord method this far (radians) from a closed Miura sheet. Returns the outcome, the angles before and
+    /// after, and the residual after.
     fn from(distance: f64) -> (Chord, Vec<f64>, Vec<f64>, f64) {
         let miura = Miura {
             rows: 6,

@@ -1,4 +1,4 @@
-//! The path as geometry: configurations as a function of the way travelled, whatever the time.
+//! The path as geometry: closed configurations as a function of path length in group angles, independent of time.
 
 use core::ops::Range;
 
@@ -9,7 +9,7 @@ use super::place::Terms;
 use super::solver::ClosureSolver;
 use super::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
 
-/// Waypoints, and the Euclidean length of the way in group angles to each.
+/// Waypoints, and the Euclidean path length in group angles to each of them.
 pub(super) struct Course {
     waypoints: Vec<Waypoint>,
     ways: Vec<f64>,
@@ -18,33 +18,33 @@ pub(super) struct Course {
 /// A configuration on the course.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Site {
-    /// Way from the start.
+    /// Path length from the start.
     pub(super) way: f64,
     /// Group angles, radians.
     pub(super) angles: Vec<f64>,
-    /// Derivative of the angles by the way.
+    /// Derivative of the angles by the path length.
     pub(super) tangent: Vec<f64>,
-    /// Whether one phase of the motion ends here and another begins.
+    /// `true` if one phase of the motion ends here and another begins.
     pub(super) ends_phase: bool,
 }
 
 impl Site {
-    /// Whether the motion rests here, as at a corner.
+    /// Returns `true` if the motion rests here, as at a corner.
     pub(super) fn rests(&self) -> bool {
         max_norm(&self.tangent) <= 0.0
     }
 
-    /// Whether there has to be a knot here.
+    /// Returns `true` if there has to be a knot here.
     pub(super) fn stays(&self) -> bool {
         self.rests() || self.ends_phase
     }
 }
 
-/// A prediction farther from closing than this part of the distance between its waypoints is none.
+/// Largest distance of a closed configuration from its prediction, as a fraction of the distance between waypoints.
 const ASTRAY: f64 = 0.1;
 
-/// Waypoints nearer to the one before than this part of the largest such distance are left out: where a
-/// motion turns back at a limit or passes a singular place, their tangents are not those of a smooth way.
+/// Distance from the waypoint before, as a fraction of the largest such distance, below which a waypoint is left out.
+/// If a motion turns back at a limit or passes a singular configuration, tangents there are not those of a smooth path.
 const TOO_NEAR: f64 = 1.0 / 1024.0;
 
 impl Course {
@@ -67,12 +67,12 @@ impl Course {
         }
     }
 
-    /// Places of the waypoints.
+    /// Returns the path lengths to the waypoints.
     pub(super) fn ways(&self) -> &[f64] {
         &self.ways
     }
 
-    /// The waypoint of that number.
+    /// Returns the waypoint of this number.
     pub(super) fn site(&self, index: usize) -> Site {
         Site {
             way: self.ways[index],
@@ -82,12 +82,12 @@ impl Course {
         }
     }
 
-    /// Numbers of the waypoints between the ends.
+    /// Returns the numbers of the waypoints between the ends.
     pub(super) fn inner(&self) -> Range<usize> {
         1..self.waypoints.len().saturating_sub(1)
     }
 
-    /// The number of the waypoint between two places that is nearest to their middle.
+    /// Returns the number of the waypoint between two path lengths that is nearest to their middle.
     pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
         let middle = (from + to) / 2.0;
         let first = self.ways.partition_point(|way| *way <= from);
@@ -96,7 +96,7 @@ impl Course {
         (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// For each group its curve between the waypoints of that number and the next, of the way.
+    /// Returns, for each group, its cubic Hermite curve from the waypoint of this number to the next, by path length.
     fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
         let [from, to] = [&self.waypoints[segment], &self.waypoints[segment + 1]];
         let span = self.ways[segment + 1] - self.ways[segment];
@@ -111,7 +111,8 @@ impl Course {
         })
     }
 
-    /// How much of the way lies before a configuration on the course, 0 to 1.
+    /// Returns the fraction of the path before a configuration on the course, 0 to 1, by the nearest point of the
+    /// polyline.
     pub(super) fn part(&self, angles: &[f64]) -> f64 {
         let along = |pair: &[Waypoint]| {
             let [from, to] = [&pair[0].angles, &pair[1].angles];
@@ -140,7 +141,8 @@ impl Course {
         }
     }
 
-    /// The waypoints before a configuration near the end of the course, and it, closed.
+    /// Cuts the course at a configuration near its end. Returns the waypoints before that configuration, and the
+    /// configuration itself, closed.
     pub(super) fn cut(
         &self,
         solver: &mut ClosureSolver<'_>,
@@ -167,13 +169,13 @@ impl Course {
         Some(waypoints)
     }
 
-    /// The fastest motion along the course: `parts` places of each segment are looked at.
+    /// Computes the fastest motion along the course, sampled on `parts` intervals of each segment.
     pub(super) fn fastest(&self, parts: usize, terms: &Terms<'_>) -> Result<Law, TimingError> {
         let (mut ways, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
         for segment in 0..self.ways.len().saturating_sub(1) {
             let span = self.ways[segment + 1] - self.ways[segment];
             let curves: Vec<Curve<f64>> = self.curves(segment).collect();
-            // Both ends: second derivatives jump at waypoints.
+            // Both ends of a segment are sampled, as second derivatives jump at waypoints.
             for part in 0..=parts {
                 #[allow(clippy::cast_precision_loss, reason = "few parts")]
                 let s = part as f64 / parts as f64;
@@ -203,7 +205,7 @@ impl Course {
         Law::time_optimal(path, limits, rests)
     }
 
-    /// The closed configuration at a place, if one is found where it is predicted.
+    /// Returns the closed configuration at a path length, if it is found near the prediction.
     pub(super) fn closed(&self, solver: &mut ClosureSolver<'_>, way: f64) -> Option<Site> {
         let after = self.ways.partition_point(|known| *known <= way);
         let segment = after.checked_sub(1)?.min(self.ways.len().checked_sub(2)?);
@@ -236,7 +238,7 @@ impl Course {
     }
 }
 
-/// The waypoints that are not too near to the one before. The ends, corners and ends of phases stay.
+/// Returns the waypoints that are not too near to the one before. The ends, corners and ends of phases always stay.
 fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     let pairs = waypoints.windows(2);
     let widest = pairs.map(|pair| arc_length(&pair[0], &pair[1]));
@@ -252,13 +254,13 @@ fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     kept
 }
 
-/// Length of the path between two waypoints: that of the circular arc with their chord whose ends
-/// enclose the angle of their tangents, fourth order in the chord.
+/// Returns the length of the path between two waypoints: that of the circular arc over their chord whose ends enclose
+/// the angle of their tangents. The error is of fourth order in the chord.
 fn arc_length(from: &Waypoint, to: &Waypoint) -> f64 {
     let squares = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
     let chord = squares(&from.angles, &to.angles).sqrt();
-    // The tangents have length 1: their difference is twice the sine of half the angle. At a corner, where
-    // one is zero, that makes 60 degrees and 5 % more length, which a start from rest takes.
+    // The tangents have length 1, so that their difference is twice the sine of half the angle. At a corner one of them
+    // is zero: this makes 60 degrees and 5 % more length, which a start from rest takes.
     let sine = (squares(&from.tangent, &to.tangent).sqrt() / 2.0).min(1.0);
     if sine > 0.0 {
         chord * sine.asin() / sine

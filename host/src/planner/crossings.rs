@@ -1,4 +1,4 @@
-//! Looks for crossings on a path that is placed and measured, and ends it before the first.
+//! Looks for crossings on a path that is placed and measured, and ends the path before the first one.
 
 use std::time::Instant;
 
@@ -17,22 +17,23 @@ use crate::folding::Rigidity;
 use crate::progress::Stage;
 use crate::symmetry::Lattice;
 
-/// Factor by which the motion is brought nearer to the course where it crosses and the course may not.
+/// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its course may not.
 const NEARER: f64 = 0.01;
-/// Median edges by which faces that cross at a waypoint do so near it, too: many times what a motion may be off its course.
+/// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
+/// distance of a motion from its course.
 const BLOCKING: f64 = 0.01;
-/// Radians by which a path may stop short of an inexact goal so that nothing crosses.
+/// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const RETREAT: f64 = 0.02;
-/// Radians that it then keeps from where faces meet.
+/// Distance that such a path keeps from the configuration at which faces meet, radians.
 const ROOM: f64 = 1e-3;
-/// Faces beyond which the motion between knots is not swept without a lattice.
+/// Largest number of faces for which the motion between knots is swept without a lattice.
 const MOST_FACES: usize = 4000;
-/// Faces up to which a torn sheet is swept without its lattice at once: a motion nearer to its course would
-/// have more knots.
+/// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
+/// the course is tried first, although it has more knots.
 const TORN_FACES: usize = 400;
 
 impl Planning<'_> {
-    /// What the search for crossings is asked.
+    /// Returns the options of the search for crossings.
     fn sweep_options(&self) -> SweepOptions {
         let skips = self.options.skips;
         let certified = self.plan.certified_deformation.unwrap_or(0.0);
@@ -41,7 +42,7 @@ impl Planning<'_> {
         SweepOptions {
             gap,
             rounding: rounding(self.plan.rigidity.gap),
-            // Who wants to look at everything may.
+            // There is no limit for a user who switches a skip off, to look at everything.
             max_looks: if skips == Skips::default() {
                 usual.max_looks
             } else {
@@ -54,13 +55,14 @@ impl Planning<'_> {
         }
     }
 
-    /// The lattice along which to look for crossings, if there is one and it may be used.
+    /// Returns the lattice along which to look for crossings, if there is one and it may be used.
     pub(super) fn lattice<'r>(&self, reduction: &'r Reduction) -> Option<&'r Lattice> {
         let used = self.options.skips.symmetry;
         used.then(|| reduction.lattice(self.pattern)).flatten()
     }
 
-    /// Looks for crossings along the lattice, if the sheet is where that has it.
+    /// Looks for crossings along the lattice. Returns `None` if the faces may be far from where the lattice has them,
+    /// or the lattice does not decide.
     fn sweep_lattice(
         &self,
         lattice: &Lattice,
@@ -81,15 +83,15 @@ impl Planning<'_> {
         let verdict = sweep.sweep(&self.plan.path.curves());
         let decided = match verdict {
             SweepVerdict::Free(_) => true,
-            // Too many cells may meet: more than the pairs that do.
+            // Too many cells may meet along the lattice, more than the pairs of faces that do meet.
             SweepVerdict::Undecided { faces: None, .. } => false,
-            // On a torn sheet what nearly touches by the lattice may not by the folding map.
+            // On a torn sheet, faces that nearly touch along the lattice may not do so by the folding map.
             _ => !torn,
         };
         decided.then(|| (verdict, sweep.counts()))
     }
 
-    /// Looks for crossings anywhere on the motion, and ends the path before the first.
+    /// Looks for crossings over the whole motion, and ends the path before the first one.
     pub(super) fn sweep(
         mut self,
         reduction: &Reduction,
@@ -164,7 +166,8 @@ impl Planning<'_> {
                 last_free,
                 ..
             } => {
-                // A sheet that is torn by more crosses elsewhere than its course does: where that is, is told once nearer.
+                // A sheet that is torn by more than the tolerance crosses elsewhere than its course does; a nearer
+                // motion tells where.
                 let torn = options.gap > SweepOptions::default().tolerance;
                 let blocked = found.part < FIRST_PART && self.blocked(reduction, found);
                 let nearer = (!blocked).then(|| self.nearer(reduction, found));
@@ -198,8 +201,9 @@ impl Planning<'_> {
         }
     }
 
-    /// The first knot at which faces cross, of a motion that may tear the sheet by `gap`. By as much faces round a
-    /// vertex may lie across each other in it, but not at its knots, which are hardly torn.
+    /// Returns the first knot at which faces cross, for a motion that may tear the sheet by `gap`. Between knots, faces
+    /// round a vertex may lie across each other by as much as the gap, but not at the knots, where the sheet is hardly
+    /// torn.
     fn crossed_knot(&mut self, reduction: &Reduction, gap: f64) -> Option<(usize, Crossing)> {
         let torn = gap > SweepOptions::default().tolerance;
         if !torn || self.pattern.faces().len() > MOST_FACES {
@@ -213,7 +217,7 @@ impl Planning<'_> {
         crossed
     }
 
-    /// Looks for crossings at the knots alone, and says so.
+    /// Looks for crossings at the knots alone, and adds a note about it.
     fn sweep_no_more_than_knots(self, reduction: &Reduction) -> Plan {
         let faces = self.pattern.faces().len();
         let mut plan = self.sweep_knots(reduction, Instant::now());
@@ -225,7 +229,7 @@ impl Planning<'_> {
         plan
     }
 
-    /// Looks for crossings at the knots alone, among all faces, since `start`.
+    /// Looks for crossings at the knots alone, among all faces. The search began at `start`.
     pub(super) fn sweep_knots(self, reduction: &Reduction, start: Instant) -> Plan {
         let mut judge = Judge::new(self.pattern, reduction, true);
         let plan = self.cross_at_knots(start, |knot| judge.crossing_at(&knot.angles));
@@ -235,14 +239,14 @@ impl Planning<'_> {
         }
     }
 
-    /// Ends the path before the first knot at which faces cross, begun to be looked for at `start`.
+    /// Ends the path before the first knot at which faces cross. The search began at `start`.
     pub(super) fn cross_at_knots(
         mut self,
         start: Instant,
         mut crossing_at: impl FnMut(&Knot) -> Option<Crossing>,
     ) -> Plan {
         let knots = core::mem::take(&mut self.plan.path.knots);
-        // Flat faces lie beside each other.
+        // A flat sheet has no crossings, as its faces lie beside each other.
         let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
         let found = knots
             .iter()
@@ -276,7 +280,8 @@ impl Planning<'_> {
         self.end(Outcome::Crossing(crossing), reason)
     }
 
-    /// Whether faces cross at a waypoint by more than any motion is off the course: however near it is, it crosses there.
+    /// Returns `true` if faces cross at a waypoint by more than any motion is off the course: however near to the
+    /// course a motion is, it crosses there.
     fn blocked(&mut self, reduction: &Reduction, found: &Found<'_>) -> bool {
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, true);
@@ -290,8 +295,9 @@ impl Planning<'_> {
         blocked
     }
 
-    /// The plan with the motion nearer to the course, unless it is as near as it gets or that decides nothing: where
-    /// layers touch, what is off the course by what the bound allows may cross.
+    /// Returns the plan with the motion nearer to the course: if layers touch, a motion that is as far off the course
+    /// as the bound allows may cross. Returns `None` if the motion is as near as it gets, or the nearer one decides
+    /// nothing.
     pub(super) fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
         if found.part <= LEAST_PART || found.retreats {
             return None;
@@ -311,8 +317,8 @@ impl Planning<'_> {
         matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_)).then_some(plan)
     }
 
-    /// Ends the path before a crossing. An inexact goal near that is reached all the same; otherwise says
-    /// why it is not.
+    /// Ends the path before a crossing. If the goal is inexact and near the crossing, the path counts as reaching it;
+    /// otherwise the plan gives the reason why it does not.
     fn crossed(
         mut self,
         reduction: &Reduction,
@@ -364,11 +370,11 @@ impl Planning<'_> {
     }
 }
 
-/// Where a path has to end.
+/// Crossing before which a path has to end.
 struct Crossed {
     crossing: Crossing,
-    /// The segment it ends in.
+    /// Number of the segment in which the path ends.
     segment: usize,
-    /// The last group angles free of crossings, if any are.
+    /// Last group angles free of crossings, if there are any.
     free: Option<Vec<f64>>,
 }

@@ -1,9 +1,9 @@
-//! Leaving the flat sheet.
+//! Leaves the flat sheet: branch switching at a singular configuration.
 //!
-//! Flat is singular: the closed configurations near it form a cone with several branches, and
-//! derivatives do not tell them apart. A small finite step, closed, lands on one of them. If it is not one
-//! with the signs wanted, one hinge is held at its angle, so that the sheet cannot fall back to flat, and
-//! the others are closed within the orthant of these signs.
+//! The closed configurations near flat form a cone with several branches, which derivatives do not distinguish. A small
+//! finite step, closed, lands on one of the branches. If that branch does not have the signs wanted, one hinge is held
+//! at its angle, so that the sheet cannot fall back to flat, and the others are closed within the orthant of these
+//! signs.
 
 use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
@@ -17,28 +17,28 @@ use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
 use crate::symmetry::CreaseGroups;
 
-/// Radians: largest angle of the first step. Small enough that branches are straight, large enough that
-/// the second-order conditions that choose between them are far above rounding.
+/// Largest angle of the first step, radians. Small enough that branches are straight, large enough that the
+/// second-order conditions that choose between branches are far above rounding.
 const FIRST_STEP: f64 = 0.1;
-/// Random first steps tried beside that straight towards the goal.
+/// Number of random first steps tried beside the one straight towards the goal.
 const RANDOM_STEPS: usize = 8;
-/// Part of the largest angle below which a hinge has not turned.
+/// Angle below which a hinge has not turned, as a fraction of the largest angle.
 pub(super) const UNTURNED: f64 = 1e-3;
-/// Parts of the largest angle that every hinge has to turn at least, tried one after the other: without,
-/// the sheet lands on motions that turn only some of its hinges.
+/// Least angles of every hinge, as fractions of the largest angle, tried one after the other. Without such a limit, the
+/// sheet lands on motions that turn only some of its hinges.
 const LEAST: [f64; 3] = [0.1, 0.01, 0.0];
-/// Branches whose directions have a larger cosine are one.
+/// Cosine between the directions of two branches above which they are the same branch.
 const SAME_BRANCH: f64 = 0.999;
-/// A branch leads to flat if its configuration at a quarter of the size has the same direction, as far as
-/// this cosine.
+/// Smallest cosine between a configuration of a branch and the one at a quarter of its size if the branch leads to
+/// flat.
 const STRAIGHT: f64 = 0.9;
-/// A first step that shrinks by more in closing has fallen back to flat.
+/// Size of a closed first step below which it has fallen back to flat, as a fraction of its size before closing.
 const SHRUNK: f64 = 0.1;
-/// One that grows by more has gone elsewhere.
+/// Size of a closed first step above which it has gone elsewhere, as a multiple of its size before closing.
 const GROWN: f64 = 2.0;
 
-/// Closed configurations a small step from flat on different branches, none against the `signs`; those
-/// that turn most hinges come first, and of these the nearest to the direction of `towards`.
+/// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
+/// turn most hinges come first, and among these the nearest to the direction of `towards`.
 pub(super) fn departures(
     reduction: &Reduction,
     towards: &[f64],
@@ -91,11 +91,11 @@ pub(super) fn departures(
     found
 }
 
-/// Lands small steps from flat.
+/// Closes small steps from flat on branches with given signs.
 struct Leaving<'a> {
     free: ClosureSolver<'a>,
     held: ClosureSolver<'a>,
-    /// Limits of the unknowns that turn the way of their signs.
+    /// Limits between which each unknown turns in the direction of its sign.
     orthant: Vec<(f64, f64)>,
     signs: &'a [f64],
 }
@@ -115,8 +115,8 @@ impl<'a> Leaving<'a> {
         }
     }
 
-    /// Moves `x`, a small step from flat, to a closed configuration of about its size that turns no
-    /// hinge against its sign, on a branch that leads to flat.
+    /// Moves `x`, a small step from flat, to a closed configuration of about the same size that turns no hinge against
+    /// its sign, on a branch that leads to flat.
     fn land(&mut self, x: &mut [f64]) -> bool {
         let start = x.to_vec();
         if self.free.closes(x) && self.is_good(x, &start) {
@@ -156,23 +156,23 @@ impl<'a> Leaving<'a> {
     }
 }
 
-/// Where a small step from flat leads.
+/// Configuration near flat to which a small step leads.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Departure {
-    /// A configuration near the start, radians.
+    /// Fold angles near the start, radians.
     pub fold_angles: Vec<f64>,
-    /// Its largest closure residual.
+    /// Largest closure residual of these angles.
     pub closure: f64,
-    /// Edges lettered M or V that do not turn their way there. If there are any, the branch is not the
-    /// one that the letters mean.
+    /// Edges with assignment M or V that do not turn in its direction. If there are any, the branch is not the one that
+    /// the assignments mean.
     pub against: Vec<EdgeId>,
 }
 
-/// Leaves the flat sheet near the configuration `start` (radians, one angle for each crease) on the branch
-/// whose signs are those of the letters.
+/// Leaves the flat sheet near the configuration `start` (radians, one angle for each crease) on the branch whose signs
+/// are those of the assignments.
 ///
-/// Where a start lands on no such branch, its sizes are tried with the signs of the letters, then one
-/// size for all creases.
+/// If `start` lands on no such branch, its sizes are tried with the signs of the assignments, then one size for all
+/// creases.
 #[must_use]
 pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let options = PlanOptions {

@@ -1,9 +1,9 @@
-//! Path following along the closed configurations: a predictor along the motion nearest to the way
-//! ahead, bent like the step before, and a corrector that closes the sheet.
+//! Path following (numerical continuation) along the closed configurations: a predictor along the motion nearest to the
+//! direction of the target, with the curvature of the last step, and a corrector that closes the sheet.
 //!
-//! The flat sheet is singular: more motions leave it than a sheet can go on with. So a path is
-//! followed from the goal, where the motion is known, towards flat. Only where that fails is flat left
-//! along the signs of the goal, see [`depart`](super::depart).
+//! The flat sheet is singular: more motions leave it to first order than the sheet can continue. So a path is followed
+//! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
+//! see [`depart`](super::depart).
 
 use super::solver::ClosureSolver;
 use crate::progress::Watch;
@@ -13,15 +13,15 @@ use crate::progress::Watch;
 pub(super) struct Waypoint {
     /// Group angles, radians.
     pub(super) angles: Vec<f64>,
-    /// Derivative of the angles along the path, of Euclidean length 1; zero where the path turns a
-    /// corner and has to rest.
+    /// Derivative of the angles along the path, of Euclidean length 1; zero at a corner of the path, where it has to
+    /// rest.
     pub(super) tangent: Vec<f64>,
-    /// Whether this is a goal on the way, where one phase of the motion ends and another begins.
+    /// `true` if this is a goal on the way, where one phase of the motion ends and another begins.
     pub(super) ends_phase: bool,
 }
 
 impl Waypoint {
-    /// A waypoint within a phase.
+    /// Makes a waypoint within a phase.
     pub(super) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
         Self {
             angles,
@@ -31,28 +31,29 @@ impl Waypoint {
     }
 }
 
-/// Where to go.
+/// Target of path following.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target<'a> {
     /// The flat sheet.
     Flat(Homeward),
     /// A closed configuration.
     Closed(&'a [f64]),
-    /// As near as the motion goes to what is asked for, which need not close; `None` is free.
+    /// The configuration nearest to the angles asked for, which need not close, as far as the motion leads. A `None` is
+    /// free.
     Nearest(&'a [Option<f64>]),
 }
 
-/// How hinges go back to flat.
+/// Way in which hinges return to flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Homeward {
-    /// The straightest way. A hinge that is flat stays so.
+    /// The straightest way. A hinge that is flat stays flat.
     Straight,
-    /// Those that turned little go slower, so that all arrive together.
+    /// Hinges that are turned little move more slowly, so that all arrive together.
     Together,
 }
 
 impl Target<'_> {
-    /// What is missing from `angles` to the target.
+    /// Returns the difference from `angles` to the target.
     fn way(&self, angles: &[f64]) -> Vec<f64> {
         match self {
             Self::Flat(_) => angles.iter().map(|a| -a).collect(),
@@ -62,20 +63,20 @@ impl Target<'_> {
     }
 }
 
-/// What is missing from `angles` to what is asked for; nothing for free ones.
+/// Returns the difference from `angles` to the angles asked for, and 0 for free ones.
 pub(super) fn way_to(asked: &[Option<f64>], angles: &[f64]) -> Vec<f64> {
     let pairs = asked.iter().zip(angles);
     pairs.map(|(t, a)| t.map_or(0.0, |t| t - a)).collect()
 }
 
-/// Why following stopped short of the target.
+/// Reason why path following stopped before the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
     /// No motion leads on.
     Singular,
     /// The corrector finds no closed configuration within the smallest step.
     Closure,
-    /// The motion leads no nearer to the target, but it is not there.
+    /// The motion leads no nearer to the target, but has not reached it.
     Nearest,
     /// This unknown is at its limit.
     Limit(usize),
@@ -85,7 +86,8 @@ pub(super) enum Stop {
     TooLong,
 }
 
-/// What was followed: waypoints in the order travelled, and why they end early if they do.
+/// Outcome of path following: waypoints in the order travelled, and the reason why they end before the target, if they
+/// do.
 #[derive(Clone, Debug)]
 pub(super) struct Followed {
     pub(super) waypoints: Vec<Waypoint>,
@@ -93,7 +95,7 @@ pub(super) struct Followed {
 }
 
 impl Followed {
-    /// The same travelled the other way.
+    /// Returns the path travelled the other way.
     pub(super) fn reversed(mut self) -> Self {
         self.waypoints.reverse();
         for waypoint in &mut self.waypoints {
@@ -105,57 +107,57 @@ impl Followed {
     }
 }
 
-/// Part of the largest step allowed that the predictor aims for: the corrector adds to the step.
+/// Fraction of the largest step that the predictor aims for, as the corrector adds to the step.
 const AIM: f64 = 0.95;
-/// Smallest step, as a part of the largest.
+/// Smallest step, as a fraction of the largest.
 const SMALLEST: f64 = 1e-4;
-/// Part of a step that the corrector may move: more means that the path bends faster than the step.
+/// Largest move of the corrector, as a fraction of the step: more means that the path bends faster than the step.
 const CORRECTION: f64 = 0.3;
-/// Cosine between the way to the target and the motion nearest to it below which the target is out of
-/// sight and the motion goes on as it came.
+/// Cosine between the direction of the target and the motion nearest to it below which the target is out of sight: the
+/// motion then goes on as it came.
 const IN_SIGHT: f64 = 0.05;
-/// Cosine between two directions in a row below which the path turns a corner: one motion ends and
-/// another begins.
+/// Cosine between two directions in a row below which the path turns a corner: one motion ends and another begins.
 const CORNER: f64 = 0.5;
-/// Steps over a bifurcation, as parts of the largest, tried the way the path came.
+/// Steps over a bifurcation, tried in the direction in which the path came, as fractions of the largest step.
 const LEAPS: [f64; 3] = [1.0, 0.5, 0.25];
-/// Part of the largest step that is no progress, and how many such steps in a row are too many.
+/// Length of a step that is no progress, as a fraction of the largest step.
 const CREEP: f64 = 0.01;
+/// Largest number of steps in a row that are no progress.
 const PATIENCE: usize = 50;
-/// Steps without coming nearer to the target after which the motion leads elsewhere: ten turns of a hinge
-/// at the largest step.
+/// Number of steps without coming nearer to the target after which the motion leads elsewhere: ten turns of a hinge at
+/// the largest step.
 const LOST: usize = 360;
-/// Radians: what is asked for is reached this near.
+/// Distance at which the angles asked for are reached, radians.
 pub(super) const NEAR: f64 = 1e-12;
-/// Radians: what is asked for is reached this near where the motion leads no nearer.
+/// Distance at which the angles asked for are reached if the motion leads no nearer, radians.
 const ARRIVED: f64 = 1e-8;
-/// Part of the largest angle below which all hinges weigh the same.
+/// Angle below which all hinges have the same weight, as a fraction of the largest angle.
 const LIGHTEST: f64 = 1e-6;
-/// Radians: a hinge that turned by no more is flat.
+/// Largest angle of a hinge that counts as flat, radians.
 const FLAT: f64 = 1e-9;
-/// Radians: a hinge this near its limit is at it.
+/// Distance from its limit up to which a hinge counts as being at the limit, radians.
 const AT_LIMIT: f64 = 1e-3;
 
-/// What all steps keep.
+/// Rules that all steps keep.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules<'a> {
-    /// For each unknown the way it may turn: -1, 0 for both, 1. None passes through flat on the way.
+    /// For each unknown the direction in which it may turn: -1, 1, or 0 for both. None passes through flat on the way.
     pub(super) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
     pub(super) max_step: f64,
-    /// Whether the tangent at flat is asked for, which takes as long as some steps.
+    /// `true` if the tangent at flat is needed, which takes as long as some steps.
     pub(super) tangents: bool,
-    /// Told how much of the way is behind.
+    /// Receives the fraction of the way that is done.
     pub(super) watch: Watch<'a>,
 }
 
 impl Rules<'_> {
-    /// Tells that so much of `whole` is left of the way.
+    /// Reports that the distance `left` of `whole` remains to the target.
     pub(super) fn tell(&self, left: f64, whole: f64) {
         self.watch.part(1.0 - left / whole);
     }
 
-    /// Whether each hinge turns its way at `next`, coming from `angles`.
+    /// Returns `true` if each hinge turns in its direction at `next`, or is flat, coming from `angles`.
     pub(super) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
         let mut triples = next.iter().zip(angles).zip(self.signs);
         triples.all(|((next, angle), sign)| {
@@ -165,8 +167,8 @@ impl Rules<'_> {
     }
 }
 
-/// Follows the motion from the closed configuration `start` to the target by the rules. `came` is the
-/// direction in which the path arrived at the start, if it did.
+/// Follows the motion from the closed configuration `start` to the target by the rules. `came` is the direction in
+/// which the path arrived at the start, if it did.
 pub(super) fn follow(
     solver: &mut ClosureSolver<'_>,
     start: &[f64],
@@ -260,7 +262,7 @@ pub(super) fn follow(
             None => break Some(at_limit.unwrap_or(Stop::Closure)),
         }
     };
-    // What is asked for may lie at a limit, or where the sheet is singular.
+    // The angles asked for may lie at a limit, or in a configuration where the sheet is singular.
     let stop = stop.filter(|_| match (target, waypoints.last()) {
         (Target::Nearest(asked), Some(last)) => norm(&way_to(asked, &last.angles)) > ARRIVED,
         _ => true,
@@ -268,25 +270,25 @@ pub(super) fn follow(
     Followed { waypoints, stop }
 }
 
-/// The limit that the first of the hinges held has reached. Flat, where it would turn against its letter, is
-/// none of its limits.
+/// Returns the first of the held hinges that has reached its limit. A hinge that is held at flat, as it would turn
+/// against its assignment, has reached no limit of its own.
 fn at_limit_of(angles: &[f64], held: &[usize]) -> Option<Stop> {
     let turned = held.iter().find(|&&k| angles[k].abs() > AT_LIMIT);
     turned.map(|&unknown| Stop::Limit(unknown))
 }
 
-/// Whether steps lead anywhere.
+/// Count of the steps, and of those that lead nowhere.
 #[derive(Default)]
 struct Progress {
     steps: usize,
-    /// Smallest distance left so far, and after how many steps.
+    /// Smallest distance to the target so far, and the number of steps after which it was reached.
     nearest: Option<(f64, usize)>,
     creeping: usize,
 }
 
 impl Progress {
-    /// Why to go no further after a step that leaves the distance `left` to the target and is that
-    /// `part` of the largest.
+    /// Counts a step that leaves the distance `left` to the target and has the length `part`, as a fraction of the
+    /// largest step. Returns the reason to stop, if there is one.
     fn ends(&mut self, left: f64, part: f64) -> Option<Stop> {
         self.steps += 1;
         self.creeping = if part < CREEP { self.creeping + 1 } else { 0 };
@@ -303,15 +305,15 @@ impl Progress {
     }
 }
 
-/// Where a motion leads.
+/// Direction of a motion, and how far to go.
 struct Heading {
-    /// Of unit length.
+    /// Direction, of unit length.
     direction: Vec<f64>,
-    /// How far along it the target is nearest; infinite where that does not matter.
+    /// Distance along the direction at which the target is nearest; infinite if that does not matter.
     length: f64,
 }
 
-/// The motion at `angles` nearest to the way to the target.
+/// Returns the infinitesimal motion at `angles` nearest to the direction of the target.
 fn heading(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
@@ -353,7 +355,8 @@ fn heading(
     })
 }
 
-/// The motion at `angles` nearest to the way to what is asked for, and how far along it that is nearest.
+/// Returns the infinitesimal motion at `angles` nearest to the direction of the angles asked for, and the distance
+/// along the motion at which they are nearest.
 fn towards(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
@@ -365,10 +368,10 @@ fn towards(
     let held = held.ok_or(Stop::Singular)?;
     let length = norm(&direction);
     let pairs = direction.iter().zip(asked);
-    // The part of the motion that is asked for: of one hinge among thousands, little.
+    // Square of the part of the motion that is asked for, which is small for one hinge among thousands.
     let asked_for = pairs.filter_map(|(d, asked)| asked.map(|_| (d / length).powi(2)));
     let square = asked_for.sum::<f64>();
-    // The projection p of the way w has w·p = p·p.
+    // The projection p of the direction w has w·p = p·p.
     if length <= f64::EPSILON || length < IN_SIGHT * norm(&way) * square.sqrt() {
         return Err(at_limit_of(angles, &held).unwrap_or(Stop::Nearest));
     }
@@ -378,7 +381,7 @@ fn towards(
     })
 }
 
-/// The waypoint at the target, if it is one step from `angles` in that direction.
+/// Returns the waypoint at the target, if the target is one step from `angles` in this direction.
 fn arrive(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
@@ -403,7 +406,7 @@ fn arrive(
             if cosine(&way, direction) < AHEAD {
                 return None;
             }
-            // Backwards: a hinge may arrive at its limit.
+            // The direction is projected backwards, as a hinge may arrive at its limit.
             let mut back: Vec<f64> = way.iter().map(|w| -w).collect();
             solver.project_on_motions(target, &mut back)?;
             let length = norm(&back);
@@ -425,16 +428,16 @@ fn arrive(
     }
 }
 
-/// Cosine between the straight way to a configuration near by and the motion above which it lies on
-/// that motion.
+/// Cosine between the straight way to a configuration near by and the motion above which the configuration lies on that
+/// motion.
 const AHEAD: f64 = 0.8;
 
-/// Steps towards what is asked for along the closed configurations. Each squares with the bend of the
-/// motion over the distance, so that few are needed.
+/// Largest number of steps to the angles asked for along the closed configurations. Convergence is quadratic, at a rate
+/// set by how far the motion bends over the distance, so that few steps are needed.
 const APPROACHES: usize = 50;
 
-/// The closed configuration nearest to what is asked for, as far as descent along the closed ones from
-/// `angles` finds it; no hinge turns against what is asked of it.
+/// Returns the closed configuration nearest to the angles asked for, as far as descent along the closed configurations
+/// from `angles` finds it. No hinge turns against the angle asked of it.
 pub(super) fn approach(
     solver: &mut ClosureSolver<'_>,
     mut angles: Vec<f64>,
@@ -459,13 +462,13 @@ pub(super) fn approach(
     angles
 }
 
-/// Whether no hinge turns against what is asked of it.
+/// Returns `true` if no hinge turns against the angle asked of it.
 pub(super) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
     let mut pairs = angles.iter().zip(asked);
     pairs.all(|(angle, asked)| angle * asked.unwrap_or(0.0) >= 0.0)
 }
 
-/// Half the change of the direction for a unit of path length, as the last step of that length had it.
+/// Returns half the change of the direction for a unit of path length, from the last step, which had this length.
 fn bend(before: &[f64], here: &[f64], length: f64) -> Vec<f64> {
     let change = before.iter().zip(here);
     change
@@ -473,7 +476,8 @@ fn bend(before: &[f64], here: &[f64], length: f64) -> Vec<f64> {
         .collect()
 }
 
-/// One step of at most `max_step` and about as long as `most`, and its length along the path.
+/// Takes one step of at most the largest length and about as long as `most`, halved until the step is good. Returns the
+/// configuration and the length along the path.
 fn step(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
@@ -494,7 +498,7 @@ fn step(
     None
 }
 
-/// One step whose largest entry is about `size`, if it is a good one.
+/// Takes one step whose largest entry is about `size`, if the corrector closes it near the prediction.
 fn step_at(
     solver: &mut ClosureSolver<'_>,
     angles: &[f64],
@@ -505,7 +509,7 @@ fn step_at(
 ) -> Option<(Vec<f64>, f64)> {
     let length = AIM * size / max_norm(direction);
     let move_by = |k: usize| length * (direction[k] + length * bend[k]);
-    // A hinge that would pass through flat stops there: often that sets others free.
+    // A hinge that would pass through flat stops at flat, which often sets other hinges free.
     let stays = |from: f64, to: f64| if from * to < 0.0 { 0.0 } else { to };
     let predicted = (0..angles.len()).map(|k| stays(angles[k], angles[k] + move_by(k)));
     let predicted: Vec<f64> = predicted.collect();
@@ -517,7 +521,7 @@ fn step_at(
     near.then_some((next, length))
 }
 
-/// How far `angles` can go along `direction` until a hinge that is not flat becomes so.
+/// Returns how far `angles` can go along `direction` until a hinge that is turned becomes flat.
 fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
     let turned = angles
         .iter()
@@ -526,17 +530,17 @@ fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
     turned.fold(f64::INFINITY, |least, (a, d)| least.min(-a / d))
 }
 
-/// Direction in which the motion leaves the flat sheet, given a configuration near flat on it: the
-/// limit of secants, as no derivative tells one motion from the others there.
+/// Returns the direction in which the motion leaves the flat sheet, given a configuration near flat on that motion. The
+/// direction is the limit of secants, as no derivative at flat distinguishes this motion from others.
 ///
-/// The mirror image of a motion at the flat sheet is a motion, so secants have even powers of their
-/// length alone: their limit is extrapolated as in Romberg's method. Shorter secants would be rounding.
+/// The mirror image of a motion at the flat sheet is a motion, so that secants have only even powers of their length.
+/// Their limit is extrapolated as in Romberg's method. Shorter secants would be rounding.
 pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
     let mut closed = near.to_vec();
     let mut limit: Vec<Vec<f64>> = vec![unit(near)];
     for _ in 1..SECANTS {
         let mut closer: Vec<f64> = closed.iter().map(|a| a / 4.0).collect();
-        // A sheet with rounded coordinates may be led back to flat, which has no direction.
+        // Rounded coordinates may lead the sheet back to flat, which has no direction.
         let on = solver.closes(&mut closer) && cosine(&closer, &closed) >= 0.9;
         if !on {
             break;
@@ -554,7 +558,7 @@ pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> V
     unit(limit.last().map_or(near, |limit| limit))
 }
 
-/// Secants from which the tangent at flat is extrapolated.
+/// Number of secants from which the tangent at flat is extrapolated.
 const SECANTS: usize = 4;
 
 fn unit(x: &[f64]) -> Vec<f64> {
@@ -574,7 +578,7 @@ pub(super) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max, a| f64::max(max, a.abs()))
 }
 
-/// Size of the largest angle asked for.
+/// Returns the largest absolute angle asked for.
 pub(super) fn largest(asked: &[Option<f64>]) -> f64 {
     let angles = asked.iter().flatten();
     angles.fold(0.0, |max, a| f64::max(max, a.abs()))

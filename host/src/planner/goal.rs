@@ -1,50 +1,52 @@
-//! Where the sheet is to go.
+//! Goals of a plan: fold angles from the pattern, from the assignments (FOLD letters) of its creases, or chosen by a
+//! user.
 
 use thiserror::Error;
 
 use crate::pattern::{CreaseId, CreasePattern};
 
-/// Goal fold angles of the creases, radians.
+/// Goal fold angles of the creases, and how they are to be reached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
-    /// One for each crease; `None` for a free hinge, which goes where the others take it.
+    /// One angle for each crease, radians; `None` for a free hinge, which follows the others.
     pub fold_angles: Vec<Option<f64>>,
-    /// How far a crease may be from its goal angle, radians, where that does not close. What is nearest
-    /// beyond that is another goal.
+    /// Largest distance of a crease from its goal angle, radians, if the goal itself does not close. A closed
+    /// configuration farther away is another goal.
     pub reach: f64,
-    /// For each crease the way it turns (-1, 0 if that is not known, 1): of its letter.
+    /// For each crease the direction in which it turns, from its assignment: -1, 1, or 0 if unknown.
     pub signs: Vec<f64>,
-    /// Configurations to pass through before, in this order, each as a goal of its own.
+    /// Goals to pass through before this one, in this order.
     pub via: Vec<Goal>,
-    /// What the angles mean.
+    /// Meaning of the angles.
     pub kind: GoalKind,
-    /// For a driven crease the goal on whose way it turns, if the pattern names one.
+    /// For a driven crease, the goal that the pattern names, if there is one: the crease is first turned on the path to
+    /// that goal.
     pub guide: Option<Box<Goal>>,
-    /// Where they come from, in words.
+    /// Source of the angles, in words.
     pub source: String,
 }
 
-/// What the angles of a [`Goal`] mean.
+/// Meaning of the angles of a [`Goal`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GoalKind {
     /// A configuration of the sheet.
     Configuration,
-    /// As far that way as the sheet goes.
+    /// A direction: the sheet folds that way as far as it goes.
     Letters,
-    /// One crease is driven, and the others follow from flat.
+    /// The angle of one driven crease; the other creases follow from flat.
     Driven,
 }
 
-/// [`reach`](Goal::reach) of angles that somebody chose: eleven degrees cover measured goals.
+/// [`reach`](Goal::reach) of chosen angles, radians: eleven degrees cover measured goals.
 pub const CHOSEN_REACH: f64 = 0.2;
 
-/// Radians: a goal whose angles are all below this is flat.
+/// Largest angle of a goal that counts as flat, radians.
 const FLAT: f64 = 1e-9;
 
-/// Why there is no goal.
+/// Reason why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GoalError {
-    /// Nothing says which way to fold.
+    /// No angle and no assignment says which way to fold.
     #[error(
         "edges_assignment: no crease is lettered M or V and no goal angle is given; expected a goal \
          frame, edges_foldAngle or letters"
@@ -53,26 +55,26 @@ pub enum GoalError {
     /// The goal is the flat sheet itself.
     #[error("edges_foldAngle: the goal is the flat sheet; expected an angle other than 0")]
     Flat,
-    /// A driven crease cannot go there.
+    /// A driven crease cannot turn to the angle asked for.
     #[error(
         "--crease: edge {edge} is lettered {letter}, expected an angle its way, not 0 and at most 180 \
          degrees, found {degrees:.6}"
     )]
     Crease {
-        /// The edge.
+        /// The edge of the crease.
         edge: usize,
-        /// Its letter.
+        /// FOLD letter of the edge's assignment.
         letter: char,
-        /// The angle asked for.
+        /// The angle asked for, degrees.
         degrees: f64,
     },
-    /// The fraction is not one.
+    /// The fraction is out of its range.
     #[error("--fold: expected a fraction above 0 and at most 1, found {0}")]
     Fraction(f64),
 }
 
 impl Goal {
-    /// Goal angles that somebody chose.
+    /// Makes a goal of chosen angles.
     #[must_use]
     pub fn chosen(pattern: &CreasePattern, fold_angles: Vec<Option<f64>>, source: String) -> Self {
         Self {
@@ -86,11 +88,11 @@ impl Goal {
         }
     }
 
-    /// One crease turned to `angle` (radians) from flat, the others following the way their letters
-    /// say.
+    /// Makes the goal of one crease turned to `angle` (radians) from flat, while the others follow in the directions of
+    /// their assignments.
     ///
     /// # Errors
-    /// If the angle is 0, beyond half a turn or against the crease's letter.
+    /// If the angle is 0, beyond half a turn or against the crease's assignment.
     pub fn of_crease(
         pattern: &CreasePattern,
         crease: CreaseId,
@@ -116,10 +118,10 @@ impl Goal {
         Ok(goal)
     }
 
-    /// The pattern's own goal angles, or else its letters folded all the way.
+    /// Makes the goal of the pattern's own goal angles, or else of its assignments folded all the way.
     ///
     /// # Errors
-    /// If neither says where to go.
+    /// If neither says where to go, or all goal angles are 0.
     pub fn of_pattern(pattern: &CreasePattern) -> Result<Self, GoalError> {
         let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
         if goals.clone().all(|goal| goal.is_none()) {
@@ -137,17 +139,18 @@ impl Goal {
         Ok(Self::chosen(pattern, fold_angles, source))
     }
 
-    /// Each crease turned by `fraction` of a half turn, the way its letter says; unassigned ones free.
+    /// Makes the goal of each crease turned by `fraction` of a half turn in the direction of its assignment; unassigned
+    /// creases are free.
     ///
     /// # Errors
-    /// If no letter says a way, or the fraction is not in 0..1.
+    /// If no assignment gives a direction, or the fraction is not above 0 and at most 1.
     pub fn of_letters(pattern: &CreasePattern, fraction: f64) -> Result<Self, GoalError> {
         if !(fraction > 0.0 && fraction <= 1.0) {
             return Err(GoalError::Fraction(fraction));
         }
         let signs = letter_signs(pattern);
         let angle = fraction * core::f64::consts::PI;
-        // A hinge whose letter says no way is free.
+        // A hinge whose assignment gives no direction is free.
         let fold_angles: Vec<Option<f64>> = signs
             .iter()
             .map(|sign| (sign.abs() > 0.0).then_some(sign * angle))
@@ -159,14 +162,14 @@ impl Goal {
         let mut goal = Self::chosen(pattern, fold_angles, source);
         goal.kind = GoalKind::Letters;
         if fraction < 1.0 {
-            // Letters say which way, not how far. All the way, though, is one configuration.
+            // Assignments give directions, not angles. Folded all the way, though, they are one configuration.
             goal.reach = core::f64::consts::PI;
         }
         Ok(goal)
     }
 }
 
-/// For each crease the sign of its letter.
+/// Returns for each crease the sign of its assignment.
 fn letter_signs(pattern: &CreasePattern) -> Vec<f64> {
     let creases = pattern.creases().iter();
     creases.map(|&id| pattern.edge(id).letter.sign()).collect()

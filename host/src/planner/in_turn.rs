@@ -1,5 +1,5 @@
-//! One part of the sheet after the other, where faces cross if all fold at once: the flaps of a letter, the lines along
-//! which a sheet is folded by hand.
+//! Fold sequences: folds one part of the sheet after the other if faces cross when all fold at once, as with the flaps
+//! of a letter or a sheet that is folded by hand along one line after the other.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -19,23 +19,23 @@ use crate::folding::{FoldingMap, SpanningTree};
 use crate::pattern::{CreasePattern, FaceId};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
-/// Orders tried at most.
+/// Largest number of sequences that are tried as plans.
 const TRIES: usize = 200;
-/// Sets of folded creases looked at, at most.
+/// Largest number of sets of folded creases that are judged.
 const MOST_SETS: usize = 2000;
-/// Steps of orders tried, at most.
+/// Largest number of steps in the search for sequences.
 const MOST_STEPS: usize = 100_000;
-/// Configurations of the path at which it is found what moves what.
+/// Largest number of configurations of the path at which creases that move each other are found.
 const LOOKS: usize = 16;
 
 impl Planning<'_> {
-    /// The plan that folds independent parts of the sheet and along lines, one after the other, if that leads to where
-    /// `attempt` does and no faces cross; with as few stops as it takes.
+    /// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads
+    /// to where `attempt` does and no faces cross; with as few stops as it takes.
     ///
-    /// Orders are found depth first. Where a part cannot be next as two faces cross, it is not tried again wherever the
-    /// parts between these have been folded in the same order: they alone say where the two are, and which lies on
-    /// which. Source, for parts that are put together: R. Wilson, J.-C. Latombe, "Geometric reasoning about mechanical
-    /// assembly", 1994.
+    /// Sequences are found depth first. If a part cannot be next because two faces cross, it is not tried again in any
+    /// sequence that has folded the creases between these two faces in the same order: those creases alone determine
+    /// where the two faces are, and which one lies on the other. Source, for the assembly of parts: R. Wilson,
+    /// J.-C. Latombe, "Geometric reasoning about mechanical assembly", 1994.
     pub(super) fn in_turn(&self, attempt: &Attempt) -> Option<Plan> {
         let (pattern, options) = (self.pattern, self.options);
         let fits = self.goal.via.is_empty()
@@ -79,7 +79,7 @@ impl Planning<'_> {
             if self.is_late() || orders.extend(&mut order).is_err() {
                 return None;
             }
-            // As near to the course as it gets: what crosses there does.
+            // The motion is placed as near to its course as it gets, so that only a course that crosses is rejected.
             let plan = self.by_way_of(&orders, &orders.stops(&order), LEAST_PART);
             if plan.outcome == Outcome::Planned {
                 let mut plan = self.with_fewer_stops(&mut orders, plan, order);
@@ -94,15 +94,16 @@ impl Planning<'_> {
         None
     }
 
-    /// Radians by which creases are off, if the goal closes but for rounding; so do its parts.
+    /// Returns the angle (radians) by which creases are off, if the goal closes but for rounding; so do the goal's
+    /// parts then.
     fn rounding(&self, attempt: &Attempt) -> Option<f64> {
         let stars = ReducedStars::of_creases(self.pattern);
         let most = attempt.reduction.accepted(self.options);
         rounding(&stars, &self.goal.fold_angles, most, false)
     }
 
-    /// The plan with fewer phases than there are creases in order: runs of them at once that could each be next, if no
-    /// faces cross then.
+    /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
+    /// folded at once if no faces cross then.
     fn with_fewer_stops(
         &self,
         orders: &mut Orders<'_>,
@@ -151,7 +152,7 @@ impl Planning<'_> {
         plan
     }
 
-    /// The plan by way of these sets of folded creases, certified for this part of the bound at first.
+    /// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first.
     fn by_way_of(&self, orders: &Orders<'_>, stops: &[FixedBitSet], part: f64) -> Plan {
         let via = stops.iter().map(|folded| {
             let angles = orders.angles(folded).into_iter().map(Some).collect();
@@ -170,11 +171,12 @@ impl Planning<'_> {
         planning.run()
     }
 
-    /// Creases that turn and move each other on the way of `attempt`, in sets that do not.
+    /// Returns the sets of creases that turn and move each other on the way of `attempt`; creases of different sets do
+    /// not.
     fn parts(&self, attempt: &Attempt, goal: &[f64]) -> Option<Vec<FixedBitSet>> {
         let groups = &attempt.reduction.groups;
         let waypoints = &attempt.waypoints;
-        // Where the sheet is flat it is singular, and often so at the goal.
+        // The sheet is singular where it is flat, and often at the goal: only configurations between are used.
         let inner = waypoints.get(1..waypoints.len().checked_sub(1)?)?;
         let step = inner.len().div_ceil(LOOKS).max(1);
         let looks = inner.iter().step_by(step);
@@ -197,51 +199,52 @@ impl Planning<'_> {
     }
 }
 
-/// A set of the creases that a list has an item for.
+/// Makes a set of creases with room for as many creases as a list has items.
 fn set<T>(all: &[T], creases: impl IntoIterator<Item = usize>) -> FixedBitSet {
     let mut set = FixedBitSet::with_capacity(all.len());
     set.extend(creases);
     set
 }
 
-/// Creases that cannot be next after others.
+/// A set of creases that cannot be folded next after others.
 struct Barred {
-    /// The creases that matter.
+    /// The creases that matter: those between two faces that cross, or all.
     between: FixedBitSet,
-    /// Those of them that are folded, in their order.
+    /// Those of them that are folded, in the order in which they were.
     before: Vec<FixedBitSet>,
+    /// The set that cannot be next.
     next: FixedBitSet,
 }
 
-/// Orders in which sets of creases can be folded.
+/// Search for sequences in which sets of creases can be folded.
 struct Orders<'a> {
     pattern: &'a CreasePattern,
     judge: Judge<'a>,
     tree: &'a SpanningTree,
-    /// Closure residual that counts as closed.
+    /// Closure residual up to which a configuration counts as closed.
     accepted: f64,
     groups: &'a CreaseGroups,
-    /// Fold angles of the creases with all folded, radians.
+    /// Fold angles of the creases when all are folded, radians.
     goal: Vec<f64>,
     /// The creases that turn.
     all: FixedBitSet,
-    /// Those that move each other.
+    /// Sets of creases that move each other.
     parts: Vec<FixedBitSet>,
-    /// What can turn next where these are folded.
+    /// For each set of folded creases, the sets that can turn next.
     moves: HashMap<FixedBitSet, Rc<[FixedBitSet]>>,
-    /// Whether the sheet closes with these folded, and no faces cross.
+    /// For each set of folded creases, `true` if the sheet closes and no faces cross.
     free: HashMap<FixedBitSet, bool>,
-    /// Sets from which nothing leads on, in whatever order they were folded.
+    /// Sets of folded creases from which nothing leads on, in whatever order they were folded.
     dead: HashSet<FixedBitSet>,
     barred: Vec<Barred>,
-    /// How often each crease was in the way.
+    /// Number of times that each crease was folded before a set that could not follow.
     in_the_way: Vec<usize>,
-    /// Steps tried.
+    /// Number of steps in the search so far.
     steps: usize,
 }
 
 impl Orders<'_> {
-    /// All creases of an order.
+    /// Returns all creases of a sequence.
     fn folded(&self, order: &[FixedBitSet]) -> FixedBitSet {
         let mut folded = set(&self.goal, []);
         for creases in order {
@@ -250,13 +253,13 @@ impl Orders<'_> {
         folded
     }
 
-    /// What is folded after each step of an order but the last.
+    /// Returns the creases that are folded after each step of a sequence but the last.
     fn stops(&self, order: &[FixedBitSet]) -> Vec<FixedBitSet> {
         let stops = (1..order.len()).map(|k| self.folded(&order[..k]));
         stops.collect()
     }
 
-    /// Fold angles of the creases with these folded and the others flat, radians.
+    /// Returns the fold angles with these creases folded and the others flat, radians.
     fn angles(&self, folded: &FixedBitSet) -> Vec<f64> {
         let angles = self.goal.iter().enumerate();
         angles
@@ -281,7 +284,8 @@ impl Orders<'_> {
         free
     }
 
-    /// What can turn next: simple folds, and parts that move on their own, or what is left of them.
+    /// Returns the sets that can turn next: simple folds, and parts that move on their own, without their folded
+    /// creases.
     fn moves(&mut self, folded: &FixedBitSet) -> Rc<[FixedBitSet]> {
         if let Some(moves) = self.moves.get(folded) {
             return moves.clone();
@@ -300,7 +304,7 @@ impl Orders<'_> {
         for creases in folds.into_iter().chain(rest) {
             let creases: Vec<usize> = creases;
             let creases = set(&self.goal, creases);
-            // That all turn at once was the first try.
+            // All creases at once were the first try.
             if !creases.is_clear() && creases != self.all && !moves.contains(&creases) {
                 moves.push(creases);
             }
@@ -310,7 +314,8 @@ impl Orders<'_> {
         moves
     }
 
-    /// Extends an order to all creases, if that can be; and whether it cannot in any order of those so far.
+    /// Extends a sequence to all creases, if possible. `Err(true)` says that it is impossible in any order of the
+    /// creases folded so far.
     fn extend(&mut self, order: &mut Vec<FixedBitSet>) -> Result<(), bool> {
         let folded = self.folded(order);
         if folded == self.all {
@@ -322,7 +327,7 @@ impl Orders<'_> {
         }
         let mut in_any_order = true;
         let mut moves = self.moves(&folded).to_vec();
-        // Those that were seldom in the way first.
+        // Sets whose creases were seldom in the way come first.
         moves.sort_by_cached_key(|next| next.ones().map(|crease| self.in_the_way[crease]).max());
         for next in moves {
             let after = &folded | &next;
@@ -347,7 +352,7 @@ impl Orders<'_> {
         Err(in_any_order)
     }
 
-    /// Bars creases from being next after others, as it ended like this.
+    /// Bars a set of creases from being next after others, as the plan ended with this outcome.
     fn bar(&mut self, order: &[FixedBitSet], next: &FixedBitSet, outcome: &Outcome) {
         let between = match outcome {
             Outcome::Crossing(crossing) => self.between(crossing.faces),
@@ -364,7 +369,7 @@ impl Orders<'_> {
         });
     }
 
-    /// The creases on the way from one face to another.
+    /// Returns the creases on the way from one face to another along the spanning tree.
     fn between(&self, faces: [FaceId; 2]) -> FixedBitSet {
         let [a, b] = faces.map(|face| {
             let step = |face: FaceId| self.tree.steps().iter().find(|step| step.face == face);
@@ -376,7 +381,7 @@ impl Orders<'_> {
     }
 }
 
-/// What of an order lies in `between`.
+/// Returns the parts of a sequence that lie in `between`.
 fn of_those<'a>(
     order: &'a [FixedBitSet],
     between: &'a FixedBitSet,

@@ -1,4 +1,4 @@
-//! Judging configurations on the whole sheet: that is where a path found on few unknowns is reused.
+//! Judges configurations on the whole sheet, to which a path found on few unknowns is lifted.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -10,14 +10,14 @@ use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::symmetry::essential_pattern;
 
-/// A whole sheet that is folded at one configuration after the other.
+/// A whole sheet that is folded at one configuration after another.
 pub(super) struct Judge<'a> {
     pattern: &'a CreasePattern,
     reduction: &'a Reduction<'a>,
     tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
-    /// Whether judged knots keep the folded positions of the vertices.
+    /// `true` if judged knots keep the folded positions of the vertices.
     pub(super) keep_vertices: bool,
     /// Time spent folding and measuring.
     pub(super) fold: Duration,
@@ -44,7 +44,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Folds the sheet at a knot, notes there what is measured, and returns the deepest crossing.
+    /// Folds the sheet at a knot, stores the measured errors in the knot, and returns the deepest crossing.
     pub(super) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
         let start = Instant::now();
         self.place(&knot.angles);
@@ -62,22 +62,22 @@ impl<'a> Judge<'a> {
         self.crossing(rigidity.gap)
     }
 
-    /// The deepest crossing at these group angles.
+    /// Returns the deepest crossing at these group angles.
     pub(super) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.place(angles);
-        // The gap that a knot has may be a bound.
+        // Measured afresh: the gap of a knot may be a bound.
         let gap = self.map.rigidity(self.pattern, self.tree).gap;
         self.crossing(gap)
     }
 
-    /// Folds the sheet.
+    /// Folds the sheet by these group angles.
     fn place(&mut self, angles: &[f64]) {
         let memberships = self.reduction.groups.memberships();
         self.map
             .fold_groups(self.pattern, self.tree, memberships, angles);
     }
 
-    /// What the looks for crossings looked at.
+    /// Returns the number of pairs that the searches for crossings looked at and skipped.
     pub(super) fn counts(&self) -> SweepCounts {
         let counts = self.scene.as_ref().map(CollisionScene::counts);
         let CollisionCounts {
@@ -98,7 +98,7 @@ impl<'a> Judge<'a> {
         scene.deepest_crossing(&self.map, gap, rounding(gap))
     }
 
-    /// Worst deformation and gap of the essential crease pattern over some configurations, and its number
+    /// Returns the largest deformation and gap of the essential crease pattern over some configurations, and its number
     /// of faces.
     pub(super) fn essential<'k>(
         &mut self,
@@ -117,8 +117,9 @@ impl<'a> Judge<'a> {
         (worst, part.pattern.faces().len())
     }
 
-    /// The first of some knots at which faces of the essential crease pattern cross: round its vertices they do as round
-    /// all others, if these close `alike`. The crossing is the deepest of the whole sheet.
+    /// Returns the first knot at which faces cross, and the deepest crossing of the whole sheet there. If vertices
+    /// close `alike`, knots without a crossing of the essential crease pattern are skipped, as faces round all other
+    /// vertices cross only if those round its vertices do.
     pub(super) fn first_crossing(
         &mut self,
         knots: &[Knot],
@@ -141,7 +142,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The essential crease pattern as it folds.
+/// The essential crease pattern, folded.
 struct Part {
     pattern: CreasePattern,
     creases: Vec<CreaseId>,
@@ -160,7 +161,7 @@ impl Part {
         })
     }
 
-    /// Folds it by these group angles.
+    /// Folds the essential crease pattern by these group angles.
     fn fold(&mut self, reduction: &Reduction, angles: &[f64]) {
         let angle = |crease: &CreaseId| {
             let membership = reduction.groups.of(*crease);

@@ -1,9 +1,9 @@
-//! Paths: configurations of the whole sheet with times and rates.
+//! Knots and paths of the whole sheet: configurations with times and rates.
 
 use foldpath_core::{Curve, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
-/// One stored configuration of a path, with what was measured there on the whole sheet.
+/// One stored configuration of a path, with the errors measured there on the whole sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knot {
     /// Seconds since the start.
@@ -23,7 +23,7 @@ pub struct Knot {
     pub deformation: f64,
     /// Largest gap, over the median edge.
     pub gap: f64,
-    /// Whether one phase of the motion ends here and another begins.
+    /// `true` if one phase of the motion ends here and another begins.
     pub ends_phase: bool,
 }
 
@@ -32,21 +32,21 @@ pub struct Knot {
 pub struct Path {
     /// For each crease its group and sign.
     pub memberships: Vec<Membership>,
-    /// How the motion between knots is made.
+    /// Interpolation between knots.
     pub interpolation: Interpolation,
     /// The knots, in the order of time.
     pub knots: Vec<Knot>,
 }
 
 impl Path {
-    /// For each segment between two knots the motion of each group.
+    /// Returns, for each segment between two knots, the curve of each group.
     #[must_use]
     pub fn curves(&self) -> Vec<Vec<Curve<f64>>> {
         curves(self.interpolation, &self.knots).collect()
     }
 }
 
-/// For each segment between two knots the motion of each group.
+/// Returns, for each segment between two knots, the curve of each group.
 pub(super) fn curves(
     interpolation: Interpolation,
     knots: &[Knot],

@@ -1,8 +1,9 @@
-//! What a sheet can do to first order, a small step from flat: whether it leaves flat along its letters, in how many
-//! independent ways it then moves, and which hinges are good to drive.
+//! First-order motions of a sheet a small step from flat: tells whether the sheet leaves flat along its assignments,
+//! how many independent motions (degrees of freedom) it then has, and which hinges are good to drive.
 //!
-//! Flat itself is singular and tells nothing. Infinitesimal motions are the null space of the closure Jacobian; its
-//! rank is that of Gaussian elimination with complete pivoting.
+//! Flat itself is singular, so that first-order motions at flat tell nothing about the motions of the sheet.
+//! Infinitesimal motions are the null space of the closure Jacobian, whose rank is that of Gaussian elimination with
+//! complete pivoting.
 
 use foldpath_core::least_squares::{Accumulate, ClosureProblem};
 use foldpath_core::{HalfAngle, Spoke};
@@ -23,25 +24,25 @@ use crate::symmetry::{CreaseGroups, ReducedStars};
 pub struct Mobility {
     /// Number of unknowns.
     pub unknowns: usize,
-    /// Unknowns, as many as there are independent motions, whose rates determine those of all others; those that
-    /// turn most first.
+    /// Unknowns whose rates determine those of all others, as many as there are independent motions; those that turn
+    /// most come first.
     pub drivers: Vec<usize>,
     /// Unknowns that turn in some motion.
     pub moving: Vec<usize>,
 }
 
-/// Part of the largest entry of the Jacobian below which a pivot is rounding.
+/// Size below which a pivot is rounding, as a fraction of the largest entry of the Jacobian.
 const RANK: f64 = 1e-8;
-/// Part of the largest rate below which an unknown does not turn.
+/// Rate below which an unknown does not turn, as a fraction of the largest rate.
 const STILL: f64 = 1e-9;
-/// Multiplications that elimination may take: a few hundredths of a second.
+/// Largest number of multiplications of an elimination: a few hundredths of a second.
 const MOST_WORK: usize = 50_000_000;
-/// Unknowns up to which first steps from flat are tried.
+/// Largest number of unknowns for which first steps from flat are tried.
 const MOST_UNKNOWNS: usize = 300;
 
 impl Mobility {
-    /// Motions at the configuration `x` (radians, an angle for each unknown), which has to close. `None` where that
-    /// would take long. Cost: rows of the Jacobian times the square of the unknowns.
+    /// Returns the motions at the configuration `x` (radians, an angle for each unknown), which has to close. Returns
+    /// `None` if that would take long. Cost: rows of the Jacobian times the square of the unknowns.
     #[must_use]
     pub fn at(stars: &ReducedStars, x: &[f64]) -> Option<Self> {
         let basis = motions(stars, x)?;
@@ -55,8 +56,8 @@ impl Mobility {
     }
 }
 
-/// Unknowns that turn, in sets that do so independently of each other at each of these configurations; those that turn
-/// at none are in no set. `None` where that would take long.
+/// Returns the unknowns that turn, in sets that turn independently of each other at each of these configurations
+/// (union-find). Unknowns that turn at none of them are in no set. Returns `None` if that would take long.
 pub(super) fn independent_parts(
     stars: &ReducedStars,
     looks: &[Vec<f64>],
@@ -73,7 +74,7 @@ pub(super) fn independent_parts(
                 turns[unknown] = true;
                 let [a, b] =
                     [*first.get_or_insert(unknown), unknown].map(|one| root(&mut roots, one));
-                // The first unknown stands for its set.
+                // The first unknown is the representative of its set.
                 roots[a.max(b)] = a.min(b);
             }
         }
@@ -86,7 +87,7 @@ pub(super) fn independent_parts(
     Some(parts)
 }
 
-/// A basis of the infinitesimal motions at `x`, one column for each; `None` where that would take long.
+/// Returns a basis of the infinitesimal motions at `x`, one column for each; `None` if that would take long.
 fn motions(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
     let rows = 3 * stars.view().len() + 6 * stars.loops().len();
     if rows.checked_mul(x.len() * x.len())? > MOST_WORK {
@@ -95,11 +96,11 @@ fn motions(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
     Some(null_space(jacobian(stars, x)?))
 }
 
-/// The entries of a Jacobian, three rows a block.
+/// Entries of a Jacobian, in blocks of three rows.
 #[derive(Default)]
 struct Entries {
     blocks: usize,
-    /// Block, unknown and its column there.
+    /// Block, unknown, and the unknown's column in the block.
     columns: Vec<(usize, usize, Vector3<f64>)>,
 }
 
@@ -116,7 +117,7 @@ impl Accumulate<f64> for Entries {
     }
 }
 
-/// The Jacobian of all residuals at `x`.
+/// Returns the Jacobian of all residuals at `x`.
 fn jacobian(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
     let (view, loops) = (stars.view(), stars.loops());
     let mut half_angles = vec![HalfAngle::default(); x.len()];
@@ -132,7 +133,7 @@ fn jacobian(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
     Some(jacobian)
 }
 
-/// A basis of the null space, one column for each motion.
+/// Returns a basis of the null space, one column for each motion.
 fn null_space(mut a: DMatrix<f64>) -> DMatrix<f64> {
     let n = a.ncols();
     let mut order: Vec<usize> = (0..n).collect();
@@ -150,7 +151,7 @@ fn null_space(mut a: DMatrix<f64>) -> DMatrix<f64> {
         eliminate(&mut a, rank);
         rank += 1;
     }
-    // What is left of the pivots' columns is the identity: each of them follows the free ones.
+    // The pivots' columns are now those of the identity: each pivot's unknown follows from the free unknowns.
     let mut basis = DMatrix::zeros(n, n - rank);
     for (motion, free) in (rank..n).enumerate() {
         basis[(order[free], motion)] = 1.0;
@@ -161,7 +162,8 @@ fn null_space(mut a: DMatrix<f64>) -> DMatrix<f64> {
     basis
 }
 
-/// Makes the column of a pivot on the diagonal a unit vector, and takes all others along.
+/// Makes the column of a pivot on the diagonal a unit vector by row operations on all columns from there on
+/// (Gauss-Jordan).
 fn eliminate(a: &mut DMatrix<f64>, pivot: usize) {
     let column = a.column(pivot).clone_owned();
     for mut other in a.column_iter_mut().skip(pivot) {
@@ -173,7 +175,8 @@ fn eliminate(a: &mut DMatrix<f64>, pivot: usize) {
     }
 }
 
-/// Rows of the basis that determine all others: the largest first, those after without its part.
+/// Returns rows of the basis that determine all others: repeatedly the largest row that is left when the parts along
+/// the rows before are removed.
 fn leaders(mut basis: DMatrix<f64>) -> Vec<usize> {
     let mut leaders = Vec::with_capacity(basis.ncols());
     for motion in 0..basis.ncols() {
@@ -190,27 +193,27 @@ fn leaders(mut basis: DMatrix<f64>) -> Vec<usize> {
     leaders
 }
 
-/// What a sheet does a small step from flat, along the signs of a goal.
+/// Outcome of a small step from flat, along the signs of a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FirstStep {
-    /// It leaves flat.
+    /// The sheet leaves flat.
     Leaves {
-        /// Creases that the goal has turn and this step does not.
+        /// Number of creases that turn at the goal but not in this step.
         unturned: usize,
-        /// Motions that keep its symmetry, in crease groups.
+        /// Motions that keep the symmetry, in crease groups; `None` if that would take long.
         symmetric: Option<Mobility>,
-        /// All its motions, in creases.
+        /// All motions, in creases; `None` if that would take long.
         single: Option<Mobility>,
     },
-    /// It does only as nearly as the default bound allows.
+    /// The sheet leaves flat only as nearly closed as the default bound allows.
     Bends,
     /// No way to leave flat was found.
     Stays,
-    /// There are too many unknowns for an answer at once.
+    /// There are too many unknowns for an immediate answer.
     Unknown,
 }
 
-/// Leaves flat the way of the goal, in crease groups, or else, where the sheet is small, crease by crease.
+/// Leaves flat in the direction of the goal: in crease groups or else, if the sheet is small, crease by crease.
 #[must_use]
 pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -> FirstStep {
     let options = PlanOptions::default();

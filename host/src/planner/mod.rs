@@ -1,9 +1,9 @@
-//! The planner: from a crease pattern and a goal to a path of the whole sheet.
+//! Plans the path of a whole sheet, from a crease pattern and a goal.
 //!
-//! Crease groups shrink the problem to a few unknowns and essential vertices to a few closure
-//! conditions. The path is followed from the goal, where it is regular, back to the flat sheet, where
-//! it is not. Knots are placed on it, as few as a bound on the error between them allows, and the motion is
-//! reused on the whole sheet and judged there.
+//! Crease groups reduce the problem to a few unknowns, and essential vertices reduce it to a few closure conditions.
+//! The path is followed from the goal, which is a regular configuration, back to the flat sheet, which is singular. As
+//! few knots are placed on the path as a bound on the error between them allows. The motion is then lifted to the whole
+//! sheet and judged there.
 
 mod at_knots;
 mod attempt;

@@ -1,4 +1,4 @@
-//! What the user may set.
+//! Options of a plan, and the check that they are in range.
 
 use core::f64::consts::PI;
 use core::time::Duration;
@@ -8,27 +8,27 @@ use thiserror::Error;
 
 use crate::pattern::CreaseId;
 
-/// Whether to look for crease groups.
+/// Use of crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Symmetry {
-    /// Use the groups that are found and that the whole sheet's closure confirms.
+    /// Uses the groups that are found and that the closure of the whole sheet confirms.
     #[default]
     Auto,
-    /// Every crease is an unknown of its own.
+    /// Makes every crease an unknown of its own.
     Off,
 }
 
-/// Which vertices' closure conditions the solver works on.
+/// Vertices whose closure conditions the solver works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Vertices {
-    /// One for each distinct condition.
+    /// One vertex for each distinct condition.
     #[default]
     Essential,
-    /// All real vertices, of which those that are alike in every bit are evaluated once.
+    /// All real vertices. Stars that are equal in every bit are evaluated once.
     All,
 }
 
-/// Which solver closes the sheet.
+/// Solver that closes the sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
     /// Levenberg-Marquardt.
@@ -38,50 +38,53 @@ pub enum Solver {
     Gradient,
 }
 
-/// How the path is looked for.
+/// Method by which the path is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Search {
-    /// Along the motion, from the goal or from flat.
+    /// Follows the motion, from the goal or from flat.
     #[default]
     Path,
     /// The adaptive randomised search of [XiLien2015](foldpath_core#references), section 4.
     Random,
 }
 
-/// How time runs along a path.
+/// Time law along a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Timing {
     /// As fast as the limits of the hinges allow.
     #[default]
     Optimal,
-    /// So that few knots suffice: in proportion to the tangent of one hinge's half angle, or to the way.
+    /// Few knots suffice: time is proportional to the tangent of one hinge's half angle, or to the path length.
     Sparse,
 }
 
-/// What of a path is judged.
+/// Part of a path that is judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Judged {
-    /// The whole motion: as few knots as keep it within the bound, certified between them.
+    /// The whole motion, certified between knots, with as few knots as keep it within the bound.
     #[default]
     Motion,
-    /// Configurations no farther than the largest step from each other, which become the knots, and nothing between
-    /// them: sooner, for a first look. Hinges turn evenly from knot to knot, whatever interpolation and pace are asked
-    /// for, and without a limit on their acceleration. A sheet without symmetry is closed between start and goal as far
-    /// as a hundredth of the bound asks. Where the knots keep no vertices, errors there are bounded by how well the
-    /// essential vertices close, if that is within the bound, rather than measured.
+    /// The knots alone. This takes less time, for a first look.
+    ///
+    /// Configurations no farther from each other than the largest step become the knots; the motion between them is not
+    /// judged. Hinges turn evenly from knot to knot, whatever interpolation and pace are asked for, and without a limit
+    /// on their acceleration. Between start and goal, a sheet without symmetry is closed only to a hundredth of the
+    /// residual that the bound allows. If the knots keep no vertices, errors at them are not measured but bounded by
+    /// the closure of the essential vertices, provided that this keeps the bound.
     Knots,
 }
 
-/// What the search for crossings skips. Each may be switched off to compare: the verdict stays.
+/// Pairs of faces that the search for crossings skips. Each kind may be looked at, to compare: the verdict stays the
+/// same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skips {
-    /// Pairs of faces that move like another pair.
+    /// `true` to skip pairs of faces that move like another pair.
     pub symmetry: bool,
-    /// Pairs that cannot have come together since they were looked at.
+    /// `true` to skip pairs that cannot have met since they were last looked at.
     pub motion: bool,
-    /// Pairs whose bounding volumes are apart.
+    /// `true` to skip pairs whose bounding volumes are apart.
     pub bounds: bool,
-    /// Pairs joined by an edge.
+    /// `true` to skip pairs joined by an edge.
     pub edges: bool,
 }
 
@@ -96,7 +99,7 @@ impl Default for Skips {
     }
 }
 
-/// Fold angles that a hinge may have.
+/// Limits on the fold angle of a hinge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeLimit {
     /// The hinge.
@@ -110,44 +113,43 @@ pub struct HingeLimit {
 /// Options of [`plan`](super::plan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
-    /// Bound on deformation and gap of the whole sheet, a fraction.
+    /// Bound on deformation and gap of the whole sheet, a fraction of lengths: above 0 and at most 1.
     pub bound: f64,
-    /// Whether to look for crease groups.
+    /// Use of crease groups.
     pub symmetry: Symmetry,
-    /// Which closure conditions to solve.
+    /// Vertices whose closure conditions are solved.
     pub vertices: Vertices,
-    /// What of the path is judged.
+    /// Part of the path that is judged.
     pub judged: Judged,
-    /// Whether to look for faces that pass through each other.
+    /// `true` to look for faces that pass through each other.
     pub collision: bool,
-    /// What that search skips.
+    /// Pairs of faces that this search skips.
     pub skips: Skips,
-    /// How the motion between knots is made; `None` for what needs the fewest knots.
+    /// Interpolation between knots; `None` for the one that needs the fewest knots.
     pub interpolation: Option<Interpolation>,
-    /// How time runs along the path.
+    /// Time law along the path.
     pub pace: Timing,
-    /// Which solver to use.
+    /// Solver that closes the sheet.
     pub solver: Solver,
-    /// How to look for the path.
+    /// Method by which the path is found.
     pub search: Search,
-    /// How the randomised search measures closure.
+    /// Objective by which the randomised search measures closure.
     pub objective: Objective,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Hinges that may not turn as far as touching themselves.
+    /// Hinges that may not turn by half a turn each way, which is as far as panels let them.
     pub limits: Vec<HingeLimit>,
-    /// No hinge turns by more than this in a step of the solver, radians.
+    /// Largest turn of a hinge from one configuration to the next while the motion is followed, radians.
     pub max_step: f64,
-    /// Speed that no hinge exceeds, radians per second.
+    /// Largest speed of a hinge, radians per second.
     pub max_speed: f64,
-    /// Acceleration that no hinge exceeds, radians per second squared. With one the path begins and ends at
-    /// rest.
+    /// Largest acceleration of a hinge, radians per second squared. With such a limit the path begins and ends at rest.
     pub max_acceleration: Option<f64>,
-    /// Knots that the path has at most.
+    /// Largest number of knots of the path.
     pub max_knots: Option<usize>,
     /// Time after which planning stops; none by default.
     pub timeout: Option<Duration>,
-    /// Whether each knot keeps the folded positions of the vertices: 24 bytes a vertex and knot.
+    /// `true` if each knot keeps the folded positions of the vertices: 24 bytes for each vertex and knot.
     pub keep_vertices: bool,
 }
 
@@ -181,30 +183,30 @@ impl Default for PlanOptions {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{option}: {}", self.problem())]
 pub struct OptionsError {
-    /// The option.
+    /// Name of the option.
     pub option: &'static str,
-    /// Its range.
+    /// Range of the option.
     pub expected: &'static str,
-    /// The value given.
+    /// Value given.
     pub found: f64,
 }
 
 impl OptionsError {
-    /// What is wrong, without the option's name.
+    /// Returns the problem, without the option's name.
     #[must_use]
     pub fn problem(&self) -> String {
         format!("expected {}, found {}", self.expected, self.found)
     }
 }
 
-/// Radians per second: slower than this, times become too large to tell knots apart.
+/// Smallest speed that may be asked for, radians per second: below it times become too large to tell knots apart.
 const SLOWEST: f64 = 1e-9;
 
 impl PlanOptions {
     /// Checks that each option is in its range.
     ///
     /// # Errors
-    /// The first one that is not.
+    /// The first option that is out of its range.
     pub fn validate(&self) -> Result<(), OptionsError> {
         let positive = |option, found: f64| {
             let good = found > 0.0 && found.is_finite();

@@ -1,26 +1,26 @@
-//! How near to its limits a trajectory runs, measured on the motion between its knots.
+//! Measures how near to its limits on speed and acceleration a trajectory runs between its knots.
 
 use foldpath_core::Curve;
 use foldpath_core::trajectory::TrajectoryView;
 
-/// Largest parts of their limits that a trajectory uses: above 1, the limits are passed.
+/// Largest fractions of their limits that a trajectory uses: above 1, a limit is exceeded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overshoot {
     /// Largest |ρ̇| over its limit.
     pub speed: f64,
     /// Largest |ρ̈| over its limit.
     pub acceleration: f64,
-    /// Segment that wants the largest [`Overshoot::stretch`].
+    /// Segment with the largest [`Overshoot::stretch`].
     pub segment: usize,
 }
 
 impl Overshoot {
-    /// Of a trajectory and the limits of its groups on speed (radians per second) and acceleration
-    /// (radians per second squared; infinite for none).
+    /// Measures a trajectory against the limits of its groups on speed (radians per second) and acceleration (radians
+    /// per second squared; infinite for none).
     ///
-    /// Exact for cubics of the angle. For half angles the largest of 17 places a segment, moved to the top of
-    /// the parabolas through it and its neighbours. Rates that jump, as at the knots of a linear
-    /// interpolation, are no acceleration here. A trajectory of one knot uses nothing.
+    /// Exact for cubics of the angle. For half angles, the largest of 17 samples a segment is taken, moved to the top
+    /// of the parabolas through that sample and its neighbours. Rates that jump, as at the knots of a linear
+    /// interpolation, do not count as acceleration. A trajectory of one knot uses nothing.
     ///
     /// Cost: for each segment and group a few operations, or 27 evaluations of a curve.
     #[must_use]
@@ -39,7 +39,7 @@ impl Overshoot {
         all
     }
 
-    /// The same of one segment; nothing used if there is none of this number.
+    /// Measures one segment as [`of`](Self::of) does; nothing is used if there is no segment of this number.
     #[must_use]
     pub fn of_segment(
         view: TrajectoryView<'_, f64>,
@@ -68,14 +68,14 @@ impl Overshoot {
         here
     }
 
-    /// Factor by which time has to be stretched for the limits to be just kept; below 1 it may shrink.
+    /// Returns the factor by which time has to be stretched to just keep the limits; below 1 it may shrink.
     #[must_use]
     pub fn stretch(&self) -> f64 {
         self.speed.max(self.acceleration.sqrt())
     }
 }
 
-/// Largest absolute first and second derivative on a segment.
+/// Returns the largest absolute first and second derivative on a segment, by its parameter from 0 to 1.
 pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
     let at = |s: f64| curve.derivatives(s).map(f64::abs);
     match curve {
@@ -98,9 +98,9 @@ pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
     }
 }
 
-/// Intervals between the places at which a curve is sampled.
+/// Number of intervals between the samples of a curve.
 const INTERVALS: u32 = 16;
-/// Parabolas drawn through a peak: three leave 1e-7 of a second derivative, five 1e-12.
+/// Number of parabolas drawn through a peak: three leave an error of 1e-7 in a second derivative, five leave 1e-12.
 const PARABOLAS: u32 = 5;
 
 #[allow(clippy::cast_precision_loss, reason = "at most 16")]
@@ -108,12 +108,12 @@ fn place(k: usize) -> f64 {
     k as f64 / f64::from(INTERVALS)
 }
 
-/// Largest value of a function on [0, 1], of samples at its places.
+/// Returns the largest value of a function over 0..1, from its samples, by successive parabolic interpolation.
 fn highest(samples: [f64; INTERVALS as usize + 1], f: impl Fn(f64) -> f64) -> f64 {
     let top = (0..samples.len())
         .max_by(|&a, &b| samples[a].total_cmp(&samples[b]))
         .unwrap_or(0);
-    // A peak between the first two or the last two places is sought beside its neighbour.
+    // A peak between the first two or the last two samples is sought beside the neighbour of the outermost sample.
     let middle = top.clamp(1, samples.len() - 2);
     let mut points = [middle - 1, middle, middle + 1].map(|k| (place(k), samples[k]));
     let mut highest = samples[top];
@@ -130,7 +130,7 @@ fn highest(samples: [f64; INTERVALS as usize + 1], f: impl Fn(f64) -> f64) -> f6
     highest
 }
 
-/// Where the parabola through three points is highest; nothing if it has no highest place.
+/// Returns the place at which the parabola through three points is highest; `None` if it has no maximum.
 fn vertex([(a, fa), (b, fb), (c, fc)]: [(f64, f64); 3]) -> Option<f64> {
     let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
     let bend = (right - left) / (c - a);

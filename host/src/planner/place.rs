@@ -1,5 +1,5 @@
-//! From a course to knots: as few as the bound on closure between them, the speed and the acceleration
-//! of the hinges allow.
+//! Places knots on a course: as few as the bound on closure between them and the limits on angle, speed and
+//! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
 
 use core::f64::consts::PI;
 use std::collections::HashMap;
@@ -16,13 +16,13 @@ use super::timing::Law;
 use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
 use crate::symmetry::ReducedStars;
 
-/// What the motion between knots has to keep.
+/// Conditions that the motion between knots has to keep.
 pub(super) struct Terms<'a> {
     /// One star for each distinct closure condition, and the loops round holes.
     pub(super) stars: &'a ReducedStars,
-    /// Largest closure residual; with `None`, any, and all waypoints are knots.
+    /// Largest closure residual; with `None` any residual is allowed, and all waypoints are knots.
     pub(super) closure: Option<f64>,
-    /// What the whole sheet is to keep, if it is asked.
+    /// Bounds that the whole sheet has to keep, if any.
     pub(super) folded: Option<Folded<'a>>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
@@ -30,34 +30,34 @@ pub(super) struct Terms<'a> {
     pub(super) speed: f64,
     /// Largest acceleration of a hinge, radians per second squared; infinite for any.
     pub(super) acceleration: f64,
-    /// Knots beyond which to give up.
+    /// Largest number of knots.
     pub(super) most: usize,
 }
 
-/// Deformation and gap that a whole sheet is to keep.
+/// Bounds on deformation and gap of the whole sheet.
 #[derive(Clone)]
 pub(super) struct Folded<'a> {
     pub(super) certifier: FoldingCertifier<'a>,
-    /// As long as knots between bring it there.
+    /// Bound for which knots are added as long as that helps.
     pub(super) aim: f64,
-    /// In any case.
+    /// Bound that is kept in any case.
     pub(super) bound: f64,
 }
 
-/// How time runs along the course.
+/// Time law along the course.
 enum Pace {
     /// As fast as speed and acceleration of the hinges allow.
     Optimal(Law),
-    /// In proportion to the angle of this group.
+    /// Time is proportional to the angle of this group.
     Angle(usize),
-    /// In proportion to the tangent of half the angle of this group.
+    /// Time is proportional to the tangent of half the angle of this group.
     HalfAngle(usize),
-    /// In proportion to the way in group angles.
+    /// Time is proportional to the path length in group angles.
     Way,
 }
 
 impl Pace {
-    /// Time at a place, and the speed there: way per time.
+    /// Returns the time at a configuration, and the speed there: path length per time.
     fn at(&self, site: &Site) -> [f64; 2] {
         match self {
             Self::Optimal(law) => [law.time_at(site.way), law.speed_at(site.way)],
@@ -72,31 +72,31 @@ impl Pace {
     }
 }
 
-/// Knots, what they are joined by, and what is certain of the motion.
+/// Knots, the interpolation between them, and bounds on the motion.
 pub(super) struct Placed {
     pub(super) interpolation: Interpolation,
     pub(super) knots: Vec<Knot>,
-    /// On the closure over the whole motion.
+    /// Bounds on the closure over the whole motion.
     bounds: Bounds,
-    /// Where it first does not close as it is to.
+    /// First segment that does not keep the closure condition, if any.
     open: Option<Open>,
 }
 
-/// The first segment of a motion that does not close as it is to.
+/// The first segment of a motion that does not keep the closure condition.
 struct Open {
     segment: usize,
-    /// Way to its start.
+    /// Path length to the start of the segment.
     way: f64,
-    /// Bounds on the closure before it.
+    /// Bounds on the closure before the segment.
     before: Bounds,
 }
 
-/// Bounds on the closure over some of the motion.
+/// Bounds on the closure over a part of the motion.
 #[derive(Clone)]
 struct Bounds {
-    /// Of each star.
+    /// Bound for each star.
     stars: Vec<f64>,
-    /// Of the rotation and the translation of each loop.
+    /// Bounds for the rotation and the translation of each loop.
     loops: Vec<[f64; 2]>,
 }
 
@@ -108,7 +108,7 @@ impl Bounds {
         }
     }
 
-    /// Those over this and over another part of the motion.
+    /// Extends the bounds to another part of the motion.
     fn take_in(&mut self, other: &Self) {
         let loops = self.loops.as_flattened_mut().iter_mut();
         let others = other.stars.iter().chain(other.loops.as_flattened());
@@ -123,7 +123,7 @@ impl Placed {
         self.bounds.closure()
     }
 
-    /// Leaves only the segments before the first that does not close as it is to; whether there is one.
+    /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
     pub(super) fn cut(&mut self) -> bool {
         let Some(open) = self.open.take() else {
             return false;
@@ -133,20 +133,21 @@ impl Placed {
         true
     }
 
-    /// Way as far as which it closes as it is to.
+    /// Returns the path length up to which the motion keeps the closure condition; infinite if all of it does.
     fn closes_to(&self) -> f64 {
         self.open.as_ref().map_or(f64::INFINITY, |open| open.way)
     }
 
-    /// Seconds from the first knot to the last.
+    /// Returns the seconds from the first knot to the last.
     fn duration(&self) -> f64 {
         self.knots.last().map_or(0.0, |last| last.time)
     }
 }
 
-/// The knots of a course: with the interpolation asked for, or that which needs the fewest. Homogeneous half
-/// angles, which other programs do not know, only where they save most. `None` if none does with the most
-/// allowed.
+/// Places knots on a course, with the interpolation asked for or the one that needs the fewest.
+///
+/// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
+/// `None` if no interpolation keeps the conditions with the largest number of knots.
 pub(super) fn place(
     course: &Course,
     terms: &Terms<'_>,
@@ -174,7 +175,8 @@ pub(super) fn place(
     ];
     let kinds = match &options.interpolation {
         Some(kind) => core::slice::from_ref(kind),
-        // Nothing to close: hinges turn evenly. Nothing that closes: none is nearer to it, and this one is followed best.
+        // Without conditions hinges turn evenly. If nothing closes, no interpolation is nearer to closing, and Hermite
+        // is the best to follow.
         None if terms.stars.is_empty() || terms.folded.is_some() => &all[1..2],
         None => &all,
     };
@@ -219,7 +221,7 @@ pub(super) fn place(
     best
 }
 
-/// The fastest pace of a course.
+/// Returns the fastest time law of a course.
 fn fastest(course: &Course, terms: &Terms<'_>) -> Pace {
     let groups = terms.limits.len();
     let parts = (GRID / groups.max(1)).clamp(1, PARTS);
@@ -229,7 +231,7 @@ fn fastest(course: &Course, terms: &Terms<'_>) -> Pace {
     }
 }
 
-/// Ways to let time run with which an interpolation may need few knots.
+/// Returns the time laws with which an interpolation may need few knots.
 fn sparse_paces(course: &Course, kind: Interpolation) -> Vec<Pace> {
     let leads = 0..course.site(0).angles.len().min(LEADS);
     match kind {
@@ -242,15 +244,15 @@ fn sparse_paces(course: &Course, kind: Interpolation) -> Vec<Pace> {
     }
 }
 
-/// Knots that are few.
+/// Number of knots that is few enough to try no other interpolation.
 const FEW: usize = 12;
-/// Factor in knots for which homogeneous half angles are worth it.
+/// Factor by which homogeneous half angles have to reduce the number of knots.
 const WORTH: usize = 4;
-/// Places between two waypoints at which the fastest motion is looked at, at most.
+/// Largest number of intervals between two waypoints on which the fastest motion is computed.
 const PARTS: usize = 8;
-/// Entries of all groups between two waypoints beyond which it is looked at in fewer places.
+/// Number of group angles between two waypoints above which there are fewer intervals.
 const GRID: usize = 4096;
-/// Groups that are tried as the one whose half angle time goes by.
+/// Largest number of groups that are tried as the one to whose angle or half angle time is proportional.
 const LEADS: usize = 8;
 
 /// Places knots on a course.
@@ -258,39 +260,40 @@ struct Placer<'a, 's> {
     course: &'a Course,
     terms: &'a Terms<'a>,
     solver: &'a mut ClosureSolver<'s>,
-    /// Knots beyond which to give up.
+    /// Largest number of knots.
     most: usize,
     certifier: SegmentCertifier,
     folded: Option<Folded<'a>>,
-    /// Configurations found on the course apart from its waypoints.
+    /// Configurations found on the course in addition to its waypoints.
     found: Vec<Site>,
     curves: Vec<Curve<f64>>,
-    /// Bounds on the closure of segments that keep the terms, by the ways of their ends.
+    /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
     known: HashMap<[u64; 2], Bounds>,
 }
 
-/// Part by which a hinge may exceed its limits before the time is stretched in the end.
+/// Fraction by which a hinge may exceed its limits before time is stretched at the end.
 const HASTE: f64 = 0.02;
-/// Part by which the time is stretched more, so that rounding the knots passes no limit.
+/// Fraction by which time is stretched in addition, so that rounding the knots passes no limit.
 const MARGIN: f64 = 1e-5;
-/// Part of the distance of the two waypoints around them below which no knot is put between two others.
+/// Distance of two knots, as a fraction of that of the waypoints around them, below which no knot is put between them.
 const NARROWEST: f64 = 1.0 / 256.0;
-/// Way in which a hinge that would be at its limit rests there: where others move on, solving moves it to and fro.
+/// Path length from its limit within which a hinge is put to rest at the limit: while others move on, solving would
+/// move it to and fro.
 const RESTING: f64 = 1e-4;
-/// Radians: this near half a turn, the digits that an angle is written with leave too few of its half angle's tangent for
-/// what is proved of it to be proved again.
+/// Distance from half a turn, radians, below which the digits that an angle is written with leave too few digits of its
+/// half angle's tangent to prove again what is proved of the tangent.
 const BLUNT: f64 = 1e-4;
-/// Radians: a hinge this far beyond its limit is at it.
+/// Distance beyond its limit up to which a hinge counts as being at the limit, radians.
 const AT_LIMIT: f64 = 1e-9;
 
-/// Whether a hinge keeps its limits all along its curve.
+/// Returns `true` if a hinge keeps its limits all along its curve.
 fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
     let [lower, upper] = range(curve);
     lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
 }
 
 impl Placer<'_, '_> {
-    /// The only configuration of a course that goes nowhere.
+    /// Returns the single configuration of a course of length 0.
     fn alone(&mut self) -> Option<Placed> {
         let first = self.course.ways().first().map(|_| self.course.site(0))?;
         Some(Placed {
@@ -305,9 +308,9 @@ impl Placer<'_, '_> {
         })
     }
 
-    /// The fewest knots found with this interpolation and pace. What cannot be kept with knots as dense as
-    /// they get is said by the bound on closure. `None` if that takes too many, or the interpolation does
-    /// not pass where the course does.
+    /// Places the fewest knots found with this interpolation and time law. If even the densest knots do not keep the
+    /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, or the
+    /// interpolation does not pass where the course does.
     fn place(&mut self, kind: Interpolation, pace: &Pace) -> Option<Placed> {
         self.known.clear();
         let maker = Maker::new(self.course, kind, pace);
@@ -320,7 +323,7 @@ impl Placer<'_, '_> {
             self.stay_within(&maker, &mut sites)?;
             return self.knots(&maker, &sites);
         }
-        // Where the motion rests, where a phase ends, and where accelerations jump, knots are needed first of all.
+        // Knots are needed first of all at configurations where the motion rests, a phase ends, or accelerations jump.
         let mut needed: Vec<Site> = self
             .course
             .inner()
@@ -368,8 +371,8 @@ impl Placer<'_, '_> {
         self.knots(&maker, &sites)
     }
 
-    /// Lets a hinge rest at two knots between which it would turn beyond its limits, as it does on a motion that closes
-    /// only roughly: it then turns from one angle to the other and no farther.
+    /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
+    /// only roughly. The hinge then turns from one angle to the other and no farther.
     fn stay_within(&mut self, maker: &Maker<'_>, sites: &mut [Site]) -> Option<()> {
         let mut turned = true;
         while core::mem::take(&mut turned) {
@@ -390,7 +393,7 @@ impl Placer<'_, '_> {
         Some(())
     }
 
-    /// Takes knots away while what is left keeps the terms.
+    /// Removes knots while the motion between those that remain keeps the conditions.
     fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
         let mut index = 1;
         while index + 1 < sites.len() {
@@ -403,7 +406,8 @@ impl Placer<'_, '_> {
         Some(())
     }
 
-    /// Makes the curves between two places, and returns the time between them. `None` if there are none, or out of time.
+    /// Makes the curves between two configurations, and returns the time between them. Returns `None` if there are no
+    /// such curves, or time is up.
     fn span(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<f64> {
         if self.solver.is_late() {
             return None;
@@ -411,7 +415,8 @@ impl Placer<'_, '_> {
         maker.curves(from, to, &mut self.curves)
     }
 
-    /// Whether the motion between two places keeps the terms.
+    /// Returns `true` if the motion between two configurations keeps the conditions; `None` if there are no curves
+    /// between them, or time is up.
     fn fits(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<bool> {
         let span = self.span(maker, from, to)?;
         let terms = self.terms;
@@ -423,7 +428,7 @@ impl Placer<'_, '_> {
         let Some(most) = terms.closure else {
             return Some(true);
         };
-        // Most of what does not close enough is seen in the middle.
+        // Most segments that do not close well enough show it in the middle.
         let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
         if terms.stars.largest_residual(&middle) > most {
             return Some(false);
@@ -437,7 +442,8 @@ impl Placer<'_, '_> {
         Some(fits)
     }
 
-    /// Whether the whole sheet deforms by no more than this over the present curves, if it is asked.
+    /// Returns `true` if the whole sheet deforms by no more than `most` over the present curves, or no bound on it is
+    /// asked for.
     fn deforms_within(&mut self, most: fn(&Folded<'_>) -> f64) -> bool {
         let Some(folded) = &mut self.folded else {
             return true;
@@ -446,7 +452,7 @@ impl Placer<'_, '_> {
         folded.certifier.rigidity(&self.curves, most).is_some()
     }
 
-    /// Bounds on the closure over the present curves.
+    /// Returns bounds on the closure over the present curves.
     fn bounds(&mut self) -> Bounds {
         let stars = self.terms.stars;
         let (stars, loops) = (stars.view(), stars.loops());
@@ -457,7 +463,7 @@ impl Placer<'_, '_> {
         }
     }
 
-    /// Those where nothing moves.
+    /// Returns the bounds of a motion in which nothing moves.
     fn closed(&self) -> Bounds {
         Bounds {
             stars: vec![0.0; self.terms.stars.vertices().len()],
@@ -465,16 +471,16 @@ impl Placer<'_, '_> {
         }
     }
 
-    /// Whether the hinges of the present curves, made between these places, are too fast by more than knots between
-    /// could mend: at these already, one that rests at its limit may leave the others faster than they were paced.
+    /// Returns `true` if hinges of the present curves, made between these configurations, are too fast, and more knots
+    /// between could mend that. They cannot if a hinge is too fast at one of the two: while one hinge rests at its
+    /// limit, others may be faster than the time law allows.
     fn is_hasty(&self, maker: &Maker<'_>, from: &Site, to: &Site, span: f64) -> bool {
         let haste = self.haste(maker.kind, span) / (1.0 + HASTE);
         let mut rates = maker.nodes(from).chain(maker.nodes(to));
         haste > 1.0 && rates.all(|node| node.rate.abs() < haste * self.terms.speed)
     }
 
-    /// How much too fast the hinges of the present curves are: the factor by which time has to be
-    /// stretched.
+    /// Returns the factor by which time has to be stretched so that the hinges of the present curves keep their limits.
     fn haste(&self, kind: Interpolation, span: f64) -> f64 {
         let peaks = self.curves.iter().map(peaks);
         let most = peaks.fold([0.0; 2], |most, peaks| {
@@ -487,14 +493,14 @@ impl Placer<'_, '_> {
         speed.max((most[1] / (span * span * self.terms.acceleration)).sqrt())
     }
 
-    /// The waypoint of that number between the ends.
+    /// Returns the waypoint of this number, which is not an end.
     fn waypoint(&mut self, index: usize) -> Site {
         let site = self.course.site(index);
         self.within_limits(site)
     }
 
-    /// A configuration between the ends. A hinge at its limit there has come to it or leaves it: it does
-    /// neither at speed.
+    /// Corrects a configuration between the ends. A hinge at its limit has just reached the limit or is about to leave
+    /// it, so that its rate is 0.
     fn within_limits(&mut self, mut site: Site) -> Site {
         let hinges = site.angles.iter().zip(&site.tangent);
         let limits = hinges.zip(self.terms.limits);
@@ -520,7 +526,7 @@ impl Placer<'_, '_> {
         site
     }
 
-    /// A configuration between two.
+    /// Returns a configuration between two others, if they are far enough apart.
     fn between(&mut self, from: &Site, to: &Site) -> Option<Site> {
         if let Some(index) = self.course.waypoint_between(from.way, to.way) {
             return Some(self.waypoint(index));
@@ -535,7 +541,7 @@ impl Placer<'_, '_> {
         self.site_at(middle)
     }
 
-    /// The configuration at a place.
+    /// Returns the closed configuration at a path length.
     fn site_at(&mut self, way: f64) -> Option<Site> {
         let known = self
             .found
@@ -550,7 +556,7 @@ impl Placer<'_, '_> {
         Some(site)
     }
 
-    /// The knots at these places, with the time stretched so that no hinge is too fast.
+    /// Makes the knots at these configurations, with time stretched so that no hinge is too fast.
     fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
         let (mut bounds, mut open) = (self.closed(), None);
         let most = self.terms.closure.unwrap_or(f64::INFINITY);
@@ -596,16 +602,16 @@ impl Placer<'_, '_> {
     }
 }
 
-/// Names the segment between two places.
+/// Returns the key of the segment between two configurations.
 fn key(from: &Site, to: &Site) -> [u64; 2] {
     [from, to].map(|site| site.way.to_bits())
 }
 
-/// Makes the curves between places.
+/// Makes the curves between configurations.
 struct Maker<'a> {
     kind: Interpolation,
     pace: &'a Pace,
-    /// The group whose half angle's cosine all share, for homogeneous ones; none for tangents.
+    /// Group whose half angle's cosine all groups share in homogeneous half angles; `None` for tangents of half angles.
     lead: Option<usize>,
 }
 
@@ -621,8 +627,8 @@ impl<'a> Maker<'a> {
         Self { kind, pace, lead }
     }
 
-    /// The curves between two places, and the time between them. `None` if one is not on its curve, or time
-    /// stands still there or runs back.
+    /// Makes the curves between two configurations, and returns the time between them. Returns `None` if a
+    /// configuration is not on its curve, or time stands still there or runs backwards.
     fn curves(&self, from: &Site, to: &Site, curves: &mut Vec<Curve<f64>>) -> Option<f64> {
         let span = self.pace.at(to)[0] - self.pace.at(from)[0];
         curves.clear();
@@ -637,7 +643,7 @@ impl<'a> Maker<'a> {
         passes.then_some(span)
     }
 
-    /// One node a group.
+    /// Returns one node for each group.
     fn nodes<'n>(&'n self, site: &'n Site) -> impl Iterator<Item = Node<f64>> + 'n {
         let speed = self.pace.at(site)[1];
         (0..site.angles.len()).map(move |group| Node {
@@ -651,8 +657,9 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Weight of a homogeneous half angle and its rate. The cosines of all groups are the same function of
-    /// time, that of the lead: then groups whose tangents of half angles keep their ratio move exactly.
+    /// Returns the weight of a homogeneous half angle and the rate of the weight. The cosines of all groups are the
+    /// same function of time, that of the lead, so that groups whose tangents of half angles keep their ratio move
+    /// exactly.
     fn weight(&self, site: &Site, group: usize, speed: f64) -> [f64; 2] {
         let (sin, cos) = (site.angles[group] / 2.0).sin_cos();
         let turn = site.tangent[group] * speed / 2.0;
@@ -664,7 +671,7 @@ impl<'a> Maker<'a> {
             None => (1.0, 0.0),
         };
         if cos.abs() < FOLDED_FLAT || lead_cos.abs() < FOLDED_FLAT {
-            // Both cosines vanish: their ratio is that of the rates.
+            // Both cosines vanish, and their ratio is that of the rates.
             let ratio = self
                 .lead
                 .map_or(1.0, |lead| (site.tangent[lead] / site.tangent[group]).abs());
@@ -676,5 +683,5 @@ impl<'a> Maker<'a> {
     }
 }
 
-/// Cosine of half an angle that is half a turn.
+/// Cosine of half an angle below which the angle is half a turn.
 const FOLDED_FLAT: f64 = 1e-6;

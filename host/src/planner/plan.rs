@@ -1,4 +1,5 @@
-//! Planning from beginning to end.
+//! Plans from beginning to end: tries crease groups, lifts the best path to the whole sheet, and retries with looser
+//! conditions.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -17,7 +18,7 @@ use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::{Progress, Stage, Watch};
 use crate::symmetry::CreaseGroups;
 
-/// The answer.
+/// Answer of the planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Outcome {
     /// The path reaches the goal, within the bound and free of crossings.
@@ -25,7 +26,7 @@ pub enum Outcome {
     Planned,
     /// The path ends between flat and goal.
     Partial,
-    /// The sheet deforms beyond the bound although the essential pattern does not, or may for all that is proved.
+    /// The sheet deforms beyond the bound although its essential pattern does not, or is not proved to keep the bound.
     NotRigidlyFoldable,
     /// No closed configuration was found near the goal.
     GoalNotClosed,
@@ -36,7 +37,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Its name in files.
+    /// Returns the name of the outcome in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -53,11 +54,12 @@ impl Outcome {
 /// Time spent in each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Finding the spanning tree, crease groups and essential vertices, closing the goal under them, and its own closure.
+    /// Finding the spanning tree, crease groups and essential vertices, closing the goal under them, and the closure of
+    /// the goal as asked.
     pub symmetry: Duration,
     /// Following the path in group angles.
     pub solve: Duration,
-    /// Placing knots on it and certifying the motion between them.
+    /// Placing knots on the path and certifying the motion between them.
     pub place: Duration,
     /// Folding the whole sheet at every knot and measuring it.
     pub fold: Duration,
@@ -65,14 +67,14 @@ pub struct Times {
     pub collision: Duration,
 }
 
-/// A plan: the answer, the path as far as it got, and what was measured.
+/// A plan: the answer, the path as far as it leads, and measurements.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The answer.
     pub outcome: Outcome,
-    /// Why the outcome is not `Planned`, in words.
+    /// Reason why the outcome is not `Planned`, in words.
     pub reason: Option<String>,
-    /// Fraction of the way to the goal that is free to go.
+    /// Fraction of the way to the goal that the sheet can go.
     pub reached: f64,
     /// The path, from flat; empty if none was found.
     pub path: Path,
@@ -80,46 +82,47 @@ pub struct Plan {
     pub groups: usize,
     /// Number of essential vertices.
     pub essential_vertices: usize,
-    /// Unknowns that the solver worked on.
+    /// Number of unknowns that the solver worked on.
     pub unknowns: usize,
-    /// Closed configurations that the path was followed through, before knots were placed.
+    /// Number of closed configurations that the path was followed through, before knots were placed.
     pub waypoints: usize,
-    /// Worst deformation and gap over all knots.
+    /// Largest deformation and gap over all knots.
     pub rigidity: Rigidity,
-    /// Worst deformation and gap of the essential crease pattern over all knots.
+    /// Largest deformation and gap of the essential crease pattern over all knots.
     pub essential_rigidity: Rigidity,
-    /// Faces of the essential crease pattern.
+    /// Number of faces of the essential crease pattern.
     pub essential_faces: usize,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
     pub max_closure: f64,
-    /// Bound on the closure residual of every real vertex and hole over the whole motion; `None` where that is not
-    /// known.
+    /// Bound on the closure residual of every real vertex and hole over the whole motion; `None` if unknown.
     pub certified_closure: Option<f64>,
-    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included; where closure alone would
-    /// allow more than the bound, of the sheet folded as by [`FoldingCertifier`](crate::certificate::FoldingCertifier).
-    /// Infinite where nothing is known, `None` where nothing was to be.
+    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
+    ///
+    /// If closure alone would allow more than the option's bound, this is the bound on the folded sheet by
+    /// [`FoldingCertifier`](crate::certificate::FoldingCertifier). Infinite if nothing is known, `None` if nothing was
+    /// to be certified.
     pub certified_deformation: Option<f64>,
-    /// How much larger than the closure residuals of its vertices and holes the errors of the whole
-    /// sheet can be; `None` where that is not known.
+    /// Largest ratio of the errors of the whole sheet to the closure residuals of its vertices and holes; `None` if
+    /// unknown.
     pub amplification: Option<f64>,
-    /// Closure residual that no vertex may exceed, so that the whole sheet keeps the bound.
+    /// Largest closure residual of a vertex with which the whole sheet keeps the bound.
     pub essential_tolerance: f64,
-    /// Largest closure residual of the goal asked for.
+    /// Largest closure residual of the goal as asked.
     pub goal_closure: f64,
-    /// Largest difference of a fold angle at the end from the goal asked for, radians.
+    /// Largest difference of a fold angle at the end of the path from the goal as asked, radians.
     pub goal_error: f64,
-    /// Iterations of the solver.
+    /// Number of iterations of the solver.
     pub iterations: u64,
-    /// Evaluations of the closure conditions by the solver.
+    /// Number of evaluations of the closure conditions by the solver.
     pub evaluations: u64,
-    /// What the search for crossings looked at.
+    /// Number of pairs that the search for crossings looked at and skipped.
     pub collision: SweepCounts,
-    /// Smallest distance of two faces that share no vertex over the whole motion, if crossings were looked
-    /// for and nothing crosses.
+    /// Smallest distance of two faces that share no vertex, over the whole motion, if crossings were looked for and
+    /// none was found.
     pub clearance: Option<Clearance>,
     /// Time spent.
     pub times: Times,
-    /// What the user should know, in words.
+    /// Remarks for the user, in words.
     pub notes: Vec<String>,
 }
 
@@ -131,8 +134,8 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
     plan_until_over(pattern, goal, options, Watch::default())
 }
 
-/// Plans as [`plan`] does, and tells `progress` how far it is. A call that is cancelled answers
-/// [`Outcome::Timeout`], as one whose time is up.
+/// Plans as [`plan`] does, and reports to `progress`. A call that is cancelled answers [`Outcome::Timeout`], as does
+/// one whose time is up.
 #[must_use]
 pub fn plan_watched(
     pattern: &CreasePattern,
@@ -194,13 +197,13 @@ fn plan_until_over(
     plan
 }
 
-/// Whether a goal closes but for what rounded coordinates may be off.
+/// Returns `true` if a goal fails to close by no more than rounded coordinates may be off.
 fn nearly_closes(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> bool {
     let off = closure_of(pattern, &goal.fold_angles);
     off.is_some_and(|off| off > CLOSED && off <= options.bound / EXPECTED)
 }
 
-/// A plan, or the same without crease groups if that proves less deformation.
+/// Returns `tighter`, the plan without crease groups, if it proves less deformation, or else `plan`.
 fn tighter(plan: Plan, mut tighter: Plan) -> Plan {
     if tighter.outcome != Outcome::Planned || tighter.proved() >= plan.proved() {
         return plan;
@@ -214,8 +217,9 @@ fn tighter(plan: Plan, mut tighter: Plan) -> Plan {
 }
 
 impl Plan {
-    /// Whether less deformation than is proved might be without crease groups, which close as well as can be: more than
-    /// the bound, or on a small sheet more than is aimed at.
+    /// Returns `true` if a plan without crease groups might prove less deformation: if this one proves more than the
+    /// bound, or on a small sheet more than the planner aims for. With crease groups, vertices may close only to a
+    /// local minimum of the residual.
     fn is_loose(&self, pattern: &CreasePattern, options: &PlanOptions) -> bool {
         let creases = pattern.creases().len();
         let aim = match self.outcome {
@@ -229,14 +233,14 @@ impl Plan {
         path && held && self.proved().is_some_and(|proved| proved > aim)
     }
 
-    /// Counts what another took as its own.
+    /// Adds the time and the work of another plan to those of this one.
     pub(super) fn add_effort(&mut self, other: &Self) {
         self.times = self.times.after(&other.times);
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;
     }
 
-    /// Deformation that the sheet is proved to keep, infinite for none; `None` if nothing was to be proved.
+    /// Returns the deformation that the sheet is proved to keep, infinite for none; `None` if nothing was to be proved.
     fn proved(&self) -> Option<f64> {
         self.certified_closure?;
         let certified = self.certified_deformation;
@@ -245,7 +249,7 @@ impl Plan {
 }
 
 impl Times {
-    /// Of this after others.
+    /// Returns the sum of these times and of others.
     fn after(self, others: &Self) -> Self {
         Self {
             symmetry: self.symmetry + others.symmetry,
@@ -257,19 +261,21 @@ impl Times {
     }
 }
 
+/// One run of the planner, with the plan as far as it is made.
 pub(super) struct Planning<'a> {
     pub(super) pattern: &'a CreasePattern,
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
     pub(super) watch: Watch<'a>,
-    /// Closure residual of the goal as it stands, all creases on their own, if they all have an angle and it
-    /// was asked for.
+    /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
+    /// residual was needed.
     pub(super) asked_closure: Option<f64>,
-    /// Part of the bound that the motion between knots is certified for at first.
+    /// Fraction of the bound for which the motion between knots is certified at first.
     pub(super) part: f64,
-    /// Whether what nearly folds flat is taken to do so exactly: if so, coarsely or not.
+    /// `Some` if stars that nearly fold flat are taken to fold flat exactly. `Some(true)` allows for the largest
+    /// rounding with which the goal closes, `Some(false)` for little more than the smallest.
     pub(super) unrounded: Option<bool>,
-    /// Whether what errors of vertices add up to is not bounded beforehand, but measured.
+    /// `true` if the errors of vertices are not bounded in the worst case beforehand, but their sum is measured.
     pub(super) measured: bool,
     pub(super) plan: Plan,
 }
@@ -321,13 +327,13 @@ impl<'a> Planning<'a> {
         }
         let exact = self.asked_closure.is_some_and(|closure| closure <= CLOSED);
         self.plan.times.symmetry += start.elapsed();
-        // Symmetry is a shortcut: what it does not find is looked for without.
+        // Symmetry is a shortcut: a path that is not found with it is looked for without it.
         let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
         for (groups, exactly) in symmetries.into_iter().chain(without) {
             let start = Instant::now();
             self.watch.begin(Stage::Symmetry);
-            // A goal far away is not what was asked for: with every crease free, one may be nearer. Nor is
-            // one beside a goal that closes as it stands, all creases on their own.
+            // A goal far away is not what was asked for: with every crease free, one may be nearer. If the goal closes
+            // as asked, with every crease on its own, a goal beside it is not what was asked for either.
             let radians = if exact && !groups.is_trivial() {
                 SAME
             } else {
@@ -380,9 +386,11 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// The plan that takes for exact what folds flat within what the bound allows, if it comes farther than one without:
-    /// where two lines cross, one can turn while the other is flat, unless they bend there by the least, and once it is
-    /// folded flat, so can the other.
+    /// Plans with stars that are taken to fold flat exactly if they nearly do, within what the bound allows. Returns
+    /// that plan if it leads farther than `without`, or else `without`.
+    ///
+    /// At a vertex where two straight lines cross, one line can turn while the other is flat, and once the first is
+    /// folded flat, the other can turn. If a line bends by the least amount at the vertex, neither can.
     fn unrounded(mut self, without: Plan, coarse: bool) -> Plan {
         self.unrounded = Some(coarse);
         let Some(mut plan) = self.run_unrounded(coarse) else {
@@ -397,7 +405,8 @@ impl<'a> Planning<'a> {
         plan
     }
 
-    /// The plan that lets vertices fail to close by more than what would add up to the bound at worst, if it keeps it.
+    /// Plans with vertices that may fail to close by more than would add up to the bound in the worst case. Returns
+    /// that plan if it keeps the bound, or else `without`.
     fn measured(self, without: Plan) -> Plan {
         let mut plan = self.run();
         if plan.outcome != Outcome::Planned {
@@ -438,7 +447,7 @@ impl<'a> Planning<'a> {
         Some(self.conclude(attempt, None))
     }
 
-    /// Unknowns and conditions on these groups.
+    /// Makes the unknowns and conditions for these groups.
     pub(super) fn reduction(&self, groups: CreaseGroups) -> Reduction<'a> {
         let reduction = Reduction::new(self.pattern, groups, self.options, self.watch);
         if self.measured {
@@ -448,8 +457,8 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// Crease groups to try one after the other, and whether the goal has to close exactly under them.
-    /// Groups of a finer symmetry fold the sheet more exactly, if they do at all.
+    /// Returns crease groups to try one after the other, each with `true` if the goal has to close exactly under them.
+    /// Groups of a finer symmetry fold the sheet more exactly, if they fold it at all.
     fn symmetries(&self) -> Vec<(CreaseGroups, bool)> {
         let mut found = Vec::new();
         if self.options.symmetry == Symmetry::Auto {
@@ -465,7 +474,7 @@ impl<'a> Planning<'a> {
         found
     }
 
-    /// Notes what the path is made of.
+    /// Stores the sizes and tolerances of the reduced problem in the plan.
     fn describe(&mut self, reduction: &Reduction) {
         let groups = &reduction.groups;
         if groups.is_rough() {
@@ -526,7 +535,7 @@ impl<'a> Planning<'a> {
         let crossed = matches!(plan.outcome, Outcome::Crossing(_));
         match plan.outcome {
             Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
-            // The goal crosses however far the path is proved.
+            // The goal crosses, however much of the path is proved.
             Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
             _ => {}
         }
@@ -547,7 +556,7 @@ impl<'a> Planning<'a> {
         plan
     }
 
-    /// Faces that pass through each other at the goal itself.
+    /// Returns the crossing of faces at the goal itself, if there is one.
     fn goal_crossing(&self, attempt: &Attempt) -> Option<Crossing> {
         let mut goal = Knot {
             angles: attempt.goal.clone()?,
@@ -556,13 +565,13 @@ impl<'a> Planning<'a> {
         Judge::new(self.pattern, &attempt.reduction, self.options.collision).judge(&mut goal)
     }
 
-    /// Says how far the goal was moved, if it was.
+    /// Adds a note about how far the goal was moved, if it was.
     fn moved_goal(&mut self, attempt: &Attempt) {
         let start = Instant::now();
         let closure = self.asked_closure.or_else(|| {
             let angles = attempt.reduction.groups.expand(attempt.last());
             let asked = self.goal.fold_angles.iter().zip(angles);
-            // Free hinges as they close.
+            // Free hinges take the angles at which the sheet closes.
             let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
             closure_of(self.pattern, &angles)
         });
@@ -619,7 +628,7 @@ impl<'a> Planning<'a> {
         self.plan
     }
 
-    /// Why the path ends where it does, in words.
+    /// Returns the reason why the path ends before the goal, in words.
     fn stopped(&self, attempt: &Attempt, stop: Stop) -> String {
         let reduction = &attempt.reduction;
         let last = attempt.last();
@@ -642,7 +651,7 @@ impl<'a> Planning<'a> {
             let edges = self.members(reduction, unknown);
             return reason + ": " + &edge_list(&edges);
         }
-        // What a small step straight to the goal would tear.
+        // The vertex that stands in the way is the one that a small step straight to the goal would tear most.
         let asked = reduction.groups.reduce(&self.goal.fold_angles);
         let mut ahead = way_to(&asked, last);
         let far = max_norm(&ahead);
@@ -657,7 +666,7 @@ impl<'a> Planning<'a> {
         reason
     }
 
-    /// Edges of the creases of a group.
+    /// Returns the edges of the creases of a group.
     fn members(&self, reduction: &Reduction, group: usize) -> Vec<EdgeId> {
         let memberships = reduction.groups.memberships().iter();
         let pairs = memberships.zip(self.pattern.creases());
@@ -665,11 +674,12 @@ impl<'a> Planning<'a> {
         members.map(|(_, &edge)| edge).collect()
     }
 
-    /// Whether the sheet folds within the bound although not rigidly: the essential crease pattern is
-    /// taken straight to the goal, and if that keeps the bound, the path is reused on the whole sheet.
-    /// Holding there too, it is a plan; else the sheet is not rigidly foldable this way
-    /// (Prop. 5.1 of the report). `None` if already the essential pattern breaks the bound, or the goal
-    /// is not one of its crease groups.
+    /// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly.
+    ///
+    /// The essential crease pattern is taken straight to the goal. If it keeps the bound, the path is lifted to the
+    /// whole sheet: either the whole sheet keeps the bound too, or it is not rigidly foldable this way (Prop. 5.1 of
+    /// the report). Returns `None` if the essential pattern already breaks the bound, or the goal does not have the
+    /// symmetry of the crease groups.
     fn deforming(&self, reduction: &Reduction) -> Option<Plan> {
         let asked = reduction.groups.reduce(&self.goal.fold_angles);
         let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
@@ -709,17 +719,19 @@ impl<'a> Planning<'a> {
     }
 }
 
-/// Creases up to which a sheet is planned once more without its crease groups for the sake of what is proved, and up to
-/// which for that of an answer.
+/// Largest number of creases of a sheet that is planned once more without its crease groups to prove a smaller
+/// deformation.
 pub(super) const FEW_CREASES: usize = 200;
+/// Largest number of creases of a sheet that is planned once more without its crease groups because it is not proved to
+/// keep the bound.
 const MANY_CREASES: usize = 2000;
-/// Radians: a step that shows which vertex stands in the way.
+/// Largest turn of a crease in the step that shows which vertex stands in the way, radians.
 const PROBE: f64 = 0.1;
-/// Radians: goal angles of one crease group are the same.
+/// Largest difference between goal angles of one crease group that count as the same, radians.
 const SAME_GOAL: f64 = 1e-2;
-/// Part of the goal that a path without symmetry has to come nearer to be preferred.
+/// Fraction of the goal by which a path without symmetry has to lead farther to be preferred.
 const FARTHER: f64 = 0.01;
-/// Edges named at most.
+/// Largest number of edges named in a reason.
 const NAMED: usize = 12;
 
 impl core::fmt::Display for Blame {

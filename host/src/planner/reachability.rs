@@ -1,27 +1,27 @@
-//! Largest σ̇² at each point of a path's grid, by reachability analysis.
+//! Largest σ̇² at each point of a path's grid, by reachability analysis (TOPP-RA).
 //!
-//! Implements, with x = σ̇² and u = σ̈ constant between the points, Pham, Pham, "A new approach to
-//! time-optimal path parameterization based on reachability analysis", IEEE Trans. Robotics 34(3), 2018,
-//! with the limits at both ends of an interval, their "interpolation scheme". Backward, the largest x at
-//! each point from which the rest can be gone; forward, the largest x that the last one reaches.
+//! Implements, with x = σ̇² and u = σ̈ constant between the points, Pham, Pham, "A new approach to time-optimal path
+//! parameterization based on reachability analysis", IEEE Trans. Robotics 34(3), 2018, with the limits at both ends of
+//! an interval, their "interpolation scheme". A backward pass finds the largest x at each point from which the rest of
+//! the path can be travelled; a forward pass finds the largest x that the point before reaches.
 //!
-//! Differs from the source: limits are symmetric, so that standing still is always allowed and the
-//! controllable sets are [0, K], with no lower end to follow; their linear programme in two unknowns is
-//! solved by Newton's method on the convex, piecewise linear width of what is forbidden; and a point may
-//! have derivatives from both sides, so that pieces with jumps of ρ' or ρ'' are one path.
+//! Differs from the source in three respects. Limits are symmetric, so that standing still is always allowed and the
+//! controllable sets are [0, K], with no lower end to follow. The linear programme in two unknowns is solved by
+//! Newton's method on the amount by which the lower bound on the next x exceeds the upper one, a convex, piecewise
+//! linear function. A point may have derivatives from both sides, so that pieces with jumps of ρ' or ρ'' are one path.
 
 use super::timing::{RateLimits, Rests, SampledPath, TimingError};
 
-/// Derivatives below this part of the largest on the path count as 0.
+/// Largest derivative that counts as 0, as a fraction of the largest on the path.
 const STILL: f64 = 1e-8;
-/// Steps of Newton's method for a controllable set. It ends by itself after a handful, each on another
-/// pair of limits; rounding may let it creep.
+/// Largest number of steps of Newton's method for a controllable set. The method ends by itself after a handful, each
+/// on another pair of limits; rounding may let it creep.
 const STEPS: u32 = 64;
-/// Part of its limit up to which a regime goes on though another is nearer to its own limit: more than
-/// rounding.
+/// Difference of load, as a fraction of the limit, up to which a regime goes on although another limit is nearer to
+/// being active: more than rounding.
 const SAME_REGIME: f64 = 1e-6;
 
-/// y = offset + slope x.
+/// The line y = offset + slope x.
 #[derive(Clone, Copy)]
 struct Line {
     offset: f64,
@@ -34,22 +34,22 @@ impl Line {
     }
 }
 
-/// What an interval allows for y = σ̇² at its end, given x = σ̇² at its beginning.
+/// Values that an interval allows for y = σ̇² at its end, given x = σ̇² at its beginning.
 struct Reach {
     low: Line,
     high: Line,
-    /// Largest x, whatever y.
+    /// Largest x for any y.
     most: f64,
 }
 
-/// What holds the motion back.
+/// Active constraint of the motion: a limit of this group.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Regime {
     Speed(usize),
     Acceleration(usize, bool),
 }
 
-/// A path with its limits, checked.
+/// A path with its limits, both checked.
 pub(super) struct Problem<'a> {
     path: SampledPath<'a>,
     limits: RateLimits<'a>,
@@ -58,7 +58,7 @@ pub(super) struct Problem<'a> {
     limited: Vec<usize>,
     /// Derivatives ρ' below this count as 0.
     still: f64,
-    /// Largest σ̇² at each point by the speeds and rests.
+    /// Largest σ̇² at each point that speeds and rests allow.
     ceiling: Vec<f64>,
 }
 
@@ -90,12 +90,12 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    /// ρ' of all groups at a point.
+    /// Returns ρ' of all groups at a point.
     fn first(&self, point: usize) -> &'a [f64] {
         &self.path.first[point * self.groups..][..self.groups]
     }
 
-    /// ρ'' of all groups at a point.
+    /// Returns ρ'' of all groups at a point.
     fn second(&self, point: usize) -> &'a [f64] {
         &self.path.second[point * self.groups..][..self.groups]
     }
@@ -104,7 +104,8 @@ impl<'a> Problem<'a> {
         self.path.parameters[point + 1] - self.path.parameters[point]
     }
 
-    /// Largest σ̇² at each point by the speeds; that of the nearest points where nothing moves.
+    /// Returns the largest σ̇² at each point that the speeds allow; at points where nothing moves, that of the nearest
+    /// points.
     fn speed_ceiling(&self) -> Vec<f64> {
         let of = |point: usize| {
             let rates = self.first(point).iter().zip(self.limits.speeds);
@@ -139,7 +140,7 @@ impl<'a> Problem<'a> {
             .chain(corners.flat_map(|k| [k, k + 1]))
             .collect();
         for point in stops {
-            // Where nothing moves by σ, hinges rest at any σ̇.
+            // If no group moves with σ at a point, hinges rest there at any σ̇.
             if self
                 .limited
                 .iter()
@@ -153,7 +154,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Whether a point given twice, first as number `point`, has one ρ' where accelerations are limited.
+    /// Returns `true` if a point given twice, first as number `point`, has one ρ' for all groups with limited
+    /// accelerations.
     fn joins(&self, point: usize) -> bool {
         let (left, right) = (self.first(point), self.first(point + 1));
         self.limited
@@ -161,7 +163,7 @@ impl<'a> Problem<'a> {
             .all(|&g| (left[g] - right[g]).abs() <= self.still)
     }
 
-    /// For each limited group and end of the interval behind `point`: its number and (α, β) of its
+    /// Returns, for each limited group and each end of the interval after `point`, the group and the (α, β) of its
     /// acceleration α x + β y.
     fn accelerations(&self, point: usize) -> impl Iterator<Item = (usize, f64, f64)> {
         let step = 1.0 / (2.0 * self.span(point));
@@ -173,7 +175,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// What the interval behind `point` allows at x, for y up to `top`: the limits nearest there.
+    /// Returns the bounds on y, up to `top`, that are active at x in the interval after `point`.
     fn reach(&self, point: usize, x: f64, top: f64) -> Reach {
         let mut low = Line {
             offset: 0.0,
@@ -207,7 +209,7 @@ impl<'a> Problem<'a> {
         Reach { low, high, most }
     }
 
-    /// Largest x at `point` from which the interval behind it leads to some y up to `top`.
+    /// Returns the largest x at `point` from which the interval after it leads to some y up to `top`.
     fn controllable(&self, point: usize, top: f64) -> f64 {
         let mut x = self.ceiling[point];
         for _ in 0..STEPS {
@@ -226,7 +228,7 @@ impl<'a> Problem<'a> {
         x
     }
 
-    /// Largest σ̇² at each point.
+    /// Returns the largest σ̇² at each point.
     pub(super) fn fastest(&self) -> Vec<f64> {
         let mut squares = self.ceiling.clone();
         if self.limited.is_empty() {
@@ -251,7 +253,7 @@ impl<'a> Problem<'a> {
         squares
     }
 
-    /// Points at which the regime changes.
+    /// Returns the points at which the regime changes.
     pub(super) fn switches(&self, squares: &[f64]) -> Vec<usize> {
         let mut switches = Vec::new();
         let mut regime = None;
@@ -276,8 +278,8 @@ impl<'a> Problem<'a> {
         switches
     }
 
-    /// Parts of the limits that are used in the interval behind `point`: of the speed on both ends, of
-    /// the acceleration on each.
+    /// Returns the fractions of the limits that are used in the interval after `point`: of each speed on both ends, of
+    /// each acceleration at either end.
     fn loads(&self, point: usize, x: f64, y: f64) -> impl Iterator<Item = (f64, Regime)> {
         let (from, to) = (self.first(point), self.first(point + 1));
         let speeds = self

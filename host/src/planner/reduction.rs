@@ -1,5 +1,4 @@
-//! The problem that is solved: crease groups as unknowns, some stars as conditions, and the goal in
-//! these terms.
+//! The reduced problem: crease groups as unknowns, stars and loops as closure conditions, and the goal in these terms.
 
 use core::cell::OnceCell;
 use core::f64::consts::PI;
@@ -14,41 +13,41 @@ use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
-/// Faces up to which all pairs are looked at sooner than their lattice is found and folded.
+/// Largest number of faces for which testing all pairs of faces is faster than finding and folding a lattice.
 const FEW_FACES: usize = 20;
 
 /// The unknowns and conditions of a plan.
 pub(super) struct Reduction<'a> {
     pub(super) groups: CreaseGroups,
-    /// Stars of all real vertices, loops round all holes.
+    /// Stars of all real vertices, and loops round all holes.
     pub(super) all: ReducedStars,
     /// One star for each distinct condition.
     pub(super) essential: ReducedStars,
-    /// Those of all stars that differ in some bit.
+    /// The stars of `all` without those that equal another one in every bit.
     distinct: ReducedStars,
-    /// The same of the stars as the sheet has them, if these are not.
+    /// The distinct stars with the directions of the sheet, if `all` has unrounded directions.
     rounded: Option<ReducedStars>,
-    /// Radians by which creases may have been turned for that.
+    /// Largest angle by which creases may have been turned to unround the stars, radians.
     pub(super) within: f64,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
     pub(super) watch: Watch<'a>,
-    /// The tree along which the whole sheet is folded.
+    /// Spanning tree along which the whole sheet is folded.
     pub(super) tree: SpanningTree,
-    /// How much larger than the closure residuals errors of the whole sheet can be.
+    /// Largest ratio of the errors of the whole sheet to the closure residuals; `None` if unknown.
     pub(super) amplification: Option<f64>,
-    /// How much larger they are taken to be, at most.
+    /// Largest ratio that is assumed, whatever the worst case is; infinite to assume the worst case.
     expected: f64,
-    /// The structure of sparse equations of the stars to solve, once a solver has found it.
+    /// Sparse structure of the stars to solve, once a solver has found it.
     structure: OnceCell<Option<Rc<Structure>>>,
-    /// The lattice of the groups, if it was asked for.
+    /// Lattice of the groups, once it was asked for.
     lattice: OnceCell<Option<Lattice>>,
 }
 
-/// What stands in the way.
+/// Vertex or hole that closes worst, for the reason of a plan.
 pub(super) struct Blame {
-    /// A vertex or a hole, in words.
+    /// The vertex or hole, in words.
     pub(super) place: String,
     pub(super) edges: Vec<EdgeId>,
     pub(super) residual: f64,
@@ -58,9 +57,9 @@ pub(super) struct Blame {
 pub(super) struct ClosedGoal {
     /// Group angles, radians.
     pub(super) angles: Vec<f64>,
-    /// Largest difference from the goal asked for over all creases, radians.
+    /// Largest difference from the goal as asked over all creases, radians.
     pub(super) error: f64,
-    /// Closure residual that counts as closed although it can be made no smaller; 0 for none.
+    /// Closure residual up to which a local minimum counted as closed; 0 if it had to close to the tolerance.
     pub(super) accepted: f64,
 }
 
@@ -75,7 +74,7 @@ impl<'a> Reduction<'a> {
         Self::of_stars(pattern, groups, all, options, watch)
     }
 
-    /// The same of other stars.
+    /// Makes the reduction with these stars.
     fn of_stars(
         pattern: &CreasePattern,
         groups: CreaseGroups,
@@ -102,8 +101,8 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// The same where errors of vertices are not taken to add up, as those of rounded coordinates do not: what they add up
-    /// to is to be measured.
+    /// Assumes that errors of vertices do not add up, as those of rounded coordinates do not. The errors of the sheet
+    /// have to be measured then.
     pub(super) fn measured(self) -> Self {
         Self {
             expected: EXPECTED,
@@ -111,9 +110,12 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// The same of stars that fold flat where they nearly do, and by how much (radians) their creases are turned for it;
-    /// `None` if none is by more than rounding, within what the bound allows. If `coarse`, as much is taken for rounding as
-    /// the goal closes with; `None` if that is no more than it tells.
+    /// Returns the reduction to stars that fold flat exactly where they nearly do, and the largest angle (radians) by
+    /// which a crease is turned for that.
+    ///
+    /// With `coarse`, the angle up to which creases may be turned is the largest with which the goal closes, otherwise
+    /// little more than the smallest; either is within what the bound allows. Returns `None` if no crease is turned by
+    /// more than rounding, or if `coarse` allows no larger angle.
     pub(super) fn unrounded(
         &self,
         pattern: &CreasePattern,
@@ -140,17 +142,17 @@ impl<'a> Reduction<'a> {
         (turned > ROUNDING).then(|| (unrounded(), turned))
     }
 
-    /// The lattice of the groups along which to look for crossings, if the sheet has one and more than a few faces.
+    /// Returns the lattice along which to look for crossings, if the groups have one and the sheet has more than a few
+    /// faces.
     pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
         let lattice = || Lattice::find(pattern, self.groups.memberships());
-        // Hinges that are each on their own turn alike nowhere.
+        // Without crease groups no two hinges turn alike, so that there is no lattice.
         (!self.groups.is_trivial() && pattern.faces().len() > FEW_FACES)
             .then(|| self.lattice.get_or_init(lattice).as_ref())
             .flatten()
     }
 
-    /// A solver of the stars to solve; a local minimum of the residual counts as closed if it is
-    /// `accepted`.
+    /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `accepted`.
     pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
         let mut solver =
             ClosureSolver::new(self.stars(), options.solver, accepted, &self.structure);
@@ -158,7 +160,7 @@ impl<'a> Reduction<'a> {
         solver.watched(self.watch)
     }
 
-    /// Limits for configurations that turn each group the way of `signs` or leave it flat.
+    /// Returns limits between which each group turns in the direction of its sign or stays flat.
     pub(super) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
         let limits = signs.iter().enumerate().map(|(group, &sign)| {
             let (lower, upper) = self.limits.get(group).copied().unwrap_or((-PI, PI));
@@ -171,7 +173,7 @@ impl<'a> Reduction<'a> {
         limits.collect()
     }
 
-    /// Whether the limits allow a goal.
+    /// Returns `true` if the limits allow a goal.
     pub(super) fn allows(&self, goal: &Goal) -> bool {
         let asked = self.groups.reduce(&goal.fold_angles);
         let mut pairs = asked.iter().zip(&self.limits);
@@ -180,8 +182,8 @@ impl<'a> Reduction<'a> {
         })
     }
 
-    /// The goal in group angles, and for each group the way it turns: of its goal angle, or else of its
-    /// letters.
+    /// Returns the goal in group angles, and for each group the sign with which it turns: of its goal angle, or else of
+    /// its assignments.
     pub(super) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
         let asked = self.groups.reduce(&goal.fold_angles);
         let letters: Vec<_> = goal.signs.iter().map(|&sign| Some(sign)).collect();
@@ -194,7 +196,7 @@ impl<'a> Reduction<'a> {
         (asked, signs)
     }
 
-    /// What closes worst at the group angles `x`: its hinges and its residual.
+    /// Returns the vertex or hole with the largest residual at the group angles `x`, with its hinges.
     pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
         let residuals = self.all.residuals(x).into_iter().enumerate();
         let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -221,41 +223,41 @@ impl<'a> Reduction<'a> {
         })
     }
 
-    /// The essential tolerance: closure residual that no vertex may exceed.
+    /// Returns the essential tolerance: the closure residual that no vertex may exceed.
     pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
         self.tolerance(options.bound)
     }
 
-    /// Closure residual that all vertices may reach while the whole sheet keeps a bound.
+    /// Returns the closure residual that all vertices may reach while the whole sheet keeps a bound.
     pub(super) fn tolerance(&self, bound: f64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
-        // Where nothing is known for certain, each vertex may add to the next.
+        // If the amplification is unknown, the error of each vertex may add to that of the next.
         let worst = self.amplification.unwrap_or(vertices);
         (bound / worst.min(self.expected)).max(ROUNDING)
     }
 
-    /// The stars to solve.
+    /// Returns the stars to solve.
     fn stars(&self) -> &ReducedStars {
         match self.vertices {
             Vertices::Essential => &self.essential,
-            // Residuals that are the same, bit for bit, say nothing more.
+            // Residuals that are equal in every bit add no condition.
             Vertices::All => &self.distinct,
         }
     }
 
-    /// Largest closure residual of all stars.
+    /// Returns the largest closure residual of all stars and loops.
     pub(super) fn closure(&self, angles: &[f64]) -> f64 {
         self.distinct.largest_residual(angles)
     }
 
-    /// The same of the stars as the sheet has them.
+    /// Returns the largest closure residual of all stars and loops with the directions of the sheet.
     pub(super) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
         let stars = self.rounded.as_ref().unwrap_or(&self.distinct);
         stars.largest_residual(angles)
     }
 
-    /// Largest difference, over all creases, of a configuration from a goal, radians.
+    /// Returns the largest difference of a crease between a configuration and a goal, radians.
     pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
         let creases = self.groups.expand(angles);
         let asked = creases.iter().zip(&goal.fold_angles);
@@ -263,9 +265,9 @@ impl<'a> Reduction<'a> {
         errors.fold(0.0, f64::max)
     }
 
-    /// The goal, moved to the closed configuration near it. `None` if there is none near, or the
-    /// nearest turns a crease against the goal. Where none closes exactly, as coordinates are rounded,
-    /// one that closes as well as can be.
+    /// Moves the goal to the closed configuration near it. Returns `None` if there is none near, or the nearest turns a
+    /// crease against the goal. If no configuration closes exactly because coordinates are rounded, returns one at a
+    /// local minimum of the residual.
     pub(super) fn close_goal(
         &self,
         goal: &Goal,
@@ -283,7 +285,7 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// The same where a local minimum of the residual counts as closed if it is `accepted`.
+    /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `accepted` counts as closed.
     pub(super) fn close_goal_to(
         &self,
         accepted: f64,
@@ -305,7 +307,7 @@ impl<'a> Reduction<'a> {
     }
 }
 
-/// Limits of the groups: what all hinges of each may do.
+/// Returns the limits of the groups: for each group the angles that all its hinges allow.
 fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)> {
     if options.limits.is_empty() {
         return Vec::new();
@@ -324,28 +326,32 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
     limits
 }
 
-/// How much larger than closure residuals errors of a sheet with rounded coordinates are expected to be.
+/// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
 pub(super) const EXPECTED: f64 = 4.0;
-/// Radians: an exactly closed configuration this near is the goal that was meant.
+/// Distance up to which an exactly closed configuration is the goal that was meant, radians.
 const NEARBY: f64 = 0.02;
-/// Part of the closure residual allowed by which a crease may be turned where the goal does not tell, radians.
+/// Angle (radians) by which a crease may be turned if the goal does not tell, as a fraction of the closure residual
+/// allowed.
 const ROUNDED: f64 = 0.25;
-/// Parts of it that are tried as what creases are off: powers of the second up to the first.
+/// Number of powers of [`FINE`] that are tried, as fractions of the residual allowed, for the angle by which creases
+/// are off.
 const FINER: i32 = 10;
+/// Ratio of an angle that is tried to the next larger one.
 const FINE: f64 = 0.25;
-/// Powers by which lines may be off by more than the goal is.
+/// Number of powers of [`FINE`] by which lines may be off by more than the goal is.
 const MORE: i32 = 2;
 /// Closure residual that rounding may leave at a vertex of many creases.
 const ROUNDING: f64 = 1e-12;
-/// Starts tried one after the other, as parts of the goal: at a flat-folded goal itself, where hinges
-/// stand at their limits, a goal that closes but for rounding may have no way to the closed one near it.
+/// Starts tried one after the other, as fractions of the goal. At a flat-folded goal itself hinges stand at their
+/// limits, so that no way may lead from there to the closed configuration near it, although the goal closes but for
+/// rounding.
 const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
-/// Radians: free hinges start this far from flat, the way of their letters, where flat itself leads
-/// nowhere.
+/// Angle from flat at which free hinges start, in the directions of their assignments, if flat itself leads nowhere,
+/// radians.
 const AJAR: f64 = 0.5;
 
-/// The closed configuration nearest to `asked` that turns no hinge against its sign, as far as descent
-/// from there finds it. Free hinges (`None`) start flat, or ajar, and follow.
+/// Returns the closed configuration nearest to `asked` in which no hinge turns against its sign, as far as descent from
+/// there finds it. Free hinges (`None`) start flat, or else ajar, and follow.
 fn nearest_closed(
     solver: &mut ClosureSolver<'_>,
     asked: &[Option<f64>],
@@ -364,13 +370,16 @@ fn nearest_closed(
     Some(approach(solver, start, asked))
 }
 
-/// Closure residual up to which a goal counts as exact: above the rounding of angles in degrees.
+/// Largest closure residual of a goal that counts as exact: above the rounding of angles in degrees.
 pub const CLOSED: f64 = 1e-9;
-/// Radians: angles this near are the same, but for rounding.
+/// Largest difference of angles that are equal but for rounding, radians.
 pub(super) const SAME: f64 = 1e-7;
 
-/// Radians by which creases are off as coordinates are rounded, `most` at most, if a goal closes but for that. More may
-/// have the sheet fold flat where it was not meant to: if `coarse`, as much as the goal closes with.
+/// Returns the angle (radians), at most `most`, by which creases are off because coordinates are rounded; `None` if the
+/// goal closes as it is, closes with no such angle, or lacks an angle.
+///
+/// The angle is little more than the smallest with which the goal closes, as a larger one may let the sheet fold flat
+/// where it was not meant to. With `coarse`, it is the largest with which the goal closes.
 pub(super) fn rounding(
     stars: &ReducedStars,
     goal: &[Option<f64>],
@@ -385,14 +394,14 @@ pub(super) fn rounding(
     let mut tried = (0..=FINER).rev().map(|k| most * FINE.powi(k));
     let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
     let within = tried.find(closes_within)?;
-    // Lines that are part of the goal may be off by more than it is.
+    // Lines that are part of the goal may be off by more than the goal is.
     let more = (0..=if coarse { FINER } else { MORE }).rev();
     let mut more = more.map(|k| most.min(within * FINE.powi(-k)));
     more.find(closes_within)
 }
 
-/// Largest closure residual of given fold angles of the creases, over the whole sheet; `None` if a
-/// crease has none.
+/// Returns the largest closure residual of the whole sheet at given fold angles of the creases, radians; `None` if a
+/// crease has no angle.
 #[must_use]
 pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
     let angles = fold_angles.iter().copied().collect::<Option<Vec<f64>>>()?;

@@ -1,5 +1,5 @@
-//! Reusing a path found on few unknowns on the whole sheet: knots are placed on it, and the whole motion is
-//! certified and judged.
+//! Lifts a path found on few unknowns to the whole sheet: places knots on it, and certifies and judges the whole
+//! motion.
 
 use std::time::Instant;
 
@@ -19,43 +19,44 @@ use crate::numbers::larger;
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
 
-/// Knots of a path at most.
+/// Largest number of knots of a path.
 const MOST_KNOTS: usize = 20_000;
-/// Deformation that the motion between knots is certified for where the bound allows more: what `check`
-/// asks for by default.
+/// Deformation for which the motion between knots is certified if the bound allows more, as a fraction: the default
+/// bound of `check`.
 pub(super) const CERTIFIED: f64 = 1e-3;
-/// Part of it that is aimed at first, as another route to a certificate may be less sharp.
+/// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
+/// sharp.
 pub(super) const FIRST_PART: f64 = 0.5;
-/// Closure residual that the motion between knots that do not close may have, in the largest at a knot.
+/// Largest closure residual between knots, in multiples of the largest at a waypoint, if waypoints do not close.
 const NEAR: f64 = 1.25;
-/// Knots that it may take, for each of the waypoints.
+/// Largest number of knots for each waypoint on such a motion.
 const MORE: usize = 4;
-/// The least part aimed at.
+/// Smallest fraction of the certified deformation that is aimed for.
 pub(super) const LEAST_PART: f64 = 5e-5;
-/// Places in each segment at which the sheet is folded from its rim.
+/// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// A path to reuse.
+/// A path that is found but not yet certified.
 pub(super) struct Found<'a> {
-    /// From flat.
+    /// Waypoints, from flat.
     pub(super) waypoints: &'a [Waypoint],
-    /// Closure residual that counts as closed although it can be made no smaller.
+    /// Closure residual up to which a local minimum counts as closed.
     pub(super) accepted: f64,
-    /// How much of the way to the goal it is.
+    /// Fraction of the way to the goal that the path goes.
     pub(super) reached: f64,
-    /// Whether it may stop a little short of its end so that nothing crosses.
+    /// `true` if the path may stop a little before its end so that nothing crosses.
     pub(super) retreats: bool,
-    /// Part of the bound that the motion between knots is certified for.
+    /// Fraction of the bound for which the motion between knots is certified.
     pub(super) part: f64,
-    /// What was placed for a larger part, and swept in vain.
+    /// Path that was placed for a larger fraction, and whose sweep did not find it free of crossings.
     pub(super) before: Option<&'a Path>,
 }
 
-/// Stars, how well they are to close between knots, so many knots at most, and what the whole sheet is to keep.
+/// Stars, the largest closure residual between knots, the largest number of knots, and bounds on the whole sheet.
 type Between<'a> = (&'a ReducedStars, Option<f64>, usize, Option<Folded<'a>>);
 
 impl Planning<'_> {
-    /// Reuses a path on the whole sheet and judges it there.
+    /// Lifts a path to the whole sheet and judges it there.
     pub(super) fn judge(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
         self.plan.reached = found.reached;
         self.plan.waypoints = found.waypoints.len();
@@ -79,7 +80,7 @@ impl Planning<'_> {
         let Some(reason) = unproved else {
             return self.judge_motion(reduction, found, &course);
         };
-        // Its end is what is proved.
+        // The path ends where its proof ends, so that it is neither shortened nor brought nearer to its course.
         let found = Found {
             retreats: false,
             part: LEAST_PART,
@@ -92,7 +93,7 @@ impl Planning<'_> {
         plan
     }
 
-    /// Looks for crossings, if asked to.
+    /// Looks for crossings along the motion, if asked to.
     fn judge_motion(self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
         if !self.options.collision {
             return self.plan;
@@ -104,8 +105,8 @@ impl Planning<'_> {
         nearer.unwrap_or_else(|| self.end(Outcome::Partial, "no other motion leads on".into()))
     }
 
-    /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
-    /// known to close well enough. Says why it does not reach the goal then.
+    /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is
+    /// not known to close well enough. Returns the reason why the motion then does not reach the goal.
     fn cut(
         &mut self,
         reduction: &Reduction,
@@ -153,7 +154,7 @@ impl Planning<'_> {
         Some(placed)
     }
 
-    /// The same where waypoints close: between knots the motion is to close to within `aim`.
+    /// Places knots if the waypoints close: between knots the motion has to close to within `aim`.
     fn place_closed(
         &mut self,
         reduction: &Reduction,
@@ -167,9 +168,11 @@ impl Planning<'_> {
         Some(placed)
     }
 
-    /// The same where waypoints do not close: between knots the motion is to close nearly as well. If that takes too many
-    /// or leaves the bound unproved, no vertex stands for another; else all waypoints are knots. Only where none is proved
-    /// by what errors of vertices may add up to, what they do add up to is found.
+    /// Places knots if the waypoints do not close: between knots the motion has to close nearly as well as at them.
+    ///
+    /// If this takes too many knots or leaves the bound unproved, it is repeated with no vertex standing for another;
+    /// if that fails too, all waypoints become knots. Only if none of these is proved by the worst-case sum of the
+    /// vertices' errors is the actual sum bounded, by folding the sheet.
     fn place_roughly(
         &mut self,
         reduction: &Reduction,
@@ -208,8 +211,8 @@ impl Planning<'_> {
         Some(every)
     }
 
-    /// The same where what errors of vertices add up to is measured: between waypoints to hardly more than at them, or to
-    /// what is aimed at, within the bound.
+    /// Places knots if the sum of the vertices' errors is measured: between waypoints the sheet may deform hardly more
+    /// than at them, or as much as is aimed for, within the bound.
     fn place_measured(
         &mut self,
         reduction: &Reduction,
@@ -243,8 +246,8 @@ impl Planning<'_> {
         Some(placed)
     }
 
-    /// Places at most so many knots on the course, between which these stars close to within what is given with them, and
-    /// the whole sheet deforms by no more than is asked, if it is.
+    /// Places at most `most` knots on the course, between which these stars close to within `closure` and the whole
+    /// sheet keeps `folded`, if these are given.
     fn place_to(
         &self,
         reduction: &Reduction,
@@ -268,12 +271,12 @@ impl Planning<'_> {
         place(course, &terms, &mut solver, self.options)
     }
 
-    /// Knots of a path at most.
+    /// Returns the largest number of knots of a path.
     fn most(&self) -> usize {
         self.options.max_knots.unwrap_or(MOST_KNOTS)
     }
 
-    /// No knots could be placed.
+    /// Ends the plan because no knots could be placed.
     fn unplaced(self) -> Plan {
         if self.is_late() {
             return self.end(Outcome::Timeout, "out of time while placing knots".into());
@@ -283,8 +286,8 @@ impl Planning<'_> {
         self.end(Outcome::Partial, reason)
     }
 
-    /// Takes the bounds on closure to bounds on the whole sheet, of which these are all stars; whether they add up to no more
-    /// than the bound.
+    /// Turns the closure bound of every vertex into worst-case bounds on the whole sheet, and stores these in the plan;
+    /// `all` are the stars of all vertices. Returns `true` if deformation and gap are within `options.bound`.
     fn adds_up(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
         let closure = placed.closure();
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
@@ -295,8 +298,8 @@ impl Planning<'_> {
         self.uncertified().is_none()
     }
 
-    /// The same, and where they add up to more, what they do add up to is found where the sheet is folded from its middle
-    /// and from its rim; whether that is no more than the bound.
+    /// Certifies as [`adds_up`](Self::adds_up) does. If the worst case is over the bound, bounds the sheet itself,
+    /// folded from its middle and from its rim. Returns `true` if one of the two is within the bound.
     fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
         if self.adds_up(reduction, all, placed) {
             return true;
@@ -306,8 +309,8 @@ impl Planning<'_> {
         folded.is_some()
     }
 
-    /// What the sheet deforms or tears by at most where it is folded from its middle and from its rim, if that is within the
-    /// bound and found in time.
+    /// Returns a bound on deformation and gap of the sheet folded from its middle and from its rim, if that is within
+    /// the bound and found in time.
     fn folded(&self, reduction: &Reduction, placed: &Placed) -> Option<f64> {
         let memberships = reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.pattern, memberships);
@@ -322,13 +325,14 @@ impl Planning<'_> {
         Some(worst)
     }
 
-    /// What the sheet may deform or tear by for all that is proved, if that is over the bound.
+    /// Returns the certified deformation if it is over the bound.
     fn uncertified(&self) -> Option<f64> {
         let over = |certified: &f64| *certified > self.options.bound || certified.is_nan();
         self.plan.certified_deformation.filter(over)
     }
 
-    /// Folds the sheet at knots, measures it there, and keeps them. `Err` says at which time ran out.
+    /// Folds the sheet at knots, measures it there, and keeps the knots. `Err` is the number of the knot at which time
+    /// ran out.
     pub(super) fn measure(
         &mut self,
         reduction: &Reduction,
@@ -355,7 +359,7 @@ impl Planning<'_> {
         late.map_or(Ok(()), Err)
     }
 
-    /// Time ran out at a knot.
+    /// Ends the plan because time ran out at a knot.
     pub(super) fn late_at(mut self, index: usize) -> Plan {
         self.plan.reached = 0.0;
         self.end(
@@ -364,7 +368,7 @@ impl Planning<'_> {
         )
     }
 
-    /// Keeps the knots, and what was measured at them.
+    /// Stores the knots in the plan, and the largest errors measured at them.
     pub(super) fn keep(&mut self, knots: Vec<Knot>) {
         for knot in &knots {
             self.plan.rigidity = self.plan.rigidity.worse(Rigidity {
@@ -377,7 +381,7 @@ impl Planning<'_> {
         self.plan.path.knots = knots;
     }
 
-    /// Why the sheet does not keep the bound at its knots, or is not proved to between them, if so.
+    /// Returns a reason if the sheet breaks the bound at its knots, or is not proved to keep the bound between them.
     pub(super) fn torn(&mut self) -> Option<String> {
         let bound = self.options.bound;
         let (whole, essential) = (self.plan.rigidity, self.plan.essential_rigidity);
@@ -411,8 +415,8 @@ impl Planning<'_> {
         ))
     }
 
-    /// Why the sheet does not keep the bound where it is folded from its rim, if so: there errors of vertices that do not
-    /// close add up farther.
+    /// Returns a reason if the sheet breaks the bound when it is folded from its rim. From there, errors of vertices
+    /// that do not close add up over a longer way.
     fn torn_from_rim(&mut self, reduction: &Reduction) -> Option<String> {
         if self.plan.max_closure <= CLOSED {
             return None;
@@ -441,7 +445,7 @@ impl Planning<'_> {
     }
 }
 
-/// How badly these stars close at the worst of the waypoints.
+/// Returns the largest residual of these stars over all waypoints.
 fn most_open(stars: &ReducedStars, found: &Found<'_>) -> f64 {
     let waypoints = found.waypoints.iter();
     let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));

@@ -1,8 +1,8 @@
 //! The adaptive randomised search of [XiLien2015](foldpath_core#references), section 4.
 //!
-//! A random configuration round the current one, biased to the goal, is pushed to a closed one. If that
-//! is nearer to the goal, feasible and within the objective's tolerance, it is the next. Differs from
-//! the source in that the push is Levenberg-Marquardt, and in how the reach of the samples adapts.
+//! A random configuration round the current one, biased to the goal, is moved to a closed one. If the closed one is
+//! nearer to the goal, feasible and within the objective's tolerance, it becomes the next knot. Differs from the source
+//! in that Levenberg-Marquardt closes the configuration, and in how the radius of the samples adapts.
 
 use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
@@ -14,18 +14,20 @@ use super::follow::{
 };
 use super::solver::ClosureSolver;
 
-/// Part of a step that is random.
+/// Spread of the random part of a step, as a fraction of the sampling radius.
 const SPREAD: f64 = 0.5;
-/// Failures in a row after which samples are taken nearer by.
+/// Number of failures in a row after which the sampling radius shrinks.
 const PATIENCE: usize = 5;
+/// Factor on the sampling radius after these failures.
 const NARROWER: f64 = 0.6;
+/// Factor on the sampling radius after a success.
 const WIDER: f64 = 1.3;
-/// Radius, as a part of the largest step, below which the search starts again with the largest.
+/// Sampling radius, as a fraction of the largest step, below which the search restarts with the largest step.
 const NARROWEST: f64 = 1e-3;
 
-/// Searches from flat to `asked`, or as near as it comes; `closed` is the closed configuration there, if
-/// one is known, and `feasible` judges the configurations that would be knots. Gives up after
-/// `most_restarts` without success.
+/// Searches from flat to `asked`, or as near as it comes. `closed` is the closed configuration at the goal, if one is
+/// known; `feasible` judges configurations that would become knots. Gives up after `most_restarts` restarts without a
+/// success between them.
 pub(super) fn search(
     solver: &mut ClosureSolver<'_>,
     asked: &[Option<f64>],
@@ -107,8 +109,8 @@ pub(super) fn search(
     }
 }
 
-/// Waypoints of configurations that no motion joins: the tangent at each is that of the chord between
-/// its neighbours.
+/// Makes waypoints of configurations that no motion joins. The tangent at each one is that of the chord between its
+/// neighbours.
 pub(super) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
     let last = knots.len() - 1;
     let waypoint = |k: usize| {

@@ -1,5 +1,5 @@
-//! Simple folds: what lies to one side of a line turns about it as a whole, in all layers or in some. A sheet that is
-//! folded by hand one line after the other has no other motions.
+//! Simple folds: the part of the sheet on one side of a line turns about the line as a whole, in all layers or in some.
+//! A sheet that is folded by hand along one line after the other has no other motions.
 //!
 //! Source: E. Arkin et al., "When can you fold a map?", 2004.
 
@@ -10,14 +10,16 @@ use nalgebra::Vector3;
 use crate::joined::{join, root};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 
-/// Part of its length by which a crease may miss a line that it lies on.
+/// Largest distance of a crease from a line that it lies on, as a fraction of the length of the longer one.
 const OFF: f64 = 1e-3;
-/// Radians by which angles that are the same may differ.
+/// Largest difference of angles that count as equal, radians.
 const UNLIKE: f64 = 1e-3;
 
-/// Sets of creases on one line of the folded sheet that can turn together while all others stay: for each line all that
-/// have to turn, and those round each part of the sheet that turns against all others. `shape` has the folded position
-/// of each vertex, `turns` how far (radians) each crease has still to turn, 0 if it stays. Cost: O(edges) for each line.
+/// Returns sets of creases on one line of the folded sheet that can turn together while all others stay: for each line
+/// all its creases that have to turn, and those round each part of the sheet that turns against all other parts.
+///
+/// `shape` has the folded position of each vertex, `turns` the angle (radians) by which each crease has still to turn,
+/// 0 if it stays. Cost: O(edges) for each line.
 pub(super) fn simple_folds(
     pattern: &CreasePattern,
     shape: &[Vector3<f64>],
@@ -49,14 +51,14 @@ pub(super) fn simple_folds(
 
 /// A crease on a line, as a hinge between parts of the sheet.
 struct Joint {
-    /// The parts to its left and to its right.
+    /// Parts to the left and to the right of the crease.
     parts: [usize; 2],
-    /// How far the left one turns about the line against the right one, radians.
+    /// Angle by which the left part turns about the line against the right one, radians.
     turn: f64,
 }
 
 impl Joint {
-    /// How far a part turns against the other; `None` if both or neither are this part.
+    /// Returns the angle by which a part turns against the other; `None` if both or neither are this part.
     fn turn_of(&self, part: usize) -> Option<f64> {
         match self.parts.map(|one| one == part) {
             [true, false] => Some(self.turn),
@@ -66,7 +68,7 @@ impl Joint {
     }
 }
 
-/// Creases that have to turn, one list for each line on which there are any.
+/// Returns the creases that have to turn, in one list for each line on which there are any.
 fn lines(pattern: &CreasePattern, shape: &[Vector3<f64>], turns: &[f64]) -> Vec<Vec<usize>> {
     let ends = |crease: usize| ends(pattern, shape, pattern.creases()[crease]);
     let mut lines: Vec<Vec<usize>> = Vec::new();
@@ -88,12 +90,12 @@ fn lines(pattern: &CreasePattern, shape: &[Vector3<f64>], turns: &[f64]) -> Vec<
     lines
 }
 
-/// The folded ends of an edge.
+/// Returns the folded ends of an edge.
 fn ends(pattern: &CreasePattern, shape: &[Vector3<f64>], edge: EdgeId) -> [Vector3<f64>; 2] {
     pattern.edge(edge).ends.map(|end| shape[end.index()])
 }
 
-/// The creases of a line as hinges between what all other edges join.
+/// Returns the creases of a line as hinges between the parts that all other edges join.
 fn joints(
     pattern: &CreasePattern,
     shape: &[Vector3<f64>],
@@ -125,9 +127,9 @@ fn joints(
     line.iter().map(joint).collect()
 }
 
-/// Whether all joints can turn at once, each as far as it has to.
+/// Returns `true` if all joints can turn at once, each by the angle by which it has to turn.
 fn all_turn(joints: &[Joint]) -> bool {
-    // How far each part turns against the first.
+    // Angle by which each part turns against the first.
     let mut turned = HashMap::from([(joints[0].parts[0], 0.0)]);
     for _ in joints {
         for Joint { parts, turn } in joints {
@@ -153,7 +155,7 @@ mod tests {
     use core::f64::consts::PI;
     use nalgebra::Vector2;
 
-    /// Columns and rows of unit squares.
+    /// Makes a map of columns and rows of unit squares.
     fn map(columns: usize, rows: usize) -> CreasePattern {
         let at = |x: usize, y: usize| x * (rows + 1) + y;
         let places = (0..=columns).flat_map(|x| (0..=rows).map(move |y| [x, y]));
@@ -180,7 +182,7 @@ mod tests {
         .unwrap()
     }
 
-    /// The simple folds of a sheet whose creases are at `from` and go to `to`.
+    /// Returns the simple folds of a sheet whose creases are at `from` and go to `to`.
     fn folds(pattern: &CreasePattern, from: &[f64], to: &[f64]) -> Vec<Vec<usize>> {
         let tree = SpanningTree::from_central_face(pattern);
         let shape = FoldingMap::new(pattern, &tree, from);
@@ -200,7 +202,7 @@ mod tests {
         assert_eq!(folds(&map, &[PI, PI, 0.0, 0.0], &to), [[2, 3]]);
         // The line across is straight, but its halves turn against each other.
         assert_eq!(folds(&map, &[0.0; 4], &[0.0, 0.0, PI, -PI]), [[0; 0]; 0]);
-        // While the sheet is half folded it is not.
+        // The line across is not straight while the sheet is half folded.
         let half = [PI / 2.0, PI / 2.0, 0.0, 0.0];
         assert_eq!(folds(&map, &half, &to), [[0, 1]]);
     }
@@ -210,7 +212,7 @@ mod tests {
         let strip = map(4, 1);
         let to = [PI, -PI, PI];
         assert_eq!(folds(&strip, &[0.0; 3], &to), [[0], [1], [2]]);
-        // With the middle one folded the others lie on each other: both turn what is between them against the rest.
+        // With the middle one folded, the others lie on each other: both turn the part between them against the rest.
         let both = folds(&strip, &[0.0, -PI, 0.0], &to);
         assert_eq!(both, [vec![0], vec![0, 2], vec![2]]);
     }

@@ -1,4 +1,4 @@
-//! Core's solvers with memory from the heap.
+//! Closes configurations and projects directions on infinitesimal motions, by core's solvers with memory from the heap.
 
 use core::cell::OnceCell;
 use core::ops::AddAssign;
@@ -20,12 +20,12 @@ use super::{Solver, chord};
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
-/// Steps that the gradient solver may take: it converges linearly.
+/// Largest number of steps of the gradient solver, which converges linearly.
 const GRADIENT_ITERATIONS: u32 = 20_000;
-/// Steps after which it looks at the clock.
+/// Number of steps after which the gradient solver looks at the clock.
 const GRADIENT_SLICE: u32 = 500;
 
-/// Work done so far.
+/// Number of iterations and evaluations so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Work {
     pub(super) iterations: u64,
@@ -39,22 +39,23 @@ impl AddAssign for Work {
     }
 }
 
-/// The closure of some stars and loops, with all memory that solving it needs.
+/// Closure conditions of some stars and loops, with all memory that solving them needs.
 pub(super) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
     loops: LoopsView<'a, f64>,
     kind: Solver,
-    /// Closure residual of a local minimum that still counts as closed.
+    /// Closure residual up to which a local minimum counts as closed.
     accepted: f64,
-    /// Closure residual that counts as closed.
+    /// Closure residual up to which a configuration counts as closed.
     tolerance: f64,
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
     watch: Watch<'a>,
     most_iterations: u32,
-    /// Whether motions may be taken from the configuration predicted in place of the closed one.
+    /// `true` if the projection on motions may use the factor of the predicted configuration in place of the closed
+    /// one.
     rough: bool,
-    /// What was closed last by the chord method, and the damping of its factor.
+    /// Configuration that the chord method closed last, and the damping of its factor.
     near: Option<(Vec<f64>, f64)>,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
@@ -64,7 +65,7 @@ pub(super) struct ClosureSolver<'a> {
 }
 
 impl<'a> ClosureSolver<'a> {
-    /// `structure` is that of the sparse equations of these stars, once one solver has found it.
+    /// Makes a solver. `structure` holds the sparse structure of these stars, once one solver has found it.
     pub(super) fn new(
         reduced: &'a ReducedStars,
         kind: Solver,
@@ -97,26 +98,26 @@ impl<'a> ClosureSolver<'a> {
         self.limits = limits;
     }
 
-    /// The same that is content with this closure residual.
+    /// Raises the tolerance to this closure residual.
     pub(super) fn content_with(mut self, tolerance: f64) -> Self {
         self.tolerance = self.tolerance.max(tolerance);
         self
     }
 
-    /// The same that gives a configuration up after these many iterations of Levenberg-Marquardt.
+    /// Limits Levenberg-Marquardt to this number of iterations for a configuration.
     pub(super) fn at_most(mut self, iterations: u32) -> Self {
         self.most_iterations = iterations;
         self
     }
 
-    /// The same that takes motions at a configuration from where it was predicted, if it was near: that saves half of all
-    /// factorisations.
+    /// Lets projections at a configuration that the chord method closed use the factor of the predicted configuration.
+    /// This saves half of all factorisations.
     pub(super) fn with_rough_motions(mut self) -> Self {
         self.rough = true;
         self
     }
 
-    /// Finds nothing closed any more once the call is over.
+    /// Watches a call: once the call is over, no configuration closes any more.
     pub(super) fn watched(mut self, watch: Watch<'a>) -> Self {
         self.watch = watch;
         self
@@ -127,8 +128,7 @@ impl<'a> ClosureSolver<'a> {
         self.watch.is_over()
     }
 
-    /// How far `x` can go along `direction`, as a factor of it, until an unknown is at its limit, and
-    /// which.
+    /// Returns the factor of `direction` by which `x` can go until an unknown reaches its limit, and that unknown.
     pub(super) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
         let limits = Limits::Each(&self.limits);
         let tiny = SIDEWAYS * max_norm(direction);
@@ -145,7 +145,7 @@ impl<'a> ClosureSolver<'a> {
         })
     }
 
-    /// Moves `x` to the closed configuration near it.
+    /// Moves `x` to the closed configuration near it, or to a local minimum of the residual.
     pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
         self.near = None;
         let n = self.stars.unknowns();
@@ -196,8 +196,8 @@ impl<'a> ClosureSolver<'a> {
         report
     }
 
-    /// Whether `x`, moved to the closed configuration near it, closes: to rounding, or, where rounded
-    /// coordinates leave no configuration that does, as well as can be and within what is accepted.
+    /// Moves `x` to the closed configuration near it. Returns `true` if `x` then closes: to the tolerance or, if
+    /// rounded coordinates leave no such configuration, at a local minimum of the residual within `accepted`.
     pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
         if self.is_late() {
             return false;
@@ -213,8 +213,8 @@ impl<'a> ClosureSolver<'a> {
         }
     }
 
-    /// Tries the way that costs one factorisation. Not where rounded coordinates may leave nothing
-    /// that closes: only damping keeps a step small there.
+    /// Tries the chord method, which costs one factorisation. It is not tried if rounded coordinates may leave nothing
+    /// that closes, as only damping keeps a step short then.
     fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
         self.near = None;
         let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
@@ -241,19 +241,19 @@ impl<'a> ClosureSolver<'a> {
         chord.closed
     }
 
-    /// Largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
+    /// Returns the largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
     pub(super) fn objective_tolerance(&self) -> f64 {
         self.tolerance.max(self.accepted) * core::f64::consts::SQRT_2
     }
 
-    /// The report's objective at `x`.
+    /// Returns the report's objective at `x`.
     pub(super) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
         let value = objective.value(self.stars, x, &mut self.half_angles);
         value.unwrap_or(f64::NAN)
     }
 
-    /// Replaces `direction` by the nearest infinitesimal motion at `x` that pushes no unknown past its
-    /// limit. Returns the unknowns held for that, or nothing if there is no projection.
+    /// Replaces `direction` by the nearest infinitesimal motion at `x` that moves no unknown past its limit, by an
+    /// active-set method. Returns the unknowns that are held for that, or `None` if there is no projection.
     pub(super) fn project_on_motions(
         &mut self,
         x: &[f64],
@@ -262,7 +262,7 @@ impl<'a> ClosureSolver<'a> {
         self.project_weighted(x, direction, None)
     }
 
-    /// The same with differences measured in units of `weights`, one above 0 for each unknown.
+    /// As [`project_on_motions`](Self::project_on_motions), with each unknown measured in units of its weight, above 0.
     pub(super) fn project_weighted(
         &mut self,
         x: &[f64],
@@ -345,7 +345,7 @@ fn project(
     if linearised.is_none() {
         return false;
     }
-    // In units of the weights w, the way d is d/w and the Jacobian J diag(w).
+    // In units of the weights w, the direction d is d/w and the Jacobian J is J diag(w).
     let weights = weights.unwrap_or(&[]);
     for (entry, weight) in direction.iter_mut().zip(weights) {
         *entry /= weight;
@@ -361,7 +361,7 @@ fn project(
     projected
 }
 
-/// Takes the rows of the problem for unknowns in units of the weights.
+/// Accumulates the rows of a problem for unknowns in units of the weights.
 struct Weighted<'a, E> {
     equations: &'a mut E,
     weights: &'a [f64],
@@ -386,16 +386,17 @@ impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
     }
 }
 
-/// Part of a direction's largest entry below which an entry is rounding, and pushes nothing.
+/// Fraction of a direction's largest entry below which an entry is rounding and moves no unknown past its limit.
 const SIDEWAYS: f64 = 1e-6;
 
-/// Times that a rough projection applies the factor: what is left then is less than what the factor is off.
+/// Number of times that a projection applies the factor of the predicted configuration: the error that is left then is
+/// less than the error of the factor.
 const ROUGHLY: u32 = 2;
 
-/// Unknowns up to which a dense matrix is the faster one.
+/// Largest number of unknowns for which a dense matrix is faster.
 const DENSE: usize = 40;
 
-/// Memory of the normal equations.
+/// Workspace of the normal equations.
 enum Equations {
     Dense(Vec<f64>),
     Sparse(Box<SparseNormalEquations>),

@@ -1,9 +1,10 @@
-//! Sparse normal equations: faer's Cholesky behind core's trait, for sheets whose every crease is an
+//! Sparse normal equations: faer's Cholesky factorisation behind core's trait, for sheets whose every crease is an
 //! unknown.
 //!
-//! JᵀJ couples two unknowns only where a star or loop has both, so that each has its fixed places in the
-//! matrix. They are looked up once, as is the elimination order; what follows is arithmetic. The matrix is made of the
-//! rows when it is factorised: rough steps do without.
+//! JᵀJ couples two unknowns only if a star or loop has both, so that each pair has a fixed place in the matrix. The
+//! places and the elimination order (approximate minimum degree) are found once; all else is arithmetic. The matrix is
+//! assembled from the rows of J only when it is factorised, as inexact steps by conjugate gradients need the rows
+//! alone.
 
 use core::cell::OnceCell;
 use std::rc::Rc;
@@ -27,31 +28,31 @@ use crate::ragged::{Ragged, group_by_key};
 /// Place of an entry above the diagonal, which is not stored.
 const ABOVE: u32 = u32::MAX;
 
-/// Part of what an entry on the diagonal of an inverse is at least, below which rounding has taken too much of it.
+/// Fraction of its lower bound below which a diagonal entry of the inverse has lost too much to rounding.
 const SOUND: f64 = 0.5;
 
-/// JᵀJ as the lower triangle of a sparse matrix by columns, with its Cholesky factor.
+/// JᵀJ as the lower triangle of a matrix in compressed sparse columns, with its Cholesky factor.
 pub struct SparseNormalEquations {
     structure: Rc<Structure>,
     values: Vec<f64>,
     gradient: Vec<f64>,
     /// The columns of each block of rows, as last accumulated.
     jacobian: Ragged<Vector3<f64>>,
-    /// Whether the values are those of the columns.
+    /// `true` if `values` are made of the present columns.
     assembled: bool,
-    /// Unknowns taken out of the factor since it was made, with the column of the inverse that was the unknown's then.
+    /// Unknowns fixed since the factor was made, each with the unknown's column of the inverse at that time.
     amended: Vec<(usize, Vec<f64>)>,
-    /// Memory of columns that are not needed any more.
+    /// Memory of columns that are no longer needed.
     spare: Vec<Vec<f64>>,
-    /// For conjugate gradients.
+    /// Workspace of conjugate gradients.
     scratch: [Vec<f64>; 3],
-    /// The diagonal without damping, while the matrix is being factorised.
+    /// The diagonal without damping while the matrix is being factorised.
     undamped: Vec<f64>,
     factor: Vec<f64>,
     memory: MemBuffer,
 }
 
-/// Where things are in the equations of some stars and loops, whatever the angles.
+/// Sparse structure of the equations of some stars and loops, which does not depend on the angles.
 pub(super) struct Structure {
     column_ends: Vec<u32>,
     rows: Vec<u32>,
@@ -63,19 +64,19 @@ pub(super) struct Structure {
     stars: usize,
     /// For each star, then each loop, the unknowns of its spokes.
     unknowns: Ragged<u32>,
-    /// For each unknown the blocks of rows that have it, once they were asked for.
+    /// For each unknown, the blocks of rows that have it, once they were asked for.
     touching: OnceCell<Ragged<u32>>,
     symbolic: SymbolicCholesky<u32>,
 }
 
 impl SparseNormalEquations {
-    /// Finds the places and the elimination order. `None` if memory does not suffice.
+    /// Finds the sparse structure and the elimination order. Returns `None` if memory does not suffice.
     #[must_use]
     pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         Self::of(Rc::new(Structure::new(stars, loops)?))
     }
 
-    /// Equations of that structure. `None` if memory does not suffice.
+    /// Makes equations of this structure. Returns `None` if memory does not suffice.
     pub(super) fn of(structure: Rc<Structure>) -> Option<Self> {
         let symbolic = &structure.symbolic;
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
@@ -98,14 +99,14 @@ impl SparseNormalEquations {
 }
 
 impl Structure {
-    /// Finds the places and the elimination order. `None` if memory does not suffice.
+    /// Finds the sparse structure and the elimination order. Returns `None` if memory does not suffice.
     pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
         let count = stars.len();
         let stars = stars.iter().map(|star| star.spokes);
         let cycles = stars.chain(loops.iter().map(|l| l.spokes));
         let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
-        // Column and row of each entry as one number, which sorts sooner.
+        // Column and row of each entry as one number, which is sorted faster.
         let entry = |column: u32, row: u32| u64::from(column) << 32 | u64::from(row);
         let mut entries: Vec<u64> = (0..u32::try_from(n).ok()?).map(|k| entry(k, k)).collect();
         for spokes in &cycles {
@@ -165,18 +166,18 @@ impl Structure {
         })
     }
 
-    /// Unknowns of the columns of a block of rows.
+    /// Returns the unknowns of the columns of a block of rows.
     fn of_block(&self, block: usize) -> &[u32] {
         &self.unknowns[self.number(block)]
     }
 
-    /// Number of the star or loop that a block of rows belongs to: a loop has two.
+    /// Returns the number of the star or loop that a block of rows belongs to; a loop has two blocks.
     fn number(&self, block: usize) -> usize {
         let past = block.saturating_sub(self.stars);
         block - past + past / 2
     }
 
-    /// For each unknown the blocks of rows that have it, once for each of its columns there.
+    /// Returns, for each unknown, the blocks of rows that have it, once for each of its columns in the block.
     fn touching(&self) -> &Ragged<u32> {
         self.touching.get_or_init(|| {
             let loops = self.unknowns.len() - self.stars;
@@ -189,7 +190,7 @@ impl Structure {
         })
     }
 
-    /// Sets `image` to JᵀJ times `way`, and returns the product of both.
+    /// Sets `image` to JᵀJ times `way`, and returns the dot product of `way` and `image`.
     fn apply(&self, jacobian: &Ragged<Vector3<f64>>, way: &[f64], image: &mut [f64]) -> f64 {
         image.fill(0.0);
         let mut square = 0.0;
@@ -207,7 +208,7 @@ impl Structure {
 }
 
 impl SparseNormalEquations {
-    /// Makes JᵀJ of the columns, unless it was.
+    /// Assembles JᵀJ from the columns, unless it is assembled.
     fn assemble(&mut self) {
         if core::mem::replace(&mut self.assembled, true) {
             return;
@@ -309,7 +310,8 @@ impl NormalEquations<f64> for SparseNormalEquations {
         column.resize(self.gradient.len(), 0.0);
         column[held] = 1.0;
         self.solve(&mut column);
-        // The inverse of a positive definite matrix has at least the inverse of its diagonal: less is rounding.
+        // A diagonal entry of the inverse of a positive definite matrix is at least the inverse of the matrix's entry.
+        // If it is less, it is rounding.
         let diagonal = self.values[self.structure.diagonal[held] as usize];
         let sound = column[held] * diagonal >= SOUND;
         self.amended.push((held, column));
@@ -356,6 +358,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
         let columns = MatMut::from_column_major_slice_mut(right_side, n, 1);
         let stack = MemStack::new(&mut self.memory);
         factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+        // Schur complement: each fixed unknown is taken out of the solution along its column of the inverse.
         for (held, column) in &self.amended {
             let part = right_side[*held] / column[*held];
             for (entry, &column) in right_side.iter_mut().zip(column) {
@@ -377,7 +380,7 @@ mod tests {
     use crate::pattern::{CreasePattern, Letter};
     use crate::symmetry::{CreaseGroups, ReducedStars};
 
-    /// Some angles up to six times the step.
+    /// Returns `n` angles of up to six times the step.
     fn angles(n: usize, step: f64) -> Vec<f64> {
         let angle = |k| f64::from(u8::try_from(k % 7).unwrap()) * step;
         (0..n).map(angle).collect()
@@ -394,7 +397,7 @@ mod tests {
         run(&mut problem.unwrap())
     }
 
-    /// Gradient, and solution after one unknown is held, of both kinds of equations.
+    /// Returns the gradient, and the solution after one unknown is held, of either kind of equations.
     fn results(equations: &mut impl NormalEquations<f64>, reduced: &ReducedStars) -> Vec<f64> {
         let n = equations.unknowns();
         with_problem(reduced, |problem| {
@@ -409,7 +412,7 @@ mod tests {
         assert!(equations.factorise(0.1));
         equations.solve(&mut solution);
         results.extend(solution);
-        // Damping is not left behind in the matrix.
+        // Damping is not left in the matrix.
         assert!(equations.factorise(0.2) && equations.factorise(0.1));
         let mut again = vec![1.0; n];
         equations.solve(&mut again);
@@ -417,7 +420,7 @@ mod tests {
         results
     }
 
-    /// A sheet with a hole: with symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
+    /// Makes a sheet with a hole. With symmetry, spokes of a star share unknowns; without, most unknowns are far apart.
     fn cut_waterbomb() -> [ReducedStars; 2] {
         let waterbomb = Waterbomb {
             rows: 4,
@@ -502,7 +505,7 @@ mod tests {
                 assert!(a.len() == b.len() && apart.fold(0.0, f64::max) <= 1e-13);
             };
             same(sparse.gradient(), &expected);
-            // The product with JᵀJ that conjugate gradients take.
+            // The product with JᵀJ that conjugate gradients use.
             let way = DVector::from_vec(after);
             let mut image = vec![7.0; n];
             let structure = &sparse.structure;
@@ -510,7 +513,7 @@ mod tests {
             let change = &rows.0 * &way;
             same(&image, &rows.0.tr_mul(&change));
             assert!((square - change.norm_squared()).abs() <= 1e-12);
-            // With the factor of these rows, the residual of there.
+            // The step for the residual at `after`, with the factor of the rows at `before`.
             assert!(sparse.factorise(0.1));
             let mut step = vec![0.0; n];
             sparse.step(&mut step);
@@ -519,7 +522,7 @@ mod tests {
         }
     }
 
-    /// Unknowns far apart, and all but one of a star, which the closure of that star binds together.
+    /// Fixes unknowns that are far apart, and all but one of a star, which the closure of that star couples.
     #[test]
     fn an_amended_factor_is_that_of_the_others() {
         for reduced in cut_waterbomb() {
@@ -542,7 +545,7 @@ mod tests {
                     }
                     let [mut amended, mut anew] = [vec![0.0; n], vec![0.0; n]];
                     sparse.step(&mut amended);
-                    // Nothing is left of one that was taken out.
+                    // Nothing is left of an unknown that was taken out.
                     assert!(!sparse.amend(held[0]));
                     assert!(sparse.factorise(damping));
                     sparse.step(&mut anew);

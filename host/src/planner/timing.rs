@@ -16,8 +16,8 @@ use super::reachability::Problem;
 
 /// A path sampled on a grid: point k has the derivatives k·n .. (k+1)·n of n groups.
 ///
-/// A point with different derivatives on its two sides is given twice, with the left ones first. The
-/// motion goes through without stopping if there the ρ' agree.
+/// A point with different derivatives on its two sides is given twice, with the left ones first. The motion passes such
+/// a point without stopping if the two ρ' agree.
 #[derive(Clone, Copy, Debug)]
 pub struct SampledPath<'a> {
     /// Parameter σ of each point, in increasing order.
@@ -28,7 +28,7 @@ pub struct SampledPath<'a> {
     pub second: &'a [f64],
 }
 
-/// What each group is allowed.
+/// Limits of each group.
 #[derive(Clone, Copy, Debug)]
 pub struct RateLimits<'a> {
     /// Largest speed of each group, radians per second.
@@ -37,22 +37,22 @@ pub struct RateLimits<'a> {
     pub accelerations: &'a [f64],
 }
 
-/// Where hinges with a limit on their acceleration rest; others rest nowhere.
+/// Points at which hinges with a limit on their acceleration rest; others rest nowhere.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rests<'a> {
-    /// Whether they rest at the first point.
+    /// `true` if they rest at the first point.
     pub start: bool,
-    /// Whether they rest at the last point.
+    /// `true` if they rest at the last point.
     pub end: bool,
-    /// Points in between at which the motion stops. A point given twice whose ρ' differ is a corner of
-    /// itself and need not be here.
+    /// Points in between at which the motion stops. A point given twice whose ρ' differ is a corner in any case and
+    /// need not be listed.
     pub corners: &'a [usize],
 }
 
-/// Why there is no motion along a path.
+/// Reason why there is no motion along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TimingError {
-    /// The slices do not belong together.
+    /// The lengths of the slices do not agree.
     #[error(
         "expected two points or more, a limit of each kind a group, and a derivative a point and group"
     )]
@@ -85,16 +85,16 @@ pub struct Law {
 }
 
 impl Law {
-    /// The fastest motion along a path within limits, with its rests.
+    /// Computes the fastest motion along a path within limits, with its rests.
     ///
-    /// Cost: proportional to points times groups. The duration is above the least by first order in the
-    /// grid where ρ' varies, since the limits hold at both ends of each interval with one u; within the
-    /// intervals they are passed by second order. At a point where ρ' vanishes for all groups, limits on
-    /// the speed alone allow infinite σ̇: the motion takes that of the nearest point there, and is the
-    /// worse the faster ρ' goes to 0.
+    /// Cost: proportional to points times groups. The duration exceeds the least one to first order in the grid where
+    /// ρ' varies, since the limits hold at both ends of each interval with one u; within the intervals the limits are
+    /// exceeded to second order. At a point where ρ' vanishes for all groups, limits on the speed alone allow an
+    /// infinite σ̇: the motion takes the σ̇ of the nearest point, and is the farther from the fastest the faster ρ'
+    /// goes to 0.
     ///
     /// # Errors
-    /// If the numbers are no path, no limits, or allow no motion.
+    /// If the slices are not a valid path or not valid limits, or the limits allow no motion.
     pub fn time_optimal(
         path: SampledPath<'_>,
         limits: RateLimits<'_>,
@@ -123,37 +123,37 @@ impl Law {
         })
     }
 
-    /// Parameter σ of each point of the grid.
+    /// Returns the parameter σ of each point of the grid.
     #[must_use]
     pub fn parameters(&self) -> &[f64] {
         &self.parameters
     }
 
-    /// Time at each point of the grid, seconds since the start.
+    /// Returns the time at each point of the grid, seconds since the start.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// Speed σ̇ at each point of the grid, per second.
+    /// Returns the speed σ̇ at each point of the grid, per second.
     pub fn speeds(&self) -> impl ExactSizeIterator<Item = f64> {
         self.squares.iter().map(|x| x.sqrt())
     }
 
-    /// Points of the grid at which another limit, or the same in the other direction, begins to hold the
-    /// motion back.
+    /// Returns the points of the grid at which another limit, or the same limit in the other direction, becomes the
+    /// active constraint.
     #[must_use]
     pub fn switches(&self) -> &[usize] {
         &self.switches
     }
 
-    /// Seconds from start to end.
+    /// Returns the seconds from start to end.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// Seconds since the start at σ, which is taken into the path. Cost: a binary search.
+    /// Returns the seconds since the start at σ, which is clamped to the path. Cost: a binary search.
     #[must_use]
     pub fn time_at(&self, sigma: f64) -> f64 {
         let (k, sigma) = interval(&self.parameters, sigma);
@@ -165,7 +165,7 @@ impl Law {
             )
     }
 
-    /// Parameter σ at `time` (seconds), which is taken into the motion. Cost: a binary search.
+    /// Returns the parameter σ at `time` (seconds), which is clamped to the motion. Cost: a binary search.
     #[must_use]
     pub fn sigma_at(&self, time: f64) -> f64 {
         let (k, time) = interval(&self.times, time);
@@ -178,21 +178,22 @@ impl Law {
         sigma.clamp(from, to)
     }
 
-    /// Speed σ̇ at σ, per second; at a point given twice, behind it. Cost: a binary search.
+    /// Returns the speed σ̇ at σ, per second; at a point given twice, just after it. Cost: a binary search.
     #[must_use]
     pub fn speed_at(&self, sigma: f64) -> f64 {
         let (k, sigma) = interval(&self.parameters, sigma);
         self.square(k, sigma).sqrt()
     }
 
-    /// Acceleration σ̈ at σ, per second squared; at a point of the grid, behind it. Cost: a binary search.
+    /// Returns the acceleration σ̈ at σ, per second squared; at a point of the grid, just after it. Cost: a binary
+    /// search.
     #[must_use]
     pub fn acceleration_at(&self, sigma: f64) -> f64 {
         let (k, _) = interval(&self.parameters, sigma);
         self.acceleration(k)
     }
 
-    /// σ̇² at σ in the interval behind point k.
+    /// Returns σ̇² at σ in the interval after point k.
     fn square(&self, k: usize, sigma: f64) -> f64 {
         let (from, to) = (self.parameters[k], self.parameters[k + 1]);
         if to > from {
@@ -203,7 +204,7 @@ impl Law {
         }
     }
 
-    /// σ̈ in the interval behind point k.
+    /// Returns σ̈ in the interval after point k.
     fn acceleration(&self, k: usize) -> f64 {
         let span = self.parameters[k + 1] - self.parameters[k];
         if span > 0.0 {
@@ -214,8 +215,8 @@ impl Law {
     }
 }
 
-/// The interval of a non-decreasing grid, by the point that it begins at, that a value is in, and the
-/// value, taken into the grid; 0 for a NaN.
+/// Returns the interval of a non-decreasing grid that contains a value, by the point at which it begins, and the value
+/// clamped to the grid. A NaN is taken to the first point.
 fn interval(grid: &[f64], value: f64) -> (usize, f64) {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
     let value = value.max(first).min(last);
@@ -223,7 +224,7 @@ fn interval(grid: &[f64], value: f64) -> (usize, f64) {
     (behind.clamp(1, grid.len() - 1) - 1, value)
 }
 
-/// Seconds for a way `span` on which σ̇² goes from `from` to `to` in proportion.
+/// Returns the seconds for a distance `span` in σ on which σ̇² changes linearly from `from` to `to`.
 fn duration(span: f64, from: f64, to: f64) -> f64 {
     if span > 0.0 {
         2.0 * span / (from.sqrt() + to.sqrt())

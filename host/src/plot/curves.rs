@@ -1,4 +1,4 @@
-//! What is plotted of a path.
+//! Computes the curves of a path that a plot shows.
 
 use foldpath_core::Membership;
 
@@ -10,18 +10,18 @@ use crate::pattern::EdgeId;
 use crate::progress::{Progress, Watch};
 use crate::shapes::shapes;
 
-/// Places along a path at which curves are taken, those at its knots not counted; of large sheets fewer, so
-/// that no more faces than this are folded.
+/// Number of times along a path at which curves are sampled, besides the knots. Large sheets have fewer samples, so
+/// that at most `FOLDED` faces are folded in all.
 const PLACES: usize = 240;
 const FOLDED: usize = 20_000_000;
-/// Curves of angles that are taken: more are not told apart.
+/// Largest number of curves of angles; the eye cannot distinguish more.
 const MOST_CURVES: usize = 200;
-/// Places at which the clearance is.
+/// Number of times at which the clearance is measured.
 const CLEARANCES: usize = 120;
-/// Sheets of more faces have none: each pair of faces near each other is measured.
+/// Largest number of faces for which the clearance is measured: the distance of every pair of near faces is computed.
 const MANY_FACES: usize = 4000;
 
-/// Time in seconds, and a number.
+/// Time in seconds, and the value of a curve.
 pub type Point = (f64, f64);
 
 /// The curves of a path.
@@ -31,37 +31,36 @@ pub struct Curves {
     pub title: String,
     /// Times of the knots.
     pub knots: Vec<f64>,
-    /// For each crease group, or each crease where the file has no groups, its fold angle in degrees; the
-    /// first 200.
+    /// Fold angles (degrees) of the first 200 crease groups, or of the first 200 creases if the file has no groups.
     pub angles: Vec<Vec<Point>>,
-    /// How many there are.
+    /// Number of crease groups, or of creases if the file has no groups.
     pub count: usize,
-    /// Whether those are of groups.
+    /// `true` if the curves are those of crease groups.
     pub grouped: bool,
-    /// Fold angles assigned and measured, degrees: at each knot one for each edge between two faces, and one
-    /// for each diagonal, to which 0 is assigned.
+    /// Assigned and measured fold angles, degrees. Each knot has a point for each edge between two faces, and a point
+    /// for each diagonal, whose assigned angle is 0.
     pub measured: Vec<Point>,
     /// Largest relative change of length.
     pub deformation: Vec<Point>,
     /// Largest gap over the median edge.
     pub gap: Vec<Point>,
-    /// What neither exceeds between two knots: from, to, bound.
+    /// Segments between two knots, from and to (seconds), with a bound on deformation and gap in the segment.
     pub certified: Vec<(f64, f64, f64)>,
-    /// Smallest distance between faces that share no vertex; empty if there are none, or too many faces.
+    /// Smallest distance between faces that share no vertex; empty if there are no such faces, or too many faces.
     pub clearance: Vec<Point>,
-    /// The smallest distance met on all of the motion, where no faces pass through each other.
+    /// Smallest distance met along the whole motion, if no faces pass through each other.
     pub min_clearance: Option<f64>,
 }
 
 impl Curves {
-    /// Takes a path's curves. Cost: that of a [`check`](crate::check), and some hundred shapes.
+    /// Computes the curves of a path. Cost: that of a [`check`](crate::check), plus folding some hundred shapes.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
         Self::until_over(path, Watch::default())
     }
 
-    /// Takes a path's curves, and tells `progress` how far it is. Once cancelled, what has not been measured is left
-    /// out.
+    /// Computes the curves of a path and reports the progress to `progress`. Once cancelled, everything not yet
+    /// measured is left out.
     #[must_use]
     pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
         Self::until_over(path, Watch::new(progress))
@@ -82,7 +81,7 @@ impl Curves {
         curves
     }
 
-    /// Deformation, gap and what is known of the motion as a whole.
+    /// Measures deformation and gap, and bounds both over the whole motion.
     fn judge(&mut self, path: &PathFile, watch: Watch<'_>) {
         let segments = path.knots.len().saturating_sub(1);
         let affordable = FOLDED / path.pattern.faces().len().max(1) / segments.max(1);
@@ -114,12 +113,12 @@ impl Curves {
     }
 }
 
-/// Places inside each of so many segments.
+/// Returns the number of samples inside each of `segments` segments.
 fn places_of(segments: usize) -> usize {
     PLACES.checked_div(segments).unwrap_or(0).clamp(1, PLACES)
 }
 
-/// The angle of each curve at the knots and between them, degrees.
+/// Returns the angle of each curve at the knots and between them, degrees.
 fn angles(path: &PathFile) -> Vec<Vec<Point>> {
     let segments = path.knots.len().saturating_sub(1);
     let steps = places_of(segments) + 1;
@@ -146,8 +145,8 @@ fn angles(path: &PathFile) -> Vec<Vec<Point>> {
         .collect()
 }
 
-/// Angles assigned and measured at the knots, degrees. Half a turn either way is the same shape: what is
-/// nearer to the angle assigned counts.
+/// Returns assigned and measured angles at the knots, degrees. Half a turn either way is the same shape, so the
+/// measured angle is the one nearer to the assigned angle.
 fn measured(path: &PathFile) -> Vec<Point> {
     let dihedrals = Dihedral::all(&path.pattern);
     let mut points = Vec::new();
@@ -167,7 +166,7 @@ fn measured(path: &PathFile) -> Vec<Point> {
     points
 }
 
-/// The clearance evenly in time.
+/// Returns the clearance at times spaced evenly.
 fn clearance(path: &PathFile, watch: Watch<'_>) -> Vec<Point> {
     let pattern = &path.pattern;
     if pattern.faces().len() > MANY_FACES {

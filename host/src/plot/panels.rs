@@ -1,4 +1,4 @@
-//! The panels of a plot, drawn by plotters.
+//! Draws the panels of a plot with plotters.
 
 use core::ops::Range;
 use std::collections::HashSet;
@@ -14,23 +14,24 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-/// Width of the picture and height of a panel. Coordinates are whole: the more, the finer.
+/// Width of the picture and height of a panel, pixels. plotters rounds coordinates to pixels, so a large picture is
+/// finer.
 const WIDTH: u32 = 1600;
 const HEIGHT: u32 = 560;
 const FONT: &str = "sans-serif";
-/// Curves of angles named in the legend, and knots marked.
+/// Largest number of curves named in the legend, and of knots marked.
 const NAMED: usize = 12;
 const MOST_KNOTS: usize = 200;
-/// Errors are drawn as powers of ten, from this one on: less is rounding.
+/// Smallest power of ten that is drawn for errors: smaller errors are rounding.
 const LEAST_POWER: f64 = -17.0;
-/// What is larger is drawn at the border: of no use, but numbers in files are not limited.
+/// Largest number that is drawn; larger numbers are drawn at the border, as a file may contain any number.
 const LARGEST: f64 = 1e9;
 
-/// The curves of a path as an SVG picture.
+/// Draws the curves of a path as an SVG picture.
 #[must_use]
 pub fn svg(curves: &Curves) -> String {
     let mut text = String::new();
-    // Memory refuses nothing.
+    // Writing to memory cannot fail.
     let _complete = draw(curves, &mut text);
     text
 }
@@ -46,7 +47,7 @@ fn draw(curves: &Curves, text: &mut String) -> Drawn {
     root.present()
 }
 
-/// Fold angles of the groups.
+/// Draws the fold angles of the groups.
 fn angles(curves: &Curves, area: &Area<'_>) -> Drawn {
     let [drawn, count] = [curves.angles.len(), curves.count];
     let what = if curves.grouped {
@@ -69,7 +70,7 @@ fn angles(curves: &Curves, area: &Area<'_>) -> Drawn {
     legend(&mut chart, SeriesLabelPosition::UpperLeft)
 }
 
-/// Fold angles measured on folded shapes against those assigned.
+/// Draws the measured against the assigned fold angles.
 fn measured(curves: &Curves, area: &Area<'_>) -> Drawn {
     let differences = curves.measured.iter().map(|(a, b)| (a - b).abs());
     let most = differences.fold(0.0, f64::max);
@@ -84,7 +85,7 @@ fn measured(curves: &Curves, area: &Area<'_>) -> Drawn {
     let Range { start, end } = degrees();
     let equal = LineSeries::new([(start, start), (end, end)], BLACK.mix(0.3));
     chart.draw_series(equal)?;
-    // Points that are not told apart by eye are drawn once.
+    // Points that the eye cannot distinguish are drawn once.
     let half_degrees = |angle: f64| (2.0 * angle).round().to_bits();
     let mut drawn = HashSet::new();
     let points = drawable(&curves.measured);
@@ -95,7 +96,7 @@ fn measured(curves: &Curves, area: &Area<'_>) -> Drawn {
     Ok(())
 }
 
-/// Deformation and gap, and what bounds both.
+/// Draws deformation and gap, and the bound on both.
 fn errors(curves: &Curves, area: &Area<'_>) -> Drawn {
     let power = |value: f64| {
         if value > 0.0 {
@@ -142,7 +143,7 @@ fn errors(curves: &Curves, area: &Area<'_>) -> Drawn {
     legend(&mut chart, SeriesLabelPosition::LowerRight)
 }
 
-/// Nothing between whole powers.
+/// Formats a whole power of ten, and nothing for positions between whole powers.
 fn power_of_ten(power: &f64) -> String {
     if (power - power.round()).abs() < 1e-9 {
         format!("1e{power:.0}")
@@ -151,7 +152,7 @@ fn power_of_ten(power: &f64) -> String {
     }
 }
 
-/// How far faces are apart.
+/// Draws the clearance between faces.
 fn clearance(curves: &Curves, area: &Area<'_>) -> Drawn {
     let known = curves.min_clearance.map_or_else(String::new, |least| {
         format!("; smallest met on the whole motion {least:.3e}")
@@ -179,7 +180,7 @@ fn times(curves: &Curves) -> Range<f64> {
     range(curves.knots.iter().copied())
 }
 
-/// An empty panel with the time from left to right, and marks at the knots.
+/// Makes an empty panel with time from left to right and marks at the knots.
 fn against_time<'a, 'b>(
     curves: &Curves,
     area: &'b Area<'a>,
@@ -237,7 +238,7 @@ fn drawable_times(curves: &Curves) -> impl Iterator<Item = f64> {
     times.filter(|time| time.is_finite())
 }
 
-/// A curve, named in the legend or not.
+/// Draws a curve. A curve with a name has an entry in the legend.
 fn line(
     chart: &mut Chart<'_, '_>,
     curve: &[Point],
@@ -263,13 +264,13 @@ fn legend<'a: 'b, 'b>(chart: &mut Chart<'a, 'b>, position: SeriesLabelPosition) 
         .draw()
 }
 
-/// Points that can be drawn.
+/// Returns the points that can be drawn.
 fn drawable(curve: &[Point]) -> impl Iterator<Item = Point> {
     let points = curve.iter().filter(|p| !p.0.is_nan() && !p.1.is_nan());
     points.map(|p| (p.0.clamp(-LARGEST, LARGEST), p.1.clamp(-LARGEST, LARGEST)))
 }
 
-/// A range that holds all numbers, never empty, and wide enough for its ends to differ when written.
+/// Returns a range that contains all numbers. It is never empty, and wide enough for its ends to differ when written.
 fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     let numbers = numbers
         .filter(|x| !x.is_nan())

@@ -1,4 +1,4 @@
-//! A line with faults added to those that it has.
+//! A link that adds faults to another link, both ways.
 
 use std::io;
 
@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 
 use super::Link;
 
-/// Most microseconds by which a frame that is overtaken is late.
+/// Largest delay of an overtaken frame, microseconds.
 const LATE: u64 = 5000;
 
 /// A link on which frames get lost, changed, doubled and overtaken, both ways.
@@ -16,12 +16,12 @@ pub struct Faulty<L> {
     link: L,
     up: Line<Pcg64>,
     down: Line<Pcg64>,
-    /// The beginning of a frame that has come.
+    /// The beginning of a frame that is being received.
     incoming: Vec<u8>,
 }
 
 impl<L: Link> Faulty<L> {
-    /// The link with these faults, drawn from `seed`.
+    /// Adds these faults to a link, at random by `seed`.
     #[must_use]
     pub fn new(link: L, faults: Faults, seed: u64) -> Self {
         let faults = Faults {
@@ -37,7 +37,7 @@ impl<L: Link> Faulty<L> {
         }
     }
 
-    /// Hands over what has come through.
+    /// Passes on the bytes that have come through.
     fn pass(&mut self) -> io::Result<()> {
         let now = self.link.now();
         let bytes: Vec<u8> = core::iter::from_fn(|| self.up.read(now)).collect();

@@ -1,34 +1,34 @@
-//! What a session asks of a line to a controller.
+//! The interface between a session and a line to a controller.
 
 use std::io;
 
-/// Bytes to a controller and back. Nothing waits but [`wait`](Self::wait).
+/// A byte stream to a controller and back. No function blocks but [`wait`](Self::wait).
 pub trait Link {
-    /// Microseconds since some moment before.
+    /// Returns the time in microseconds since some fixed moment.
     fn now(&self) -> u64;
 
-    /// Whether what was written before is gone.
+    /// Returns `true` if all bytes written before have been sent.
     fn is_free(&self) -> bool;
 
-    /// Sends a frame as it is on the line.
+    /// Sends a frame, given as its bytes on the line.
     ///
     /// # Errors
     /// If the line is broken.
     fn write(&mut self, frame: &[u8]) -> io::Result<()>;
 
-    /// The next byte that has come.
+    /// Returns the next byte that was received, or `None` if there is none yet.
     ///
     /// # Errors
     /// If the line is broken.
     fn read(&mut self) -> io::Result<Option<u8>>;
 
-    /// Lets at most a millisecond pass.
+    /// Waits for at most a millisecond.
     ///
     /// # Errors
     /// If the line is broken.
     fn wait(&mut self) -> io::Result<()>;
 
-    /// Draws the stop line, if there is one to draw from here; returns whether there is.
+    /// Draws the stop line, if this link can. Returns `true` if the stop line was drawn.
     ///
     /// # Errors
     /// If the line is broken.

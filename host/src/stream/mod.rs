@@ -1,8 +1,9 @@
-//! Sending a path to a controller and following what it does.
+//! Sends a path to a controller and follows its motion.
 //!
-//! - [`StreamPath`]: the content of a `.traj` file, as it is sent.
-//! - [`Link`]: bytes to a controller and back: [`Sim`], one in this process in virtual time, which may drive a
-//!   [`Plant`]; [`Faulty`], any link with faults. Links over TCP, serial devices and QEMU are in the command's package.
+//! - [`StreamPath`]: the content of a `.traj` file in the form in which it is sent.
+//! - [`Link`]: bytes to a controller and back. [`Sim`] is a controller in this process in virtual time, which may drive
+//!   a [`Plant`]; [`Faulty`] adds faults to any link. Links over TCP, serial devices and QEMU are in the command's
+//!   package.
 //! - [`run`]: a session from the greeting to its [`Outcome`], over [`foldpath_core::wire::driver`].
 
 mod faulty;

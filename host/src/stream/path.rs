@@ -1,4 +1,4 @@
-//! A path with its sheet, as it is sent.
+//! A path with its sheet, in the form in which it is sent.
 
 use std::path::Path;
 
@@ -11,21 +11,21 @@ use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, Stars
 use crate::formats::FileError;
 use crate::symmetry::largest_star_residual;
 
-/// Bytes of a setpoint's numbers that fit in a frame of 256 with all that goes with them.
+/// Largest size in bytes of a setpoint's numbers: a frame of 256 bytes holds 25 other bytes.
 const WIDEST: usize = 256 - 25;
 
-/// The content of a `.traj` file, in numbers of its own.
+/// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
 pub struct StreamPath {
     interpolation: Interpolation,
     times: Vec<f32>,
-    /// A row a knot, as the next two.
+    /// One row for each knot, as are the next two.
     angles: Vec<f32>,
     rates: Vec<f32>,
     weights: Vec<[f32; 2]>,
     limits: Vec<GroupLimits>,
     hinges: Vec<Membership>,
-    /// Spokes of the essential vertices, the same in 64 bits, and where each vertex ends.
+    /// Spokes of the essential vertices, the same spokes in `f64`, and for each vertex the index behind its last spoke.
     spokes: Vec<Spoke<f32>>,
     wide: Vec<Spoke<f64>>,
     ends: Vec<u32>,
@@ -33,10 +33,10 @@ pub struct StreamPath {
 }
 
 impl StreamPath {
-    /// The path of the bytes of a `.traj` file, of which errors tell this name.
+    /// Reads a path from the bytes of a `.traj` file; `file` names the file in errors.
     ///
     /// # Errors
-    /// If the bytes are no trajectory, or it has no knots, or more of anything than can be sent.
+    /// If the bytes are no trajectory, or if the path has no knots or more of anything than can be sent.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Self, FileError> {
         let path = file.to_path_buf();
         let traj =
@@ -79,38 +79,38 @@ impl StreamPath {
         Ok(this)
     }
 
-    /// Number of crease groups.
+    /// Returns the number of crease groups.
     #[must_use]
     pub fn groups(&self) -> usize {
         self.limits.len()
     }
 
-    /// Seconds of the knots.
+    /// Returns the times of the knots, seconds.
     #[must_use]
     pub fn times(&self) -> &[f32] {
         &self.times
     }
 
-    /// Group and sign of each hinge.
+    /// Returns the group and sign of each hinge.
     #[must_use]
     pub fn hinges(&self) -> &[Membership] {
         &self.hinges
     }
 
-    /// The limits of each group.
+    /// Returns the limits of each group.
     #[must_use]
     pub fn limits(&self) -> &[GroupLimits] {
         &self.limits
     }
 
-    /// The largest closure residual that the controller is to let pass: that of the path, rounding included.
+    /// Returns the largest closure residual that the controller accepts: that of the path, rounding included.
     #[must_use]
     pub fn closure(&self) -> f32 {
         self.closure
     }
 
-    /// The largest closure residual of an essential vertex at these group angles, radians; 0 where they are not
-    /// known.
+    /// Returns the largest closure residual of an essential vertex at these group angles (radians); 0 if `angles` has
+    /// not one angle for each group.
     #[must_use]
     pub fn residual(&self, angles: &[f32]) -> f64 {
         let angles: Vec<f64> = angles.iter().map(|angle| angle.to_f64()).collect();
@@ -119,13 +119,13 @@ impl StreamPath {
         stars.map_or(0.0, |stars| largest_star_residual(stars, &angles))
     }
 
-    /// The essential vertices.
+    /// Returns the stars of the essential vertices.
     #[must_use]
     pub fn stars(&self) -> Option<StarsView<'_, f32>> {
         StarsView::new(&self.spokes, &self.ends, self.groups())
     }
 
-    /// The path as core's trajectory.
+    /// Returns the path as a trajectory of core.
     #[must_use]
     pub fn view(&self) -> Option<TrajectoryView<'_, f32>> {
         TrajectoryView::new(
@@ -139,7 +139,7 @@ impl StreamPath {
         .ok()
     }
 
-    /// The path as what is sent, from its start.
+    /// Returns the path as the sequence of items to send, from its start.
     #[must_use]
     pub fn items(&self) -> Option<PathItems<'_>> {
         let (limits, hinges) = (&self.limits, &self.hinges);
@@ -154,7 +154,7 @@ impl StreamPath {
     }
 }
 
-/// A spoke in 64 bits, of length 1 there too.
+/// Converts a spoke to `f64` and normalises its direction again.
 fn widened(spoke: Spoke<f32>) -> Spoke<f64> {
     let [x, y] = spoke.direction.map(Scalar::to_f64);
     let length = x.hypot(y);

@@ -1,4 +1,4 @@
-//! What a simulated controller drives: hinges with all that befalls them, and the sheet that they fold.
+//! The plant that a simulated controller drives: hinges with drives and disturbances, and the sheet that they fold.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -18,12 +18,12 @@ use crate::pattern::CreasePattern;
 #[derive(Debug)]
 pub struct Plant {
     hinges: Hinges<Pcg64>,
-    /// What is still to happen, at which microsecond.
+    /// Disturbances to come, each with its time in microseconds.
     script: VecDeque<(u64, Trouble)>,
     sheet: Option<Sheet>,
 }
 
-/// The sheet on the hinges.
+/// The sheet that the hinges fold.
 #[derive(Debug)]
 struct Sheet {
     pattern: CreasePattern,
@@ -33,7 +33,8 @@ struct Sheet {
 }
 
 impl Plant {
-    /// The hinges of a path, flat, with drives whose noise is drawn from `seed`, and what is to happen when.
+    /// Makes the hinges of a path, flat at first. The noise of their drives is drawn from `seed`, and `script` has the
+    /// disturbances with their times in microseconds.
     #[must_use]
     pub fn new(path: &StreamPath, drive: Drive, seed: u64, script: Vec<(u64, Trouble)>) -> Self {
         let hinges = Hinges::new(path.hinges(), drive, Pcg64::new(u128::from(seed), 2));
@@ -44,10 +45,10 @@ impl Plant {
         }
     }
 
-    /// The same with the sheet of `file`, the FOLD file that the path was exported from.
+    /// Adds the sheet of `file`, the FOLD file that the path was exported from.
     ///
     /// # Errors
-    /// If it has other hinges.
+    /// If the sheet has other hinges than the path.
     pub fn with_sheet(
         self,
         path: &StreamPath,
@@ -79,7 +80,7 @@ impl Plant {
         })
     }
 
-    /// Lets hinges follow for a millisecond what is commanded at `now`, microseconds, and measures them.
+    /// Lets the hinges follow the angles commanded at `now` (microseconds) for a millisecond, and measures them.
     pub(super) fn turn<const GROUPS: usize, const KNOTS: usize>(
         &mut self,
         now: u64,
@@ -94,7 +95,7 @@ impl Plant {
         }
     }
 
-    /// Looks at the sheet.
+    /// Folds the sheet by the hinges' angles and measures its errors.
     pub(super) fn look(&mut self) {
         if let Some(sheet) = &mut self.sheet {
             sheet
@@ -106,7 +107,7 @@ impl Plant {
         }
     }
 
-    /// How far from rigid the sheet was at the worst, if there is one.
+    /// Returns the largest errors of rigidity that the sheet had, if there is a sheet.
     #[must_use]
     pub fn rigidity(&self) -> Option<Rigidity> {
         self.sheet.as_ref().map(|sheet| sheet.worst)

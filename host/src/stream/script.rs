@@ -1,5 +1,5 @@
-//! Scripts of what befalls hinges: a line an event, `SECONDS supply PART`, `SECONDS stick HINGE`, `SECONDS free HINGE`
-//! or `SECONDS jump HINGE RADIANS`. Empty lines and what follows a `#` are left out.
+//! Reads scripts of disturbances of hinges. Each line is one event: `SECONDS supply PART`, `SECONDS stick HINGE`,
+//! `SECONDS free HINGE` or `SECONDS jump HINGE RADIANS`. Empty lines and text after a `#` are skipped.
 
 use core::f64::consts::TAU;
 use core::ops::RangeInclusive;
@@ -9,10 +9,10 @@ use foldpath_firmware_sim::hinges::Trouble;
 
 use crate::formats::{FileError, read_text};
 
-/// Reads a script for so many hinges: what happens at which microsecond, in order.
+/// Reads a script for `hinges` hinges. Returns the events in order of time, each with its time in microseconds.
 ///
 /// # Errors
-/// If the file cannot be read, a line is none of the above, or its hinge is none of them.
+/// If the file cannot be read, a line has another form, or a line names a hinge that does not exist.
 pub fn read_script(file: &Path, hinges: usize) -> Result<Vec<(u64, Trouble)>, FileError> {
     let text = read_text(file)?;
     let mut events = Vec::new();

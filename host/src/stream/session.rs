@@ -1,4 +1,4 @@
-//! A session from the greeting to its outcome.
+//! Runs a session with a controller from the greeting to its outcome.
 
 use std::io;
 
@@ -10,59 +10,59 @@ use foldpath_core::wire::sender::{self, Phase};
 
 use super::{Link, StreamPath, words};
 
-/// Microseconds that a controller has to say that the stop line is drawn.
+/// Time in microseconds within which a controller has to report that the stop line is drawn.
 const PATIENCE: u64 = 1_000_000;
 
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// Whether to begin where the sheet stands, after a stop line or a fault too, instead of at the start of the path.
+    /// `true` to begin where the sheet stands, even after a stop line or a fault, instead of at the start of the path.
     pub resume: bool,
-    /// A number that no session with this controller had before.
+    /// Number of the session, different from that of any session with this controller before.
     pub id: u32,
 }
 
-/// What is commanded at a moment.
+/// Commanded state at a moment, as the controller reported it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Telemetry {
     /// Microseconds on the controller's clock.
     pub time: u64,
-    /// What the follower does.
+    /// State of the follower.
     pub state: State,
-    /// Seconds of the path in a second.
+    /// Rate of the path clock: seconds of the path in a second.
     pub rate: f32,
-    /// Where on the path.
+    /// Position on the path.
     pub place: Place<f32>,
     /// Commanded angle of each group, radians.
     pub angles: Vec<f32>,
 }
 
-/// What whoever watches wants.
+/// Request of the watcher.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wish {
-    /// That it goes on.
+    /// The motion goes on.
     #[default]
     Run,
-    /// That the motion slows down along the path and holds, and the session ends then.
+    /// The motion slows down along the path and holds; then the session ends.
     Stop,
-    /// That everything stops at once, by the stop line if there is one from here, and the session ends. A controller
-    /// that hears nothing holds by itself.
+    /// The motion stops at once, by the stop line if the host can draw it, and the session ends. A controller that
+    /// hears nothing holds by itself.
     Quit,
 }
 
-/// Who looks on while a session runs.
+/// Observer of a running session.
 pub trait Watcher {
-    /// Telemetry has come.
+    /// Takes telemetry that has arrived.
     ///
     /// # Errors
-    /// If it cannot be kept; the session ends then.
+    /// If the telemetry cannot be stored; the session ends then.
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()>;
 
-    /// Asked again and again.
+    /// Returns the current request; called again and again.
     fn wish(&mut self) -> Wish;
 }
 
-/// How a session ended.
+/// Outcome of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The sheet is at the end of the path.
@@ -71,14 +71,14 @@ pub enum Outcome {
     Held,
     /// A hinge has stalled.
     Faulted,
-    /// It was to stop.
+    /// The watcher stopped the motion.
     Stopped,
-    /// There is no controller that understands, or not any more.
+    /// No controller answers, it speaks another version of the protocol, or the connection was lost.
     NoDevice,
 }
 
 impl Outcome {
-    /// The name in JSON.
+    /// Returns the outcome's name in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -91,31 +91,31 @@ impl Outcome {
     }
 }
 
-/// What a session came to.
+/// Result of a session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// How it ended.
+    /// Outcome of the session.
     pub outcome: Outcome,
-    /// Why, unless it is done.
+    /// Reason of the outcome, unless it is `Done`.
     pub reason: Option<String>,
-    /// Setpoints that the controller took.
+    /// Number of setpoints that the controller accepted.
     pub setpoints: u64,
-    /// Bytes on the line to the controller.
+    /// Number of bytes on the line to the controller.
     pub bytes_sent: u64,
-    /// Items that were sent again.
+    /// Number of items that were sent again.
     pub retransmitted: u64,
-    /// Items that were refused.
+    /// Number of items that were refused.
     pub refused: u64,
-    /// Largest closure residual of an essential vertex at the angles that telemetry told.
+    /// Largest closure residual of an essential vertex at the angles in telemetry.
     pub max_closure: f64,
-    /// Microseconds on the host's clock.
+    /// Duration in microseconds on the host's clock.
     pub duration: u64,
 }
 
-/// Sends a path over a link until it is done, or something else is the end of it.
+/// Sends a path over a link until the path is done, or until another outcome ends the session.
 ///
 /// # Errors
-/// If the watcher cannot keep telemetry. A broken link is an outcome.
+/// If the watcher cannot store telemetry. A broken link is an outcome.
 pub fn run(
     link: &mut impl Link,
     path: &StreamPath,
@@ -153,7 +153,8 @@ pub fn run(
                 Err(error) => broken = Some(error),
             }
         }
-        // Behind what was heard: a host that was asleep is not to take that for silence.
+        // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
+        // controller.
         broken = broken.or_else(|| session.exchange(link).err());
         if let Some(error) = broken {
             break (Outcome::NoDevice, Some(format!("the line: {error}")));
@@ -170,11 +171,11 @@ struct Session<'a> {
     path: &'a StreamPath,
     resume: bool,
     wish: Wish,
-    /// What the last telemetry told.
+    /// State and rate in the last telemetry.
     last: Option<(State, f32)>,
     bytes: u64,
     closure: f64,
-    /// When the stop line was drawn, if there is one.
+    /// `Some` once the watcher quits; inside, the time at which the stop line was drawn, if the host can draw it.
     quit: Option<Option<u64>>,
 }
 
@@ -191,7 +192,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Sends what is to be sent, and lets time pass.
+    /// Sends all frames that are due, then waits.
     fn exchange(&mut self, link: &mut impl Link) -> io::Result<()> {
         let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
         let mut bytes = Vec::new();
@@ -206,7 +207,7 @@ impl Session<'_> {
         link.wait()
     }
 
-    /// The next telemetry of what has come.
+    /// Reads bytes until the next telemetry, or until no byte is left.
     fn hear(&mut self, link: &mut impl Link) -> Option<io::Result<Telemetry>> {
         loop {
             let byte = match link.read() {
@@ -238,7 +239,7 @@ impl Session<'_> {
         }
     }
 
-    /// How it ended, if it has.
+    /// Returns the outcome and its reason, if the session has ended.
     fn end(&self, now: u64) -> Option<(Outcome, Option<String>)> {
         if let Phase::Failed(failure) = self.driver.sender().phase() {
             return Some((Outcome::NoDevice, Some(words::failure(failure))));
@@ -256,7 +257,7 @@ impl Session<'_> {
             };
             return Some((Outcome::Stopped, Some(reason.into())));
         }
-        // The log ends with the end of the path.
+        // Waits for the telemetry at the end of the path, so that the log is complete.
         if self.driver.is_done() && self.last.is_some_and(|(state, _)| state == State::Done) {
             return Some((Outcome::Done, None));
         }
@@ -264,7 +265,7 @@ impl Session<'_> {
         Some((end.0, Some(end.1)))
     }
 
-    /// What is in the way, once the sheet is at rest.
+    /// Returns the outcome and its reason if the motion cannot go on, once the sheet is at rest.
     fn obstacle(&self) -> Option<(Outcome, String)> {
         let sender = self.driver.sender();
         let Some(report) = sender.report() else {
@@ -311,7 +312,7 @@ impl Session<'_> {
         }
     }
 
-    /// The knot that the controller is to take next.
+    /// Returns the number of the knot that the controller has to accept next.
     fn knot(&self) -> u64 {
         self.driver.first_knot() + self.driver.setpoints()
     }

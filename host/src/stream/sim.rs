@@ -1,4 +1,4 @@
-//! A controller in this process, in virtual time.
+//! Simulates a controller in this process, in virtual time, with the firmware's own code.
 
 use std::io;
 
@@ -8,18 +8,18 @@ use rand_pcg::Pcg64;
 
 use super::{Link, Plant};
 
-/// Room for 32 groups, more than a frame holds; for as many hinges as the protocol counts; for the spokes of a
-/// thousand vertices of degree 4; and for 64 setpoints.
+/// The controller with room for 32 groups, more than a frame holds; for as many hinges as the protocol counts; for the
+/// spokes of a thousand vertices of degree 4; and for 64 setpoints.
 type Device = Controller<32, 16_384, 4096, 64>;
 
-/// Microseconds of a step, of which four are a tick of the controller.
+/// Length of a step, microseconds. Four steps are a tick of the controller.
 const STEP: u64 = 250;
 
-/// Microseconds between two looks at the sheet.
+/// Time between two measurements of the sheet, microseconds.
 const LOOK: u64 = 20_000;
 
-/// A controller behind a serial line of 1 Mbaud that takes a millisecond. Without a plant its hinges are where they
-/// are commanded.
+/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond. Without a plant its hinges are exactly
+/// at the commanded angles.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
@@ -31,7 +31,7 @@ pub struct Sim {
 }
 
 impl Sim {
-    /// A controller that has just started.
+    /// Starts a controller without a plant.
     #[must_use]
     pub fn new() -> Self {
         let line = || {
@@ -52,7 +52,7 @@ impl Sim {
         }
     }
 
-    /// A controller that has just started and drives this.
+    /// Starts a controller that drives a plant.
     #[must_use]
     pub fn driving(plant: Plant) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Sim {
         }
     }
 
-    /// What it drives.
+    /// Returns the plant that the controller drives.
     #[must_use]
     pub fn plant(&self) -> Option<&Plant> {
         self.plant.as_ref()

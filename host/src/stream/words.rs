@@ -1,10 +1,10 @@
-//! What a controller says, in words.
+//! Describes the reasons, denials and failures of a controller in sentences.
 
 use foldpath_core::follower::{Denial, Reason};
 use foldpath_core::wire::message::{ItemRefusal, SCHEMA, VERSION};
 use foldpath_core::wire::sender::Failure;
 
-/// Why a motion does not run.
+/// Explains why a motion does not run.
 pub(super) fn reason(reason: Reason) -> String {
     match reason {
         Reason::None => "nothing holds the motion".into(),
@@ -23,7 +23,7 @@ pub(super) fn reason(reason: Reason) -> String {
     }
 }
 
-/// Why a command is not carried out.
+/// Explains why a command is not carried out.
 pub(super) fn denial(denial: Denial) -> String {
     match denial {
         Denial::State => "the controller cannot do that in its state".into(),
@@ -38,7 +38,7 @@ pub(super) fn denial(denial: Denial) -> String {
     }
 }
 
-/// Why something of the path, the one that comes behind `setpoints`, is not taken.
+/// Explains why an item of the path was refused; `knot` is the number of the knot that the controller expected next.
 pub(super) fn refusal(refusal: ItemRefusal, knot: u64) -> String {
     match refusal {
         ItemRefusal::Setpoint(refusal) => format!("knot {knot} was refused: {refusal}"),
@@ -59,7 +59,7 @@ pub(super) fn refusal(refusal: ItemRefusal, knot: u64) -> String {
     }
 }
 
-/// Why there is no session.
+/// Explains why there is no session.
 pub(super) fn failure(failure: Failure) -> String {
     match failure {
         Failure::Version { version, schema } => format!(

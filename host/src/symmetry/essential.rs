@@ -1,4 +1,4 @@
-//! Essential vertices: one real vertex for every distinct closure condition.
+//! Finds the essential vertices: one real vertex for every distinct closure condition in terms of the crease groups.
 
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 use std::sync::OnceLock;
@@ -17,11 +17,12 @@ use crate::pattern::{
 };
 use crate::ragged::Ragged;
 
-/// Sector angles this close, in tolerances of the groups, are the same: both stars may be off a third
-/// one by as much, and each sector has two sides.
+/// Largest difference of sector angles that count as equal, in tolerances of the groups: two stars may each differ from
+/// a third by one tolerance, and each sector has two sides.
 const SAME_ANGLE: f64 = 4.0;
 
-/// The largest closure residual of stars at the unknowns `x` (radians), 0 for none; NaN if one is.
+/// Returns the largest closure residual of stars at the unknowns `x` (radians), 0 without stars; NaN if a residual is
+/// NaN.
 #[must_use]
 pub fn largest_star_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
     let mut half_angles = vec![HalfAngle::default(); x.len()];
@@ -32,36 +33,37 @@ pub fn largest_star_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
     largest(residuals.map(|residual| residual.norm_squared())).sqrt()
 }
 
-/// Stars of real vertices, and loops round holes, as functions of the group angles.
+/// Stars of real vertices and loops round holes, as functions of the group angles.
 #[derive(Clone, Debug)]
 pub struct ReducedStars {
     vertices: Vec<VertexId>,
     spokes: Ragged<Spoke<f64>>,
     loops: Ragged<Spoke<f64>>,
-    /// For each loop the number of its hole.
+    /// The number of each loop's hole.
     holes: Vec<usize>,
-    /// For each spoke of a loop where its crease is: from the middle of the hole, over its size.
+    /// Position of each spoke of a loop, relative to the middle of the hole and in units of the hole's size.
     places: Vec<[f64; 2]>,
     unknowns: usize,
-    /// Sector angles this close, in radians, are the same.
+    /// Largest difference of sector angles that count as equal, radians.
     same_angle: f64,
-    /// For each star by how much the residual of the sheet's own may differ; empty where they are the sheet's own.
+    /// For each star a bound on the difference between its residual and that of the sheet's own star; empty if the
+    /// stars are the sheet's own.
     rounded: Vec<f64>,
-    /// What stars are alike, once somebody asked.
+    /// Classes of equal stars, computed on first use.
     likeness: OnceLock<Likeness>,
 }
 
-/// What stars are alike.
+/// Classes of equal stars.
 #[derive(Clone, Debug)]
 struct Likeness {
-    /// For each star the first one that is the same bit by bit.
+    /// For each star the first star that is equal to it bit by bit.
     twins: Vec<usize>,
-    /// For each star the first one with the same closure condition.
+    /// For each star the first star with the same closure condition.
     conditions: Vec<usize>,
 }
 
 impl ReducedStars {
-    /// The stars of all real vertices that a hinge ends at, and the loops round all holes.
+    /// Builds the stars of all real vertices at which a hinge ends, and the loops round all holes.
     #[must_use]
     pub fn all(pattern: &CreasePattern, groups: &CreaseGroups) -> Self {
         Self::new(pattern, groups.len(), groups.tolerance(), |crease| {
@@ -69,7 +71,7 @@ impl ReducedStars {
         })
     }
 
-    /// The same where each crease is a group of its own.
+    /// Builds the stars and loops with every crease as a group of its own.
     #[must_use]
     pub fn of_creases(pattern: &CreasePattern) -> Self {
         Self::new(pattern, pattern.creases().len(), 0.0, |crease| Membership {
@@ -133,7 +135,7 @@ impl ReducedStars {
             let edge = pattern.edge(passage.edge);
             let Some(crease) = edge.crease else { continue };
             let Membership { group, negative } = membership(crease);
-            // A valley turns what is on the left of its direction up.
+            // A valley turns the face to the left of its direction up.
             let start = edge.ends[usize::from(edge.faces[0] != Some(passage.to))];
             spokes.push(Spoke {
                 group,
@@ -148,21 +150,22 @@ impl ReducedStars {
         }
     }
 
-    /// One star for every distinct closure condition: two are the same if a rotation or mirror image
-    /// takes one to the other, group by group, with all signs kept or all exchanged. Every loop is kept.
+    /// Keeps one star for every distinct closure condition, and every loop. Two conditions are equal if a rotation or
+    /// reflection takes one star to the other, group by group, with all signs kept or all signs exchanged.
     #[must_use]
     pub fn essential(&self) -> Self {
         self.firsts(&self.likeness().conditions)
     }
 
-    /// The stars that differ in a bit from all before, and every loop: as coordinates are rounded, a few of
-    /// each condition. Their residuals are those of all stars, each bit of them.
+    /// Keeps one star of all that are equal bit by bit, and every loop. Rounded coordinates leave a few distinct stars
+    /// for each condition. The residuals of the kept stars are those of all stars, bit by bit.
     #[must_use]
     pub fn distinct(&self) -> Self {
         self.firsts(&self.likeness().twins)
     }
 
-    /// The same stars, those alike that are so to rounding: what the others differ by counts.
+    /// Returns these stars with a tolerance of 0 for equal conditions: only stars whose sectors agree as computed count
+    /// as equal, and any other difference counts.
     #[must_use]
     pub fn told_apart(&self) -> Self {
         Self {
@@ -172,9 +175,10 @@ impl ReducedStars {
         }
     }
 
-    /// The same stars with spokes turned the least so that all sets of them fold flat that do so but for `within` (radians)
-    /// at each two, as lines that pass a vertex straight: as they were before coordinates were rounded. And the largest angle
-    /// by which one is turned, 0 if none is.
+    /// Turns the spokes by least angles such that every set of spokes folds flat exactly that folds flat up to `within`
+    /// (radians) for each two spokes, such as lines that pass a vertex straight: this restores the stars from before
+    /// their coordinates were rounded. Returns the stars and the largest angle (radians) by which a spoke is turned, 0
+    /// if none is.
     #[must_use]
     pub fn unrounded(&self, within: f64) -> (Self, f64) {
         let mut most = 0.0_f64;
@@ -183,7 +187,7 @@ impl ReducedStars {
             let mut spokes = spokes.to_vec();
             let turns = unround(&mut spokes, within);
             most = turns.iter().copied().fold(most, f64::max);
-            // A crease off by an angle takes the residual along by twice that at most.
+            // A crease whose direction is off by an angle changes the residual by at most twice that angle.
             let before = self.rounded.get(star).copied().unwrap_or(0.0);
             rounded.push(before + 2.0 * turns.iter().sum::<f64>());
             spokes
@@ -198,7 +202,7 @@ impl ReducedStars {
         (unrounded, most)
     }
 
-    /// The stars that are the first of those like them, and every loop.
+    /// Keeps the stars that are the first of their class, and every loop.
     fn firsts(&self, first: &[usize]) -> Self {
         let stars = || (0..first.len()).filter(|&star| first[star] == star);
         Self {
@@ -216,9 +220,9 @@ impl ReducedStars {
         }
     }
 
-    /// For each star the one of [`essential`](Self::essential) that stands for it, and by how much their
-    /// residuals may differ at any angles, as the sheet has the first: stars that count as the same are so up to
-    /// roundings, or up to the roughness of the sheet.
+    /// Returns, for each star of the sheet, the index of the star of [`essential`](Self::essential) that represents it,
+    /// and a bound on the difference of their residuals at any angles. The difference comes from rounding, or from the
+    /// roughness of the sheet, as stars with the same condition are equal only up to a tolerance.
     #[must_use]
     pub fn represented(&self) -> Vec<(usize, f64)> {
         let Likeness { twins, conditions } = self.likeness();
@@ -243,7 +247,7 @@ impl ReducedStars {
         stars
     }
 
-    /// What stars are alike. Cost: linear in the spokes.
+    /// Returns the classes of equal stars. Cost: linear in the number of spokes.
     fn likeness(&self) -> &Likeness {
         self.likeness.get_or_init(|| {
             let [mut by_bits, mut by_groups] = [HashMap::new(), HashMap::new()];
@@ -268,8 +272,8 @@ impl ReducedStars {
         })
     }
 
-    /// Residuals of all stars, then of all loops, at the group angles `x` (radians): norms of a star's
-    /// three, and of the rotation and the translation of a loop's.
+    /// Returns the residuals of all stars, then of all loops, at the group angles `x` (radians). The residual of a star
+    /// is the norm of its three numbers; that of a loop is the larger of the norms of its rotation and its translation.
     #[must_use]
     pub fn residuals(&self, x: &[f64]) -> Vec<f64> {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
@@ -277,7 +281,7 @@ impl ReducedStars {
         self.squares(&half_angles).map(f64::sqrt).collect()
     }
 
-    /// The largest of the [`residuals`](Self::residuals), 0 for none; NaN if one is.
+    /// Returns the largest of the [`residuals`](Self::residuals), 0 for none; NaN if a residual is NaN.
     #[must_use]
     pub fn largest_residual(&self, x: &[f64]) -> f64 {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
@@ -285,7 +289,7 @@ impl ReducedStars {
         largest(self.squares(&half_angles)).sqrt()
     }
 
-    /// Squares of the residuals.
+    /// Returns the squares of the residuals.
     fn squares(&self, half_angles: &[HalfAngle<f64>]) -> impl Iterator<Item = f64> {
         let stars = self.spokes.iter().map(|spokes| StarView { spokes });
         let stars = stars.map(|star| closure::residual(star, half_angles).norm_squared());
@@ -296,19 +300,19 @@ impl ReducedStars {
         stars.chain(loops)
     }
 
-    /// Whether there is no condition.
+    /// Returns `true` if there is no closure condition.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.spokes.is_empty() && self.loops.is_empty()
     }
 
-    /// The vertices, in the order of the stars.
+    /// Returns the vertex of each star.
     #[must_use]
     pub fn vertices(&self) -> &[VertexId] {
         &self.vertices
     }
 
-    /// The stars as the solvers take them.
+    /// Returns the stars as the solvers take them.
     ///
     /// # Panics
     /// Never: stars are built from groups that exist.
@@ -318,13 +322,13 @@ impl ReducedStars {
             .expect("stars refer to groups that exist")
     }
 
-    /// The hole of each loop, as its number in [`CreasePattern::holes`].
+    /// Returns the hole of each loop, as its number in [`CreasePattern::holes`].
     #[must_use]
     pub fn holes(&self) -> &[usize] {
         &self.holes
     }
 
-    /// The loops as the solvers take them.
+    /// Returns the loops as the solvers take them.
     ///
     /// # Panics
     /// Never: loops are built from groups that exist.
@@ -336,7 +340,7 @@ impl ReducedStars {
     }
 }
 
-/// The first star that is the `same` as this, of those with the same key; this if none before is.
+/// Returns the first star with the same key that is the `same` as this star, or this star if there is no earlier one.
 fn first_alike(
     firsts: &mut HashMap<u64, Vec<usize>>,
     key: u64,
@@ -351,24 +355,24 @@ fn first_alike(
     })
 }
 
-/// All that a spoke is, so that spokes that are equal turn residuals alike to the last bit.
+/// Returns all data of a spoke as bits. Stars with equal bits have residuals that are equal to the last bit.
 fn bits(spoke: &Spoke<f64>) -> [u64; 3] {
     let [x, y] = spoke.direction.map(f64::to_bits);
     let turn = u64::from(spoke.group.0) << 1 | u64::from(spoke.negative);
     [turn, x, y]
 }
 
-/// A number that stars of the same bits share, and others hardly ever do.
+/// Hashes a star by its bits.
 fn bits_key(star: &[Spoke<f64>]) -> u64 {
-    // Digits of the golden ratio mix bits well.
+    // The digits of the golden ratio mix bits well (Fibonacci hashing).
     star.iter().flat_map(bits).fold(0, |key: u64, bits| {
         (key.rotate_left(29) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
     })
 }
 
-/// A number that stars with the same groups share, whatever their order, and others hardly ever do.
+/// Hashes a star by its groups, independently of their order.
 fn groups_key(star: &[Spoke<f64>]) -> u64 {
-    // Digits of the golden ratio and of the root of 2 mix bits well.
+    // The digits of the golden ratio and of the square root of 2 mix bits well.
     let mixed = star.iter().map(|spoke| {
         let bits = (u64::from(spoke.group.0) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (bits ^ (bits >> 32)).wrapping_mul(0x6a09_e667_f3bc_c909)
@@ -376,7 +380,7 @@ fn groups_key(star: &[Spoke<f64>]) -> u64 {
     mixed.fold(0, u64::wrapping_add)
 }
 
-/// How star `a` lies on star `b`, if both are the same condition.
+/// Returns the matching of the spokes of star `a` with those of star `b` if both have the same closure condition.
 fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option<StarImage> {
     let n = a.len();
     let matches = |image: &StarImage, flipped: bool| {
@@ -402,7 +406,7 @@ fn same_condition(a: &[Spoke<f64>], b: &[Spoke<f64>], same_angle: f64) -> Option
     images.find(|image| both.iter().any(|&flipped| matches(image, flipped)))
 }
 
-/// How far the residuals of two stars may differ of which one lies on the other.
+/// Returns a bound on the difference of the residuals of two matching stars.
 fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: StarImage) -> f64 {
     let turned = |[x, y]: [f64; 2]| Vector2::new(x, if image.mirrored { -y } else { y });
     let from = turned(a[0].direction);
@@ -413,36 +417,36 @@ fn difference(a: &[Spoke<f64>], b: &[Spoke<f64>], image: StarImage) -> f64 {
         let laid = Vector2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y);
         (laid - Vector2::from(image.of(k, b).direction)).norm() + 8.0 * f64::EPSILON
     });
-    // A crease off by an angle takes the residual along by twice that at most.
+    // A crease whose direction is off by an angle changes the residual by at most twice that angle.
     2.0 * off.sum::<f64>()
 }
 
-/// Cosine and sine of the angle from one direction to another, counter-clockwise. Two angles differ by
-/// the distance of these, as far as they are small.
+/// Returns cosine and sine of the angle from one direction to another, counter-clockwise. The distance between two such
+/// points is about the difference of the angles, as long as it is small.
 fn sector(from: &Spoke<f64>, to: &Spoke<f64>) -> Vector2<f64> {
     let [from, to] = [from, to].map(|spoke| Vector2::from(spoke.direction));
     Vector2::new(from.dot(&to), from.perp(&to))
 }
 
-/// The essential crease pattern: a small part of the sheet, without holes at its vertices, in which
-/// a vertex for each essential condition of `all` its stars is real. Returned with the creases of the
-/// whole sheet that its creases are.
+/// Cuts out the essential crease pattern: a small part of the sheet in which a vertex for each essential condition of
+/// `all` is real, without point contacts of its faces. Returns the part and, for each of its creases, the crease of the
+/// whole sheet.
 ///
 /// # Errors
-/// Never for a valid pattern; the error of the part that could not be cut out.
+/// Never for a valid pattern; otherwise the error of building the part.
 pub fn essential_pattern(
     pattern: &CreasePattern,
     all: &ReducedStars,
 ) -> Result<(CreasePattern, Vec<CreaseId>), PatternError> {
     let mut faces = essential_faces(pattern, all);
-    // Two faces that meet in a point: the part grows until none do.
+    // Two faces of the part that meet in a point would split its vertex there, so the part grows until none do.
     while let Some(vertex) = meeting_point(pattern, &faces) {
         faces.extend(&pattern.corners()[vertex.index()]);
     }
     cut_out(pattern, &faces)
 }
 
-/// A vertex round which the faces of the part are not one fan.
+/// Returns a vertex at which the faces of the part are not one fan.
 fn meeting_point(pattern: &CreasePattern, part: &BTreeSet<FaceId>) -> Option<VertexId> {
     let broken = |vertex: &VertexId| {
         let faces = pattern.corners()[vertex.index()].iter();
@@ -455,8 +459,8 @@ fn meeting_point(pattern: &CreasePattern, part: &BTreeSet<FaceId>) -> Option<Ver
     corners.copied().find(broken)
 }
 
-/// Faces round one vertex for each condition, the vertices as near to the first as can be, with the
-/// faces round the vertices between.
+/// Returns the faces round one vertex for each condition, found by breadth-first search from the first vertex, and the
+/// faces round the vertices on the search tree's paths to them.
 fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<FaceId> {
     let conditions = &all.likeness().conditions[..];
     let Some(&start) = all.vertices.first() else {
@@ -476,7 +480,7 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
     while let Some(vertex) = open.pop_front() {
         let condition = condition_at[vertex.index()];
         if condition.is_some_and(|condition| missing.remove(&condition)) {
-            // The way back to the start, as far as no other took it before.
+            // Walks back to the start until it meets a vertex that an earlier walk took.
             let mut way = Some(vertex).filter(|v| !taken[v.index()]);
             while let Some(vertex) = way {
                 taken[vertex.index()] = true;
@@ -500,7 +504,7 @@ fn essential_faces(pattern: &CreasePattern, all: &ReducedStars) -> BTreeSet<Face
 
 type Part = (CreasePattern, Vec<CreaseId>);
 
-/// The pattern of these faces alone.
+/// Makes the pattern of these faces alone.
 fn cut_out(pattern: &CreasePattern, faces: &BTreeSet<FaceId>) -> Result<Part, PatternError> {
     let mut drawing = Drawing {
         faces: Some(Vec::new()),

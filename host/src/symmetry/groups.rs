@@ -1,13 +1,13 @@
-//! Crease groups from the partial symmetries of the sheet.
+//! Finds crease groups from the partial symmetries of the sheet.
 //!
-//! Answers an open question of [XiLien2015]: how to find crease groups without a path. Two vertices
-//! with congruent stars name a planar isometry that takes one star to the other, perhaps with
-//! mountain and valley exchanged. It is a partial symmetry if it maps the whole overlap of the sheet
-//! with its own image on itself, letters and goal angles included; then each crease and its image
-//! may turn alike. Union-find with parity turns these relations into groups and signs.
+//! Answers an open question of [XiLien2015]: how to find crease groups without a path. Two vertices with congruent
+//! stars determine a planar isometry that takes one star to the other, perhaps with mountain and valley exchanged. The
+//! isometry is a partial symmetry if it maps the whole overlap of the sheet with its own image to itself, letters and
+//! goal angles included; then each crease and its image may turn alike. Union-find with parity turns these relations
+//! into groups and signs.
 //!
-//! That the symmetric motion exists is not implied: the caller checks the closure of the whole sheet
-//! at the reduced configurations.
+//! This does not imply that the symmetric motion exists: the caller checks the closure of the whole sheet at the
+//! reduced configurations.
 
 use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector2;
@@ -18,32 +18,32 @@ use super::places::Places;
 use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
 use crate::ragged::Ragged;
 
-/// Points this close, in median edges, and directions this close, in radians, are the same: a
-/// thousand times the noise of coordinates written with nine digits, a thousandth of what is visible.
+/// Tolerance for equal points, in median edges, and for equal directions, in radians: a thousand times the noise of
+/// coordinates with nine digits, and a thousandth of what is visible.
 const SAME_PLACE: f64 = 1e-6;
-/// Tolerances for sheets that seem irregular because their coordinates are rough. Up to a thousandth:
-/// coordinates of three digits. The last only confirms the one before.
+/// Tolerances for sheets that seem irregular because their coordinates are rough. The largest in use is a thousandth,
+/// for coordinates of three digits; the last tolerance only confirms the one before it.
 const ROUGH: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
-/// A sheet of no more groups than this, as tessellations have, is taken as it is if its stars agree
-/// far better than asked: by this part of the tolerance.
+/// A sheet with at most [`FEW`] groups, as tessellations have, is accepted without trying rough tolerances if its stars
+/// agree to within the fraction [`FAR_BETTER`] of the tolerance.
 const FEW: usize = 4;
 const FAR_BETTER: f64 = 0.1;
-/// Stars are compared this much more roughly than whole sheets where coordinates are rough: one star
-/// alone does not say how its image lies.
+/// Factor by which the tolerance for stars exceeds that for whole sheets if coordinates are rough: a single star does
+/// not determine its isometry well enough.
 const ROUGH_STAR: f64 = 2.0;
-/// While an isometry is fitted, vertices this many tolerances apart are taken for one.
+/// Largest distance, in tolerances, of a vertex from its image while an isometry is fitted.
 const REACH: f64 = 10.0;
-/// Goal angles of one group are no farther apart than this, in radians: half a degree covers goals that
-/// were measured or rounded.
+/// Largest difference of goal angles within one group, radians: half a degree covers goals that were measured or
+/// rounded.
 const SAME_GOAL: f64 = 1e-2;
 
-/// Vertices compared at most: this many, and this many times all of them. A tessellation needs a handful
-/// of passes; one with a defect could ask for as many as it has vertices, and does with the groups found
-/// until then.
+/// Budget of compared vertices: `BUDGET` plus `PASSES` times their number. A tessellation needs a handful of passes. A
+/// sheet with a defect could need as many passes as it has vertices; when its budget is used up, the search keeps the
+/// groups found until then.
 const BUDGET: usize = 1_000_000;
 const PASSES: usize = 64;
 
-/// Which creases turn alike.
+/// A partition of the creases into groups that turn alike, with the sign of each crease in its group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CreaseGroups {
     memberships: Vec<Membership>,
@@ -52,14 +52,14 @@ pub struct CreaseGroups {
 }
 
 impl CreaseGroups {
-    /// The groups that the partial symmetries of the pattern give.
+    /// Finds the groups that follow from the partial symmetries of the pattern.
     ///
-    /// A sheet that is symmetric only to a rougher tolerance, as rounded or measured coordinates make
-    /// it, has the groups found with that tolerance, if one ten times rougher finds neither fewer
-    /// groups nor fewer kinds of stars. A sheet whose shape changes little by little does: its kinds
-    /// are compared with each other, not along a chain of neighbours, and the rougher, the fewer.
+    /// A sheet whose rounded or measured coordinates make it symmetric only to a rougher tolerance gets the groups
+    /// found with that tolerance, if a tolerance ten times rougher finds neither fewer groups nor fewer kinds of stars.
+    /// A sheet whose shape changes gradually fails this test: kinds of stars are compared with each other and not along
+    /// a chain of neighbours, so each rougher tolerance finds fewer of them.
     ///
-    /// Cost: O(vertices) for each symmetry tried, of which a tessellation needs a handful; bounded.
+    /// Cost: O(vertices) for each symmetry tried, of which a tessellation needs a handful; bounded by a budget.
     #[must_use]
     pub fn find(pattern: &CreasePattern) -> Self {
         let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE).run();
@@ -81,31 +81,31 @@ impl CreaseGroups {
         best
     }
 
-    /// The groups that symmetries of exact coordinates give.
+    /// Finds the groups that follow from the symmetries of exact coordinates.
     #[must_use]
     pub fn find_exact(pattern: &CreasePattern) -> Self {
         Search::new(pattern, SAME_PLACE).run().0
     }
 
-    /// Tolerance to which the symmetries hold, in median edges and radians.
+    /// Returns the tolerance to which the symmetries hold, in median edges and radians.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Whether the symmetries hold only roughly: more than the rounding of exact coordinates.
+    /// Returns `true` if the symmetries hold only to a tolerance rougher than the rounding of exact coordinates.
     #[must_use]
     pub fn is_rough(&self) -> bool {
         self.tolerance > SAME_PLACE
     }
 
-    /// Each crease on its own: no symmetry assumed.
+    /// Makes a group of each crease: no symmetry is assumed.
     #[must_use]
     pub fn trivial(pattern: &CreasePattern) -> Self {
         Self::from_sets(pattern, single(pattern), SAME_PLACE)
     }
 
-    /// Groups known otherwise; `tolerance` (radians) tells sectors of stars apart.
+    /// Makes groups from known memberships; `tolerance` (radians) is the largest difference of equal sectors.
     #[must_use]
     pub(crate) fn of_memberships(memberships: Vec<Membership>, tolerance: f64) -> Self {
         let last = memberships.iter().map(|m| m.group.index()).max();
@@ -116,7 +116,7 @@ impl CreaseGroups {
         }
     }
 
-    /// Whether each crease is on its own.
+    /// Returns `true` if each crease is a group of its own.
     #[must_use]
     pub fn is_trivial(&self) -> bool {
         self.groups == self.memberships.len()
@@ -128,7 +128,8 @@ impl CreaseGroups {
         let mut memberships = Vec::with_capacity(pattern.creases().len());
         for crease in 0..pattern.creases().len() {
             let (root, against) = sets.find(crease);
-            // The sign of a group is such that its first valley or mountain makes it positive.
+            // The first crease of a group sets the group's sign: a mountain turns against its group, so that folding by
+            // its letter makes the group angle positive.
             let first = |r: usize| pattern.edge(pattern.creases()[r]).letter == Letter::Mountain;
             let (group, negative) = *group_of_root[root].get_or_insert_with(|| {
                 groups += 1;
@@ -146,31 +147,31 @@ impl CreaseGroups {
         }
     }
 
-    /// Number of groups: of unknowns that remain.
+    /// Returns the number of groups, which are the remaining unknowns.
     #[must_use]
     pub fn len(&self) -> usize {
         self.groups
     }
 
-    /// Whether there is no crease at all.
+    /// Returns `true` if there are no creases.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.groups == 0
     }
 
-    /// For each crease its group and sign.
+    /// Returns the group and sign of each crease.
     #[must_use]
     pub fn memberships(&self) -> &[Membership] {
         &self.memberships
     }
 
-    /// Group and sign of a crease.
+    /// Returns the group and sign of a crease.
     #[must_use]
     pub fn of(&self, crease: CreaseId) -> Membership {
         self.memberships[crease.index()]
     }
 
-    /// Fold angles of all creases for given group angles (radians).
+    /// Returns the fold angles of all creases (radians) for group angles.
     ///
     /// # Panics
     /// If `angles` has fewer entries than there are groups.
@@ -182,11 +183,11 @@ impl CreaseGroups {
         creases
     }
 
-    /// Group angles nearest to given fold angles of the creases: means over those of each group that
-    /// have one, `None` where none has.
+    /// Returns the group angles nearest to given fold angles of the creases: the mean over the creases of each group
+    /// that have an angle, and `None` for a group without any.
     #[must_use]
     pub fn reduce(&self, creases: &[Option<f64>]) -> Vec<Option<f64>> {
-        // Deviations from the first are summed: equal angles keep every bit.
+        // Sums deviations from the first angle, so that the mean of equal angles is exact.
         let mut sums = vec![(None, 0.0, 0.0); self.groups];
         for (membership, &angle) in self.memberships.iter().zip(creases) {
             let (first, sum, count) = &mut sums[membership.group.index()];
@@ -201,24 +202,25 @@ impl CreaseGroups {
     }
 }
 
-/// Each crease on its own.
+/// Makes a set of each crease.
 fn single(pattern: &CreasePattern) -> ParitySets {
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
     ParitySets::new(goals, SAME_GOAL)
 }
 
-/// One hinge as seen from a vertex.
+/// A hinge as seen from a vertex.
 #[derive(Clone, Copy)]
 struct Ray {
     direction: Vector2<f64>,
     crease: CreaseId,
     letter: Letter,
-    /// Radians; NaN for none.
+    /// Goal angle, radians; NaN for none.
     goal: f64,
 }
 
 impl Ray {
-    /// Whether an isometry may take this crease to `image`, places aside.
+    /// Returns `true` if letter and goal of this hinge allow an isometry to take it to `image`; positions are not
+    /// compared.
     fn agrees(&self, image: &Self, flips: bool) -> bool {
         let letter = if flips {
             self.letter.flipped()
@@ -231,12 +233,12 @@ impl Ray {
     }
 }
 
-/// Vertices with congruent stars.
+/// A class of vertices with congruent stars.
 struct Kind {
-    /// The first of them.
+    /// The first vertex of the class.
     vertex: VertexId,
-    /// Whether all congruences of its star with itself are known to turn hinges alike. Then one that takes
-    /// it to another star tells all that the others do.
+    /// `true` if all congruences of the star with itself are known to turn hinges alike. Then a single congruence with
+    /// another star yields the same relations as all of them.
     settled: bool,
 }
 
@@ -247,19 +249,19 @@ struct Search<'a> {
     rays: Ragged<Ray>,
     real: Vec<VertexId>,
     sets: ParitySets,
-    /// Relations that the isometry at hand implies, and the inner vertices that it takes to another.
+    /// Relations that the current isometry implies, and the inner vertices that it maps, with their images.
     found: Vec<(CreaseId, CreaseId)>,
     mapped: Vec<(VertexId, VertexId)>,
-    /// Vertices that symmetries take to each other.
+    /// Sets of vertices that symmetries take to each other.
     orbits: ParitySets,
-    /// For each vertex the last isometry, by its number, that took another to it.
+    /// For each vertex the number of the last isometry that took another vertex to it.
     image_of: Vec<u32>,
-    /// For each crease the last isometry of which its image was noted, as seen from one end or the other.
+    /// For each crease the number of the last isometry for which its image was recorded, from either of its ends.
     noted: Vec<u32>,
     isometries: u32,
-    /// Square of the largest difference between directions that were taken for one.
+    /// Square of the largest difference between directions that counted as equal.
     worst: f64,
-    /// Vertices that may still be compared.
+    /// Number of vertices that may still be compared.
     budget: usize,
 }
 
@@ -298,8 +300,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The groups, the number of kinds of stars, and the largest difference between directions that
-    /// were taken for one.
+    /// Returns the groups, the number of kinds of stars, and the largest difference between directions that counted as
+    /// equal.
     fn run(mut self) -> (CreaseGroups, usize, f64) {
         let mut kinds: Vec<Kind> = Vec::new();
         for index in 0..self.real.len() {
@@ -324,16 +326,16 @@ impl<'a> Search<'a> {
         (groups, kinds.len(), self.worst.sqrt())
     }
 
-    /// Whether symmetries of exact coordinates that were found before take the kind to this vertex, which tells all
-    /// there is to tell.
+    /// Returns `true` if symmetries of exact coordinates found before take the kind's vertex to this vertex: then no
+    /// further isometry between them can give a new relation.
     fn is_told(&mut self, kind: &Kind, vertex: VertexId) -> bool {
         let [from, to] = [kind.vertex, vertex].map(VertexId::index);
         let exact = self.tolerance <= SAME_PLACE;
         exact && kind.settled && self.orbits.related(from, to, false)
     }
 
-    /// Tries every isometry that takes the star of the kind to that of a vertex, as long as any may tell
-    /// something new. Returns whether the stars are congruent at all.
+    /// Tries every isometry that takes the star of the kind to the star of a vertex, as long as any may give a new
+    /// relation. Returns `true` if the stars are congruent at all.
     fn try_all(&mut self, kind: &mut Kind, to: VertexId) -> bool {
         let from = kind.vertex;
         let [mut congruent, mut all_known] = [false, true];
@@ -383,7 +385,8 @@ impl<'a> Search<'a> {
         congruent
     }
 
-    /// Radians by which a star may differ from the image of another that a single direction gives.
+    /// Returns the largest difference (radians) between a star and the image of another star under an isometry that a
+    /// single direction determines.
     fn star_tolerance(&self) -> f64 {
         if self.tolerance > SAME_PLACE {
             ROUGH_STAR * self.tolerance
@@ -392,8 +395,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The isometry fitted to the vertices round `from`, then to those round these, until all of the
-    /// sheet counts: an error of direction grows with the distance.
+    /// Fits the isometry to the vertices near `from`, then within twice the distance and so on, until it is fitted to
+    /// the whole sheet: the error that a wrong direction causes grows with the distance.
     fn fitted(&mut self, mut isometry: Isometry, from: VertexId) -> Isometry {
         let vertices = self.pattern.vertices();
         let reach = REACH * self.tolerance * self.pattern.median_edge();
@@ -419,8 +422,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the isometry takes the star of `from` to that of `to`; notes the pairs of creases.
-    /// Round a vertex on the border only what is inside the sheet is compared.
+    /// Returns `true` if the isometry takes the star of `from` to that of `to`, and records the pairs of creases. If a
+    /// vertex is on the border, only the part inside the sheet is compared.
     fn maps_star(
         &mut self,
         isometry: &Isometry,
@@ -434,7 +437,7 @@ impl<'a> Search<'a> {
             return false;
         }
         let mut matched = 0;
-        // Neighbours have neighbours as images: after each the next one is looked at first.
+        // Neighbours in one star have neighbouring images, so the search continues at the next image.
         let mut next = 0;
         for ray in rays {
             let direction = isometry.turn(ray.direction);
@@ -467,8 +470,8 @@ impl<'a> Search<'a> {
         !whole[0] || matched == images.len()
     }
 
-    /// Whether the isometry maps the overlap of the sheet with its image on itself; notes the pairs
-    /// of creases, which may contradict each other or what is known.
+    /// Returns `true` if the isometry maps the overlap of the sheet with its image to itself. Records the pairs of
+    /// creases, which may contradict each other or known relations.
     fn is_symmetry(&mut self, isometry: &Isometry) -> bool {
         self.found.clear();
         self.mapped.clear();
@@ -480,7 +483,7 @@ impl<'a> Search<'a> {
             let fits = match self.places.vertex_at(image) {
                 Some(to) => {
                     self.image_of[to.index()] = self.isometries;
-                    // A star that the border cuts is not all of it.
+                    // A star on the border is incomplete and does not determine an orbit.
                     if self.pattern.is_real(to) {
                         self.mapped.push((vertex, to));
                     }
@@ -500,7 +503,7 @@ impl<'a> Search<'a> {
             }
             let origin = inverse.apply(self.pattern.vertices()[vertex.index()]);
             let fits = match self.places.vertex_at(origin) {
-                // Compared already where it was mapped, unless no hinge ends there.
+                // The pair was compared when `from` was mapped, unless no hinge ends at `from`.
                 Some(from) if self.pattern.is_real(from) => !self.rays[from.index()].is_empty(),
                 Some(from) => self.maps_star(isometry, from, vertex, self.tolerance),
                 None => !self.places.is_inside(origin),
@@ -512,8 +515,8 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Joins the pairs of one isometry, all or none: they may contradict each other where letters do
-    /// not say, or take goal angles too far apart. Returns whether they are.
+    /// Joins the pairs of one isometry, all or none: they may contradict each other where letters leave the sign open,
+    /// or bring together goal angles that are too far apart. Returns `true` if the pairs were joined.
     fn join(&mut self, flips: bool) -> bool {
         let mut joined = self.sets.clone();
         let consistent = |&(a, b): &(CreaseId, CreaseId)| joined.join(a.index(), b.index(), flips);

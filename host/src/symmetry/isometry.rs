@@ -1,21 +1,21 @@
-//! Planar isometries: the candidates for symmetries of the sheet.
+//! Planar isometries, the candidates for symmetries of the sheet, and their fit to pairs of points.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// x ↦ m x + t with m orthogonal, and whether it exchanges mountain and valley.
+/// The map x ↦ m x + t with an orthogonal matrix m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Isometry {
     linear: Matrix2<f64>,
     shift: Vector2<f64>,
-    /// Whether it reverses the sense of turning.
+    /// `true` if m is a reflection, which reverses the sense of turning.
     pub(super) mirrors: bool,
-    /// Whether mountain becomes valley: the sheet is turned over as well.
+    /// `true` if mountain becomes valley: the isometry also turns the sheet over.
     pub(super) flips: bool,
 }
 
 impl Isometry {
-    /// The isometry that takes the point `from` to `to` and the unit direction `from_dir` there to
-    /// `to_dir`; of the two, the one that keeps the sense of turning unless `mirrors`.
+    /// Returns the isometry that takes the point `from` to `to` and the unit direction `from_dir` there to `to_dir`.
+    /// `mirrors` selects the reflection among the two such isometries.
     pub(super) fn between(
         [from, to]: [Vector2<f64>; 2],
         [from_dir, to_dir]: [Vector2<f64>; 2],
@@ -34,8 +34,9 @@ impl Isometry {
         }
     }
 
-    /// The isometry nearest to this one that takes the first points of the pairs to the second as well
-    /// as possible, in the sense of least squares. This one if there are fewer than two.
+    /// Returns the isometry that takes the first points of the pairs to the second with the least sum of squared
+    /// distances (rigid registration in the plane). It keeps the orientation of this isometry, and is this isometry
+    /// itself if there are fewer than two pairs.
     pub(super) fn fitted(&self, pairs: &[[Vector2<f64>; 2]]) -> Self {
         if pairs.len() < 2 {
             return *self;
@@ -45,7 +46,7 @@ impl Isometry {
         let center = pairs.iter().fold([Vector2::zeros(); 2], |sum, pair| {
             [sum[0] + pair[0] / count, sum[1] + pair[1] / count]
         });
-        // What turn remains after this one.
+        // Sine and cosine of the rotation that remains after this isometry, times a common factor.
         let (mut sin, mut cos) = (0.0, 0.0);
         for [from, to] in pairs {
             let (from, to) = (self.turn(from - center[0]), to - center[1]);
@@ -83,18 +84,18 @@ impl Isometry {
     }
 }
 
-/// How the spokes of a star lie on those of another of as many.
+/// A matching of the spokes of a star with those of another star of the same degree.
 #[derive(Clone, Copy)]
 pub(super) struct StarImage {
-    /// The spoke on which the first one lies.
+    /// The spoke of the other star that matches the first spoke.
     pub(super) first: usize,
     pub(super) mirrored: bool,
 }
 
 impl StarImage {
-    /// The spoke of `star` on which spoke `k` lies.
+    /// Returns the spoke of `star` that matches spoke `k`.
     pub(super) fn of<'s, S>(&self, k: usize, star: &'s [S]) -> &'s S {
-        // Positions from n on are those from 0 once more.
+        // Indices are cyclic: index n is index 0 again.
         let n = star.len();
         let wrapped = |k: usize| if k < n { k } else { k - n };
         let k = wrapped(k);

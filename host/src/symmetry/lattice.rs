@@ -1,4 +1,4 @@
-//! The lattice of a tessellation: translations of the flat sheet under which all hinges turn alike.
+//! Finds the lattice of a tessellation: translations of the flat sheet under which all hinges turn alike.
 
 use std::collections::VecDeque;
 
@@ -9,77 +9,76 @@ use super::steps::{CENTRE, NONE, Sheet, Step};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use crate::ragged::{Ragged, group_by_key};
 
-/// The lattice of a sheet, and the sheet in terms of it: each face is one of an *orbit*, in a *cell*.
+/// The lattice of a sheet. It gives each face a place: an *orbit* under the translations, and a lattice *cell*.
 ///
 /// # Why one face of each orbit stands for all
 ///
-/// Let the faces A = F₀, F₁, … Fₖ = B follow each other across hinges, and let a step, the translation by
-/// t, take each of them to a face of the sheet and each of these hinges to one of the same group and
-/// sign, or a side that stays flat to such a side. The pose of B as seen from A is the product of the
-/// turns about the hinges; the images' turns are the same, about lines moved by t. So B + t moves as seen
-/// from A + t as B does as seen from A, whatever the group angles. In other words: with `pose` taking flat
-/// points to folded ones, the rigid motion S that takes pose(A)(x) to pose(A + t)(x + t) is the same for
-/// all faces that such chains join. Nothing else is asked of the step: what faces without an image do,
-/// or parts of the sheet that no chain joins, is left open, and these have orbits of their own. Only a
-/// face cut at the border that hangs on one of the same orbit as another, along the same hinge, moves as
-/// that does.
+/// A *step* is a translation by t. Let the faces A = F₀, F₁, … Fₖ = B follow each other across hinges, and let the step
+/// take each of these faces to a face of the sheet, and each of these hinges to a hinge of the same group and sign, or
+/// a side that stays flat to such a side. The pose of B relative to A is the product of the turns about the hinges. The
+/// images of the hinges turn by the same angles, about lines moved by t. So B + t moves relative to A + t as B does
+/// relative to A, for any group angles. In other words: let `pose` take flat points to folded points; then the rigid
+/// motion S that takes pose(A)(x) to pose(A + t)(x + t) is the same for all faces that such chains join. Nothing else
+/// is required of the step: faces without an image, and parts of the sheet that no chain joins, may move otherwise, and
+/// they have orbits of their own. There is one exception: if two faces of one orbit are joined by corresponding hinges
+/// to a face X at the border and to a face Y, then X moves as Y does and belongs to the orbit of Y.
 ///
-/// With two steps, some face A has A + t₁, A + t₂ and A + t₁ + t₂ in the sheet. Wherever the sheet
-/// closes, both ways to the last say that S₁ and S₂ commute, so that any way from a face to its image
-/// along steps gives pose(A + i t₁ + j t₂)(x + i t₁ + j t₂) = S₁ⁱ S₂ʲ pose(A)(x), and pairs of faces of
-/// the same orbits and the same difference of cells move alike. Other ways between cells may lead
-/// through places where there is no face: what the formula says of the hinges there is the same.
+/// With two steps, some face A has its images A + t₁, A + t₂ and A + t₁ + t₂ in the sheet. Wherever the sheet closes,
+/// the two paths to A + t₁ + t₂ show that S₁ and S₂ commute. So any path from a face to its image along steps gives
+/// pose(A + i t₁ + j t₂)(x + i t₁ + j t₂) = S₁ⁱ S₂ʲ pose(A)(x), and pairs of faces of the same orbits and the same
+/// difference of cells move alike. Other paths between cells may lead through places without a face: the formula holds
+/// for the hinges there all the same.
 ///
-/// Holes do not matter, as the sheet closes round them as well. What is exact for exact coordinates
-/// holds to about [`deviation`](Self::deviation) times the square of the number of cells for others.
+/// Holes do not matter, because the sheet closes round them as well. These statements are exact for exact coordinates.
+/// For other coordinates they hold to about [`deviation`](Self::deviation) times the square of the number of cells.
 #[derive(Clone, Debug)]
 pub struct Lattice {
     steps: Vec<Vector2<f64>>,
     orbits: Vec<Orbit>,
     places: Vec<Place>,
-    /// For each row of cells of each orbit its faces by their column.
+    /// For each row of cells of each orbit the faces of the row, sorted by column.
     rows: Ragged<(i32, FaceId)>,
     tree: Vec<Link>,
     loops: Vec<Link>,
     deviation: f64,
 }
 
-/// Where a face is.
+/// Position of a face in the lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// Its orbit.
+    /// The face's orbit.
     pub orbit: u32,
-    /// Its cell, in steps; the second number is 0 where there is one step only.
+    /// The face's cell, counted in steps; the second number is 0 if there is only one step.
     pub cell: [i32; 2],
 }
 
-/// Faces that steps take to each other.
+/// A class of faces that steps take to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Orbit {
-    /// One of its faces, as near to the middle of the sheet as any.
+    /// A face of the orbit, as near to the middle of the sheet as any.
     pub representative: FaceId,
-    /// Smallest coordinates of its cells.
+    /// Smallest coordinates of the orbit's cells.
     pub low: [i32; 2],
-    /// Largest coordinates of its cells.
+    /// Largest coordinates of the orbit's cells.
     pub high: [i32; 2],
-    /// Its first row in the list of rows.
+    /// Index of the orbit's first row in the list of rows.
     first_row: u32,
 }
 
-/// Two faces and the edge between.
+/// Two adjacent faces and the edge between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Link {
-    /// The face the way comes from.
+    /// The face that the path leaves.
     pub from: FaceId,
-    /// The face it leads to.
+    /// The face that the path enters.
     pub to: FaceId,
-    /// The edge between.
+    /// The edge between the two faces.
     pub edge: EdgeId,
 }
 
 impl Lattice {
-    /// The lattice of one sheet with these crease groups; `None` if no step is found that leaves at most
-    /// half as many orbits as faces, or there are several sheets. Cost: about linear.
+    /// Finds the lattice of a single sheet with these crease groups. Returns `None` if no step is found that leaves at
+    /// most half as many orbits as faces, or if there are several sheets. Cost: about linear.
     #[must_use]
     pub fn find(pattern: &CreasePattern, memberships: &[Membership]) -> Option<Self> {
         if pattern.sheets() != 1 {
@@ -99,31 +98,31 @@ impl Lattice {
         (2 * lattice.orbits.len() <= lattice.places.len()).then_some(lattice)
     }
 
-    /// One or two steps, which lead to the cells [1, 0] and [0, 1].
+    /// Returns the one or two steps, which lead to the cells [1, 0] and [0, 1].
     #[must_use]
     pub fn steps(&self) -> &[Vector2<f64>] {
         &self.steps
     }
 
-    /// The orbits; [`Place::orbit`] is the position here.
+    /// Returns the orbits; [`Place::orbit`] is an index into this list.
     #[must_use]
     pub fn orbits(&self) -> &[Orbit] {
         &self.orbits
     }
 
-    /// For each face its place.
+    /// Returns the place of each face.
     #[must_use]
     pub fn places(&self) -> &[Place] {
         &self.places
     }
 
-    /// The place of a face.
+    /// Returns the place of a face.
     #[must_use]
     pub fn place(&self, face: FaceId) -> Place {
         self.places[face.index()]
     }
 
-    /// The face of an orbit in a cell, if the sheet has it. Cost: logarithmic.
+    /// Returns the face of an orbit in a cell, if the sheet has it. Cost: logarithmic.
     #[must_use]
     pub fn face_at(&self, place: Place) -> Option<FaceId> {
         let orbit = self.orbits.get(place.orbit as usize)?;
@@ -133,7 +132,7 @@ impl Lattice {
         at.ok().map(|at| row[at].1)
     }
 
-    /// Columns and faces of an orbit in a row of cells, ascending.
+    /// Returns the faces of an orbit in a row of cells, with their columns in increasing order.
     pub(super) fn row(&self, orbit: &Orbit, row: i32) -> &[(i32, FaceId)] {
         if row < orbit.low[1] || row > orbit.high[1] {
             return &[];
@@ -141,29 +140,31 @@ impl Lattice {
         &self.rows[orbit.first_row as usize + row.abs_diff(orbit.low[1]) as usize]
     }
 
-    /// From cell [0, 0] to this cell in the flat sheet.
+    /// Returns the translation from cell [0, 0] to this cell in the flat sheet.
     #[must_use]
     pub fn translation(&self, cell: [i32; 2]) -> Vector2<f64> {
         shift(&self.steps, cell)
     }
 
-    /// Ways to the second and every further orbit from one before it, within a cell.
+    /// Returns links that lead to the second and every further orbit from an earlier orbit, within one cell.
     #[must_use]
     pub fn tree(&self) -> &[Link] {
         &self.tree
     }
 
-    /// For each step a way that leads one step on.
+    /// Returns for each step a link that leads from one cell to the cell one step on.
     #[must_use]
     pub fn loops(&self) -> &[Link] {
         &self.loops
     }
 
-    /// How far, over the median edge, a face may be from where the lattice has it, as seen from another, if stars
-    /// close to `closure` only (norms of residuals); infinite round holes.
+    /// Returns a bound, in median edges, on the distance of a face from its position by the lattice, as seen from any
+    /// other face, if all stars close to within `closure` (norm of the residual). The bound is infinite if the sheet
+    /// has holes.
     ///
-    /// Two ways from face to face, one along a tree and one along the steps of the lattice, enclose no more
-    /// vertices than fit in the box of its cells, and each turns what is beyond by its residual.
+    /// Two paths between the faces, one along a spanning tree and one along the steps of the lattice, enclose at most
+    /// the vertices that fit in the bounding box of the cells. Each enclosed vertex turns the part beyond it by its
+    /// residual.
     #[must_use]
     pub fn astray(&self, pattern: &CreasePattern, closure: f64) -> f64 {
         if !pattern.holes().is_empty() {
@@ -187,15 +188,15 @@ impl Lattice {
         closure * enclosed * reach / pattern.median_edge()
     }
 
-    /// Largest distance in the flat sheet, in its units, between a corner moved by a step and the one it
-    /// is taken for.
+    /// Returns the largest distance, in the units of the flat sheet, between a corner moved by a step and the corner
+    /// that counts as its image.
     #[must_use]
     pub fn deviation(&self) -> f64 {
         self.deviation
     }
 }
 
-/// Whether some face has both images and their common one.
+/// Returns `true` if some face has both images and their common image.
 fn meet(first: &Step, second: &Step) -> bool {
     let image = |step: &Step, face: u32| step.images.get(face as usize).copied().unwrap_or(NONE);
     let mut pairs = first.images.iter().zip(&second.images);
@@ -205,28 +206,29 @@ fn meet(first: &Step, second: &Step) -> bool {
     })
 }
 
-/// So many of the first step and so many of the second.
+/// Returns the sum of `counts[0]` times the first step and `counts[1]` times the second.
 fn shift(steps: &[Vector2<f64>], counts: [i32; 2]) -> Vector2<f64> {
     let parts = steps.iter().zip(counts);
     parts.map(|(step, count)| step * f64::from(count)).sum()
 }
 
-/// Difference of two cells.
+/// Returns the difference of two cells.
 fn minus(a: [i32; 2], b: [i32; 2]) -> [i32; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-/// Orbits and cells while they are found.
+/// Orbits and cells under construction.
 struct Survey<'a> {
     sheet: &'a Sheet<'a>,
-    /// For each face its orbit, in the order of the first faces, and its cell relative to that face.
+    /// For each face its raw orbit, numbered in the order of the orbits' first faces, and its cell relative to that
+    /// first face.
     raw: Vec<Place>,
-    /// For each raw orbit its number, in the order of the walk, and its cell that becomes [0, 0].
+    /// For each raw orbit its final number, in the order of the walk, and the raw cell that becomes [0, 0].
     known: Vec<Option<Place>>,
     shifts: Vec<Vector2<f64>>,
     representatives: Vec<FaceId>,
     tree: Vec<Link>,
-    /// For each orbit the links of the tree that lead on from it.
+    /// For each orbit the tree links that lead on from it.
     ways_on: Vec<Vec<Link>>,
     /// Links that lead to other cells, one for each difference of cells.
     loops: Vec<([i32; 2], Link)>,
@@ -247,7 +249,7 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Number of the face's orbit and its cell, once the orbit is known.
+    /// Returns the final orbit and cell of a face, once its orbit is known.
     fn place(&self, face: u32) -> Option<Place> {
         let raw = self.raw[face as usize];
         let known = self.known[raw.orbit as usize]?;
@@ -257,8 +259,8 @@ impl<'a> Survey<'a> {
         })
     }
 
-    /// Goes from face to face until all orbits are known and the ways to other cells make a basis. An
-    /// orbit's cells are counted so that it is reached within a cell.
+    /// Walks breadth-first from face to face until all orbits are known and the links to other cells contain a basis.
+    /// The cells of each orbit are shifted such that the walk enters the orbit without leaving the cell.
     fn walk(&mut self, seed: FaceId) {
         let mut seen = vec![false; self.raw.len()];
         seen[seed.index()] = true;
@@ -296,8 +298,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Enters the orbit of the face that a link leads to. It may continue one that is known: faces cut at
-    /// a border have images along it, even if a single step leads to none of them.
+    /// Gives a number to the raw orbit of the face that a link leads to. The raw orbit may continue a known orbit:
+    /// faces cut at a border have images along the border, even if a single step leads to none of them.
     fn reach(&mut self, link: Link) {
         let sides = self.sheet.sides(link.to.0).iter();
         let sides = sides.filter(|side| side.face != NONE);
@@ -357,7 +359,7 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Links whose ways generate all others, of those in hand the shortest.
+    /// Returns the shortest links found whose differences of cells generate all cells.
     fn basis(&self) -> Option<Vec<([i32; 2], Link)>> {
         let length = |way: &[i32; 2]| shift(&self.shifts, *way).norm_squared();
         if self.shifts.len() == 1 {
@@ -374,13 +376,13 @@ impl<'a> Survey<'a> {
         best.map(|pair| pair.to_vec())
     }
 
-    /// The lattice with the ways of the loops as its steps.
+    /// Makes the lattice whose steps are the differences of cells of the basis.
     fn into_lattice(self) -> Option<Lattice> {
         let mut basis = self.basis()?;
         let mut steps = Vec::new();
         for (way, link) in &mut basis {
             let mut step = shift(&self.shifts, *way);
-            // Of a step and its opposite, the one that leads up, or else to the right.
+            // A step and its opposite are equivalent; the one kept leads up or, if level, to the right.
             let level = step.y.abs() <= 1e-9 * step.norm();
             if if level { step.x < 0.0 } else { step.y < 0.0 } {
                 (*way, step) = (minus([0, 0], *way), -step);
@@ -395,7 +397,7 @@ impl<'a> Survey<'a> {
         let places = faces.map(|face| {
             let place = self.place(face)?;
             let [x, y] = place.cell;
-            // By the inverse of the matrix with columns a and b, whose determinant is 1 or -1.
+            // Multiplies by the inverse of the matrix with columns a and b, whose determinant is 1 or -1.
             let cell = [det * (b[1] * x - b[0] * y), det * (a[0] * y - a[1] * x)];
             Some(Place { cell, ..place })
         });
@@ -413,8 +415,8 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// For each face its orbit, in the order of the first faces, and its cell relative to that face; and
-/// the number of orbits.
+/// Returns the raw orbit and cell of each face, and the number of raw orbits. Orbits are numbered in the order of their
+/// first faces, and cells are relative to these.
 fn orbits(faces: usize, steps: &[Step]) -> (Vec<Place>, usize) {
     let none = Place {
         orbit: NONE,
@@ -455,7 +457,7 @@ fn orbits(faces: usize, steps: &[Step]) -> (Vec<Place>, usize) {
     (places, orbit as usize)
 }
 
-/// The orbits, and for each row of cells of each of them its faces by their column.
+/// Returns the orbits, and for each row of cells of each orbit the faces of the row, sorted by column.
 fn rows(places: &[Place], representatives: &[FaceId]) -> (Vec<Orbit>, Ragged<(i32, FaceId)>) {
     let orbits = representatives.iter().map(|&representative| {
         let cell = places[representative.index()].cell;

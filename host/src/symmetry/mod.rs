@@ -1,4 +1,4 @@
-//! Symmetry: crease groups found from the pattern alone, and the few closure conditions that remain.
+//! Symmetry: finds crease groups and lattices from the pattern alone, and the few closure conditions that remain.
 
 mod essential;
 mod groups;

@@ -1,25 +1,26 @@
-//! Classes of pairs of faces that move alike.
+//! Classes of pairs of faces that move alike, so that one pair of each class stands for all.
 
 use core::ops::RangeInclusive;
 
 use super::lattice::{Lattice, Orbit, Place};
 use crate::pattern::FaceId;
 
-/// Pairs of a face of one orbit and a face of another, or of the same, so many cells on.
+/// The pairs of a face of one orbit and a face of another orbit, or of the same orbit, with a fixed difference of
+/// cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PairClass {
-    /// The orbits, the smaller first.
+    /// The two orbits, the smaller first.
     pub orbits: [u32; 2],
-    /// The second face's cell less the first's. Where the orbits are the same, it leads to a later row,
-    /// or on in the same: the opposite means the same pairs.
+    /// The second face's cell minus the first's. Within one orbit the offset leads to a later row, or to a later column
+    /// of the same row, because the opposite offset gives the same pairs.
     pub offset: [i32; 2],
 }
 
 impl Lattice {
-    /// The class of a pair of faces, and the two in its order; `None` for a face and itself.
+    /// Returns the class of a pair of faces, and the pair in the order of the class; `None` for a face and itself.
     #[must_use]
     pub fn class_of(&self, [a, b]: [FaceId; 2]) -> Option<(PairClass, [FaceId; 2])> {
-        // From a later orbit, row or column of cells to an earlier one is the wrong way round.
+        // The first face is the one of the earlier orbit, then of the earlier row, then of the earlier column.
         let order = |face| {
             let Place { orbit, cell } = self.place(face);
             (orbit, cell[1], cell[0])
@@ -33,8 +34,8 @@ impl Lattice {
         (a != b).then_some((class, [first, second]))
     }
 
-    /// All classes of pairs of faces, each once, and where a row of cells has gaps perhaps some that are
-    /// empty: then [`pair_of`](Self::pair_of) finds none. Cost: O(classes + rows²).
+    /// Iterates over all classes of pairs of faces, each once. If a row of cells has gaps, some classes may be empty;
+    /// [`pair_of`](Self::pair_of) then returns `None`. Cost: O(classes + rows²).
     pub fn pair_classes(&self) -> impl Iterator<Item = PairClass> + '_ {
         let count = u32::try_from(self.orbits().len()).unwrap_or(u32::MAX);
         (0..count).flat_map(move |a| (a..count).flat_map(move |b| self.classes_between([a, b])))
@@ -52,7 +53,8 @@ impl Lattice {
         .map(move |offset| PairClass { orbits, offset })
     }
 
-    /// Differences of columns of faces so many rows apart, and where a row has gaps perhaps others. Cost: O(rows).
+    /// Returns the range of differences of columns between faces of two orbits that are `rows` rows apart. If a row has
+    /// gaps, the range may contain differences that do not occur. Cost: O(rows).
     pub(crate) fn columns_between(&self, [a, b]: [&Orbit; 2], rows: i32) -> RangeInclusive<i32> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         let first = a.low[1].max(b.low[1].saturating_sub(rows));
@@ -66,8 +68,8 @@ impl Lattice {
         low..=high
     }
 
-    /// For each difference of rows from 0 on, differences of columns of faces so many rows apart, and where a row has
-    /// gaps perhaps others. Cost: O(faces + rows²).
+    /// Returns, for each difference of rows from 0 on, the range of differences of columns between any two faces that
+    /// many rows apart. If a row has gaps, a range may contain differences that do not occur. Cost: O(faces + rows²).
     pub(crate) fn columns_of_rows(&self) -> Vec<RangeInclusive<i32>> {
         let orbits = || self.orbits().iter();
         let first = orbits().map(|orbit| orbit.low[1]).min().unwrap_or_default();
@@ -96,8 +98,8 @@ impl Lattice {
         columns.collect()
     }
 
-    /// A pair of faces of the class, in the middle of the sheet rather than at its border, if the sheet has
-    /// one. Cost: O(faces of the orbit) times a logarithm, if it has none there.
+    /// Returns a pair of faces of the class, if the sheet has one, preferably in the middle of the sheet and not at its
+    /// border. Cost: logarithmic if there is a pair in the middle, else up to O(faces of the orbit) times a logarithm.
     #[must_use]
     pub fn pair_of(&self, class: PairClass) -> Option<[FaceId; 2]> {
         let [orbit, other] = class.orbits;
@@ -117,7 +119,7 @@ impl Lattice {
         })
     }
 
-    /// Number of pairs of faces of the sheet, which the classes stand for.
+    /// Returns the number of all pairs of faces of the sheet, which the classes represent.
     #[must_use]
     pub fn pairs(&self) -> u64 {
         let faces = self.places().len() as u64;
@@ -125,7 +127,7 @@ impl Lattice {
     }
 }
 
-/// First and last column of a row.
+/// Returns the first and last column of a row, or `None` if the row is empty.
 fn span(row: &[(i32, FaceId)]) -> Option<[i32; 2]> {
     Some([row.first()?.0, row.last()?.0])
 }

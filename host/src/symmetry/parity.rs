@@ -1,20 +1,20 @@
-//! Union-find with parity: which creases turn alike, and which of them the other way.
+//! Union-find with parity: sets of creases that turn alike, each crease with a sign.
 
-/// Sets of items, each with a sign relative to its set.
+/// Disjoint sets of items, each with a sign relative to its set.
 #[derive(Clone)]
 pub(super) struct ParitySets {
     parent: Vec<u32>,
-    /// Whether the item turns against its parent.
+    /// `true` if the item turns against its parent.
     negative: Vec<bool>,
-    /// For each representative the lowest and highest value in its set, in its own sign; infinite the
-    /// wrong way round where no item has a value.
+    /// For each representative the lowest and highest value in its set, relative to the sign of the representative; ∞
+    /// and -∞ if no item of the set has a value.
     range: Vec<[f64; 2]>,
-    /// Widest range that a set may have.
+    /// Largest difference between two values of a set.
     spread: f64,
 }
 
 impl ParitySets {
-    /// Each item on its own, with its value if it has one; no set's values may be `spread` apart.
+    /// Makes a set of each item, with its value if it has one. No set may come to hold values more than `spread` apart.
     pub(super) fn new(values: impl Iterator<Item = Option<f64>>, spread: f64) -> Self {
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let range: Vec<_> = values.map(|v| v.map_or(none, |v| [v, v])).collect();
@@ -26,7 +26,7 @@ impl ParitySets {
         }
     }
 
-    /// The set's representative, and whether the item turns against it.
+    /// Returns the representative of the item's set, and `true` if the item turns against it.
     pub(super) fn find(&mut self, item: usize) -> (usize, bool) {
         let mut root = item;
         let mut negative = false;
@@ -34,7 +34,7 @@ impl ParitySets {
             negative ^= self.negative[root];
             root = self.parent[root] as usize;
         }
-        // Every item passed on the way is tied to the root directly.
+        // Path compression: every item on the way is attached to the root directly.
         let (mut item, mut sign) = (item, negative);
         while self.parent[item] as usize != root && item != root {
             let next = self.parent[item] as usize;
@@ -46,15 +46,15 @@ impl ParitySets {
         (root, negative)
     }
 
-    /// Whether both are known to turn alike (`negative`: against each other).
+    /// Returns `true` if both items are known to turn alike (with `negative`: against each other).
     pub(super) fn related(&mut self, a: usize, b: usize, negative: bool) -> bool {
         let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
         a == b && a_sign ^ b_sign == negative
     }
 
-    /// Says that both turn alike (`negative`: against each other). The smaller representative
-    /// stays. Returns `false`, changing nothing, if that contradicts what is known or if their
-    /// values are too far apart.
+    /// Joins the sets of two items that turn alike (with `negative`: against each other). The smaller of the two
+    /// representatives represents the joined set. Returns `false` and changes nothing if that contradicts the known
+    /// signs, or if values of the joined set would be too far apart.
     pub(super) fn join(&mut self, a: usize, b: usize, negative: bool) -> bool {
         let ((a, a_sign), (b, b_sign)) = (self.find(a), self.find(b));
         if a == b {
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(sets.find(0), (0, false));
     }
 
-    /// Each neighbour is near enough, all of them together are not.
+    /// Each value is close enough to the next, but the first is too far from the last.
     #[test]
     fn values_never_drift_apart_along_a_chain() {
         let values = [Some(1.0), Some(-1.4), None, Some(1.8)];

@@ -1,17 +1,17 @@
-//! Where things are on the sheet: the vertex at a point, and whether a point is inside.
+//! Point location on the sheet: finds the vertex at a point, and tests if a point lies inside the sheet.
 
 use nalgebra::Vector2;
 
 use crate::pattern::{CreasePattern, VertexId};
 use crate::ragged::{Ragged, group_by_key};
 
-/// A uniform grid over the sheet with about one vertex a cell.
+/// A uniform grid over the sheet with about one vertex in each cell.
 pub(super) struct Places<'a> {
     pattern: &'a CreasePattern,
     tolerance: f64,
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// Cells in a unit of length.
+    /// Number of cells in a unit of length.
     per_length: f64,
     columns: usize,
     rows: usize,
@@ -20,7 +20,7 @@ pub(super) struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Points within `tolerance` of each other count as one.
+    /// Makes the grid. Points within `tolerance` of each other count as equal.
     pub(super) fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
         let vertices = pattern.vertices();
         let low = vertices.iter().fold(vertices[0], |low, v| low.inf(v));
@@ -61,7 +61,7 @@ impl<'a> Places<'a> {
         places
     }
 
-    /// Number of whole cells in a distance that is not negative.
+    /// Returns the number of whole cells in a distance, which must not be negative.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -71,18 +71,18 @@ impl<'a> Places<'a> {
         (distance * self.per_length) as usize
     }
 
-    /// Whether the point is outside the sheet's bounding box.
+    /// Returns `true` if the point lies outside the sheet's bounding box.
     fn far(&self, point: Vector2<f64>) -> bool {
         let t = self.tolerance;
         (0..2).any(|k| point[k] < self.low[k] - t || point[k] > self.high[k] + t)
     }
 
-    /// The vertex at `point`, if there is one.
+    /// Returns the vertex at `point`, if there is one.
     pub(super) fn vertex_at(&self, point: Vector2<f64>) -> Option<VertexId> {
         self.vertex_within(point, self.tolerance)
     }
 
-    /// A vertex no farther than `tolerance` from `point`, if there is one.
+    /// Returns a vertex within `tolerance` of `point`, if there is one.
     pub(super) fn vertex_within(&self, point: Vector2<f64>, tolerance: f64) -> Option<VertexId> {
         if self.far(point) {
             return None;
@@ -109,7 +109,7 @@ impl<'a> Places<'a> {
         None
     }
 
-    /// Whether `point` is inside the sheet and not on its border. Cost: O(border).
+    /// Returns `true` if `point` lies inside the sheet and not on its border (ray casting). Cost: O(border).
     pub(super) fn is_inside(&self, point: Vector2<f64>) -> bool {
         if self.far(point) {
             return false;
@@ -121,7 +121,7 @@ impl<'a> Places<'a> {
             if (to - along * s).norm() <= self.tolerance {
                 return false;
             }
-            // Crossings of the border to the right of the point.
+            // Counts the crossings of the border to the right of the point.
             if (a.y > point.y) != (b.y > point.y) && to.x < along.x * to.y / along.y {
                 inside = !inside;
             }

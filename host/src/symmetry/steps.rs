@@ -1,4 +1,6 @@
-//! Translations of the flat sheet that take faces to faces and hinges to hinges that turn alike.
+//! Finds translations of the flat sheet that take faces to faces, and hinges to hinges that turn alike.
+//!
+//! A candidate takes a seed face to a face near it; walking over face and image together proves or refutes it.
 
 use std::collections::VecDeque;
 
@@ -8,34 +10,35 @@ use nalgebra::Vector2;
 use super::lattice::Link;
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
 
-/// Corners this close, in median edges, are the same: the tolerance of exact crease groups.
+/// Largest distance between corners that count as equal, in median edges: the tolerance of exact crease groups.
 const SAME_PLACE: f64 = 1e-6;
-/// Faces round a seed among which its images are looked for, the second number where the first finds too
-/// few: cells of a few faces are the rule, and each image tried costs little unless it is one.
+/// Number of faces round a seed among which its images are searched. The second number is used if the first gives too
+/// few steps. Cells of a few faces are the rule, and a candidate costs little unless it is an image.
 const BALLS: [usize; 2] = [64, 2048];
-/// Where in the sheet seeds are: in the middle, and where a small sheet has no images of that, in corners.
+/// Positions of the seeds in the bounding box of the sheet, 0 to 1: the middle, then the corners, as in a small sheet
+/// the middle face may have no image.
 const SEEDS: [[f64; 2]; 5] = [CENTRE, [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
 pub(super) const CENTRE: [f64; 2] = [0.5, 0.5];
-/// Faces compared at most: this many, and this many times all of them.
+/// Budget of compared faces: `BUDGET` plus `PASSES` times their number.
 const BUDGET: usize = 100_000;
 const PASSES: usize = 8;
 
-/// No face, where the sheet ends.
+/// Marks a missing face beyond the border of the sheet.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What is beyond a side of a face.
+/// A side of a face, with the face beyond it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     /// The face beyond, or [`NONE`].
     pub(super) face: u32,
-    /// The same side as one of the face beyond.
+    /// Index of the same side as a side of the face beyond.
     twin: u32,
-    /// Group and sign of the hinge; `None` where the side stays flat.
+    /// Group and sign of the hinge; `None` if the side stays flat.
     hinge: Option<Membership>,
     pub(super) edge: EdgeId,
 }
 
-/// A translation, and for each face the one that it takes it to, or [`NONE`].
+/// A translation, and for each face its image, or [`NONE`].
 pub(super) struct Step {
     pub(super) shift: Vector2<f64>,
     pub(super) images: Vec<u32>,
@@ -49,22 +52,23 @@ struct Pair {
     turn: u32,
 }
 
-/// The faces with what is beyond their sides; sides are numbered as the corners at which they begin.
+/// The faces with the faces beyond their sides. A side has the number of the corner at which it begins.
 pub(super) struct Sheet<'a> {
     pattern: &'a CreasePattern,
-    /// For each face its first side, and behind the last the number of sides.
+    /// Index of each face's first side, followed by the number of all sides.
     starts: Vec<u32>,
     sides: Vec<Side>,
-    /// Where each side begins in the flat sheet.
+    /// Position in the flat sheet at which each side begins.
     corners: Vec<Vector2<f64>>,
     tolerance: f64,
-    /// Largest distance of an image of a corner from the corner that it was taken for.
+    /// Largest distance between the image of a corner and the corner that counts as equal to it.
     pub(super) deviation: f64,
     budget: usize,
 }
 
 impl<'a> Sheet<'a> {
-    /// `None` if there is not one membership for each crease. Cost: linear.
+    /// Makes the adjacency of the faces. Returns `None` if `memberships` has not one entry for each crease. Cost:
+    /// linear.
     pub(super) fn new(pattern: &'a CreasePattern, memberships: &[Membership]) -> Option<Self> {
         let vertices = pattern.vertices();
         let corners = pattern.faces().items().iter();
@@ -107,7 +111,7 @@ impl<'a> Sheet<'a> {
         Some(sheet)
     }
 
-    /// The side of `face` that leads from `a` to `b`.
+    /// Returns the side of `face` that leads from `a` to `b`.
     fn side_between(&self, face: FaceId, [a, b]: [VertexId; 2]) -> Option<usize> {
         let cycle = &self.pattern.faces()[face.index()];
         let next = |k: usize| cycle[if k + 1 == cycle.len() { 0 } else { k + 1 }];
@@ -115,7 +119,7 @@ impl<'a> Sheet<'a> {
         Some(self.start(face.0) + at)
     }
 
-    /// The first corner of a face, and with it its first side.
+    /// Returns the index of a face's first corner, which is also that of its first side.
     fn start(&self, face: u32) -> usize {
         self.starts[face as usize] as usize
     }
@@ -124,23 +128,23 @@ impl<'a> Sheet<'a> {
         self.start(face + 1) - self.start(face)
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     pub(super) fn faces(&self) -> usize {
         self.pattern.faces().len()
     }
 
-    /// The sides of a face.
+    /// Returns the sides of a face.
     pub(super) fn sides(&self, face: u32) -> &[Side] {
         let start = self.start(face);
         &self.sides[start..start + self.degree(face)]
     }
 
-    /// Whether a face may have been cut where the sheet ends.
+    /// Returns `true` if a face may have been cut at the border of the sheet.
     fn is_at_border(&self, face: u32) -> bool {
         self.sides(face).iter().any(|side| side.face == NONE)
     }
 
-    /// A face where the sheet is, or nearest to it, for a place in the box round the sheet, 0 to 1.
+    /// Returns a face at the vertex nearest to a position in the bounding box of the sheet, given from 0 to 1.
     pub(super) fn seed(&self, place: [f64; 2]) -> Option<FaceId> {
         let vertices = self.pattern.vertices();
         let (mut low, mut high) = (vertices[0], vertices[0]);
@@ -164,7 +168,7 @@ impl<'a> Sheet<'a> {
         nearest.1
     }
 
-    /// At most two independent steps, the nearest that were found.
+    /// Returns at most two independent steps, the nearest that were found.
     pub(super) fn steps(&mut self) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::new();
         for seed in SEEDS {
@@ -190,8 +194,8 @@ impl<'a> Sheet<'a> {
         steps
     }
 
-    /// Translations that take the seed to one of the `ball` faces round it: those that cross the fewest
-    /// sides first, which lead along the borders that sheets have, and of these the shortest.
+    /// Returns translations that take the seed to one of the `ball` faces round it. They are sorted by the number of
+    /// sides to cross, because few crossings lead along the borders that sheets have, and then by length.
     fn candidates(&self, seed: FaceId, ball: usize) -> Vec<(Vector2<f64>, Pair)> {
         let mut candidates = Vec::new();
         let mut rings = vec![NONE; self.faces()];
@@ -224,8 +228,8 @@ impl<'a> Sheet<'a> {
         candidates.map(|(_, shift, pair)| (shift, pair)).collect()
     }
 
-    /// Whether the shift, which takes the first face of one link to that of the other, takes the hinge to
-    /// one that turns alike and the face beyond to that beyond.
+    /// Returns `true` if the translation, which takes the first face of one link to that of the other, takes the hinge
+    /// to a hinge that turns alike, and the face beyond to the face beyond.
     pub(super) fn carries(&self, shift: Vector2<f64>, links: [Link; 2]) -> bool {
         let [side, other] = links.map(|link| {
             let start = self.start(link.from.0);
@@ -240,8 +244,8 @@ impl<'a> Sheet<'a> {
             && self.misfit(self.beyond(side, other), shift).is_some()
     }
 
-    /// Square of the largest distance of a corner of the image from the moved corner of the face, if the
-    /// image is one.
+    /// Returns the squared largest distance between a moved corner of the face and the corner of the image, or `None`
+    /// if the moved face is not the image.
     fn misfit(&self, pair: Pair, shift: Vector2<f64>) -> Option<f64> {
         let degree = self.degree(pair.face);
         if degree != self.degree(pair.image) {
@@ -266,15 +270,15 @@ impl<'a> Sheet<'a> {
         Some(worst)
     }
 
-    /// The images of all faces that can be reached from that of `seed` through faces with an image.
+    /// Finds the images of all faces that can be reached from `seed.face` through faces with an image.
     ///
-    /// Face and image are walked round together; wherever both have a face beyond a side, the one has to
-    /// be the image of the other and the hinges have to turn alike, or this is no step. Excused are faces
-    /// at the border, of another shape, as long as they are fewer than the images. Cost: O(images).
+    /// Face and image are walked round together. Wherever both have a face beyond a side, the second must be the image
+    /// of the first, and the hinges must turn alike; otherwise the translation is no step. Faces at the border
+    /// that differ in shape are excused, as long as they are fewer than the images. Cost: O(images).
     fn step(&mut self, shift: Vector2<f64>, seed: Pair) -> Option<Step> {
         let mut images = vec![NONE; self.faces()];
         images[seed.face as usize] = seed.image;
-        // First come, first served: what is looked at stays near in memory.
+        // A queue keeps the visited faces near each other in memory.
         let mut open = VecDeque::from([seed]);
         let (mut found, mut excused, mut deviation) = (1, 0, 0.0_f64);
         while let Some(pair) = open.pop_front() {
@@ -317,13 +321,13 @@ impl<'a> Sheet<'a> {
         Some(Step { shift, images })
     }
 
-    /// The faces beyond a side and beyond its image, the second one taken for the image of the first.
+    /// Pairs the face beyond a side with the face beyond the image of the side.
     fn beyond(&self, side: &Side, other: &Side) -> Pair {
         let degree = self.degree(other.face);
         let [of_face, of_image] =
             [side, other].map(|side| side.twin as usize - self.start(side.face));
         let back = || (of_image + degree).saturating_sub(of_face);
-        // Of different degrees they are no image of each other, whatever the turn.
+        // If the degrees differ, the faces are no images of each other, whatever `turn` is.
         let turn = of_image.checked_sub(of_face).unwrap_or_else(back);
         Pair {
             face: side.face,

@@ -1,27 +1,31 @@
-//! Stars as they were meant before their coordinates were rounded: what nearly folds flat does so exactly.
+//! Restores stars whose coordinates were rounded: sets of spokes that nearly fold flat are made to fold flat exactly.
 //!
-//! Spokes that are turned half round while the others of a star stay flat close if their directions, taken with
-//! alternating signs, add up to a multiple of π: two are a line that passes straight, all those of a star are the condition
-//! of T. Kawasaki, "On the relation between mountain-creases and valley-creases of a flat origami", 1989. Each of these
-//! conditions that nearly holds is linear in what the directions are off, and they do not contradict each other: what they
-//! miss are roundings, and no sum of a few of these is a multiple of π.
+//! A set of spokes that all turn by half a turn, while the other spokes of the star stay flat, closes if the directions
+//! (angles) of the set, taken with alternating signs, add up to a multiple of π. For two spokes this is a line that
+//! passes straight; for all spokes of a star it is the condition of T. Kawasaki, "On the relation between
+//! mountain-creases and valley-creases of a flat origami", 1989. Every condition that nearly holds is a linear equation
+//! in the corrections of the directions. The equations do not contradict each other: their right-hand sides are
+//! rounding errors, and no sum of a few rounding errors is a multiple of π. The least-squares solution of least norm
+//! corrects all conditions at once.
 
 use core::f64::consts::PI;
 
 use foldpath_core::Spoke;
 use nalgebra::{DMatrix, DVector};
 
-/// Spokes up to which all sets of them are looked at.
+/// Largest number of spokes of a star for which all even sets of spokes are examined.
 const MOST_SPOKES: usize = 12;
-/// Times what a spoke may be off, by which two have to differ.
+/// Narrowest sector of a star that is corrected, in multiples of the tolerance `within`.
 const NARROW: f64 = 4.0;
-/// Radians by which a direction may be off and be that of its bits.
+/// Error (radians) of a direction that comes from its representation in floating point alone.
 const BITS: f64 = 1e-15;
-/// Part of the largest eigenvalue of equations of whole numbers below which one is nought.
+/// Fraction of the largest eigenvalue below which an eigenvalue counts as zero. The equations have integer
+/// coefficients.
 const RANK: f64 = 1e-9;
 
-/// Turns spokes the least so that all sets of them fold flat that do so but for `within` (radians) at each two; returns
-/// by what angle (radians) each is turned. A star of two spokes that nearly point the same way is left as it is.
+/// Turns the spokes by least angles such that every set of spokes folds flat exactly that nearly does, with an error of
+/// at most `within` (radians) for each two spokes. Returns the angle (radians) by which each spoke is turned. A star in
+/// which two spokes nearly point the same way is left as it is.
 pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
     let bearings: Vec<f64> = spokes.iter().map(bearing).collect();
     let n = bearings.len();
@@ -30,7 +34,7 @@ pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
     if n < 2 || (0..n).any(narrow) {
         return vec![0.0; n];
     }
-    // Aᵀ A and Aᵀ b of the equations A δ = b.
+    // The normal equations Aᵀ A δ = Aᵀ b of the conditions A δ = b.
     let (mut squares, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for set in sets(n) {
         let signs = set.iter().zip([1.0, -1.0].into_iter().cycle());
@@ -67,16 +71,17 @@ pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
         let (sin, cos) = (bearing + turn).sin_cos();
         spoke.direction = [cos, sin];
     }
-    // As the bits have it.
+    // The rounding of the new direction adds to the turn.
     turns.iter().map(|turn| turn.abs() + BITS).collect()
 }
 
-/// Where a spoke points, radians.
+/// Returns the direction of a spoke as an angle, radians.
 fn bearing(spoke: &Spoke<f64>) -> f64 {
     spoke.direction[1].atan2(spoke.direction[0])
 }
 
-/// All sets of an even number of spokes, in their order; of many spokes the pairs and all.
+/// Returns all sets of an even number of spokes, in cyclic order. For more than [`MOST_SPOKES`] spokes, returns only
+/// the pairs and the set of all spokes.
 fn sets(n: usize) -> Vec<Vec<usize>> {
     if n <= MOST_SPOKES {
         let even = (1..1_u32 << n).filter(|set| set.count_ones() % 2 == 0);
@@ -94,7 +99,7 @@ mod tests {
     use super::*;
     use foldpath_core::GroupId;
 
-    /// A star of these bearings, degrees.
+    /// Makes a star with these directions, degrees.
     fn star(bearings: &[f64]) -> Vec<Spoke<f64>> {
         let spoke = |bearing: &f64| {
             let (sin, cos) = bearing.to_radians().sin_cos();
@@ -107,7 +112,7 @@ mod tests {
         bearings.iter().map(spoke).collect()
     }
 
-    /// The sets of spokes that fold flat to rounding.
+    /// Returns the sets of spokes that fold flat to rounding.
     fn flat(spokes: &[Spoke<f64>]) -> Vec<Vec<usize>> {
         let closes = |set: &Vec<usize>| {
             let signs = set.iter().zip([1.0, -1.0].into_iter().cycle());
@@ -120,7 +125,8 @@ mod tests {
 
     #[test]
     fn what_was_meant_to_fold_flat_does() {
-        // A line that passes, and one that is mirrored at it; a cross; a waterbomb; lines folded one after the other.
+        // A line that passes straight with two creases mirrored at it; a cross; a waterbomb; lines folded one after the
+        // other.
         let meant: [&[f64]; 4] = [
             &[0.0, 50.0, 180.0, 310.0],
             &[10.0, 100.0, 190.0, 280.0],

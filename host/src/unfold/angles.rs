@@ -1,4 +1,4 @@
-//! Fold angles measured on the shape, and what edges are for.
+//! Measures the fold angles of a shape and settles the letters of its edges.
 
 use core::f64::consts::PI;
 
@@ -7,21 +7,22 @@ use super::{FoldedShape, layout::edge_name};
 use crate::folding::fold_angle;
 use crate::pattern::Letter;
 
-/// Angle (radians) below which a fold is none, and within which of half a turn its sign cannot be measured,
-/// on a shape without noise: well above what rounding leaves, well below what a hinge is driven to.
+/// On a shape without noise: angle (radians) below which an edge counts as flat, and distance from half a turn within
+/// which the sign of an angle cannot be measured. Well above rounding errors, well below the angles of driven hinges.
 const LEAST: f64 = 1e-7;
 
-/// How far noise may put angles off.
+/// Bounds on the errors of measured angles.
 struct Noise {
-    /// Radians; an edge without a letter is flat within this.
+    /// Radians; an edge without a letter is flat within this angle.
     zero: f64,
-    /// Radians; within this of flat and of half a turn a letter says more than what is measured.
+    /// Radians; within this distance from flat and from half a turn a letter counts more than the measured angle.
     doubt: f64,
 }
 
 impl Noise {
-    /// Corners that are off in their plane show in the angle defects, of which a fold angle has some four.
-    /// Out of the plane of a flat-folded or a flat vertex it takes the square of a fold angle for that.
+    /// Derives the bounds from the angle defects. Errors of the corners within their planes show in the defects, and
+    /// about four defects affect a fold angle. At a flat or flat-folded vertex, errors out of the plane change a defect
+    /// only by the square of a fold angle, so the doubt grows with the square root of the defect.
     fn of(surface: &Surface, max_defect: f64) -> Self {
         let defect = surface.noise(max_defect);
         Self {
@@ -30,7 +31,7 @@ impl Noise {
         }
     }
 
-    /// The fold angle (radians) of an edge and its letter.
+    /// Returns the fold angle (radians) of an edge and its letter.
     fn settle(&self, edge: &SurfaceEdge, measured: f64) -> (f64, Letter) {
         let said = edge.letter.unwrap_or(Letter::Unassigned);
         let flat = |letter| matches!(letter, Letter::Flat | Letter::Join);
@@ -57,16 +58,16 @@ impl Noise {
     }
 }
 
-/// For each edge of a surface what it becomes in the pattern.
+/// Fold angle and letter of each edge of a surface in the pattern.
 pub(super) struct Creases {
-    /// Fold angles in radians, valley positive; 0 where there is one face.
+    /// Fold angles in radians, valley positive; 0 at edges with one face.
     pub(super) angles: Vec<f64>,
     pub(super) letters: Vec<Letter>,
 }
 
 impl Creases {
-    /// Measures all edges between two faces. A part of the surface whose letters say the opposite of what is
-    /// measured is turned over first: they were written for its other side.
+    /// Measures all edges between two faces. A part of the surface whose letters mostly contradict the measured signs
+    /// is turned over first, because its letters were written for its other side.
     pub(super) fn measure(
         shape: &FoldedShape,
         surface: &mut Surface,
@@ -129,14 +130,14 @@ impl Creases {
         Self { angles, letters }
     }
 
-    /// Number of edges that are hinges.
+    /// Returns the number of edges that are hinges.
     pub(super) fn hinges(&self) -> usize {
         let hinge = |letter: &&Letter| letter.is_hinge();
         self.letters.iter().filter(hinge).count()
     }
 }
 
-/// Edges of which one thing is to be said.
+/// Number of edges to which one note applies, and the first of them.
 #[derive(Default)]
 struct Said {
     count: usize,
@@ -160,7 +161,7 @@ impl Said {
     }
 }
 
-/// The sign that the file gives an edge.
+/// Returns the sign that the file gives an edge, by its letter or else by its angle.
 fn said_sign(edge: &SurfaceEdge) -> Option<f64> {
     let signs = [
         edge.letter.map_or(0.0, Letter::sign),
@@ -170,7 +171,7 @@ fn said_sign(edge: &SurfaceEdge) -> Option<f64> {
     sign.map(f64::signum)
 }
 
-/// For each part whether its signs, as far as they can be measured, are mostly against what the file says.
+/// Returns for each part `true` if most of its measurable signs contradict the file.
 fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bool> {
     let mut votes = vec![0_i64; surface.parts()];
     for edge in &surface.edges {
@@ -186,7 +187,7 @@ fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bo
     votes.into_iter().map(|votes| votes < 0).collect()
 }
 
-/// The fold angle between two faces, radians.
+/// Returns the fold angle between two faces, radians.
 fn measured(shape: &FoldedShape, surface: &Surface, edge: &SurfaceEdge, [a, b]: [Side; 2]) -> f64 {
     let (left, right) = if surface.is_left(a) { (a, b) } else { (b, a) };
     let [start, end] = edge.ends.map(|end| shape.vertices[end]);

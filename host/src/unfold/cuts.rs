@@ -1,4 +1,4 @@
-//! Which edges hold while a surface is laid flat, one way after the other.
+//! Orders the edges of a surface for the spanning tree along which the surface is laid flat, in several ways.
 
 use nalgebra::Vector3;
 use rand_pcg::Pcg64;
@@ -8,12 +8,14 @@ use super::FoldedShape;
 use super::angles::Creases;
 use super::surface::Surface;
 
-/// The edges between two faces in the order in which they are to hold: as many as join all faces without a
-/// ring will, and the others hold only if their faces meet there all the same.
+/// Returns the edges between two faces in the order in which they join faces (as in Kruskal's algorithm). An edge joins
+/// its faces unless that closes a ring; all remaining edges are whole only if both their faces come to lie at the same
+/// place.
 ///
-/// Attempt 0 goes outwards from the middle: of equal edges those that are near hold. The others cut for each
-/// vertex the edge that rises most steeply in some direction (W. Schlickenrieder, "Nets of polyhedra", 1997),
-/// which on convex polyhedra hardly ever overlaps. In all of them edges that are not folded hold first.
+/// Attempt 0 goes outwards from the middle: of otherwise equal edges, those near the middle come first. Every other
+/// attempt cuts for each vertex the edge that rises most steeply in some direction (W. Schlickenrieder, "Nets of
+/// polyhedra", 1997), which on convex polyhedra hardly ever gives an overlap. In all attempts, edges that are not
+/// folded come first.
 pub(super) fn order(
     shape: &FoldedShape,
     surface: &Surface,
@@ -38,7 +40,7 @@ pub(super) fn order(
     keys.into_iter().map(|key| key.3).collect()
 }
 
-/// For each vertex the edge that rises most steeply in a direction of the attempt's own.
+/// Marks for each vertex the edge that rises most steeply in a direction drawn at random for the attempt.
 fn steepest(shape: &FoldedShape, surface: &Surface, attempt: usize) -> Vec<bool> {
     let mut random = Pcg64::new(attempt as u128, 0);
     let mut number = || f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;

@@ -1,4 +1,4 @@
-//! Faces laid into the plane.
+//! Lays the faces of a surface into the plane.
 
 use std::collections::VecDeque;
 
@@ -12,31 +12,31 @@ use crate::joined::root;
 use crate::numbers::diagonal;
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 
-/// Rounds of fitting faces to vertices and vertices to faces: each spreads what noise the shape has over one
-/// more ring of faces.
+/// Largest number of rounds of fitting faces to vertices and vertices to faces. Each round spreads the shape's noise
+/// over one more ring of faces.
 const ROUNDS: usize = 200;
 
-/// Part of the size of the sheet that is no movement any more.
+/// Largest movement that counts as none, as a fraction of the sheet's size.
 const STILL: f64 = 1e-15;
 
-/// Part of the size of the sheet left free between parts.
+/// Space between parts, as a fraction of the sheet's size.
 const SPACE: f64 = 0.1;
 
-/// Faces laid into the plane, and what holds there.
+/// Faces laid into the plane, and the edges that are whole.
 pub(super) struct Layout {
-    /// For each edge whether the sheet is whole across it.
+    /// For each edge `true` if the sheet is whole across the edge.
     joined: Vec<bool>,
-    /// For each corner the first of those that are one vertex of the flat sheet.
+    /// For each corner the first corner at the same vertex of the flat sheet.
     points: Vec<usize>,
-    /// Positions of these vertices, at the numbers of their first corners.
+    /// Positions of these vertices, at the indices of their first corners.
     places: Vec<Vector2<f64>>,
 }
 
 impl Layout {
-    /// Lays the faces, each across an edge, from a middle one of each part outwards. Other edges hold where
-    /// both faces have their ends in the same places, to within a slope times the length of the edge in parts
-    /// without a boundary, where defects part them, or times the size of the sheet in parts with one, where
-    /// noise adds up round a ring; all do in a disc.
+    /// Lays the faces of each part, each across an edge, from a middle face outwards. An edge that was not used stays
+    /// whole if both faces have its ends at the same places. The tolerance is `slope` times the length of the edge in
+    /// parts without a boundary, where defects separate the faces, and `slope` times the size of the sheet in parts
+    /// with a boundary, where noise adds up round a ring. In a disc all edges stay whole.
     pub(super) fn new(
         shape: &FoldedShape,
         surface: &Surface,
@@ -73,7 +73,7 @@ impl Layout {
         }
     }
 
-    /// The flat sheet, and for each of its vertices that of the shape.
+    /// Returns the flat sheet, and for each of its vertices the vertex of the shape.
     pub(super) fn drawing(&self, surface: &Surface, creases: &Creases) -> (Drawing, Vec<usize>) {
         let (names, sources) = self.vertices(surface);
         let name = |corner: usize| names[self.points[corner]];
@@ -89,7 +89,7 @@ impl Layout {
             let Some(ends) = sides.next() else { continue };
             let other = sides.next().filter(|other| *other != ends);
             let letter = match (edge.sides[1], other) {
-                // A cut between faces that hold each other at both its ends is a hinge.
+                // A cut whose faces share both its ends is a hinge.
                 (Some(_), None) if !self.joined[index] => Letter::Unassigned,
                 (Some(_), None) => creases.letters[index],
                 _ => Letter::Boundary,
@@ -113,8 +113,9 @@ impl Layout {
         (drawing, sources.into_iter().map(|(v, _)| v).collect())
     }
 
-    /// Names of the flat vertices, at the numbers of their first corners, and for each the vertex of the shape
-    /// and that corner: first one of each vertex of the shape, in their order, then those that cuts add.
+    /// Numbers the vertices of the flat sheet: first one for each vertex of the shape, in the shape's order, then those
+    /// that cuts add. Returns the number at the index of each vertex's first corner, and for each number the vertex of
+    /// the shape and that first corner.
     fn vertices(&self, surface: &Surface) -> (Vec<usize>, Vec<(usize, usize)>) {
         let vertices = surface.corner_vertices().enumerate();
         let firsts = vertices.filter(|(corner, _)| self.points[*corner] == *corner);
@@ -138,7 +139,7 @@ impl Layout {
         (names, sources)
     }
 
-    /// Number of edges along which a shape that the file has whole was cut.
+    /// Returns the number of edges that are whole in the file and cut in the layout.
     pub(super) fn cuts(&self, surface: &Surface) -> usize {
         self.cut_edges(surface).count()
     }
@@ -149,7 +150,7 @@ impl Layout {
         cut.map(|(edge, _)| edge)
     }
 
-    /// What was done, in words.
+    /// Returns notes of the cuts and of separate parts.
     pub(super) fn notes(&self, surface: &Surface) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(first) = self.cut_edges(surface).next() {
@@ -170,12 +171,13 @@ impl Layout {
     }
 }
 
-/// An edge in words.
+/// Formats an edge for messages.
 pub(super) fn edge_name([a, b]: [usize; 2]) -> String {
     format!("from vertex {a} to {b}")
 }
 
-/// A middle face of each part, and for each face the number of edges on the way from there.
+/// Returns a middle face of each part, and for each face the number of edges on the shortest path from that middle
+/// face.
 fn levels(surface: &Surface) -> (Vec<usize>, Vec<usize>) {
     let neighbours = neighbours(surface, |_| true);
     let count = surface.faces().len();
@@ -186,8 +188,8 @@ fn levels(surface: &Surface) -> (Vec<usize>, Vec<usize>) {
         if levels[start] != usize::MAX {
             continue;
         }
-        // The middle of a longest way, or near that: from the face farthest from one that is farthest from
-        // the first.
+        // The middle of a longest path, or a face near it. One end of the path is the face farthest from the first
+        // face, the other end is the face farthest from that one.
         let far = last(&breadth_first(&neighbours, start, &mut scratch));
         let forth = breadth_first(&neighbours, far, &mut scratch);
         let mut middle = last(&forth);
@@ -211,11 +213,12 @@ fn last(order: &[usize]) -> usize {
     order.last().copied().unwrap_or(0)
 }
 
-/// The faces of a part from one outwards, and in `distance` for each the number of steps.
+/// Returns the faces of a part in breadth-first order from `start`, and stores in `distance` each face's number of
+/// steps.
 fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]) -> Vec<usize> {
     let mut order = vec![start];
     let mut next = 0;
-    // Of an earlier search of the same part.
+    // Resets the distances that an earlier search of the part stored.
     let mut part = vec![start];
     distance[start] = usize::MAX;
     while let Some(face) = part.pop() {
@@ -239,7 +242,7 @@ fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]
     order
 }
 
-/// For each face those beyond the joints that are asked for.
+/// Returns for each face the faces beyond those of its joints that `asked` selects.
 fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
     let mut neighbours = vec![Vec::new(); surface.faces().len()];
     let edges = surface.edges.iter().enumerate();
@@ -253,8 +256,8 @@ fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize
     neighbours
 }
 
-/// Positions of all corners with each face laid across one edge. Edges hold in the given order, as long as
-/// they close no ring.
+/// Returns the positions of all corners with each face laid across one edge. Edges join faces in the given order, as
+/// long as they close no ring.
 fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
     let count = surface.faces().len();
     let mut groups: Vec<usize> = (0..count).collect();
@@ -294,8 +297,8 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
     laid
 }
 
-/// Moves what are the same vertices together: each where its faces have it on the mean, each face as well as
-/// it fits to its vertices, and so on.
+/// Moves corners of the same vertex to one place by alternating two fits: each vertex moves to the mean of its corners,
+/// then each face moves rigidly to fit its vertices best.
 fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
     let still = STILL * diagonal(laid);
     let mut counts = vec![0.0; points.len()];
@@ -328,7 +331,7 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
     }
 }
 
-/// Moves the parts beside each other along x; the first stays.
+/// Moves the parts beside each other along x; the first part stays.
 fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
     if surface.parts() < 2 {
         return;
@@ -364,7 +367,8 @@ struct Motion {
 }
 
 impl Motion {
-    /// The motion that takes the first points of all pairs as near to the second as can be.
+    /// Returns the motion that takes the first points of the pairs to the second with the least sum of squared
+    /// distances (rigid registration).
     fn fit(pairs: impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + Clone) -> Self {
         let count = pairs.clone().fold(0.0, |count, _| count + 1.0);
         let sums = pairs.clone().fold(

@@ -1,13 +1,13 @@
-//! From a folded shape back to its crease pattern.
+//! Unfolds a folded shape to its crease pattern.
 //!
-//! Implements Algorithm 1 of [XiLien2015](crate#references) (section 6): faces are laid into the plane one
-//! after the other, each across an edge of one that lies there. Differs from the source in that all faces are
-//! first turned to the same side of the paper: of the two ways to attach a face the one beyond the edge is then the
-//! right one, and nothing has to be tried; in that it takes polygons; and in that it cuts what has no
-//! boundary, or goes round in a ring that no plane can hold.
+//! Implements Algorithm 1 of [XiLien2015](crate#references) (section 6): faces are laid into the plane one after the
+//! other, each across an edge of a face that already lies there. Differs from the source in three ways. All faces are
+//! first turned to the same side of the paper: then of the two ways to attach a face the one beyond the edge is right,
+//! and nothing has to be tried. Faces may be polygons. A surface is cut if it has no boundary, or if it is a ring that
+//! no plane can hold.
 //!
-//! Knows no file format and does no planning: [`unfold`] takes a [`FoldedShape`] and gives a
-//! [`Drawing`] whose goal is that shape.
+//! This module knows no file format and does no planning: [`unfold`] takes a [`FoldedShape`] and returns a [`Drawing`]
+//! whose goal is that shape.
 
 mod angles;
 mod cuts;
@@ -25,16 +25,16 @@ use layout::Layout;
 pub use shape::{FoldedShape, ShapeEdge, ShapeError};
 use surface::Surface;
 
-/// What is asked of a shape.
+/// Options of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnfoldOptions {
-    /// Largest angle defect (radians) of an interior vertex that still counts as none, and largest slope of a
-    /// face out of its plane.
+    /// Largest angle defect (radians) of an interior vertex that counts as developable, and largest slope of a corner
+    /// out of the plane of its face.
     ///
-    /// The default, 0.01 degrees, is what coordinates of six digits leave of a vertex on a sheet of some
-    /// ten edges across; a shape that was folded of paper by computation has some 1e-13.
+    /// The default, 0.01 degrees, covers the rounding of coordinates with six digits on a sheet about ten edges across;
+    /// a shape that was folded from paper by computation has defects of about 1e-13.
     pub max_defect: f64,
-    /// Ways to cut a closed shape that are tried until one does not overlap.
+    /// Largest number of ways to cut a closed shape that are tried until one gives no overlap.
     pub attempts: usize,
 }
 
@@ -47,19 +47,19 @@ impl Default for UnfoldOptions {
     }
 }
 
-/// How unfolding ended.
+/// Outcome of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// There is a crease pattern.
+    /// A crease pattern was found.
     Unfolded,
-    /// An interior vertex has not 360 degrees round it.
+    /// The angles round an interior vertex do not sum to 360 degrees.
     NotDevelopable,
-    /// The flat pattern would lie on itself.
+    /// The flat pattern would overlap itself.
     Overlap,
 }
 
 impl Outcome {
-    /// Its name in reports.
+    /// Returns the outcome's name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -70,36 +70,36 @@ impl Outcome {
     }
 }
 
-/// What became of a shape.
+/// Result of unfolding a shape.
 #[derive(Clone, Debug)]
 pub struct Unfolding {
-    /// How it ended.
+    /// Outcome of unfolding.
     pub outcome: Outcome,
-    /// Why there is no pattern.
+    /// Reason why there is no pattern.
     pub reason: Option<String>,
     /// The flat sheet with the measured fold angles as its goal, if unfolded.
     pub drawing: Option<Drawing>,
-    /// Vertices of the flat sheet, or of the shape where there is none.
+    /// Number of vertices of the flat sheet, or of the shape if there is no flat sheet.
     pub vertices: usize,
-    /// Faces.
+    /// Number of faces.
     pub faces: usize,
-    /// Hinges of the flat sheet, or folded edges of the shape where there is none.
+    /// Number of hinges of the flat sheet, or of folded edges of the shape if there is no flat sheet.
     pub creases: usize,
-    /// Edges between two faces along which the shape was cut.
+    /// Number of edges between two faces along which the shape was cut.
     pub cuts: usize,
-    /// Largest angle defect (radians, without sign) of an interior vertex of the shape.
+    /// Largest absolute angle defect (radians) of an interior vertex of the shape.
     pub max_angle_defect: f64,
     /// Largest closure residual of the pattern at the measured angles.
     pub max_closure: Option<f64>,
-    /// Largest distance of a vertex of the pattern, folded by these angles, from the shape, over the size of
-    /// the shape.
+    /// Largest distance between a vertex of the pattern, folded by the measured angles, and the vertex of the shape,
+    /// divided by the size of the shape.
     pub deviation: Option<f64>,
-    /// What was assumed or left out, in words.
+    /// Assumptions made and elements left out, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Unfolds a shape. Vertices keep their order where it is not cut, as do edges that it names. Cost: about
-/// linear, times the ways to cut that are tried.
+/// Unfolds a shape. Vertices keep their order where the shape is not cut, as do the edges that the shape names. Cost:
+/// about linear, times the number of ways to cut that are tried.
 ///
 /// # Errors
 /// If the shape is no surface with two sides, made of flat faces.
@@ -149,7 +149,7 @@ pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding,
                 unfolding.drawing = Some(drawing);
                 return Ok(unfolding);
             }
-            // The first way to cut is the plainest, and its overlap the one to tell.
+            // The first way to cut is the plainest, so its overlap is the one to report.
             Err(error) if unfolding.reason.is_none() => {
                 let faces = overlapping(&error, &drawing)
                     .ok_or_else(|| ShapeError::Pattern(error.to_string()))?;
@@ -169,7 +169,7 @@ pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding,
     Ok(unfolding)
 }
 
-/// Fold angles (radians, valley positive) measured on a shape at the edges that it names; 0 where there is one face.
+/// Measures the fold angles (radians, valley positive) of a shape at the edges that it names; 0 at edges with one face.
 ///
 /// # Errors
 /// If the shape is no surface with two sides, made of flat faces.
@@ -181,8 +181,8 @@ pub(crate) fn fold_angles(shape: &FoldedShape) -> Result<Vec<f64>, ShapeError> {
     Ok(angles)
 }
 
-/// Notes what the pattern is, and how well its goal is the shape. `sources` has for each vertex of the
-/// drawing that of the shape.
+/// Records the size of the pattern and the errors of its goal against the shape. `sources` has for each vertex of the
+/// drawing the vertex of the shape.
 fn measure(
     shape: &FoldedShape,
     pattern: &CreasePattern,
@@ -203,7 +203,7 @@ fn measure(
     unfolding.deviation = Some(crate::numbers::largest(off) / shape.size());
 }
 
-/// Two faces of a drawing that an error is about, if it is that they overlap.
+/// Returns two overlapping faces of a drawing, if the error is about an overlap.
 fn overlapping(error: &PatternError, drawing: &Drawing) -> Option<[usize; 2]> {
     let faces = || drawing.faces.iter().flatten().enumerate();
     let at_edge = |edge: usize| {

@@ -1,4 +1,4 @@
-//! A folded shape as a file has it, and what can be wrong with it.
+//! A folded shape read from a file, and the errors that checking it can find.
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -6,40 +6,40 @@ use thiserror::Error;
 use crate::numbers::{diagonal, largest};
 use crate::pattern::{LARGEST, Letter};
 
-/// Part of the square of its outline below which a face has no area.
+/// Smallest area of a face, as a fraction of its squared extent.
 const NO_AREA: f64 = 1e-12;
 
-/// What is known of an edge of a folded shape.
+/// Data that a file names for an edge of a folded shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeEdge {
-    /// Its ends, as positions in the list of vertices.
+    /// The ends, as positions in the list of vertices.
     pub ends: [usize; 2],
-    /// What it is for, if anything says so.
+    /// The letter (FOLD assignment), if the file names one.
     pub letter: Option<Letter>,
-    /// Its fold angle in radians, valley positive, if anything says so. Only its sign is used, where it
-    /// cannot be measured.
+    /// The fold angle in radians, valley positive, if the file names one. Only its sign is used, and only where the
+    /// sign cannot be measured.
     pub angle: Option<f64>,
 }
 
-/// A shape folded of flat faces.
+/// A folded shape of flat faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FoldedShape {
     /// Vertices in space.
     pub vertices: Vec<Vector3<f64>>,
-    /// Faces as cycles of vertices, counter-clockwise as most of them are seen from above.
+    /// Faces as cycles of vertices. Most of them run counter-clockwise seen from above.
     pub faces: Vec<Vec<usize>>,
-    /// What is known of edges; those not named follow from the faces.
+    /// Edges that the file names; all other edges follow from the faces.
     pub edges: Vec<ShapeEdge>,
 }
 
 impl FoldedShape {
-    /// Diagonal of the box round its vertices.
+    /// Returns the diagonal of the bounding box of the vertices.
     #[must_use]
     pub fn size(&self) -> f64 {
         diagonal(&self.vertices)
     }
 
-    /// That it has faces, vertices that are numbers, and no reference to others.
+    /// Checks that the shape has faces, finite vertices, and no reference to a vertex that does not exist.
     pub(super) fn check(&self) -> Result<(), ShapeError> {
         if self.faces.is_empty() {
             return Err(ShapeError::NoFaces);
@@ -72,7 +72,8 @@ impl FoldedShape {
         Ok(())
     }
 
-    /// Unit normal of a face in its order (M. Newell's), which is flat to within a slope.
+    /// Returns the unit normal of a face in the order of its vertices (Newell's method). Fails if a corner is off the
+    /// face's plane by more than `slope` times the face's extent.
     pub(super) fn normal(&self, face: usize, slope: f64) -> Result<Vector3<f64>, ShapeError> {
         let cycle = &self.faces[face];
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -102,7 +103,7 @@ impl FoldedShape {
     }
 }
 
-/// Why a shape cannot be unfolded at all. Faces, edges and vertices are counted from 0.
+/// Reason why a shape cannot be unfolded at all. Faces, edges and vertices are counted from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ShapeError {
     /// There is nothing to unfold.
@@ -117,16 +118,16 @@ pub enum ShapeError {
     /// A reference to a vertex that does not exist.
     #[error("{what} {index}: vertex {vertex} does not exist, expected 0 to {last}")]
     NoVertex {
-        /// What refers to it.
+        /// The kind of element that refers to the vertex.
         what: &'static str,
-        /// Which of them.
+        /// Position of the element in its list.
         index: usize,
         /// The vertex referred to.
         vertex: usize,
         /// The last vertex there is.
         last: usize,
     },
-    /// A face that is no polygon.
+    /// A face with fewer than three different vertices, or without an area.
     #[error("face {face}: expected at least 3 different vertices and an area")]
     NoArea {
         /// The face.
@@ -139,7 +140,7 @@ pub enum ShapeError {
         face: usize,
         /// The vertex.
         vertex: usize,
-        /// Its distance.
+        /// The vertex's distance from the plane.
         off: f64,
     },
     /// More than two faces at an edge.
@@ -170,7 +171,7 @@ pub enum ShapeError {
         /// Its ends.
         ends: [usize; 2],
     },
-    /// What was laid flat is no crease pattern.
+    /// The flat faces form no crease pattern.
     #[error("the flat pattern: {0}")]
     Pattern(String),
 }

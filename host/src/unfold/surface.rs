@@ -1,4 +1,4 @@
-//! The surface that the faces of a shape make: what hangs together, which side is up, where it is curved.
+//! The surface that the faces of a shape form: its connected parts, its orientation and its angle defects.
 
 use core::f64::consts::TAU;
 use std::collections::HashMap;
@@ -10,14 +10,14 @@ use crate::folding::in_plane;
 use crate::joined::root;
 use crate::pattern::{LARGEST, Letter};
 
-/// A side of a face that is an edge.
+/// A side of a face along an edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     /// The face.
     pub(super) face: usize,
     /// Corner of the face, from 0, where the side begins in the file's order.
     corner: usize,
-    /// Whether it runs from the edge's first end to its second, in the file's order.
+    /// `true` if the side runs from the edge's first end to its second, in the file's order.
     forward: bool,
 }
 
@@ -26,16 +26,16 @@ pub(super) struct Side {
 pub(super) struct SurfaceEdge {
     /// Its ends.
     pub(super) ends: [usize; 2],
-    /// What the file says it is for.
+    /// The letter (FOLD assignment) in the file.
     pub(super) letter: Option<Letter>,
-    /// Its fold angle (radians) as the file has it.
+    /// The fold angle (radians) in the file.
     pub(super) angle: Option<f64>,
-    /// One side or two.
+    /// The sides of the one or two faces at the edge.
     pub(super) sides: [Option<Side>; 2],
 }
 
 impl SurfaceEdge {
-    /// Both sides, unless it is a boundary or a cut.
+    /// Returns both sides, unless the edge is a boundary or a cut.
     pub(super) fn joint(&self) -> Option<[Side; 2]> {
         let cut = matches!(self.letter, Some(Letter::Boundary | Letter::Cut));
         match self.sides {
@@ -45,32 +45,34 @@ impl SurfaceEdge {
     }
 }
 
-/// A surface of flat faces, all turned to the same side.
+/// A surface of flat faces, all oriented to the same side.
 pub(super) struct Surface {
     faces: Vec<Vec<usize>>,
-    /// For each face the number of its first corner, counting the corners of all faces.
+    /// For each face the index of its first corner in the list of the corners of all faces.
     first: Vec<usize>,
     pub(super) edges: Vec<SurfaceEdge>,
-    /// Whether the order of a face's vertices runs clockwise, seen from above.
+    /// `true` if the order of a face's vertices runs clockwise, seen from above.
     turned: Vec<bool>,
-    /// For each face the number of its part: parts hang together in nothing but points.
+    /// For each face the number of its part. Parts are connected components: different parts share at most points.
     parts: Vec<usize>,
     /// Unit normals in the file's order.
     normals: Vec<Vector3<f64>>,
     /// Positions of the corners in the planes of their faces, seen from above.
     local: Vec<Vector2<f64>>,
-    /// For each corner the first of those that meet it in one point of the paper.
+    /// For each corner the first corner at the same point of the paper.
     points: Vec<usize>,
     /// Interior points with their angle defects, radians.
     defects: Vec<(usize, f64)>,
-    /// For each part whether it has no boundary, and whether it is a disc.
+    /// For each part `true` if it has no boundary, and `true` if it is a disc.
     closed: Vec<bool>,
     discs: Vec<bool>,
 }
 
 impl Surface {
+    /// Builds the surface of a shape and turns its faces to the same side.
+    ///
     /// # Errors
-    /// If the shape is no surface with two sides, made of faces that are flat to within a slope.
+    /// If the shape is no surface with two sides, or if its faces are not flat to within `slope`.
     pub(super) fn new(
         shape: &FoldedShape,
         slope: f64,
@@ -105,7 +107,7 @@ impl Surface {
         Ok(surface)
     }
 
-    /// Turns all faces of each part to the same side, that of most of them.
+    /// Turns all faces of each part to the side of most of them. Fails on a one-sided part.
     fn turn_alike(&mut self, notes: &mut Vec<String>) -> Result<(), ShapeError> {
         let neighbours = self.neighbours();
         let mut parts = 0;
@@ -150,7 +152,7 @@ impl Surface {
         Ok(())
     }
 
-    /// For each face those beyond its edges, and whether their vertices run the same way round.
+    /// Returns for each face the faces beyond its edges, with `true` if the vertices of both run the same way round.
     fn neighbours(&self) -> Vec<Vec<(usize, bool)>> {
         let mut neighbours = vec![Vec::new(); self.faces.len()];
         for [a, b] in self.edges.iter().filter_map(SurfaceEdge::joint) {
@@ -186,7 +188,7 @@ impl Surface {
                 sums[self.points[self.first[face] + corner]] += self.sector(face, corner);
             }
         }
-        // Euler's characteristic of each part: points - edges + faces.
+        // Euler characteristic of each part: points - edges + faces.
         let mut euler = vec![0_isize; self.closed.len()];
         for face in 0..self.faces.len() {
             euler[self.parts[face]] += 1;
@@ -215,7 +217,7 @@ impl Surface {
         self.defects = interior.map(|c| (c, TAU - sums[c])).collect();
     }
 
-    /// Angle of a face at one of its corners, radians, from 0 to a whole turn.
+    /// Returns the angle of a face at one of its corners, radians, from 0 to a full turn.
     fn sector(&self, face: usize, corner: usize) -> f64 {
         let (first, count) = (self.first[face], self.faces[face].len());
         let at = |corner: usize| self.local[first + corner % count];
@@ -228,8 +230,8 @@ impl Surface {
         if angle < 0.0 { angle + TAU } else { angle }
     }
 
-    /// For each corner the first of those that meet it in one point, if the paper is whole along joints that
-    /// are `joined`.
+    /// Returns for each corner the first corner at the same point, if the paper is whole across the edges with `joined`
+    /// (by union-find).
     pub(super) fn points_where(&self, joined: &[bool]) -> Vec<usize> {
         let count = self.faces.iter().map(Vec::len).sum();
         let mut roots: Vec<usize> = (0..count).collect();
@@ -246,7 +248,7 @@ impl Surface {
         roots
     }
 
-    /// Corners of a side's face at the first and the second end of its edge.
+    /// Returns the corners of a side's face at the first and the second end of its edge.
     pub(super) fn corners(&self, side: Side) -> [usize; 2] {
         let first = self.first[side.face];
         let start = first + side.corner;
@@ -258,12 +260,12 @@ impl Surface {
         }
     }
 
-    /// Whether the face lies to the left of its edge, going from the first end to the second, seen from above.
+    /// Returns `true` if the face lies to the left of its edge, from the first end to the second, seen from above.
     pub(super) fn is_left(&self, side: Side) -> bool {
         side.forward ^ self.turned[side.face]
     }
 
-    /// Unit normal of a face on its upper side.
+    /// Returns the unit normal of a face on its upper side.
     pub(super) fn up(&self, face: usize) -> Vector3<f64> {
         if self.turned[face] {
             -self.normals[face]
@@ -272,12 +274,12 @@ impl Surface {
         }
     }
 
-    /// Faces as in the file.
+    /// Returns the faces as in the file.
     pub(super) fn faces(&self) -> &[Vec<usize>] {
         &self.faces
     }
 
-    /// The numbers of a face's corners, counter-clockwise seen from above.
+    /// Returns the indices of a face's corners, counter-clockwise seen from above.
     pub(super) fn cycle(&self, face: usize) -> Vec<usize> {
         let mut cycle = self.corner_range(face).collect::<Vec<_>>();
         if self.turned[face] {
@@ -286,69 +288,69 @@ impl Surface {
         cycle
     }
 
-    /// The numbers of a face's corners in the file's order.
+    /// Returns the indices of a face's corners in the file's order.
     pub(super) fn corner_range(&self, face: usize) -> core::ops::Range<usize> {
         self.first[face]..self.first[face] + self.faces[face].len()
     }
 
-    /// Vertex of the shape at each corner.
+    /// Returns the vertex of the shape at each corner.
     pub(super) fn corner_vertices(&self) -> impl Iterator<Item = usize> {
         self.faces.iter().flatten().copied()
     }
 
-    /// Positions of all corners in the planes of their faces.
+    /// Returns the positions of all corners in the planes of their faces.
     pub(super) fn local(&self) -> &[Vector2<f64>] {
         &self.local
     }
 
-    /// Number of parts.
+    /// Returns the number of parts.
     pub(super) fn parts(&self) -> usize {
         self.closed.len()
     }
 
-    /// For each face its part.
+    /// Returns the part of each face.
     pub(super) fn part_of_faces(&self) -> &[usize] {
         &self.parts
     }
 
-    /// Whether a part is a disc, which is never cut.
+    /// Returns `true` if a part is a disc, which is never cut.
     pub(super) fn part_is_disc(&self, part: usize) -> bool {
         self.discs[part]
     }
 
-    /// Whether a part has no boundary.
+    /// Returns `true` if a part has no boundary.
     pub(super) fn part_is_closed(&self, part: usize) -> bool {
         self.closed[part]
     }
 
-    /// Whether every part is a disc.
+    /// Returns `true` if every part is a disc.
     pub(super) fn is_disc(&self) -> bool {
         self.discs.iter().all(|disc| *disc)
     }
 
-    /// Vertices that faces have, counted once for each point of the paper that they are.
+    /// Returns the number of vertices that faces use. A vertex counts once for each point of the paper at its place.
     pub(super) fn vertices(&self) -> usize {
         let corners = self.points.iter().enumerate();
         corners.filter(|(corner, point)| corner == *point).count()
     }
 
-    /// Largest angle defect of an interior vertex, radians, without sign.
+    /// Returns the largest absolute angle defect of an interior vertex, radians.
     pub(super) fn max_defect(&self) -> f64 {
         crate::numbers::largest(self.defects.iter().map(|(_, defect)| defect.abs()))
     }
 
-    /// Largest angle defect that is not above a bound: what the shape has of noise, radians.
+    /// Returns the largest absolute angle defect (radians) that is at most `bound`: the noise of the shape.
     pub(super) fn noise(&self, bound: f64) -> f64 {
         let defects = self.defects.iter().map(|(_, defect)| defect.abs());
         crate::numbers::largest(defects.filter(|defect| *defect <= bound))
     }
 
-    /// The vertex whose angle defect is farthest above a bound, and that defect, in a part that has a
-    /// boundary and so may not be cut.
+    /// Returns the vertex whose absolute angle defect is farthest above `bound`, and that defect. Only parts with a
+    /// boundary count, as these are not cut to remove defects.
     pub(super) fn not_developable(&self, bound: f64) -> Option<(usize, f64)> {
         let corner_face = |corner: usize| self.first.partition_point(|first| *first <= corner) - 1;
         let bad = self.defects.iter().filter(|(corner, defect)| {
-            // A broken number is no developable vertex either.
+            // A NaN is no defect of a developable vertex either.
             (defect.abs() > bound || defect.is_nan())
                 && !self.closed[self.parts[corner_face(*corner)]]
         });
@@ -358,7 +360,7 @@ impl Surface {
     }
 }
 
-/// Edges that the shape names and faces have, in its order, then all others.
+/// Returns the edges that the shape names and faces have, in the shape's order, then all other edges.
 fn edges(shape: &FoldedShape, notes: &mut Vec<String>) -> Result<Vec<SurfaceEdge>, ShapeError> {
     let key = |a: usize, b: usize| (a.min(b), a.max(b));
     let mut index = HashMap::with_capacity(shape.edges.len());

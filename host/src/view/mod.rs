@@ -1,6 +1,6 @@
-//! The page that shows a folding path: one HTML file that needs nothing else.
+//! Makes the page that shows a folding path: one HTML file that needs no other file and no network.
 //!
-//! `page/` has its parts, with placeholders; [`page`] puts them together, and the [`Scene`] there as JSON.
+//! `page/` has its parts, with placeholders. [`page`] joins the parts and inserts the [`Scene`] as JSON.
 
 mod scene;
 
@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// Each uses those before.
+/// Each script uses those before it.
 const SCRIPTS: [&str; 4] = [
     include_str!("page/fold.js"),
     include_str!("page/drawing.js"),
@@ -17,8 +17,8 @@ const SCRIPTS: [&str; 4] = [
 ];
 const PLACEHOLDER: &str = "/*SCENE*/";
 
-/// What the page shows: the flat sheet and how its hinges turn. The page folds the sheet itself, at any time,
-/// panel by panel along the spanning tree.
+/// The data of the page: the flat sheet and the motion of its hinges. The page folds the sheet itself, at any time,
+/// face by face along the spanning tree.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scene {
     /// Name of the sheet.
@@ -26,32 +26,33 @@ pub struct Scene {
     /// The flat sheet, in its own length unit.
     #[serde(serialize_with = "flat")]
     pub vertices: Vec<[f64; 2]>,
-    /// For each vertex the face that takes it along, if any does.
+    /// For each vertex a face that contains it, if any does.
     pub vertex_faces: Vec<Option<u32>>,
     /// For each face the triangles that cover it, counter-clockwise seen from the front of the paper.
     pub faces: Vec<Vec<[u32; 3]>>,
     /// The two vertices of every edge of the pattern.
     #[serde(serialize_with = "flat")]
     pub edges: Vec<[u32; 2]>,
-    /// The FOLD assignment of every edge: of B, M, V, F, U, J, C.
+    /// The letter (FOLD assignment) of every edge: B, M, V, F, U, J or C.
     pub letters: String,
-    /// The crease group of every edge, from 1, negative if it turns the opposite way; 0 if it is no hinge.
+    /// The crease group of every edge, counted from 1, negative if the edge turns against its group; 0 if it is no
+    /// hinge.
     pub turns: Vec<i64>,
-    /// For each sheet the face that the others hang on.
+    /// For each sheet the root face of its spanning tree.
     pub roots: Vec<u32>,
-    /// Steps of the spanning tree: a face, the one that it hangs on, the edge between them, and the end of it
-    /// (0 or 1) from where the direction leads about which a positive angle turns the face.
+    /// Steps of the spanning tree: a face, its parent face, the edge between them, and the edge's end (0 or 1) at which
+    /// the direction starts about which a positive angle turns the face.
     #[serde(serialize_with = "flat")]
     pub tree: Vec<[u32; 4]>,
     /// The motion of the crease groups.
     pub motion: SceneMotion,
-    /// Shapes on the path, its knots among them; at least one, in the order of time.
+    /// Shapes along the path in order of time, the knots among them; at least one.
     pub shapes: Vec<SceneShape>,
-    /// The worst pair of faces.
+    /// The pair of faces that comes nearest to each other, or that passes through each other.
     pub worst_pair: Option<ScenePair>,
     /// Numbers of the knots at which another phase of the motion begins.
     pub phases: Vec<usize>,
-    /// Number of creases, virtual edges not counted.
+    /// Number of creases, without virtual edges.
     pub creases: usize,
     /// Largest deformation of the path, as a fraction of the edge length.
     pub max_deformation: f64,
@@ -61,10 +62,10 @@ pub struct Scene {
     pub max_closure: f64,
 }
 
-/// Crease groups at the knots of a path. Lists of groups have a row a knot, one behind the other.
+/// Angles of the crease groups at the knots of a path. Lists of groups have one row for each knot.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneMotion {
-    /// How they move between knots, by its name in files.
+    /// Name of the interpolation between knots, as in files.
     pub interpolation: &'static str,
     /// Number of crease groups.
     pub groups: usize,
@@ -72,30 +73,30 @@ pub struct SceneMotion {
     pub times: Vec<f64>,
     /// Fold angles of the groups, radians.
     pub angles: Vec<f64>,
-    /// Their rates, radians per second.
+    /// Rates of the groups, radians per second.
     pub rates: Vec<f64>,
-    /// Weights of their half angles and the rates of these; empty unless the interpolation is homogeneous.
+    /// Weights of the groups' half angles and the rates of the weights; empty unless the interpolation is homogeneous.
     #[serde(serialize_with = "flat")]
     pub weights: Vec<[f64; 2]>,
 }
 
-/// The sheet at one time, and what was measured there.
+/// The sheet at one time, with its measured errors.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneShape {
     /// Path time in seconds.
     pub time: f64,
-    /// Where each sheet is: the rotation of its root as a quaternion (w, x, y, z), and the place of the first
+    /// Pose of each sheet: the rotation of its root face as a quaternion (w, x, y, z), and the position of the first
     /// vertex of the root's first triangle.
     #[serde(serialize_with = "rounded")]
     pub places: Vec<[f64; 7]>,
-    /// Largest change of an edge's length, as a fraction of it.
+    /// Largest relative change of an edge's length.
     pub deformation: f64,
-    /// Largest distance between a vertex's places by the faces round it, over the median edge.
+    /// Largest distance between the positions that the faces round a vertex give it, over the median edge.
     pub gap: f64,
     /// Largest closure residual (dimensionless, about radians).
     pub closure: f64,
-    /// Smallest distance between faces that share no vertex, over the median edge; `None` where faces cross
-    /// or that is not known.
+    /// Smallest distance between faces that share no vertex, over the median edge; `None` if faces cross or the
+    /// distance is not known.
     pub clearance: Option<f64>,
 }
 
@@ -106,13 +107,13 @@ pub struct ScenePair {
     pub faces: [u32; 2],
     /// Path time in seconds.
     pub time: f64,
-    /// How far apart they are then, or how deep they cross, over the median edge.
+    /// Distance of the faces at that time, or depth of their crossing, over the median edge.
     pub distance: f64,
-    /// Whether they pass through each other.
+    /// `true` if the faces pass through each other.
     pub crosses: bool,
 }
 
-/// The page that shows `scene`.
+/// Returns the page that shows `scene`.
 ///
 /// # Panics
 ///
@@ -135,7 +136,7 @@ fn flat<T: Serialize, S: Serializer, const N: usize>(
     to.collect_seq(list.as_flattened())
 }
 
-/// The same as f32, which is half as long.
+/// Writes tuples as one list of `f32`, which is half as long.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
 fn rounded<S: Serializer, const N: usize>(list: &[[f64; N]], to: S) -> Result<S::Ok, S::Error> {
     to.collect_seq(list.as_flattened().iter().map(|&x| x as f32))
@@ -181,7 +182,7 @@ mod tests {
         }
     }
 
-    /// The JSON in a page, as the browser's HTML parser would find it.
+    /// Returns the JSON in a page, as the browser's HTML parser would find it.
     fn scene_in(page: &str) -> serde_json::Value {
         let start = r#"<script id="scene" type="application/json">"#;
         let (_, rest) = page.split_once(start).expect("the page has a scene");

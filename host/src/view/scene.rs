@@ -1,4 +1,4 @@
-//! The scene of a path.
+//! Computes the scene of a path: the data that its page shows.
 
 use foldpath_core::{Membership, Node};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -12,15 +12,15 @@ use crate::progress::{Progress, Watch};
 use crate::shapes::STEP;
 
 impl Scene {
-    /// What there is to see of a path: its motion, and what is measured on it now rather than what the file
-    /// claims. Cost: folding and measuring all shapes, and a sweep for the nearest faces.
+    /// Computes the scene of a path: its motion, and errors measured afresh instead of those that the file claims.
+    /// Cost: folding and measuring all shapes, and a sweep for the nearest faces.
     #[must_use]
     pub fn of_path(path: &PathFile) -> Self {
         Self::until_over(path, Watch::default())
     }
 
-    /// Takes the scene of a path, and tells `progress` how far it is. Once cancelled, clearances that have not been
-    /// measured are left out.
+    /// Computes the scene of a path and reports the progress to `progress`. Once cancelled, clearances not yet measured
+    /// are left out.
     #[must_use]
     pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
         Self::until_over(path, Watch::new(progress))
@@ -84,8 +84,8 @@ impl Scene {
     }
 }
 
-/// For each edge its part in a crease group: of the groups that the file has, if its hinges turn as they say,
-/// or else of hinges that turn alike.
+/// Returns crease group and sign of each edge: those that the file has, if its hinges turn as these say, or else groups
+/// of hinges whose motions are equal.
 fn members(path: &PathFile) -> Vec<Option<Membership>> {
     let pattern = &path.pattern;
     let mut failures = Vec::new();
@@ -100,7 +100,7 @@ fn members(path: &PathFile) -> Vec<Option<Membership>> {
     edges.map(|edge| Some(groups.of(edge.crease?))).collect()
 }
 
-/// A part in a group as one number.
+/// Encodes a membership as one number, as in [`Scene::turns`].
 fn turn(member: Option<Membership>) -> i64 {
     member.map_or(0, |m| {
         let number = i64::from(m.group.0) + 1;
@@ -108,7 +108,7 @@ fn turn(member: Option<Membership>) -> i64 {
     })
 }
 
-/// The groups at the knots of the path.
+/// Returns the motion of the groups at the knots of the path.
 fn motion(path: &PathFile, members: &[Option<Membership>]) -> SceneMotion {
     let mut leaders: Vec<Option<(EdgeId, Membership)>> = Vec::new();
     for (edge, member) in members.iter().enumerate() {
@@ -145,7 +145,7 @@ fn motion(path: &PathFile, members: &[Option<Membership>]) -> SceneMotion {
     }
 }
 
-/// The steps of the tree, as [`Scene::tree`] has them.
+/// Returns the steps of the tree, as in [`Scene::tree`].
 fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
     let start = |edge: EdgeId, face| u32::from(pattern.edge(edge).faces[0] != Some(face));
     let steps = tree.steps().iter();
@@ -161,8 +161,8 @@ fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
         .collect()
 }
 
-/// Where each sheet is in each shape. It is laid on the shape before, from the flat sheet on, so that every
-/// sheet as a whole stays where it is while it folds.
+/// Returns the pose of each sheet in each shape. Each shape is registered rigidly to the shape before, starting from
+/// the flat sheet, so that every sheet as a whole stays where it is while it folds.
 fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
     let pattern = &shapes.pattern;
     let mut map = FoldingMap::flat(pattern);
@@ -183,7 +183,7 @@ fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
             for &vertex in sheet {
                 before[vertex] = laid(&map.vertices()[vertex]);
             }
-            // The root is where it was drawn.
+            // The folding map leaves the root face where it is drawn.
             let first = pattern.triangles()[root.index()].first();
             let pivot = first.map_or(Vector3::zeros(), |corners| pattern.point(corners[0]));
             let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r_wf));

@@ -1,5 +1,4 @@
-//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them: all that is known of them is
-//! in `mps2.rs`.
+//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them. Only `mps2.rs` knows the board.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]

@@ -1,8 +1,8 @@
-//! Arm's MPS2 board with the images AN386 and AN500, as QEMU emulates it. To port the controller is to write another
-//! file like this.
+//! Arm's MPS2 board with the images AN386 and AN500, as QEMU emulates it. A port of the controller is another file like
+//! this one.
 //!
-//! Interrupts carry bytes between the lines and queues, and nothing else; the main loop does all the rest. The hinges
-//! are a [`Plant`], whose faults come over the third line, the bench.
+//! Interrupts carry bytes between the lines and queues, and do nothing else; the main loop does all other work. The
+//! hinges are a [`Plant`], whose faults come over the third line, the bench.
 #![allow(
     unsafe_code,
     reason = "registers, and RAM that a reset leaves as it is, are reached by address"
@@ -23,68 +23,68 @@ use foldpath_firmware_sim::controller::Settings;
 use foldpath_firmware_sim::fifo::Fifo;
 use foldpath_firmware_sim::plant::Plant;
 
-/// Two groups, and the hinges of a Miura fold of 24 x 24 faces.
+/// Room for two groups and the hinges of a Miura fold of 24 x 24 faces.
 type Controller = Application<Mps2, Line, 2, 1104, 16, 16>;
 
 /// Counts of the clock in a microsecond.
 const MEGAHERTZ: u32 = 25;
-/// Counts after which the watchdog warns, and once more, resets: 1 s.
+/// Counts, of 1 s, after which the watchdog warns. After as many counts again it resets the board.
 const PATIENCE: u32 = 1_000_000 * MEGAHERTZ;
 
 const TIMER: usize = 0x4000_0000;
 const WATCHDOG: usize = 0x4000_8000;
-/// Enable interrupts 0 to 31, and set them pending.
+/// Registers that enable interrupts 0 to 31 (`NVIC_ENABLE`) and set them pending (`NVIC_PEND`).
 const NVIC_ENABLE: usize = 0xe000_e100;
 const NVIC_PEND: usize = 0xe000_e200;
-/// Memory protection.
+/// Registers of the memory protection unit.
 const MPU_CONTROL: usize = 0xe000_ed94;
 const MPU_REGION: usize = 0xe000_ed9c;
 const MPU_KIND: usize = 0xe000_eda0;
-/// The lowest of the stack, which nothing may touch: 2¹⁰ bytes.
+/// Address of the guard, the lowest 2¹⁰ bytes of the stack, which nothing may touch.
 const GUARD: u32 = 0x2000_0000;
 
-/// The interrupts of the lines.
+/// Numbers of the lines' interrupts.
 const RECEIVED: i16 = 0;
 const SENT: i16 = 1;
 const STOP_RECEIVED: i16 = 2;
 const BENCH_RECEIVED: i16 = 4;
 
 unsafe extern "C" {
-    /// What [`exception`] makes of the handler of that name below.
+    /// The handler that [`exception`] makes of the function of that name below.
     #[link_name = "DefaultHandler"]
     safe fn default_handler();
 }
 
 /// The handlers of interrupts 0 to 4. The board has more, which are not enabled.
-// SAFETY: the section is that of these addresses.
+// SAFETY: this section is the one for the addresses of interrupt handlers.
 #[unsafe(export_name = "__INTERRUPTS")]
 #[unsafe(link_section = ".vector_table.interrupts")]
 static INTERRUPTS: [extern "C" fn(); 5] = [default_handler; 5];
 
-/// Bytes from the host that wait for the main loop. What finds no room is lost, and sent again.
+/// Bytes from the host that wait for the main loop. Bytes without room are lost, and sent again.
 static INCOMING: Fifo<256> = Fifo::new();
 /// Bytes for the host that wait for the line.
 static OUTGOING: Fifo<64> = Fifo::new();
-/// Whether the stop line was drawn since the main loop asked.
+/// `true` if the stop line was drawn since the main loop last asked.
 static DRAWN: AtomicBool = AtomicBool::new(false);
 
 /// Records that a reset leaves as they are.
-// SAFETY: the section is not written at start, and a byte is one whatever is in it.
+// SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
 static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
 
 /// The hinges, which a reset leaves as they are. The emulator's memory is 0 when it starts.
-// SAFETY: as above: any bytes are a plant.
+// SAFETY: as above: any bytes are a valid plant.
 #[unsafe(link_section = ".uninit.plant")]
 static PLANT: Plant<2> = Plant::new();
 
-/// A CMSDK UART: one byte each way.
+/// A CMSDK UART, which holds one byte in each direction; its address.
 #[derive(Clone, Copy)]
 struct Uart(usize);
 
-/// To the host.
+/// The line to the host.
 const HOST: Uart = Uart(0x4000_4000);
-/// The stop line, which any byte draws.
+/// The stop line. Any byte on it draws it.
 const STOP: Uart = Uart(0x4000_5000);
 /// The bench.
 const BENCH: Uart = Uart(0x4000_6000);
@@ -95,13 +95,13 @@ impl Uart {
     const INTERRUPTS: usize = 0xc;
     const DIVISOR: usize = 0x10;
 
-    /// Receives and sends, with interrupts for both.
+    /// Enables reception and transmission, with interrupts for both.
     fn enable(self) {
         write(self.0 + Self::DIVISOR, 16);
         write(self.0 + Self::CONTROL, 0b1111);
     }
 
-    /// The byte that has come.
+    /// Returns the byte that has come, if there is one.
     fn receive(self) -> Option<u8> {
         if read(self.0 + Self::STATE) & 0b10 == 0 {
             return None;
@@ -110,7 +110,7 @@ impl Uart {
         Some(byte)
     }
 
-    /// Whether a byte can be sent.
+    /// Returns `true` if a byte can be sent.
     fn is_free(self) -> bool {
         read(self.0 + Self::STATE) & 0b01 == 0
     }
@@ -124,7 +124,7 @@ impl Uart {
     }
 }
 
-/// The line to the host: queues that its interrupts empty and fill.
+/// The line to the host: queues that its interrupts fill and empty.
 struct Line;
 
 impl ErrorType for Line {
@@ -158,7 +158,7 @@ impl WriteReady for Line {
 impl Write for Line {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         let count = bytes.iter().take_while(|byte| OUTGOING.add(**byte)).count();
-        // Only the interrupt takes bytes from the queue, so that is asked for.
+        // Only the interrupt takes bytes from the queue, so set it pending.
         write(NVIC_PEND, 1 << SENT);
         Ok(count)
     }
@@ -172,13 +172,13 @@ impl Write for Line {
 #[derive(Default)]
 struct Mps2 {
     count: u32,
-    /// Counts that are no microsecond yet.
+    /// Counts that do not yet make a microsecond.
     rest: u32,
     micros: u64,
 }
 
 impl Board for Mps2 {
-    /// The counter wraps after 171 s, and is asked at each round of the main loop.
+    /// The counter wraps after 171 s. Each round of the main loop reads it.
     fn now(&mut self) -> u64 {
         let count = !read(TIMER + 0x4);
         let passed = count.wrapping_sub(self.count);
@@ -225,7 +225,8 @@ impl Board for Mps2 {
 
 /// Starts the guard of the stack, the clock, the watchdog and a wake-up each millisecond.
 fn start() {
-    // Without access, 2^(9 + 1) bytes; elsewhere, and in the handler of the fault, memory is as without protection.
+    // The region of 2^(9 + 1) bytes allows no access. All other memory, and all memory in the fault's handler, is as
+    // without protection.
     write(MPU_REGION, GUARD | 1 << 4);
     write(MPU_KIND, 1 << 28 | 9 << 1 | 1);
     write(MPU_CONTROL, 0b101);
@@ -246,7 +247,7 @@ fn start() {
     }
 }
 
-/// Memory of the controller: its numbers make all of `None` zero, which takes no flash.
+/// Memory of the controller. The discriminants make `None` all zeros, so that its initial value takes no flash.
 #[allow(clippy::large_enum_variant, reason = "there is one, for ever")]
 #[repr(u8)]
 enum Memory {
@@ -259,7 +260,7 @@ fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
     start();
     *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, Settings::default()));
-    // With nothing that ticks, QEMU may leave received bytes lying for a second: the lines come last.
+    // The lines come last: while nothing ticks, QEMU may leave received bytes lying for a second.
     HOST.enable();
     STOP.enable();
     BENCH.enable();
@@ -268,7 +269,7 @@ fn main() -> ! {
         if let Memory::Some(controller) = MEMORY {
             controller.step();
         }
-        // A pending interrupt ends the wait, though it is taken only behind it.
+        // A pending interrupt ends the wait although interrupts are masked here; its handler runs behind this closure.
         cortex_m::interrupt::free(|_| {
             if INCOMING.is_empty() && !DRAWN.load(Ordering::Relaxed) {
                 asm::wfi();
@@ -277,7 +278,7 @@ fn main() -> ! {
     }
 }
 
-/// The interrupts of the lines. The watchdog's warning is no reason to stop, and what is not expected is none either.
+/// Handles the interrupts of the lines. The watchdog's warning and unexpected interrupts are ignored.
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
     match interrupt {
@@ -315,13 +316,13 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[exception]
 fn SysTick() {}
 
-/// A fault, as that of a stack that has grown into its guard, starts anew.
+/// Resets the board after a fault, such as that of a stack that has grown into its guard.
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     SCB::sys_reset()
 }
 
-// SAFETY: there is no such function. So the image links only if nothing in it can panic.
+// SAFETY: there is no such function, so that the image links only if nothing in it can panic.
 unsafe extern "C" {
     safe fn something_can_panic() -> !;
 }
@@ -332,11 +333,11 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 }
 
 fn read(address: usize) -> u32 {
-    // SAFETY: a register of this board, by the constants above.
+    // SAFETY: the address is a register of this board, one of the constants above.
     unsafe { ptr::read_volatile(ptr::with_exposed_provenance(address)) }
 }
 
 fn write(address: usize, value: u32) {
-    // SAFETY: a register of this board, by the constants above; none makes the core touch memory.
+    // SAFETY: the address is a register of this board, one of the constants above; none makes the core touch memory.
     unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut(address), value) }
 }

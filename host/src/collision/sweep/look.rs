@@ -1,4 +1,4 @@
-//! Looks at pairs: how far apart they are at a time, and until when they stay apart.
+//! Narrow phase of a sweep: queries pairs for their distance at a time, and for how long they stay apart.
 
 use super::{Kind, Look, Pair, Place, Sweep, place};
 use crate::collision::cells::AHEAD;
@@ -13,17 +13,17 @@ use crate::collision::sheet::Axis;
 use crate::collision::sweep::Clearance;
 use crate::pattern::FaceId;
 
-/// Clusters nearer to each other than this part of the larger one's radius are parted.
+/// Ratio of the distance of two clusters to the larger one's radius up to which the clusters are split.
 const NEAR: f64 = 0.5;
-/// Pieces nearer to each other, by their spheres, than this part of the smaller one's radius are
-/// measured exactly.
+/// Ratio of the distance of two pieces' spheres to the smaller one's radius up to which the pieces are measured
+/// exactly.
 const CLOSE: f64 = 0.5;
-/// Tabulated times over which pairs are to stay apart for which cells stand.
+/// Number of tabulated times over which pairs represented by their cells have to stay apart.
 const LEAP: usize = 1;
-/// The same for pairs that may be the nearest of all.
+/// Number of tabulated times over which such pairs have to stay apart if they may be the nearest of all.
 const FOLLOWED: usize = 6;
-/// Pairs that are apart by no more than so many tolerances are looked at as touching: the square root of
-/// a tolerance is the step that a plane then allows.
+/// Distance in tolerances up to which pairs are treated as touching: a plane then allows a step of the square
+/// root of a tolerance.
 const CONTACT: f64 = 1e3;
 
 fn clearance(pieces: &Pieces, pair: [u32; 2], distance: f64, place: Place) -> Clearance {
@@ -92,7 +92,8 @@ impl Sweep<'_> {
         look
     }
 
-    /// Looks for pieces that may meet until the end of the next interval, and at the nearest there.
+    /// Runs the broad phase over the next interval: adds the pieces that may meet before its end, and finds the
+    /// nearest pieces at its end.
     fn look_ahead(&mut self, motion: &Motion) -> Look {
         let time = self.sheet.time;
         if time > 0 && time == motion.end() {
@@ -106,7 +107,7 @@ impl Sweep<'_> {
         };
         let before = course.from;
         if time == motion.end() || !course.advance(motion, &self.pieces, &self.hierarchy) {
-            // Chains of creases say more than long sums.
+            // Chains of creases give better bounds than the long sums of the broad phase.
             self.course = Some(course);
             self.add_roots(time);
             return Look::Part;
@@ -158,14 +159,14 @@ impl Sweep<'_> {
         Look::Part
     }
 
-    /// Looks for cells that come near each other soon.
+    /// Wakes cells that come near each other soon.
     fn look_far(&mut self, motion: &Motion) -> Look {
         let (time, best, astray) = (self.sheet.time, self.best(), self.astray());
         let touching = self.options.tolerance * self.pattern.median_edge();
         let Some(cells) = &mut self.sheet.cells else {
             return Look::Free;
         };
-        // As long as none is known to be the nearest, more and more of them.
+        // As long as no distance is known, cells within a growing distance are woken.
         if best == f64::INFINITY {
             self.far = 2.0 * self.far + self.pattern.median_edge() / 2.0;
         }
@@ -227,7 +228,8 @@ impl Sweep<'_> {
         self.after_cells(motion, found.least, until)
     }
 
-    /// The next look at cells that stay so far apart until a time, and by how much they may move until then.
+    /// Returns the next query of cells that are `apart`, given the time until which they stay apart and their
+    /// motion until then.
     fn after_cells(&self, motion: &Motion, apart: f64, until: Option<(Tick, f64)>) -> Look {
         match until {
             None => Look::Free,
@@ -241,8 +243,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// Measures the distance of two faces, if it may be the smallest; returns how many pairs of pieces
-    /// were measured.
+    /// Measures the distance of two faces, which may be the smallest; returns the number of pairs of pieces
+    /// measured.
     fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
         let [first, second] = faces.map(|face| self.load(face));
         let mut measured = 0;
@@ -258,7 +260,7 @@ impl Sweep<'_> {
         measured
     }
 
-    /// Notes a distance that is smaller than all before.
+    /// Stores a distance if it is smaller than all before.
     fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
         if distance < self.best() {
             let at = place(motion, self.sheet.time);
@@ -356,7 +358,7 @@ impl Sweep<'_> {
             return self.next(motion, until, angle, false);
         }
         self.levers.clear();
-        // Pairs of creases do not turn what is beyond.
+        // Pairs of creases do not turn the part beyond them.
         let chain = self.chain(index);
         for link in self.chains.singles(&chain) {
             self.levers.add(link.group, 1.0);
@@ -365,9 +367,10 @@ impl Sweep<'_> {
         self.at_contact(motion, index, pair.kind, angle * reach, look)
     }
 
-    /// How deep two pieces in their places cross, or how far they have left through each other where they lay flat on
-    /// each other: each is on the other side of the other than it came from. Notes from where they came as long as they
-    /// lie so.
+    /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if
+    /// they have left through each other, that is, if each is on the other side of the other than it came from;
+    /// the depth is then their larger height. While pieces lie flat on each other, stores the sides that they
+    /// came from.
     fn crosses(&mut self, motion: &Motion, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
         let (nodes, tolerance) = (pair.nodes, self.tolerance(pair.kind));
         if apart <= tolerance {
@@ -396,8 +399,9 @@ impl Sweep<'_> {
         None
     }
 
-    /// Whether each of two pieces that lie flat on each other at the second time was above the other before; they do
-    /// not cross since the first. `None` if they lay like that all the time.
+    /// Finds by bisection from which sides two pieces came that lie flat on each other at the second time, and
+    /// do not cross since the first. The flags are `true` if the second was above the first, and if the first
+    /// was above the second. Returns `None` if the pieces lay flat on each other all the time.
     fn came_from(
         &mut self,
         motion: &Motion,
@@ -423,14 +427,15 @@ impl Sweep<'_> {
         }
     }
 
-    /// How high pieces in their places lie over each other, each over the other.
+    /// Returns the heights of two placed pieces over each other.
     fn heights(&self, nodes: [u32; 2], tolerance: f64) -> Option<[f64; 2]> {
         let placed = self.sheet.placed(&self.pieces);
         let [a, b] = nodes.map(|node| placed.piece(node));
         heights(&a, &b, tolerance)
     }
 
-    /// The next look at a pair that nearly touches: later, if a plane parts it for longer.
+    /// Returns the next query of a pair that nearly touches: a later one, if a plane separates the pair for
+    /// longer.
     fn at_contact(
         &mut self,
         motion: &Motion,
@@ -465,7 +470,7 @@ impl Sweep<'_> {
         Look::Until(reached)
     }
 
-    /// The planes that part two pieces.
+    /// Returns the planes that separate two pieces.
     fn parted(&mut self, motion: &Motion, index: u32, tolerance: f64) -> Vec<Parted> {
         let (chain, nodes) = (self.chain(index), self.pairs[index as usize].nodes);
         let links = self.chains.links(&chain);
@@ -496,7 +501,7 @@ impl Sweep<'_> {
         let above = self.pairs[index as usize].above;
         let above = [0, 1].map(|k| above.map(|above| above[k]));
         let mut all = parted(&a, &b, &self.turns, above[0], tolerance);
-        // Seen from the other end, creases come the other way round and turn the other way.
+        // Seen from the other end, creases come in reverse order and turn the other way.
         self.turns.reverse();
         for turn in &mut self.turns {
             turn.about = -turn.about;
@@ -505,7 +510,7 @@ impl Sweep<'_> {
         all
     }
 
-    /// What is less deep between such pairs is contact.
+    /// Returns the depth up to which an overlap of such a pair is contact, units of the sheet.
     pub(super) fn tolerance(&self, kind: Kind) -> f64 {
         let gap = match kind {
             Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
@@ -526,7 +531,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// How deep two pieces cross.
+    /// Returns the depth to which two pieces cross.
     pub(super) fn depth(&mut self, motion: &Motion, [a, b]: [u32; 2]) -> f64 {
         for piece in [a, b] {
             self.pieces.join(self.pattern, piece);
@@ -539,8 +544,9 @@ impl Sweep<'_> {
         self.sheet.placed(&self.pieces).depth(a, b, tolerance)
     }
 
-    /// Sums up the levers of a chain of creases, each the distance from one end of the chain (0 or 1) as
-    /// `reach` says: those up to some crease that of the first, the others that of the second.
+    /// Sums up the levers of a chain of creases. The lever of a crease is its distance from one end of the
+    /// chain (0 or 1), as `reach` returns it: from the first end for creases up to some crease, from the second
+    /// end for the others.
     fn gather(&mut self, motion: &Motion, chain: &Chain, reach: impl Fn(usize, &Axis) -> f64) {
         self.levers.clear();
         let sheet = &mut self.sheet;
@@ -565,8 +571,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// How far points of a cluster may move, as seen from its face, for each radian that the group varies
-    /// which varies most.
+    /// Returns a bound on how far points of a cluster move as seen from its face, per radian of variation of
+    /// the group that varies most.
     fn spread(&mut self, motion: &Motion, node: u32) -> f64 {
         let Some(children) = self.hierarchy.nodes[node as usize].children else {
             return 0.0;
@@ -592,7 +598,7 @@ impl Sweep<'_> {
         spread
     }
 
-    /// The same for two pieces that are in their places.
+    /// Sums up the levers of a chain between two placed pieces, from the distances of their corners.
     fn gather_corners(&mut self, motion: &Motion, chain: &Chain, nodes: [u32; 2]) {
         let ranges = nodes.map(|node| self.pieces.list[node as usize].corners());
         let corners = ranges.map(|range| self.sheet.corners(range).to_vec());
@@ -602,8 +608,8 @@ impl Sweep<'_> {
         });
     }
 
-    /// When to look again at a pair of pieces that are `apart`, as the lattice says; `None` if that is not
-    /// after the next tabulated time.
+    /// Returns the next query of a pair of pieces that are `apart`, by the bounds of the lattice; `None` if
+    /// there is no lattice, or its bounds allow no step.
     fn along_lattice(&self, motion: &Motion, index: u32, apart: f64, counts: bool) -> Option<Look> {
         let time = self.sheet.time;
         if time == motion.end() {
@@ -618,7 +624,7 @@ impl Sweep<'_> {
         Some(if free { Look::Free } else { Look::Until(until) })
     }
 
-    /// When to look again at a pair of pieces that are `apart` and may come nearer by `allowance`.
+    /// Returns the next query of a pair of pieces that are `apart` and may approach each other by `allowance`.
     fn after(&self, motion: &Motion, apart: f64, allowance: f64, counts: bool) -> Look {
         let time = self.sheet.time;
         if time == motion.end() {
@@ -629,8 +635,8 @@ impl Sweep<'_> {
         self.next(motion, until, apart, counts)
     }
 
-    /// The next look at a pair that is free until some time; at the end only if the pair may be the
-    /// nearest there.
+    /// Returns the next query of a pair that is free until some time. A pair that is free to the end is queried
+    /// there only if it may be the nearest pair at the end.
     fn next(&self, motion: &Motion, until: Tick, apart: f64, counts: bool) -> Look {
         let time = self.sheet.time;
         let until = if self.options.skip_motion {

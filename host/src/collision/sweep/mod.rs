@@ -1,21 +1,22 @@
-//! Whether faces pass through each other anywhere on a motion.
+//! Decides whether faces pass through each other anywhere on a motion, by conservative advancement.
 //!
-//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996,
-//! 2.3): two faces at a distance need no look until they may have come so far. Differs from the source
-//! in the bound on their motion. Between two faces lies a chain of creases. Turn one of them alone, and
-//! points of the faces come closer by no more than the angle times the distance of either point from the
-//! crease; turn all of them one after the other, from the middle of the chain outwards, and these are
-//! distances where the sheet is now. So a pair is free until the sum over its chain of variation of
-//! angle times distance has used up its distance: whatever the motion does in between, as long as the
-//! sheet closes.
+//! Conservative advancement (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996, 2.3):
+//! two faces at a distance need no query until they may have come so far. Differs from the source in the bound
+//! on their motion. Between two faces lies a chain of creases. If one of the creases turns alone, points of the
+//! faces approach each other by no more than the angle times the distance of either point from the crease. If
+//! all creases turn one after the other, from the middle of the chain outwards, these are distances in the
+//! sheet as it is now. So a pair is free until the sum over its chain of variation of angle times distance has
+//! used up the pair's distance. This holds whatever the motion does in between, as long as the sheet closes.
 //!
-//! Where two faces share a vertex their distance is 0, but they lie in sectors round it, and cross only
-//! if the arcs of the sectors on the unit sphere do: there the same holds for angles.
+//! Two faces that share a vertex have distance 0, but they lie in sectors round the vertex, and cross only if
+//! the arcs of the sectors on the unit sphere do. For these arcs the same bound holds with angles in place of
+//! distances.
 //!
-//! Pairs that share nothing are looked at over an interval after the other first: most are kept apart by a plane
-//! (see `course`), and only the others are followed as said, until its end. Where intervals would have to be too
-//! short, clusters of faces stand for all their pairs while they are far apart. Two creases of a chain that turn
-//! by opposite angles about parallel lines count together, as far as they are apart.
+//! Pairs that share nothing pass a broad phase first, over one interval after the other: most are kept apart by
+//! a plane (see `course`), and only the others are followed by conservative advancement, until the end of the
+//! interval. If intervals would have to be too short, clusters of faces stand for all their pairs while they
+//! are far apart. Two creases of a chain that turn by opposite angles about parallel lines count together, with
+//! the distance of the lines as lever.
 
 mod look;
 mod verdict;
@@ -43,62 +44,62 @@ use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::progress::Watch;
 use crate::symmetry::Lattice;
 
-/// Looks between two glances at the clock.
+/// Number of queries between two looks at the clock.
 const CLOCK: u64 = 256;
-/// The last free place is found to this part of a segment: 2^-20.
+/// Precision of the last free place, ticks: 2^-20 of a segment.
 const LAST_FREE: Tick = 1 << 16;
-/// The same for hinges that turn past half a turn.
+/// Precision of the last free place for hinges that turn past half a turn, in segments.
 const OVERTURNED: f64 = 1e-6;
-/// log2 of the parts of a segment over which faces are found that move together, at most.
+/// log2 of the largest number of parts of a segment over which faces that move together are found.
 const MOST_PARTS: u32 = 6;
 
-/// Two clusters, or two pieces, to look at again.
+/// Two clusters, or two pieces, to be queried again.
 #[derive(Clone, Debug)]
 struct Pair {
     nodes: [u32; 2],
     kind: Kind,
-    /// The creases between, once they were asked for, and in which phase that was.
+    /// The chain of creases between them, once requested, and the phase in which it was found.
     chain: Option<Chain>,
     phase: usize,
-    /// When it was last looked at.
+    /// Time of the last query.
     last: Option<Tick>,
-    /// From when on the course sees that it is free.
+    /// Time from which on the broad phase proves that the pair is free.
     end: Tick,
-    /// While one lies flat on the other: whether the second came from above the first, and the first from above the
-    /// second.
+    /// Set while one piece lies flat on the other: `true` if the second came from above the first, and `true`
+    /// if the first came from above the second.
     above: Option<[bool; 2]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Clusters,
-    /// All pieces that are not seen to be apart over an interval.
+    /// All pairs of pieces that the broad phase does not prove to be apart over an interval.
     Interval,
-    /// All cells that were not yet near each other.
+    /// All cells that were not near each other yet.
     Far,
     /// Cells whose difference has this number.
     Cells(u32),
     Pieces,
-    /// Pieces that meet in a place of the flat sheet, as on both sides of a cut.
+    /// Pieces that meet in a point of the flat sheet, as on both sides of a cut.
     Meeting,
-    /// Pieces that share a vertex: positions of their corners there.
+    /// Pieces that share a vertex: positions of their corners at the vertex.
     Vertex([u32; 2]),
     Joined,
 }
 
-/// A look at a pair.
+/// Outcome of a query.
 enum Look {
     /// Free up to this time.
     Until(Tick),
-    /// Free to the end.
+    /// Free to the end of the motion.
     Free,
-    /// Crossing this deep.
+    /// Crossing to this depth.
     Crossing(f64),
-    /// Too near to say on a torn sheet.
+    /// Not decided: too near on a torn sheet, too many cells, or out of time.
     Unsure,
-    /// To be parted.
+    /// To be replaced by other pairs, such as those of its parts.
     Part,
-    /// To be looked at again after the pairs taken from it.
+    /// To be queried again after the pairs taken from it.
     Again,
 }
 
@@ -114,43 +115,46 @@ pub struct Sweep<'a> {
     hierarchy: Hierarchy,
     sheet: Sheet<'a>,
     chains: Chains<'a>,
-    /// For each cluster the chains from its face to those of its children, and their length in the list.
+    /// For each cluster the chains from its face to those of its children (`within`), and the length of the
+    /// list of links that holds them (`kept`).
     within: Vec<[Chain; 2]>,
     kept: usize,
-    /// No two points of the sheet are ever farther from each other; 0 along a lattice.
+    /// Upper bound of the distance between any two points of the sheet; 0 along a lattice.
     length: f64,
     levers: Levers,
     turns: Vec<Turn>,
     changes: Vec<Change>,
-    /// The number of the phase for now: segments after each other over which the same groups turn.
+    /// Number of the current phase. A phase is a run of consecutive segments over which the same groups turn.
     phase: usize,
-    /// The segment for now, and for each face the one that stands for all that move with it there; empty if nothing does.
+    /// The current segment, and for each face the representative of the faces that move with it over the whole
+    /// segment (`bodies`); empty if none do.
     segment: usize,
     bodies: Vec<usize>,
-    /// The same for those that do so for a part of it, until when, and log2 of how many such parts it has for now.
+    /// `partners`: for each face the representative of the faces that move with it over the current part of the
+    /// segment; `apart`: end of this part; `parts`: log2 of the number of such parts in the segment.
     partners: Vec<usize>,
     apart: Tick,
     parts: u32,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
-    /// Where there is no lattice.
+    /// The broad phase, if there is no lattice.
     course: Option<Course>,
-    /// Pairs of pieces that it did not see to be apart.
+    /// Pairs of pieces that the broad phase did not prove to be apart, with their positions in `pairs`.
     unseen: HashMap<[u32; 2], u32>,
-    /// Pairs of pieces that do not touch each other.
+    /// Number of pairs of pieces that do not touch each other in the flat sheet.
     others: u64,
     clearance: Option<Clearance>,
     counts: SweepCounts,
     looks: u64,
-    /// Pairs found joined.
+    /// Number of pairs found to share a side.
     joined: u64,
-    /// How near cells have to be to be looked at, as long as no distance is known.
+    /// Distance up to which cells are queried as long as no clearance is known.
     far: f64,
 }
 
 impl<'a> Sweep<'a> {
-    /// For each crease of the pattern its group and sign; creases without stay flat. Cost: about
-    /// O(faces log faces).
+    /// Creates the sweep of a sheet. `memberships` has the group and sign of each crease of the pattern;
+    /// creases without one stay flat. Cost: about O(faces log faces).
     #[must_use]
     pub fn new(
         pattern: &'a CreasePattern,
@@ -160,8 +164,8 @@ impl<'a> Sweep<'a> {
         Self::build(pattern, memberships, options, None)
     }
 
-    /// The same for a sheet that closes all along its motions, with its lattice found for the same
-    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces), and little of it.
+    /// Creates the sweep of a sheet that closes all along its motions, with its lattice found for these
+    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces), with a small factor.
     #[must_use]
     pub fn with_lattice(
         pattern: &'a CreasePattern,
@@ -179,7 +183,7 @@ impl<'a> Sweep<'a> {
         lattice: Option<&'a Lattice>,
     ) -> Self {
         let (pieces, hierarchy) = if lattice.is_some() {
-            // The others are made when they are asked for.
+            // Pieces are made when they are requested.
             let pieces = Pieces::none(pattern);
             let hierarchy = Hierarchy::leaves(&pieces);
             (pieces, hierarchy)
@@ -193,7 +197,7 @@ impl<'a> Sweep<'a> {
         let tree = lattice
             .is_none()
             .then(|| SpanningTree::from_central_face(pattern));
-        // Without these skips all pairs are looked at one by one.
+        // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
         let course = tree.as_ref().filter(|_| skips);
         let course = course.map(|tree| Course::new(pattern, memberships, groups, tree));
@@ -244,19 +248,19 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Tells how much of the motion is free, and answers [`SweepVerdict::Undecided`] once the call is over.
+    /// Reports how much of the motion is free, and answers [`SweepVerdict::Undecided`] once the call is over.
     #[must_use]
     pub fn watched(self, watch: Watch<'a>) -> Self {
         Self { watch, ..self }
     }
 
-    /// What was looked at since the sheet was taken up.
+    /// Returns the numbers of pairs tested and skipped since the sweep was created.
     #[must_use]
     pub fn counts(&self) -> SweepCounts {
         self.counts
     }
 
-    /// Sweeps a motion: for each segment a curve for each crease group.
+    /// Sweeps a motion, given a curve for each crease group in each segment.
     pub fn sweep(&mut self, segments: &[Vec<Curve<f64>>]) -> SweepVerdict {
         let motion = Motion::new(segments, self.groups);
         if !motion.is_finite() {
@@ -307,7 +311,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The first hinge that turns past half a turn: so do the faces that it joins pass through each other.
+    /// Returns the first place at which a hinge turns past half a turn: the faces that it joins then pass
+    /// through each other.
     fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
         let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
         let at = Place { segment, s };
@@ -336,7 +341,7 @@ impl<'a> Sweep<'a> {
         ))
     }
 
-    /// Completes the counts after so many configurations.
+    /// Completes the counts after `times` configurations.
     fn count(&mut self, times: u64, before: SweepCounts) {
         let [alike, looked_at, joined] = if let Some(cells) = &self.sheet.cells {
             let [pieces, pairs] = cells.count();
@@ -352,7 +357,8 @@ impl<'a> Sweep<'a> {
         }
         let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
         let looked = looked(counts) - looked(&before);
-        // Without this skip only times between the tabulated ones, of pairs that touch, pass others over.
+        // Without this skip, pairs are passed over only at times between the tabulated ones, at which only
+        // pairs in contact are queried.
         let skipped_motion = (times * looked_at).saturating_sub(looked);
         let skipped_motion = if self.options.skip_motion {
             skipped_motion
@@ -365,7 +371,7 @@ impl<'a> Sweep<'a> {
         counts.pairs += looked + skipped_motion + skipped_symmetry;
     }
 
-    /// Looks at all pairs that are due.
+    /// Queries all pairs that are due.
     fn look_at_all(
         &mut self,
         motion: &Motion,
@@ -408,8 +414,9 @@ impl<'a> Sweep<'a> {
         deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
     }
 
-    /// Goes to a time. If another segment begins there, lets chains cross few creases that turn, and finds what moves
-    /// together; where what does so for a part of it may part, finds what does from there on.
+    /// Goes to a time. At the beginning of another segment, makes chains cross few creases that turn, and finds
+    /// the faces that move together over the segment. If some faces may move together over a part of the
+    /// segment only, finds those that do from this time on.
     fn enter(&mut self, motion: &Motion, time: Tick) {
         self.sheet.time = time;
         let (segment, _) = motion.place(time);
@@ -447,7 +454,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// What moves together from the present time to another.
+    /// Finds the faces that move together from the present time to another.
     fn together(&mut self, motion: &Motion, times: [Tick; 2]) -> Together {
         let tolerance = self.options.tolerance * self.pattern.median_edge();
         together(
@@ -460,7 +467,8 @@ impl<'a> Sweep<'a> {
         )
     }
 
-    /// Until when two pieces keep their places to each other, if they do for a while.
+    /// Returns the time until which two pieces keep their positions relative to each other, if they do for a
+    /// while.
     fn together_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
         let faces = nodes.map(|node| self.hierarchy.nodes[node as usize].face.index());
         let alike = |bodies: &[usize]| {
@@ -482,7 +490,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// How far faces may be off in the units of the sheet.
+    /// Returns how far faces may be from where the lattice has them, units of the sheet; 0 without a lattice.
     fn astray(&self) -> f64 {
         match self.sheet.cells {
             Some(_) => self.options.astray * self.pattern.median_edge(),
@@ -500,7 +508,7 @@ impl<'a> Sweep<'a> {
         nodes.map(|node| self.hierarchy.nodes[node as usize].face)
     }
 
-    /// The pieces of a face.
+    /// Returns the pieces of a face.
     fn load(&mut self, face: FaceId) -> Range<u32> {
         let pieces = self.pieces.load(self.pattern, face);
         if self.sheet.cells.is_some() {
@@ -509,7 +517,7 @@ impl<'a> Sweep<'a> {
         pieces
     }
 
-    /// Adds a pair to look at.
+    /// Adds a pair to be queried.
     fn add(&mut self, nodes: [u32; 2], time: Tick) {
         if let Some((kind, chain)) = self.classify(nodes) {
             self.push(nodes, kind, chain, time);
@@ -530,7 +538,7 @@ impl<'a> Sweep<'a> {
         self.due.entry(time).or_default().push(index);
     }
 
-    /// Adds all pairs of a sheet.
+    /// Adds all pairs of each sheet, by its root cluster.
     fn add_roots(&mut self, time: Tick) {
         let roots = self.hierarchy.roots.clone();
         for root in roots {
@@ -538,7 +546,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Adds a pair of pieces to look at until the end of an interval; up to its beginning they were apart.
+    /// Adds a pair of pieces to be queried from `time` to the `end` of an interval; up to `time` they were
+    /// apart.
     fn add_unseen(&mut self, [a, b]: [u32; 2], [before, time, end]: [Tick; 3]) {
         let pair = [a.min(b), a.max(b)];
         if let Some(&index) = self.unseen.get(&pair) {
@@ -559,7 +568,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// What a pair is, and the creases between; `None` if it is never looked at.
+    /// Returns the kind of a pair, and the chain of creases between its two members; `None` if the pair never
+    /// needs a query.
     fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Option<Chain>)> {
         let nodes = [a, b].map(|node| self.hierarchy.nodes[node as usize]);
         let faces = nodes.map(|node| node.face);
@@ -576,7 +586,7 @@ impl<'a> Sweep<'a> {
         let shared = self.shared(a, b);
         if shared.len() > 1 {
             self.joined += 1;
-            // They are ends of a line that is a side of both: about it they turn.
+            // The shared vertices are the ends of a line that is a side of both pieces: they turn about it.
             return (!self.options.skip_edges).then_some((Kind::Joined, None));
         }
         if let Some(&(vertex, corners)) = shared.first()
@@ -597,7 +607,7 @@ impl<'a> Sweep<'a> {
         Some((kind, chain))
     }
 
-    /// The creases between the two of a pair.
+    /// Returns the chain of creases between the two members of a pair.
     fn chain(&mut self, index: u32) -> Chain {
         let pair = &self.pairs[index as usize];
         let nodes = pair.nodes;
@@ -621,7 +631,7 @@ impl<'a> Sweep<'a> {
         chain
     }
 
-    /// The vertices that two pieces share, and which corners those are.
+    /// Returns the vertices that two pieces share, and the positions of their corners at them.
     fn shared(&self, a: u32, b: u32) -> Vec<(VertexId, [u32; 2])> {
         let corners = |piece: u32| {
             let corners = self.pieces.list[piece as usize].corners();
@@ -634,7 +644,7 @@ impl<'a> Sweep<'a> {
         both.collect()
     }
 
-    /// Puts the pairs of the children in the place of a pair of clusters.
+    /// Replaces a pair of clusters by the pairs of their children.
     fn part(&mut self, index: u32, time: Tick) {
         let [a, b] = self.pairs[index as usize].nodes;
         let children = |node: u32| self.hierarchy.nodes[node as usize].children;
@@ -659,8 +669,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The verdict on a crossing found at a time: the place is narrowed down from the last look at the
-    /// pair.
+    /// Returns the verdict on a crossing found at a time; the place is narrowed down by bisection from the last
+    /// query of the pair.
     fn first(&mut self, motion: &Motion, found: Crossing, index: u32, time: Tick) -> SweepVerdict {
         let pair = self.pairs[index as usize].clone();
         let tolerance = self.tolerance(pair.kind);

@@ -1,4 +1,4 @@
-//! What a sweep is asked and what it answers.
+//! Input and outcome of a sweep: options, verdict, clearance and counts.
 
 use crate::collision::pieces::CROSSING;
 use crate::collision::scene::Crossing;
@@ -7,32 +7,32 @@ use crate::pattern::FaceId;
 /// Options of a [`Sweep`](super::Sweep).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepOptions {
-    /// A crossing deeper than this part of the median edge counts; what is less is contact.
+    /// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
     pub tolerance: f64,
-    /// Largest gap (over the median edge) that the motion tears into the sheet: pairs that meet in a
-    /// vertex may cross by as much more. Where it tears, the bounds on motion hold up to the gaps along
-    /// the chains of faces.
+    /// Largest gap that the motion tears into the sheet, in median edges: pairs that meet in a vertex may
+    /// overlap by this much more. In a torn sheet, the bounds on motion hold up to the gaps along the chains of
+    /// faces.
     pub gap: f64,
-    /// How much deeper (over the median edge) pairs that meet nowhere may cross: [`rounding`](crate::collision::rounding)
-    /// of a gap.
+    /// Additional depth to which pairs that meet nowhere may overlap, in median edges: the
+    /// [`rounding`](crate::collision::rounding) of a gap.
     pub rounding: f64,
-    /// How far (over the median edge) a face may be, as seen from any other, from where the lattice has it
-    /// if the motion tears the sheet. Faces without a common vertex that come so near to each other are
-    /// not decided along the lattice.
+    /// Largest distance of a face from where the lattice has it, as seen from any other face, in median edges,
+    /// if the motion tears the sheet. Faces without a common vertex that come this near to each other are not
+    /// decided along the lattice.
     pub astray: f64,
-    /// Pairs are passed over while their motion cannot bring them together. Without, each is looked at at
-    /// every tabulated time.
+    /// `true` if pairs are skipped while their motion cannot bring them together. If `false`, each pair is
+    /// queried at every tabulated time.
     pub skip_motion: bool,
-    /// Pairs are passed over, and clusters of them together, where bounding spheres are apart.
+    /// `true` if pairs, and clusters of pairs together, are skipped while their bounding spheres are apart.
     pub skip_bounds: bool,
-    /// Pairs joined by an edge are never looked at.
+    /// `true` if pairs joined by an edge are never queried.
     pub skip_edges: bool,
-    /// Looks at pairs until the answer is [`SweepVerdict::Undecided`].
+    /// Number of queries of pairs after which the answer is [`SweepVerdict::Undecided`].
     pub max_looks: u64,
 }
 
 impl SweepOptions {
-    /// Where faces may go [`astray`](Self::astray) as far, their lattice says nothing of crossings.
+    /// Value of [`astray`](Self::astray), in median edges, from which on the lattice says nothing of crossings.
     pub const FAR_ASTRAY: f64 = 0.25;
 }
 
@@ -56,12 +56,12 @@ impl Default for SweepOptions {
 pub struct Place {
     /// The segment, from 0.
     pub segment: usize,
-    /// Where in it, 0 to 1.
+    /// Parameter in the segment, 0 to 1.
     pub s: f64,
 }
 
 impl Place {
-    /// Whether a motion that has another verdict goes on until here.
+    /// Returns `true` if this place comes before the place at which a sweep with this verdict ends.
     pub(super) fn is_before(&self, verdict: &SweepVerdict) -> bool {
         match verdict {
             SweepVerdict::Free(_) => true,
@@ -75,49 +75,50 @@ impl Place {
 /// The smallest distance found between two faces that share no vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// In the units of the sheet.
+    /// Distance in units of the sheet.
     pub distance: f64,
-    /// The faces, the smaller first.
+    /// The faces, the smaller number first.
     pub faces: [FaceId; 2],
-    /// Where on the motion.
+    /// Place on the motion.
     pub place: Place,
 }
 
-/// What a sweep found.
+/// Outcome of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SweepVerdict {
-    /// No pair passes through each other, but for twice the tolerance. The clearance is the smallest
-    /// distance at any time that was looked at, and the smallest of all at the end of the motion; `None` if
+    /// No two faces pass through each other by more than twice the tolerance. The clearance is the smallest
+    /// distance found at any time that was queried; at the end of the motion no distance is smaller. `None` if
     /// all faces share vertices.
     Free(Option<Clearance>),
-    /// A pair passes through each other.
+    /// Two faces pass through each other.
     Crossing {
-        /// The faces, and how deep they cross at that place.
+        /// The faces, and the depth of their crossing at `at`.
         crossing: Crossing,
-        /// The first place found where they do.
+        /// The first place found at which they cross.
         at: Place,
-        /// A place up to which no pair crosses; `None` if some do from the beginning.
+        /// A place up to which no pair crosses; `None` if some pair crosses from the beginning.
         last_free: Option<Place>,
     },
-    /// The budget is spent, the motion is not finite, or too many cells of a lattice that turns may meet.
+    /// The budget is spent, the motion is not finite, too many cells of a lattice that turns may meet, or faces
+    /// come too near to each other to be decided along the lattice of a torn sheet.
     Undecided {
-        /// The pair that was looked at last, if any.
+        /// The pair queried last, if any.
         faces: Option<[FaceId; 2]>,
-        /// No pair crosses up to here.
+        /// Place up to which no pair crosses.
         at: Place,
     },
 }
 
-/// What a sweep looked at, and what it did not need to: `pairs` is the sum of all others.
+/// Numbers of pairs that a sweep tested, and that it could skip; `pairs` is the sum of all others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SweepCounts {
-    /// Pairs of pieces of the same sheet, times the configurations at which any pair was looked at.
+    /// Pairs of pieces of the same sheet, times the configurations at which any pair was queried.
     pub pairs: u64,
-    /// Looks that measured a distance or a depth.
+    /// Queries that measured a distance or a depth.
     pub tested: u64,
-    /// Pairs for which another stood that moves alike.
+    /// Pairs represented by another pair that moves alike.
     pub skipped_symmetry: u64,
-    /// Pairs that could not have come together since their last look.
+    /// Pairs that could not have come together since their last query.
     pub skipped_motion: u64,
     /// Pairs whose bounding spheres, or those of clusters that hold them, were apart.
     pub skipped_bounds: u64,

@@ -1,4 +1,4 @@
-//! Reads a path: a FOLD animation whose key frame is the flat pattern and whose frames are knots.
+//! Reads a path: a FOLD animation whose key frame is the flat pattern and whose other frames are knots.
 
 use std::path::Path;
 
@@ -10,30 +10,31 @@ use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
 
-/// A path as a file has it.
+/// A path read from a file.
 #[derive(Clone, Debug)]
 pub struct PathFile {
     /// The file's title, or else its name.
     pub title: String,
     /// The flat sheet.
     pub pattern: CreasePattern,
-    /// How the motion between knots is made.
+    /// Interpolation between knots.
     pub interpolation: Interpolation,
-    /// For each edge its part in a crease group, `None` for none; empty if the file does not say.
+    /// Crease group and sign of each edge, `None` for edges in no group; empty if the file names no groups.
     pub members: Vec<Option<Membership>>,
-    /// Speed that no hinge exceeds, radians per second; `None` if the file does not say, infinite if any.
+    /// Speed that no hinge exceeds, radians per second; `None` if the file names none, infinite if it allows any speed.
     pub max_speed: Option<f64>,
-    /// Acceleration that no hinge exceeds, radians per second squared; likewise.
+    /// Acceleration that no hinge exceeds, radians per second squared; `None` if the file names none, infinite if it
+    /// allows any acceleration.
     pub max_acceleration: Option<f64>,
     /// The knots from start to goal.
     pub knots: Vec<PathKnot>,
-    /// Numbers of the knots at which another phase of the motion begins, in order; neither the first nor the
-    /// last.
+    /// Numbers of the knots at which another phase of the motion begins, in increasing order, without the first and the
+    /// last knot.
     pub phases: Vec<usize>,
 }
 
 impl PathFile {
-    /// For each crease group an edge of it with its part in it.
+    /// Returns for each crease group the first edge of the group with its group and sign.
     #[must_use]
     pub fn leaders(&self) -> Vec<Option<(EdgeId, Membership)>> {
         let indices = self.members.iter().flatten().map(|m| m.group.index());
@@ -46,8 +47,8 @@ impl PathFile {
         leaders
     }
 
-    /// For each curve that shows how the sheet moves, an edge and its part in its crease group; every crease
-    /// on its own where the file has no groups.
+    /// Returns the edges whose curves show the motion of the sheet: one edge of each crease group with its sign. If the
+    /// file has no groups, returns every crease.
     #[must_use]
     pub fn curves_shown(&self) -> Vec<(EdgeId, Option<Membership>)> {
         if self.members.is_empty() {
@@ -58,14 +59,14 @@ impl PathFile {
         leaders.map(|(edge, member)| (edge, Some(member))).collect()
     }
 
-    /// Whether the motion between knots depends on rates.
+    /// Returns `true` if the motion between knots depends on rates.
     #[must_use]
     pub fn uses_rates(&self) -> bool {
         self.interpolation != Interpolation::Linear
     }
 
-    /// The motion of an edge between a knot and the next, with parameter 0 at the first and 1 at the
-    /// second. `None` if there is no such segment.
+    /// Returns the motion of an edge over the segment between a knot and the next, with parameter 0 at the first knot
+    /// and 1 at the second. Returns `None` if there is no such segment.
     #[must_use]
     pub fn curve(&self, segment: usize, edge: EdgeId) -> Option<Curve<f64>> {
         let (from, to) = (self.knots.get(segment)?, self.knots.get(segment + 1)?);
@@ -74,13 +75,13 @@ impl PathFile {
         Some(Curve::between(self.interpolation, span, nodes[0], nodes[1]))
     }
 
-    /// The motion of every edge in a segment, as [`curve`](Self::curve) has it.
+    /// Returns the motion of every edge in a segment; see [`curve`](Self::curve).
     fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
         let edges = (0..self.pattern.edges().len()).map(EdgeId::new);
         edges.filter_map(move |edge| self.curve(segment, edge))
     }
 
-    /// The configuration at `s`, 0 to 1, of a segment, without rates and positions.
+    /// Returns the configuration of a segment at parameter `s`, 0 to 1, without rates and positions.
     fn between(&self, segment: usize, s: f64) -> PathKnot {
         let [from, to] = [segment, segment + 1].map(|index| self.knots[index].time);
         PathKnot {
@@ -93,9 +94,9 @@ impl PathFile {
         }
     }
 
-    /// The same path with `count` configurations of its motion in place of its knots, at least two, evenly in
-    /// time from its first knot to its last. One that falls on a knot is that knot. A path of one knot is left
-    /// as it is.
+    /// Returns this path with its knots replaced by `count` configurations (at least two) of the motion, evenly spaced
+    /// in time from the first knot to the last. A configuration that falls on a knot is a copy of that knot. A path of
+    /// one knot stays unchanged.
     #[must_use]
     pub fn resampled(&self, count: usize) -> Self {
         let mut resampled = self.clone();
@@ -123,8 +124,8 @@ impl PathFile {
         resampled
     }
 
-    /// The same path with configurations of its motion between its knots, without rates and positions, so
-    /// that no hinge turns by much more than `step` (radians) from one to the next.
+    /// Returns this path with further configurations between its knots, without rates and positions, so that no hinge
+    /// turns by much more than `step` (radians) from one configuration to the next.
     #[must_use]
     pub fn with_steps(&self, step: f64) -> Self {
         let mut knots: Vec<PathKnot> = self.knots.iter().take(1).cloned().collect();
@@ -153,13 +154,13 @@ impl PathFile {
     }
 }
 
-/// Steps that a segment is parted into at most.
+/// Largest number of steps of a segment.
 const MOST_STEPS: f64 = 1000.0;
 
 /// One stored configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathKnot {
-    /// Seconds since the start; the number of the knot if the file does not say.
+    /// Seconds since the start; the number of the knot if the file names no times.
     pub time: f64,
     /// Fold angle of every edge, radians.
     pub fold_angles: Vec<f64>,
@@ -170,12 +171,13 @@ pub struct PathKnot {
     pub weights: Option<Vec<[f64; 2]>>,
     /// Positions of the vertices, if the file has them.
     pub vertices: Option<Vec<Vector3<f64>>>,
-    /// Deformation, gap and closure that the file claims.
+    /// Deformation, gap and closure that the file claims for this knot.
     pub claims: [Option<f64>; 3],
 }
 
 impl PathKnot {
-    /// An edge at this knot; at rest and of weight 1 where the file has no rates and no weights.
+    /// Returns angle, rate and weight of an edge at this knot. The rate is 0 if the file has no rates, and the weight
+    /// is 1 if it has no weights.
     ///
     /// # Panics
     /// If the sheet has no such edge.
@@ -193,15 +195,15 @@ impl PathKnot {
 /// Reads a path.
 ///
 /// # Errors
-/// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no knot.
+/// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no valid knot.
 pub fn read_path(path: &Path) -> Result<PathFile, FileError> {
     path_of(&Document::read(path)?)
 }
 
-/// A path from the bytes of a file, as [`read_path`] reads it.
+/// Parses a path from the bytes of a file; `path` names the file in errors. See [`read_path`].
 ///
 /// # Errors
-/// If their key frame is no flat crease pattern, or a frame is no knot.
+/// If the key frame is no flat crease pattern, or a frame is no valid knot.
 pub fn parse_path(path: &Path, bytes: &[u8]) -> Result<PathFile, FileError> {
     path_of(&Document::parse(path, bytes)?)
 }
@@ -218,7 +220,7 @@ fn path_of(document: &Document) -> Result<PathFile, FileError> {
         ));
     }
     let interpolation = interpolation(&key)?;
-    // What a knot has is its own: inherited lists could be many times as long as the file.
+    // A knot must have its own lists: inherited lists could add up to many times the size of the file.
     let knots: Vec<PathKnot> = (0..frames.len())
         .map(|index| {
             let frame = frames.own(index + 1);
@@ -245,7 +247,7 @@ fn path_of(document: &Document) -> Result<PathFile, FileError> {
     })
 }
 
-/// Numbers of the knots at which another phase begins; none if the file does not say.
+/// Returns the numbers of the knots at which another phase begins; none if the file names no phases.
 fn phases(key: &Frame<'_>, knots: usize) -> Result<Vec<usize>, FileError> {
     let Some(list) = key.own("foldpath:phases") else {
         return Ok(Vec::new());
@@ -264,7 +266,7 @@ fn phases(key: &Frame<'_>, knots: usize) -> Result<Vec<usize>, FileError> {
     phases.collect()
 }
 
-/// A limit on rates that the file has in degrees: infinite where it is null.
+/// Returns a limit on rates in radians, which the file has in degrees; infinite if it is null, `None` if it is missing.
 fn rate_limit(key: &Frame<'_>, name: &'static str) -> Result<Option<f64>, FileError> {
     let Some(limit) = key.own(name) else {
         return Ok(None);
@@ -280,7 +282,7 @@ fn rate_limit(key: &Frame<'_>, name: &'static str) -> Result<Option<f64>, FileEr
     }
 }
 
-/// The name of an interpolation in files.
+/// Returns the name of an interpolation in files.
 pub(crate) fn interpolation_name(kind: Interpolation) -> &'static str {
     match kind {
         Interpolation::Linear => "linear",
@@ -307,7 +309,7 @@ fn interpolation(key: &Frame<'_>) -> Result<Interpolation, FileError> {
     found.ok_or_else(|| name.expected("\"linear\", \"hermite\", \"half-angle\" or \"homogeneous\""))
 }
 
-/// For each edge its crease group and sign; empty if the file does not say.
+/// Returns crease group and sign of each edge; empty if the file names no groups.
 fn members(key: &Frame<'_>, edges: usize) -> Result<Vec<Option<Membership>>, FileError> {
     let (Some(groups), Some(signs)) = (
         key.own("foldpath:edges_group"),
@@ -322,7 +324,8 @@ fn members(key: &Frame<'_>, edges: usize) -> Result<Vec<Option<Membership>>, Fil
             if group.is_null() {
                 return Ok(None);
             }
-            // No more groups than edges: what is allocated for them is bounded by the file.
+            // Group numbers are below the number of edges, so that the file's size bounds the memory allocated for
+            // groups.
             let index = group.index()?;
             let id = u32::try_from(index).ok().filter(|_| index < edges);
             let id = id.ok_or_else(|| group.expected(&format!("a group below {edges}")))?;
@@ -384,7 +387,7 @@ fn knot(
     })
 }
 
-/// A list of a frame that the interpolation asks for; `what` it is.
+/// Returns a list of a frame that the interpolation requires, or an error that describes the list as `what`.
 fn needed<'a>(
     frame: &Frame<'a>,
     key: &'static str,
@@ -398,7 +401,7 @@ fn needed<'a>(
     frame.own(key).ok_or_else(|| frame.missing(key, &expected))
 }
 
-/// Rate of every edge, radians per second; needed but for straight lines.
+/// Reads the rate of every edge, radians per second. All interpolations but `"linear"` require rates.
 fn rates(
     frame: &Frame<'_>,
     edges: usize,
@@ -415,7 +418,7 @@ fn rates(
     Ok(Some(rates.collect::<Result<_, FileError>>()?))
 }
 
-/// Weight of every edge and its rate; of edges that are no hinge, none needs be said.
+/// Reads weight and rate of weight of every edge. Edges that are no hinge may have null instead.
 fn weights(
     frame: &Frame<'_>,
     pattern: &CreasePattern,

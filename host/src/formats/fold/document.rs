@@ -1,4 +1,4 @@
-//! A FOLD document with the places of its values, for errors that point at them.
+//! A parsed FOLD document, its frames with inheritance, and the places of its values for errors.
 
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ impl Document {
                 path,
                 line: error.line(),
                 column: error.column(),
-                // The parser says the position once more.
+                // The parser's message repeats the position, which is cut off.
                 message: match error.to_string().split_once(" at line ") {
                     Some((message, _)) => message.into(),
                     None => error.to_string(),
@@ -45,7 +45,7 @@ impl Document {
         &self.path
     }
 
-    /// The key frame.
+    /// Returns the key frame.
     pub(super) fn key_frame(&self) -> Frame<'_> {
         Frame {
             document: self,
@@ -53,7 +53,7 @@ impl Document {
         }
     }
 
-    /// The keys of the key frame, and of those in `file_frames`.
+    /// Returns the keys of the key frame and of the frames in `file_frames`.
     pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
         let root = self.json.root();
         let frames = root.get("file_frames").and_then(|frames| frames.list());
@@ -62,8 +62,8 @@ impl Document {
         keys.filter_map(|(key, _)| key.as_str())
     }
 
-    /// The frames beside the key frame, each an object that inherits from none or another, and none from itself.
-    /// Cost: linear.
+    /// Returns the frames in `file_frames`. Fails if one is no object, inherits from a frame that does not exist, or
+    /// inherits from itself through other frames. Cost: linear in the number of frames.
     pub(super) fn frames(&self) -> Result<Frames<'_>, FileError> {
         let objects = match self.key_frame().own("file_frames") {
             Some(frames) => frames.list()?.collect(),
@@ -82,7 +82,8 @@ impl Document {
         })
     }
 
-    /// What the key frame and each other frame is, given for each other the one that it inherits from.
+    /// Returns the classes of the key frame and of each other frame. `parents` has the frame that each other frame
+    /// inherits from.
     fn classes(
         &self,
         objects: &[Value<'_>],
@@ -90,7 +91,8 @@ impl Document {
     ) -> Result<Vec<Classes>, FileError> {
         let mut known = vec![None; objects.len() + 1];
         known[0] = Some(Classes::of(self.json.root(), Classes::default()));
-        // What was seen is known, but for the chain that is followed.
+        // Frames that were visited. A visited frame has known classes, unless it is in the chain that is being
+        // followed.
         let mut seen = vec![false; objects.len() + 1];
         let mut chain = Vec::new();
         for number in 1..=objects.len() {
@@ -112,7 +114,7 @@ impl Document {
         Ok(known.into_iter().flatten().collect())
     }
 
-    /// That the last frame of a chain inherits from one that is in it.
+    /// Makes the error that the last frame of a chain inherits from a frame of the same chain.
     fn circle(&self, objects: &[Value<'_>], chain: &[usize], parent: usize) -> FileError {
         let index = chain.last().map_or(0, |frame| frame - 1);
         let place = format!("file_frames[{index}].frame_parent");
@@ -129,8 +131,8 @@ impl Document {
         self.expected(place, &expected, &found)
     }
 
-    /// The frame that frame `index` of `file_frames` inherits from, if any; the key frame is 0, and there is none
-    /// behind `last`.
+    /// Returns the frame that frame `index` of `file_frames` inherits from, if any. The key frame is 0, and `last` is
+    /// the last frame.
     fn parent(
         &self,
         index: usize,
@@ -169,7 +171,7 @@ impl Document {
     }
 }
 
-/// What a frame is said to be.
+/// The classes of a frame that matter to this program.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Classes {
     pub(super) crease_pattern: bool,
@@ -177,7 +179,7 @@ pub(super) struct Classes {
 }
 
 impl Classes {
-    /// The classes of a frame, or else those that it inherits.
+    /// Returns the classes that a frame names, or else the inherited classes.
     fn of(frame: Value<'_>, inherited: Self) -> Self {
         let Some(own) = frame.get("frame_classes").and_then(|it| it.list()) else {
             return inherited;
@@ -189,13 +191,13 @@ impl Classes {
     }
 }
 
-/// The frames beside the key frame.
+/// The frames in `file_frames`.
 pub(super) struct Frames<'a> {
     document: &'a Document,
     objects: Vec<Value<'a>>,
-    /// For each the frame that it inherits from; the key frame is 0.
+    /// For each frame the number of the frame that it inherits from; the key frame is 0.
     parents: Vec<Option<usize>>,
-    /// What the key frame and each of these is.
+    /// Classes of the key frame and of each frame in `file_frames`.
     classes: Vec<Classes>,
 }
 
@@ -204,12 +206,12 @@ impl<'a> Frames<'a> {
         self.objects.len()
     }
 
-    /// The key frame, 0, and those in `file_frames`, from 1.
+    /// Returns the classes of the key frame, number 0, and of the frames in `file_frames`, from number 1.
     pub(super) fn classes(&self) -> &[Classes] {
         &self.classes
     }
 
-    /// Frame `number`, 0 the key frame, with what it inherits.
+    /// Returns frame `number` with all that it inherits; the key frame is 0.
     pub(super) fn get(&self, number: usize) -> Frame<'a> {
         let mut frame = self.own(number);
         let mut at = number;
@@ -221,7 +223,8 @@ impl<'a> Frames<'a> {
         frame
     }
 
-    /// Frame `number`, 0 the key frame, without what it inherits: as long a chain takes no time.
+    /// Returns frame `number` without inherited keys; the key frame is 0. The cost does not depend on the length of its
+    /// chain of parents.
     pub(super) fn own(&self, number: usize) -> Frame<'a> {
         let object = number
             .checked_sub(1)
@@ -234,7 +237,7 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// What stands before the keys of a frame, by its number, in places.
+/// Returns the prefix that names a frame in places, such as `file_frames[2].`; empty for the key frame.
 fn prefix(frame: usize) -> String {
     match frame.checked_sub(1) {
         Some(index) => format!("file_frames[{index}]."),
@@ -242,21 +245,21 @@ fn prefix(frame: usize) -> String {
     }
 }
 
-/// A frame and those it inherits from, each with its number; the key frame is 0.
+/// A frame followed by the frames that it inherits from, each with its number; the key frame is 0.
 pub(super) struct Frame<'a> {
     document: &'a Document,
     layers: Vec<(Value<'a>, usize)>,
 }
 
 impl<'a> Frame<'a> {
-    /// The value of a key, its own or inherited.
+    /// Returns the value of a key, the frame's own or an inherited one.
     pub(super) fn get(&self, key: &'static str) -> Option<Located<'a>> {
         self.layers
             .iter()
             .find_map(|&layer| self.in_layer(layer, key))
     }
 
-    /// The value of a key that the frame itself has.
+    /// Returns the value of a key that the frame itself has.
     pub(super) fn own(&self, key: &'static str) -> Option<Located<'a>> {
         self.in_layer(*self.layers.first()?, key)
     }
@@ -275,23 +278,24 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// The value of a key that must be there.
+    /// Returns the value of a key, or an error if the key is missing.
     pub(super) fn require(&self, key: &'static str) -> Result<Located<'a>, FileError> {
         self.get(key).ok_or_else(|| self.missing(key, "a list"))
     }
 
-    /// That the frame lacks a key.
+    /// Makes the error that the frame lacks a key.
     pub(super) fn missing(&self, key: &str, expected: &str) -> FileError {
         self.expected(key, expected, "nothing")
     }
 
-    /// That something else was expected at a key.
+    /// Makes the error that another value was expected at a key.
     pub(super) fn expected(&self, key: &str, expected: &str, found: &str) -> FileError {
         let place = format!("{}{key}", self.prefix());
         self.document.expected(place, expected, found)
     }
 
-    /// What stands before a place that begins with one of the frame's keys, which may be inherited.
+    /// Returns the prefix of a place that begins with one of the frame's keys. The prefix names the frame that has the
+    /// key, which may be inherited.
     pub(super) fn prefix_of(&self, place: &str) -> String {
         let keys = ["vertices_coords", "edges_vertices", "faces_vertices"];
         let key = keys.into_iter().find(|key| place.starts_with(key));
@@ -299,7 +303,7 @@ impl<'a> Frame<'a> {
         value.map_or(String::new(), |value| prefix(value.frame))
     }
 
-    /// What stands before the frame's keys in places.
+    /// Returns the prefix of places in this frame.
     pub(super) fn prefix(&self) -> String {
         self.layers
             .first()
@@ -307,14 +311,14 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A value and its place.
+/// A value and its place in the document.
 #[derive(Clone, Copy)]
 pub(super) struct Located<'a> {
     document: &'a Document,
     value: Value<'a>,
     frame: usize,
     key: &'static str,
-    /// Positions in the list of the key and in the list there: nothing is nested deeper.
+    /// Positions in the list of the key and in the list at that position: no list is nested deeper.
     indices: [Option<usize>; 2],
 }
 
@@ -338,7 +342,7 @@ impl<'a> Located<'a> {
         self.value.list().ok_or_else(|| self.expected("a list"))
     }
 
-    /// The entries of a list.
+    /// Returns the entries of a list.
     pub(super) fn entries(
         &self,
     ) -> Result<impl ExactSizeIterator<Item = Located<'a>> + use<'a>, FileError> {
@@ -353,7 +357,7 @@ impl<'a> Located<'a> {
         }))
     }
 
-    /// The entries of a list that must have `length` of them.
+    /// Returns the entries of a list that must have `length` of them, one for each `of`.
     pub(super) fn entries_of(
         &self,
         length: usize,

@@ -1,11 +1,11 @@
-//! JSON as one flat list of values, sixteen bytes each: a file of numbers takes little more memory than
-//! its text.
+//! Stores a JSON text as one flat list of values in pre-order, sixteen bytes each, so that a file of numbers takes
+//! little more memory than its text.
 
 use core::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
-/// A value; what is in a list or an object stands right behind it.
+/// A value. The entries of a list or an object directly follow it.
 #[derive(Clone, Copy)]
 enum Node {
     Null,
@@ -13,23 +13,23 @@ enum Node {
     Unsigned(u64),
     Negative(i64),
     Float(f64),
-    /// Bytes of the texts.
+    /// A range of bytes in `Json::texts`.
     Text {
         len: u32,
         start: usize,
     },
-    /// `end` is behind the last entry.
+    /// `end` is the index behind the last entry.
     List {
         len: u32,
         end: usize,
     },
-    /// Keys, each before its value.
+    /// Keys, each directly before its value; `end` is the index behind the last value.
     Object {
         end: usize,
     },
 }
 
-/// A JSON text, parsed.
+/// A parsed JSON text.
 pub(super) struct Json {
     nodes: Vec<Node>,
     texts: String,
@@ -53,7 +53,7 @@ impl Json {
     }
 }
 
-/// Adds a value to the end.
+/// Deserialises a value and appends it to the list.
 struct Builder<'a>(&'a mut Json);
 
 impl Builder<'_> {
@@ -132,7 +132,7 @@ impl<'de> Visitor<'de> for Builder<'_> {
     }
 }
 
-/// A value in its text.
+/// A value of a parsed JSON text, by its index.
 #[derive(Clone, Copy)]
 pub(super) struct Value<'a> {
     json: &'a Json,
@@ -144,7 +144,7 @@ impl<'a> Value<'a> {
         self.json.nodes[self.at]
     }
 
-    /// The value behind this one and all that is in it.
+    /// Returns the value that follows this value and all its entries.
     fn next(self) -> Self {
         let at = match self.node() {
             Node::List { end, .. } | Node::Object { end } => end,
@@ -196,7 +196,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The entries of a list.
+    /// Returns the entries of a list, or `None` for any other value.
     pub(super) fn list(&self) -> Option<impl ExactSizeIterator<Item = Value<'a>> + use<'a>> {
         let Node::List { len, .. } = self.node() else {
             return None;
@@ -209,7 +209,7 @@ impl<'a> Value<'a> {
         }))
     }
 
-    /// The value of a key, the last one if it is there more than once.
+    /// Returns the value of a key. If the key occurs more than once, the last value counts.
     pub(super) fn get(&self, key: &str) -> Option<Self> {
         let found = self
             .members()
@@ -217,7 +217,7 @@ impl<'a> Value<'a> {
         found.last().map(|(_, value)| value)
     }
 
-    /// The keys of an object with their values; of any other value there are none.
+    /// Returns the keys of an object with their values; any other value has none.
     pub(super) fn members(&self) -> impl Iterator<Item = (Value<'a>, Value<'a>)> + use<'a> {
         let mut next = self.first_inside();
         let end = match self.node() {
@@ -232,7 +232,7 @@ impl<'a> Value<'a> {
         })
     }
 
-    /// What it is, in words short enough for a message.
+    /// Describes the value in words short enough for a message.
     pub(super) fn kind(&self) -> String {
         let plain = |value: serde_json::Value| value.to_string();
         match self.node() {
@@ -259,7 +259,7 @@ impl<'a> Value<'a> {
 mod tests {
     use super::*;
 
-    /// The value as serde_json has it.
+    /// Converts the value to serde_json's type.
     fn plain(value: Value<'_>) -> serde_json::Value {
         use serde_json::Value as Plain;
         if let Some(list) = value.list() {

@@ -1,16 +1,16 @@
-//! The keys that FOLD and this program know, and those of a file that neither does.
+//! Finds the keys of a file that neither FOLD nor this program knows.
 
 use std::collections::BTreeSet;
 
 use super::document::Document;
 
-/// Keys that are named.
+/// Largest number of unknown keys that a note names.
 const NAMED: usize = 8;
-/// Characters of a key that are shown.
+/// Largest number of characters of a key that a note shows.
 const SHOWN: usize = 40;
 
-/// Those of the specification at version 1.2, two by their names in 1.0, and our own, which `FORMAT.md` describes;
-/// in the order of their bytes.
+/// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
+/// keys of this program, which `FORMAT.md` describes.
 const KNOWN: [&str; 46] = [
     "edgeOrders",
     "edges_assignment",
@@ -60,7 +60,8 @@ const KNOWN: [&str; 46] = [
     "vertices_vertices",
 ];
 
-/// That a document has other keys, if it has. Cost: linear in its frames and their keys.
+/// Returns a note that names the unknown keys of a document, or `None` if all keys are known. Cost: linear in the
+/// frames and their keys.
 pub(super) fn not_known(document: &Document) -> Option<String> {
     let keys = document
         .keys()

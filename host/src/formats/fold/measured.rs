@@ -1,4 +1,4 @@
-//! The goal of a file that shows the folded sheet and names no fold angles.
+//! Measures the goal of a file that shows the folded sheet and names no fold angles.
 
 use core::f64::consts::PI;
 
@@ -8,17 +8,17 @@ use crate::formats::FileError;
 use crate::pattern::{CreasePattern, Edge, Letter};
 use crate::unfold::{FoldedShape, ShapeEdge, fold_angles};
 
-/// By how much edges of the folded sheet may be longer or shorter than of the flat one, as far as both are drawn to the
-/// same scale.
+/// Largest relative difference between the lengths of an edge in the folded and the flat sheet, both drawn to the same
+/// scale.
 const STRETCH: f64 = 0.01;
-/// Radians within which of half a turn an angle has no sign that could be measured.
+/// Distance (radians) from half a turn within which the sign of an angle cannot be measured.
 const HALF_TURN: f64 = 1e-6;
 
-/// The goal angles measured on the last folded frame that has positions, of the sheet of `pattern`, which is in frame
-/// `flat` if that is in the same file; `None` if no frame has.
+/// Measures the goal angles on the last folded frame that has positions. `flat` is the frame of the flat sheet if that
+/// is in the same file; this frame is not measured. Returns `None` if no folded frame has positions.
 ///
 /// # Errors
-/// If the frame does not show that sheet.
+/// If the frame does not show the sheet of `pattern`.
 pub(super) fn measured(
     frames: &Frames<'_>,
     flat: Option<usize>,
@@ -99,7 +99,7 @@ pub(super) fn measured(
     }))
 }
 
-/// Whether the letter of an edge says how it folds.
+/// Returns `true` if the letter (FOLD assignment) of an edge determines its direction of folding.
 fn says(edge: &Edge) -> bool {
     edge.letter != Letter::Unassigned
 }

@@ -1,4 +1,4 @@
-//! FOLD 1.0 to 1.2: crease patterns in, crease patterns and animations out.
+//! Reads and writes FOLD 1.0 to 1.2: reads crease patterns, folded shapes and paths; writes crease patterns and paths.
 //!
 //! Source: E. Demaine, J. Ku, R. Lang, "A new file standard to represent folded structures"; the
 //! specification at version 1.2.
@@ -20,5 +20,5 @@ pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
 pub use shape::{parse_shape, read_shape};
 pub use write::{PathWriter, pattern_text, write_pattern};
 
-/// Bytes of a file at most: paths of a million faces have about one gigabyte.
+/// Largest size of a file, bytes: paths of a million faces have about one gigabyte.
 pub(super) const LARGEST_FILE: u64 = 1 << 31;

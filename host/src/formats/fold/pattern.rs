@@ -1,4 +1,4 @@
-//! Reads the flat crease pattern of a FOLD file, and its goal.
+//! Reads the flat crease pattern of a FOLD file and its goal fold angles.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
 
-/// A crease pattern as a file has it.
+/// A crease pattern read from a file.
 #[derive(Clone, Debug)]
 pub struct PatternFile {
     /// The file's title, or else its name.
@@ -24,9 +24,9 @@ pub struct PatternFile {
     pub pattern: CreasePattern,
 }
 
-/// Reads a crease pattern. Goal angles are those of the last folded frame that has some, or else
-/// those of the pattern's own frame, or else measured on the last folded frame that has positions; a goal of zeros alone
-/// is the flat sheet, and no goal.
+/// Reads a crease pattern. Its goal angles are those of the last folded frame that names angles, or else those of the
+/// pattern's own frame, or else the angles measured on the last folded frame that has positions. A goal in which all
+/// angles are 0 is the flat sheet, and counts as no goal.
 ///
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
@@ -34,10 +34,10 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
     pattern(&Document::read(path)?)
 }
 
-/// A crease pattern from the bytes of a file, as [`read_pattern`] reads it.
+/// Parses a crease pattern from the bytes of a file; `path` names the file in errors. See [`read_pattern`].
 ///
 /// # Errors
-/// If they hold no flat crease pattern.
+/// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
     pattern(&Document::parse(path, bytes)?)
 }
@@ -81,8 +81,8 @@ fn pattern(document: &Document) -> Result<PatternFile, FileError> {
     Ok(file)
 }
 
-/// The crease pattern of lines that are none as they stand, as loose lines are repaired; `None` if that makes none, or if
-/// faces say what the sheet is.
+/// Makes a crease pattern of edges that form none as they stand, by the repairs for loose lines. Returns `None` if the
+/// repaired lines form no crease pattern, or if the file names faces, which already determine the sheet.
 fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Option<PatternFile> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals, &mut notes).ok()?;
@@ -104,19 +104,20 @@ fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Op
     Some(PatternFile { title, ..file })
 }
 
-/// Reads the goal fold angles (radians) of another file of the same sheet: one for each crease of
-/// `pattern`, `None` where the file names none; measured on its folded frame where it names none at all.
+/// Reads the goal fold angles (radians) from another file of the same sheet, one for each crease of `pattern`; `None`
+/// where the file names no angle. If the file names no angles at all, they are measured on its folded frame.
 ///
 /// # Errors
-/// If the file cannot be read, has neither angles nor the folded sheet, or not one for each edge of the pattern.
+/// If the file cannot be read, has neither angles nor the folded sheet, or has not one angle for each edge of the
+/// pattern.
 pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
     goal(&Document::read(path)?, pattern)
 }
 
-/// Goal fold angles from the bytes of a file, as [`read_goal`] reads them.
+/// Parses goal fold angles from the bytes of a file; `path` names the file in errors. See [`read_goal`].
 ///
 /// # Errors
-/// If they hold no angles, or not one for each edge of the pattern.
+/// If the bytes hold neither angles nor the folded sheet, or not one angle for each edge of the pattern.
 pub fn parse_goal(
     path: &Path,
     bytes: &[u8],
@@ -135,7 +136,7 @@ fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
-    // A file of the drawing has no second sides of cuts, one written by this program has.
+    // A file of the drawing lacks the second sides of cuts; a file written by this program has them.
     if goals.angles.len() != pattern.edges().len() {
         goals.check_count(document, pattern.drawn_edges())?;
     }
@@ -174,7 +175,7 @@ pub(super) fn pattern_of(
     })
 }
 
-/// The title of a frame, or of its file, or else the file's name.
+/// Returns the title of a frame, or of its file, or else the file's name.
 pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, FileError> {
     let title = ["frame_title", "file_title"]
         .iter()
@@ -185,7 +186,8 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
     }
 }
 
-/// The number of the frame with the flat sheet: the first said to be a crease pattern, or else the key frame.
+/// Returns the number of the frame with the flat sheet: the first frame of class `creasePattern`, or else the key
+/// frame.
 fn flat_frame(frames: &Frames<'_>) -> usize {
     let first = frames.classes().iter().position(|it| it.crease_pattern);
     first.unwrap_or(0)
@@ -195,12 +197,12 @@ fn flat_frame(frames: &Frames<'_>) -> usize {
 pub(super) struct Goals {
     /// Radians; `None` for null.
     pub(super) angles: Vec<Option<f64>>,
-    /// The frame they come from, as a prefix of its keys.
+    /// Prefix that names the frame of the angles in places.
     pub(super) frame: String,
 }
 
 impl Goals {
-    /// Whether they are a goal: zeros alone are the flat sheet.
+    /// Returns `true` if any angle differs from 0. A goal without such an angle is the flat sheet.
     pub(super) fn leads_away(&self) -> bool {
         self.angles.iter().flatten().any(|angle| angle.abs() > 0.0)
     }
@@ -223,8 +225,8 @@ impl Goals {
     }
 }
 
-/// The goal of the last folded frame that names one, or else that of the flat frame; where all are zeros, the first
-/// of these.
+/// Returns the goal of the last folded frame that names a goal other than zeros, or else the goal of the flat frame. If
+/// all of these goals are zeros, returns the first of them found.
 fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     let latest_first = (1..=frames.len()).rev().chain([0]);
     let folded = latest_first.filter(|&number| frames.classes()[number].folded_form);
@@ -239,9 +241,9 @@ fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, F
     Ok(zeros)
 }
 
-/// The angles that a frame itself names; `None` if it names none.
+/// Returns the angles that a frame itself names; `None` if it names none.
 pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
-    // Before FOLD 1.1 the key had an s.
+    // Before FOLD 1.1 the key ended in an s.
     let list = ["edges_foldAngle", "edges_foldAngles"]
         .into_iter()
         .find_map(|key| frame.own(key));
@@ -309,7 +311,7 @@ pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> 
         .collect()
 }
 
-/// A coordinate whose square is a number too.
+/// Returns a coordinate. Its bound guarantees that its square does not overflow.
 fn coordinate(entry: Located<'_>) -> Result<f64, FileError> {
     let number = entry.number()?;
     if number.abs() > LARGEST {

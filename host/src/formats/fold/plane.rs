@@ -1,20 +1,20 @@
-//! Flat sheets that lie anywhere in space.
+//! Lays flat sheets that lie anywhere in space into the plane.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::folding::in_plane;
 use crate::pattern::twice_area;
 
-/// A sheet may leave its plane by this part of its size and still count as flat.
+/// Largest distance of a flat sheet from its plane, as a fraction of the sheet's size.
 const FLAT: f64 = 1e-6;
 
-/// What is expected where a sheet is not flat, and what was found.
+/// Texts of the error for a sheet that is not flat: the expected and the found vertices.
 pub(in crate::formats) const FLAT_PATTERN: &str =
     "a flat crease pattern (a folded shape has to be unfolded first)";
 pub(in crate::formats) const NOT_FLAT: &str = "vertices that lie in no common plane";
 
-/// The vertices of a flat sheet in its plane, seen from where its faces run counter-clockwise; `None` if it is
-/// not flat. What was assumed is said in `notes`.
+/// Returns the vertices of a flat sheet in coordinates of its plane, seen from where the faces run counter-clockwise.
+/// Returns `None` if the sheet is not flat. Adds the assumptions made to `notes`.
 pub(in crate::formats) fn lay(
     points: &[Vector3<f64>],
     faces: Option<&[Vec<usize>]>,
@@ -36,7 +36,7 @@ pub(in crate::formats) fn lay(
     Some(vertices)
 }
 
-/// Whether the faces, as far as their vertices exist, enclose a negative area.
+/// Returns `true` if the signed areas of the faces sum to a negative area. Vertices that do not exist are skipped.
 fn winds_clockwise(vertices: &[Vector2<f64>], faces: &[Vec<usize>]) -> bool {
     let areas = faces.iter().map(|face| {
         let corners = face.iter().filter_map(|&vertex| vertices.get(vertex));
@@ -45,8 +45,9 @@ fn winds_clockwise(vertices: &[Vector2<f64>], faces: &[Vec<usize>]) -> bool {
     areas.sum::<f64>() < 0.0
 }
 
-/// The sheet in coordinates of its own plane, seen from +z (from +y, or else +x, if it stands
-/// upright), and whether it lay in the xy-plane; `None` if it is not flat.
+/// Returns the sheet in coordinates of its own plane, seen from +z (from +y, or else +x, if the sheet stands upright),
+/// and `true` if the sheet lies parallel to the xy-plane. Returns `None` if it is not flat. The normal is the
+/// eigenvector of the smallest eigenvalue of the scatter matrix.
 fn flatten(points: &[Vector3<f64>]) -> Option<(Vec<Vector2<f64>>, bool)> {
     let project = |p: &Vector3<f64>| Vector2::new(p.x, p.y);
     #[allow(clippy::float_cmp, reason = "the usual case, written exactly")]

@@ -9,19 +9,19 @@ use super::pattern::{Goals, edges, faces, goals, letters, points, title};
 use crate::formats::{FileError, ShapeFile, read_bytes};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
-/// Reads the folded shape of frame number `frame`, of which the key frame is 0, or else of the last folded
-/// form in the file, or else of the key frame.
+/// Reads the folded shape of frame number `frame`; the key frame is 0. Without a number, reads the last folded form in
+/// the file, or else the key frame.
 ///
 /// # Errors
-/// If the file cannot be read, or its frame has no faces in space.
+/// If the file cannot be read, or the frame has no faces in space.
 pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
     parse_shape(path, &read_bytes(path, LARGEST_FILE)?, frame)
 }
 
-/// A folded shape from the bytes of a file of that name, as [`read_shape`] reads it.
+/// Parses a folded shape from the bytes of a file; `path` names the file in errors. See [`read_shape`].
 ///
 /// # Errors
-/// If they hold no faces in space in that frame.
+/// If the frame has no faces in space.
 pub fn parse_shape(
     path: &Path,
     bytes: &[u8],
@@ -68,7 +68,7 @@ pub fn parse_shape(
     })
 }
 
-/// The frame with the shape, and whether it is a folded form.
+/// Returns the frame with the shape, and `true` if the frame is a folded form.
 fn chosen(document: &Document, number: Option<usize>) -> Result<(Frame<'_>, bool), FileError> {
     let frames = document.frames()?;
     let folded = |number: &usize| frames.classes()[*number].folded_form;

@@ -1,6 +1,6 @@
-//! Writes crease patterns and paths.
+//! Writes crease patterns and paths as FOLD files.
 //!
-//! One key, and in paths one frame, a line: large files stay readable and differ line by line.
+//! Each key, and in paths each frame, has one line: large files stay readable and can be compared line by line.
 
 use std::io::{self, Write};
 
@@ -10,10 +10,10 @@ use super::animation::interpolation_name;
 use crate::pattern::{CreasePattern, Drawing, Edge};
 use crate::planner::{Knot, Path};
 
-/// Writes keys and values of a FOLD object, in order.
+/// Writes keys and values of a FOLD object in order.
 struct Object<'a, W: Write> {
     out: &'a mut W,
-    /// What stands before the next key.
+    /// Text to write before the next key.
     before: &'static str,
     between: &'static str,
 }
@@ -47,7 +47,7 @@ impl<'a, W: Write> Object<'a, W> {
     }
 }
 
-/// A file of one object, one key a line.
+/// Writes a file of one object, with one line for each key.
 fn file<W: Write>(
     out: &mut W,
     keys: impl FnOnce(&mut Object<'_, W>) -> io::Result<()>,
@@ -57,29 +57,29 @@ fn file<W: Write>(
     out.write_all(b"\n}\n")
 }
 
-/// What `write` writes.
+/// Returns as a text the bytes that `write` writes.
 fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
     let mut text = Vec::new();
-    // Memory refuses nothing, and JSON is UTF-8.
+    // Writing to memory cannot fail, and JSON is UTF-8.
     let _complete = write(&mut text);
     String::from_utf8(text).unwrap_or_default()
 }
 
-/// Radians as the number of degrees that is written: 180 for π, and no negative zero.
+/// Converts radians to the degrees that are written: 180 for π, and no negative zero.
 fn degrees(radians: f64) -> f64 {
     radians.to_degrees() + 0.0
 }
 
-/// A crease pattern with its goal angles as a FOLD file.
+/// Formats a crease pattern with its goal angles as a FOLD file.
 #[must_use]
 pub fn pattern_text(title: &str, drawing: &Drawing) -> String {
     text(|out| write_pattern(title, drawing, out))
 }
 
-/// Writes a crease pattern with its goal angles, and its faces where they are known, as a FOLD file.
+/// Writes a crease pattern with its goal angles, and with its faces if they are known, as a FOLD file.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write_pattern(title: &str, drawing: &Drawing, out: &mut impl Write) -> io::Result<()> {
     let vertices = drawing.vertices.iter().map(|v| [v.x, v.y]);
     let edges = || drawing.edges.iter();
@@ -107,13 +107,13 @@ fn header(file: &mut Object<'_, impl Write>, title: &str, class: &str) -> io::Re
     file.set("frame_attributes", &["2D"])
 }
 
-/// Writes paths of one sheet.
+/// Writes paths of one sheet as FOLD animations.
 pub struct PathWriter<'a> {
     /// The file's title.
     pub title: &'a str,
     /// The flat sheet.
     pub pattern: &'a CreasePattern,
-    /// Whether to write the positions of the vertices in every knot.
+    /// `true` to write the positions of the vertices at every knot.
     pub vertices: bool,
     /// The seed that the path was planned with.
     pub seed: u64,
@@ -124,7 +124,7 @@ pub struct PathWriter<'a> {
 }
 
 impl PathWriter<'_> {
-    /// The path as a FOLD animation.
+    /// Formats the path as a FOLD animation.
     #[must_use]
     pub fn text(&self, path: &Path) -> String {
         text(|out| self.write(path, out))
@@ -133,7 +133,7 @@ impl PathWriter<'_> {
     /// Writes the path as a FOLD animation.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write(&self, path: &Path, out: &mut impl Write) -> io::Result<()> {
         let edges = || self.pattern.edges().iter();
         let vertices = self.pattern.vertices().iter().map(|v| [v.x, v.y]);
@@ -192,7 +192,7 @@ impl PathWriter<'_> {
         frame.set("frame_inherit", &true)?;
         frame.set("foldpath:time", &knot.time)?;
         if self.vertices {
-            // Without positions a frame has those of the flat sheet, and its attribute.
+            // A frame without positions inherits those of the flat sheet, and the attribute 2D with them.
             frame.set("frame_attributes", &["3D"])?;
             let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
             frame.list("vertices_coords", vertices)?;
@@ -211,7 +211,7 @@ impl PathWriter<'_> {
     }
 }
 
-/// An angle or rate of each group (radians) as one of each edge, in degrees.
+/// Writes an angle or rate of each group (radians) as one number for each edge, in degrees and with the edge's sign.
 fn spread_angles(
     frame: &mut Object<'_, impl Write>,
     key: &str,
@@ -223,7 +223,7 @@ fn spread_angles(
     spread(frame, key, values.map(Some), turns)
 }
 
-/// A number of each group, whatever its sign, as one of each edge; null where there is none.
+/// Writes a number of each group as one number for each edge, without regard to signs; null for edges in no group.
 fn spread_numbers(
     frame: &mut Object<'_, impl Write>,
     key: &str,
@@ -234,8 +234,9 @@ fn spread_numbers(
     spread(frame, key, [None].into_iter().chain(values), turns)
 }
 
-/// One of the values for each edge. `turns` says for each which: the first where there is no group, then two
-/// for each group, of which the second is of edges that turn the other way. Each is made a text only once.
+/// Writes one of the values for each edge; `turns` has the index of each edge's value. The first value belongs to edges
+/// in no group. Two values follow for each group, the second for edges that turn against the group. Each value is
+/// formatted only once.
 fn spread(
     frame: &mut Object<'_, impl Write>,
     key: &str,
@@ -248,7 +249,7 @@ fn spread(
     let out = frame.key(key)?;
     out.write_all(b"[")?;
     for (index, &turn) in turns.iter().enumerate() {
-        // No comma before the first.
+        // The first entry has no comma before it.
         out.write_all(&texts[turn].as_bytes()[usize::from(index == 0)..])?;
     }
     out.write_all(b"]")

@@ -1,11 +1,11 @@
-//! A uniform grid that finds what is near a line.
+//! A uniform grid that finds the points and cells near a line.
 
 use nalgebra::Vector2;
 
 use crate::pattern::LARGEST;
 use crate::ragged::{Ragged, group_by_key};
 
-/// Square cells over the sheet, of which a line covers few.
+/// Square cells over the sheet. A line covers few of them.
 pub(super) struct Grid {
     origin: Vector2<f64>,
     cell: f64,
@@ -14,14 +14,14 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// A grid over the points with about as many cells as `count`, at least `least` wide.
+    /// Makes a grid over the points with about `count` cells, each at least `least` wide.
     #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
     pub(super) fn new(points: &[Vector2<f64>], count: usize, least: f64) -> Self {
         let first = points.first().copied().unwrap_or_default();
         let low = points.iter().fold(first, |low, p| low.inf(p));
         let size = points.iter().fold(first, |high, p| high.sup(p)) - low;
         let count = count.max(1) as f64;
-        // Roots one by one: a product of sizes might overflow.
+        // The roots are taken one by one, because the product of the sizes might overflow.
         let cell = ((size.x / count).sqrt() * size.y.sqrt())
             .max((size.x + size.y) / count)
             .max(least)
@@ -37,7 +37,8 @@ impl Grid {
         grid
     }
 
-    /// A grid with about a point a cell, at least `least` wide, and the points in each.
+    /// Makes a grid with about one point in each cell, cells at least `least` wide, and returns the points in each
+    /// cell.
     pub(super) fn of_points(points: &[Vector2<f64>], least: f64) -> (Self, Ragged<usize>) {
         let grid = Self::new(points, points.len(), least);
         let cell_of = |point: &Vector2<f64>| {
@@ -59,7 +60,7 @@ impl Grid {
         step.min(cells - 1)
     }
 
-    /// Calls `visit` once with each cell within `margin` of the line.
+    /// Calls `visit` once for each cell within `margin` of the line.
     pub(super) fn along(
         &self,
         [a, b]: [Vector2<f64>; 2],
@@ -73,14 +74,14 @@ impl Grid {
         for row in row(a.y.min(b.y) - margin)..=row(a.y.max(b.y) + margin) {
             #[allow(clippy::cast_precision_loss, reason = "rows are few")]
             let low = row as f64 * self.cell - margin;
-            // The part of the line in this row.
+            // The part of the line that lies in this row.
             let part = if along.y.abs() > 0.0 {
                 [low, low + self.cell + 2.0 * margin].map(|y| ((y - a.y) / along.y).clamp(0.0, 1.0))
             } else {
                 [0.0, 1.0]
             };
             let [p, q] = part.map(|t| a.x + t * along.x);
-            // Rounding of the part is far below a hundredth of a cell.
+            // The rounding error of `part` is far below a hundredth of a cell.
             let margin = margin + 0.01 * self.cell;
             for column in column(p.min(q) - margin)..=column(p.max(q) + margin) {
                 visit(row * self.columns + column);

@@ -1,13 +1,13 @@
-//! Points that are one place.
+//! Merges points that are within a tolerance of each other, in a hash grid.
 
 use std::collections::HashMap;
 
 use nalgebra::Vector2;
 
-/// Distinct places: points within the tolerance of each other are one.
+/// Distinct places: points within the tolerance of each other are one place.
 pub(super) struct Places {
     pub(super) points: Vec<Vector2<f64>>,
-    /// Sum of what was put at each place, relative to the place, and how often.
+    /// For each place the sum of the merged points, relative to the place, and their number.
     offsets: Vec<(Vector2<f64>, f64)>,
     cells: HashMap<[i64; 2], Vec<usize>>,
     origin: Vector2<f64>,
@@ -35,7 +35,7 @@ impl Places {
         [cell(scaled.x), cell(scaled.y)]
     }
 
-    /// The place of the point, a new one if there is none within the tolerance.
+    /// Returns the place nearest to the point, or a new place if none lies within the tolerance.
     pub(super) fn at(&mut self, point: Vector2<f64>) -> usize {
         let [x, y] = self.cell(&point);
         let mut nearest = (self.tolerance, None);
@@ -62,7 +62,7 @@ impl Places {
         new
     }
 
-    /// Moves each place to the mean of what was put there, which is at most one tolerance away.
+    /// Moves each place to the mean of the points merged into it, by at most one tolerance.
     pub(super) fn centre(&mut self) {
         for (point, (sum, count)) in self.points.iter_mut().zip(&self.offsets) {
             *point += sum / *count;

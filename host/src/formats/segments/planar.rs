@@ -1,4 +1,6 @@
-//! Lines made into a planar drawing: split where they cross, kept once, joined where they nearly meet.
+//! Makes a planar drawing of lines: splits them at crossings, keeps duplicates once and joins open ends.
+//!
+//! Crossings are found in a uniform grid and decided by exact orientation predicates (crate `robust`).
 
 use std::collections::HashMap;
 
@@ -12,33 +14,34 @@ use super::{MOST, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::ragged::{Ragged, group_by_key};
 
-/// What is nearer than this fraction of the median line counts as one place. Drawing programs write about
-/// seven digits and people snap to a grid, while the closest true vertices of a tessellation are a tenth
-/// of a line apart.
+/// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
+/// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
 const OF_MEDIAN: f64 = 1e-3;
 
-/// The same as a fraction of the sheet's diagonal, which holds where lines run right across the sheet.
+/// Upper bound of the merging tolerance, as a fraction of the sheet's diagonal, for drawings whose lines run right
+/// across the sheet.
 const OF_DIAGONAL: f64 = 1e-4;
 
-/// How far, as a fraction of its line, an end may be from the one vertex that it was meant to meet.
+/// Largest distance of an open end from the one vertex that it was meant to meet, as a fraction of its line.
 const OF_LINE: f64 = 0.05;
 
-/// The same as a fraction of the diagonal. Origami Simulator joins what is within 3 pixels, in drawings of
-/// about a thousand.
+/// Largest distance of an open end from that vertex, as a fraction of the diagonal. Origami Simulator joins points
+/// within 3 pixels, in drawings of about a thousand pixels.
 const OPEN: f64 = 1.0 / 300.0;
 
-/// Below this fraction of the diagonal, places differ by rounding alone.
+/// Lower bound of the merging tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
 const ROUNDING: f64 = 1e-9;
 
-/// Looks at most from lines at what is near them, for each line and in all: where all lines are in one place,
-/// each is near all others. In tessellations there are some hundreds for each.
+/// Budget of proximity tests: the first number for each line, but in all at least the second. If all lines are in one
+/// place, each is near all others. Tessellations need some hundreds for each line.
 const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
-/// Splitting moves lines by up to the tolerance, and may so make them cross anew.
+/// Largest number of rounds of splitting. A split moves lines by up to the tolerance, which may make them cross anew.
 const ROUNDS: usize = 8;
 
-/// How much a letter says, where lines lie on each other. A border says nothing that the faces do not
-/// say themselves where it is outside; within, what was drawn to be cut or folded was meant.
+/// Precedence of a letter where lines lie on each other; the line of the highest precedence is kept. A border ranks
+/// below creases: on the rim the faces alone show that it is a border, and inside the sheet the line drawn to be cut or
+/// folded is the intended one.
 fn weight(letter: Letter) -> u8 {
     match letter {
         Letter::Cut => 4,
@@ -49,7 +52,8 @@ fn weight(letter: Letter) -> u8 {
     }
 }
 
-/// The planar drawing of the segments and what was repaired; `None` if there is too much of it.
+/// Makes a planar drawing of the segments and describes the repairs. Returns `None` if there are too many lines or the
+/// budget of proximity tests is used up.
 pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>)> {
     if segments.len() > MOST {
         return None;
@@ -91,18 +95,18 @@ pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, 
         deduplicate(&mut pieces, &mut repairs);
         cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     }
-    // Each crossing has split two lines at least.
+    // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
     repairs.open = remove_open(&mut pieces, places.points.len());
     let drawing = drawing(&places.points, pieces);
     Some((drawing, repairs.in_words(tolerance)))
 }
 
-/// How often something near may still be looked at.
+/// Number of proximity tests that are still allowed.
 pub(super) struct Looks(usize);
 
 impl Looks {
-    /// As often as so many lines need.
+    /// Returns the budget for a drawing of `lines` lines.
     pub(super) fn for_lines(lines: usize) -> Self {
         Self(LOOKS[1].max(LOOKS[0] * lines))
     }
@@ -116,8 +120,8 @@ impl Looks {
     }
 }
 
-/// Splits lines where they cross and where they pass vertices, until none does; `None` if that makes too
-/// many.
+/// Splits lines where they cross and where they pass vertices, until no line does. Returns `None` if there are too many
+/// pieces or the budget is used up.
 fn cut_up(
     places: &mut Places,
     pieces: &mut Vec<DrawnEdge>,
@@ -143,9 +147,10 @@ fn cut_up(
     Some(())
 }
 
-/// Joins each open end to the vertex that it can only have been meant to meet, and says whether there were
-/// any, or `None` if there is too much near them: within a twentieth of its line and [`OPEN`] of the diagonal, the next vertex twice as far at least.
-/// A line that goes too far past another has a short open end, which stays, to be left out.
+/// Joins each open end to the only vertex that it can have been meant to meet. The vertex must lie within a twentieth
+/// of the line's length and within [`OPEN`] of the diagonal, and the next vertex must be at least twice as far. A line
+/// that goes too far past another leaves a short open end, which stays open and is left out later. Returns `true` if
+/// any end was joined, and `None` if the budget of proximity tests is used up.
 fn join_open(
     points: &[Vector2<f64>],
     pieces: &mut [DrawnEdge],
@@ -217,7 +222,7 @@ fn tolerance(segments: &[Segment]) -> f64 {
         .max(ROUNDING * diagonal)
 }
 
-/// Keeps one of all lines between the same vertices: the weightiest, or else the first.
+/// Keeps one of all lines between the same two vertices: the line of highest precedence, or else the first.
 fn deduplicate(pieces: &mut Vec<DrawnEdge>, repairs: &mut Repairs) {
     let mut kept: Vec<DrawnEdge> = Vec::with_capacity(pieces.len());
     let mut at: HashMap<[usize; 2], usize> = HashMap::with_capacity(pieces.len());
@@ -241,7 +246,8 @@ fn line(points: &[Vector2<f64>], piece: &DrawnEdge) -> [Vector2<f64>; 2] {
     piece.ends.map(|end| points[end])
 }
 
-/// Where along the line (0 to its length) the point's foot is, and how far from the line the point is.
+/// Returns the distance of the point's foot along the line, the distance of the point from the line, and the length of
+/// the line.
 fn foot([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> (f64, f64, f64) {
     let length = (b - a).norm();
     let unit = (b - a) / length;
@@ -252,13 +258,14 @@ fn foot([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> (f64, f64, f64) {
     )
 }
 
-/// Whether the point is on the line to within the tolerance, and between its ends.
+/// Returns `true` if the point is on the line within the tolerance, between the line's ends.
 fn passes(line: [Vector2<f64>; 2], point: Vector2<f64>, tolerance: f64) -> bool {
     let (along, aside, length) = foot(line, point);
     aside <= tolerance && along >= -tolerance && along <= length + tolerance
 }
 
-/// Where lines cross and neither has an end on the other; `None` if that is too often.
+/// Returns the points in which lines cross without an end of one on the other, or `None` if there are too many or the
+/// budget is used up.
 fn crossings(
     points: &[Vector2<f64>],
     pieces: &[DrawnEdge],
@@ -324,7 +331,7 @@ fn crossing(
     if !opposite(one, other) || !opposite(other, one) {
         return None;
     }
-    // Where an end is on the other line, the line is split there instead.
+    // If an end lies on the other line, `split` splits that line at the end instead.
     let ends = other.iter().any(|&end| passes(one, end, tolerance))
         || one.iter().any(|&end| passes(other, end, tolerance));
     if ends {
@@ -335,7 +342,8 @@ fn crossing(
     Some(one[0] + along * part.clamp(0.0, 1.0))
 }
 
-/// Splits each line at the vertices that it passes; `None` if that makes too many.
+/// Splits each line at the vertices that it passes. Returns `None` if there are too many pieces or the budget is used
+/// up.
 fn split(
     points: &[Vector2<f64>],
     pieces: &[DrawnEdge],
@@ -373,7 +381,7 @@ fn split(
     Some(result)
 }
 
-/// Removes lines at whose one end there is no other line, one after the other, and counts them.
+/// Removes lines with an end at which no other line ends, again and again, and returns their number.
 fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> usize {
     let pairs: Vec<(usize, usize)> = pieces
         .iter()
@@ -405,7 +413,7 @@ fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> usize {
     before - pieces.len()
 }
 
-/// The drawing, with the vertices that lines end at, in the order in which lines first do.
+/// Makes the drawing from lines. Its vertices are the ends of lines, in the order in which lines first use them.
 pub(super) fn drawing(points: &[Vector2<f64>], mut edges: Vec<DrawnEdge>) -> Drawing {
     let mut names = vec![None; points.len()];
     let mut vertices = Vec::new();

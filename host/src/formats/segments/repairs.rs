@@ -1,6 +1,6 @@
-//! What was repaired in a drawing, in words.
+//! Counts the repairs of a drawing and describes them in sentences.
 
-/// What was repaired.
+/// Numbers of repairs of each kind, and the largest distances by which ends were moved.
 #[derive(Default)]
 pub(super) struct Repairs {
     pub(super) short: usize,

@@ -1,37 +1,38 @@
-//! How much work and memory a drawing asks of usvg, before it is given to it.
+//! Bounds the work and memory that a drawing asks of usvg, before usvg sees the drawing.
 //!
-//! A short file can ask for any amount: entities in entities, uses of uses, namespaces inherited by each
-//! element, rules of style sheets tried on all elements. What drawings of a million lines need is allowed.
+//! A short file can ask for any amount: entities in entities, uses of uses, namespaces inherited by each element, rules
+//! of style sheets tried on all elements. The limits admit drawings of a million lines.
 
 use std::collections::HashMap;
 
 use usvg::roxmltree::{Document, Node};
 
-/// Bytes that entities may grow to at most, by the longest of them at each reference.
+/// Largest number of bytes that entities may expand to, if every reference expands to all entity texts.
 const ENTITIES: usize = 1 << 28;
 
-/// Namespaces declared at most: each element that declares one has a list of all that hold there.
+/// Largest number of namespace declarations: each element that declares a namespace has a list of all that are in
+/// scope.
 const NAMESPACES: usize = 1 << 13;
 
-/// Elements at most, uses expanded. usvg takes about a kilobyte for each.
+/// Largest number of elements, uses expanded. usvg takes about a kilobyte for each.
 const ELEMENTS: u64 = 1 << 19;
 
-/// Bytes of attributes, and cubics that arcs are made of, at most, uses expanded. usvg takes about 50 bytes for
-/// each of a long path.
+/// Largest sum of the bytes of attributes and the cubics that arcs are made of, uses expanded. usvg takes about 50
+/// bytes for each of them in a long path.
 const ATTRIBUTES: u64 = 1 << 25;
 
-/// Attributes that say how large an arc is.
+/// Attributes that bound the size of an arc.
 const LENGTHS: [&str; 11] = [
     "d", "r", "rx", "ry", "cx", "cy", "x", "y", "width", "height", "viewBox",
 ];
 
-/// Levels of elements at most, uses expanded: usvg calls itself for each.
+/// Largest depth of nested elements, uses expanded: usvg recurses once for each level.
 const LEVELS: u64 = 256;
 
-/// Comparisons of selectors with elements at most.
+/// Largest number of comparisons of selectors with elements.
 const COMPARISONS: u64 = 1 << 30;
 
-/// What is too much in a text, before it is parsed.
+/// Checks a text before it is parsed. The error describes the excess.
 pub(super) fn of_text(text: &str) -> Result<(), String> {
     // A reference may hold 255 others.
     let entities: usize = text
@@ -49,7 +50,7 @@ pub(super) fn of_text(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Bytes between the quotes of the entity declared here; 0 if none is.
+/// Returns the number of bytes between the quotes of the entity declared at `at`, or 0 if no entity is declared there.
 fn value(text: &str, at: usize) -> usize {
     let declared = &text[at + 1..];
     let Some(open) = declared.find(['"', '\'', '<']) else {
@@ -62,7 +63,7 @@ fn value(text: &str, at: usize) -> usize {
     }
 }
 
-/// What is too much in a document, before it is a drawing.
+/// Checks a document before usvg makes a drawing of it. The error describes the excess.
 pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
     let Size {
         elements,
@@ -100,19 +101,19 @@ fn index(node: Node<'_, '_>) -> usize {
     node.id().get_usize()
 }
 
-/// What an element is with all that is in it, each use counted as what it refers to.
+/// Size of an element with all its descendants, each use counted as the element that it refers to.
 #[derive(Clone, Copy, Default)]
 struct Size {
     elements: u64,
-    /// Bytes, and cubics of arcs.
+    /// Bytes of attributes plus cubics of arcs.
     attributes: u64,
     levels: u64,
 }
 
-/// The size of the document.
+/// Returns the size of the document with all uses expanded.
 ///
-/// A stroke may be painted with a pattern or gradient, which usvg then copies for each element; with
-/// patterns in patterns these would be copies of copies.
+/// A stroke may be painted with a pattern or gradient, which usvg then copies for each element. Patterns in patterns
+/// would be copies of copies, and are refused.
 fn expanded(document: &Document<'_>) -> Result<Size, String> {
     let nodes = document.descendants();
     let mut ids = HashMap::new();
@@ -186,11 +187,11 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
     Ok(done[index(document.root())].unwrap_or_default())
 }
 
-/// Bytes of the attributes of an element, with the cubics of its arcs, each of which may take so many.
+/// Returns the bytes of an element's attributes plus the cubics of its arcs, each of which may take `cubics` of them.
 fn attributes(node: Node<'_, '_>, cubics: u64) -> u64 {
     let bytes: u64 = node.attributes().map(|a| a.value().len() as u64).sum();
     let arcs = match node.tag_name().name() {
-        // One `a` may lead many arcs, of seven numbers each, which flags and points may join to a few bytes.
+        // One `a` may lead many arcs of seven numbers each; flags and points may pack an arc into a few bytes.
         "path" if node.attribute("d").is_some_and(|d| d.contains(['a', 'A'])) => bytes / 8 + 1,
         "circle" | "ellipse" | "rect" => 4,
         _ => 0,
@@ -198,13 +199,13 @@ fn attributes(node: Node<'_, '_>, cubics: u64) -> u64 {
     bytes.saturating_add(arcs.saturating_mul(cubics))
 }
 
-/// No less than how far an element reaches, in units of its own, by the numbers of its attributes.
+/// Returns an upper bound of the extent of an element in its own units, from the numbers of its attributes.
 fn reach(node: Node<'_, '_>) -> f64 {
     let lengths = node.attributes().filter(|a| LENGTHS.contains(&a.name()));
     lengths.map(|a| sum(a.value())).sum()
 }
 
-/// Sum of the numbers of a list, all taken for positive.
+/// Returns the sum of the absolute values of the numbers in a list.
 pub(super) fn sum(list: &str) -> f64 {
     let (mut sum, mut rest) = (0.0, list);
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit() || c == '.') {
@@ -227,9 +228,9 @@ pub(super) fn sum(list: &str) -> f64 {
     sum
 }
 
-/// Cubics that an arc is made of at most, as long as it keeps within `reach` (units): as many as make none of
-/// them stray by more than a tenth of a unit, which falls with the sixth power of their number, and one for each
-/// quarter turn.
+/// Returns the largest number of cubics that an arc with an extent of at most `reach` (units) is made of: as many as
+/// keep every cubic within a tenth of a unit of the arc, an error that falls with the sixth power of their number, and
+/// at least one for each quarter turn.
 fn cubics(reach: f64) -> u64 {
     #[allow(
         clippy::cast_possible_truncation,
@@ -240,8 +241,8 @@ fn cubics(reach: f64) -> u64 {
     cubics.max(4)
 }
 
-/// Comparisons of the selectors of a style sheet with an element below `deepest` others, at most: each
-/// part of a selector behind the first may be tried on all of them.
+/// Returns an upper bound of the comparisons of a style sheet's selectors with one element below `deepest` others: each
+/// part of a selector after the first may be tried on all of these.
 fn comparisons(style: &str, deepest: u64) -> u64 {
     let sheet = without_comments(style);
     let rules = sheet.split('}').filter_map(|rule| rule.rsplit_once('{'));
@@ -265,7 +266,7 @@ fn without_comments(style: &str) -> String {
     left + rest
 }
 
-/// Whether declarations, without comments, paint strokes with a pattern or gradient.
+/// Returns `true` if declarations, given without comments, paint strokes with a pattern or gradient.
 fn strokes_paint(declarations: &str) -> bool {
     let mut values = declarations.split("stroke").skip(1);
     values.any(|behind| {

@@ -1,5 +1,5 @@
-//! The numbers of a drawing. usvg takes lengths that are none for 0, reads lists as far as they are right, and leaves
-//! out what is too large for single precision: all without a word.
+//! Checks the numbers of a drawing. usvg would silently read an invalid length as 0, read a list only up to its first
+//! error, and drop elements whose numbers are too large for single precision.
 
 use svgtypes::{Error, Length, NumberListParser, PathParser};
 use usvg::roxmltree::{Document, Node};
@@ -7,10 +7,11 @@ use usvg::roxmltree::{Document, Node};
 use super::Wrong;
 use super::effort::sum;
 
-/// Largest number: far from where single precision ends, whatever it is multiplied by or added to.
+/// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or
+/// added to.
 const LARGEST: f64 = 1e30;
 
-/// The place of the first number that is none or too large, what was expected there and what it is.
+/// Returns an error at the first number that is invalid or too large.
 pub(super) fn check(document: &Document<'_>) -> Result<(), Wrong> {
     document.descendants().try_for_each(|node| {
         let names: &[&str] = match node.tag_name().name() {
@@ -42,7 +43,7 @@ fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Resu
     let at = value.char_indices().nth(characters);
     let at = at.map_or(value.len(), |(at, _)| at);
     let written = attribute.range_value();
-    // Entities are longer than what they stand for.
+    // Entities are longer than the text that they stand for.
     let within = if written.len() == value.len() { at } else { 0 };
     let place = document.text_pos_at(written.start + within);
     let found: String = value[at..].chars().take(40).collect();
@@ -56,7 +57,7 @@ fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Resu
     ))
 }
 
-/// Characters before what is wrong; none of what is too large, somewhere.
+/// The error is the number of characters before the defect, or 0 for a number that is too large anywhere in the value.
 type Right = Result<(), usize>;
 
 fn length(value: &str) -> Right {
@@ -71,7 +72,7 @@ fn points(value: &str) -> Right {
 
 fn data(value: &str) -> Right {
     PathParser::from(value).try_for_each(|part| part.map(drop).map_err(before))?;
-    // No point is beyond the sum, be it absolute or relative.
+    // No point lies beyond the sum, whether its coordinates are absolute or relative.
     small(sum(value))
 }
 
@@ -79,14 +80,14 @@ fn small(number: f64) -> Right {
     (number <= LARGEST).then_some(()).ok_or(0)
 }
 
-/// Characters before an error. The parser counts them from 1.
+/// Returns the number of characters before an error. The parser counts characters from 1.
 fn before(error: Error) -> usize {
     match error {
         Error::UnexpectedData(at)
         | Error::InvalidChar(_, at)
         | Error::InvalidString(_, at)
         | Error::InvalidNumber(at) => at.saturating_sub(1),
-        // What is missing is missing at the end.
+        // The missing text is missing at the end of the value.
         Error::UnexpectedEndOfStream => usize::MAX,
         Error::InvalidValue | Error::InvalidIdent => 0,
     }

@@ -1,5 +1,5 @@
-// ---- Camera: turns about the middle of the sheet. Zooming magnifies the picture and leaves the camera where it
-// is, so that it never gets inside the paper.
+// ---- Camera: it turns about the middle of the sheet. Zooming magnifies the picture and does not move the camera, so
+// that the camera never gets inside the paper.
 
 const FOCAL = 5;
 const camera = {};
@@ -8,10 +8,10 @@ resetCamera();
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-/** A distance from which all shapes are wholly in the picture. */
+/** Distance of the camera from which all shapes fit into the picture. */
 const fit = aspect => Math.max(1.1 * radius, reaches[2] + 1.12 * FOCAL * Math.max(reaches[0] / aspect, reaches[1]));
 
-/** World to clip space, by columns. */
+/** Matrix from world to clip space, by columns. */
 function projection(aspect) {
   const { low, high, part } = shapePlace, distance = fit(aspect);
   const centre = middles[low].map((from, axis) => from + part * (middles[high][axis] - from));
@@ -29,14 +29,14 @@ function projection(aspect) {
 // ---- Colours.
 
 const colourOf = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-/** Colours of the page as numbers, until light and dark change. */
+/** Cache of the colours of the page as numbers, cleared when the page changes between light and dark. */
 const known = new Map();
 function rgb(name) {
   if (!known.has(name)) known.set(name, [1, 3, 5].map(i => parseInt(colourOf(name).slice(i, i + 2), 16) / 255));
   return known.get(name);
 }
 
-/** Hues of crease groups: few are far apart, of many those with neighbouring numbers are. */
+/** Hue of a crease group: evenly spread for up to 12 groups, else far apart for groups with neighbouring numbers. */
 const hue = group => (205 + (groups <= 12 ? 360 / groups : 137.5) * group) % 360;
 function hslToRgb(h, s, l) {
   const part = n => { const k = (n + h / 30) % 12; return l - s * Math.min(l, 1 - l) * Math.max(-1, Math.min(k - 3, 9 - k, 1)); };
@@ -45,7 +45,7 @@ function hslToRgb(h, s, l) {
 
 const groupColours = Array.from({ length: groups }, (_, group) => hslToRgb(hue(group), 0.75, 0.4));
 
-/** Lines by FOLD letter. `dashes` a mean edge, so that the letters differ without colour too. */
+/** Line styles by FOLD letter. `dashes` is the number of dashes of a mean edge, to tell letters without colour. */
 const LETTERS = [
   { letters: "M", name: "mountain", colour: "--mountain", width: 2, dashes: 0 },
   { letters: "V", name: "valley", colour: "--valley", width: 2, dashes: 4 },
@@ -56,11 +56,11 @@ const LETTERS = [
 const letterOf = edge => LETTERS.find(({ letters }) => letters.includes(scene.letters[edge]));
 const edgeLetters = Array.from({ length: edges }, (_, edge) => letterOf(edge));
 
-/** What the colours of lines tell, in the order of the keys 1 to 4. */
+/** Meanings that the colours of lines may have, in the order of the keys 1 to 4. */
 const COLOURS = ["paper", "groups", "letters", "deformation"];
-/** Powers of ten between which deformation goes from the first colour to the last. */
+/** Powers of ten of the deformations that have the first and the last colour. */
 const STRAIN = [-9, -2];
-/** Lines that are wider stand out: they stay so wide where others get thinner. */
+/** Width in pixels from which a line stands out: it keeps its width where other lines get thinner. */
 const STANDS_OUT = 3;
 
 const view = { colours: "letters", selected: -1, pair: true, worstEdge: -1 };
@@ -99,7 +99,7 @@ function paintLines() {
   }
 }
 
-// ---- Drawing. All vertex positions are in one texture, and the shaders look them up by index.
+// ---- Drawing. All vertex positions are in one texture, in which the shaders look them up by index.
 
 const LOOK_UP = `#version 300 es
 precision highp float;
@@ -115,7 +115,7 @@ void main() {
   place = at(gl_VertexID);
   gl_Position = camera * vec4(place, 1);
 }`;
-// The normal comes from the neighbouring pixels: flat shading without normals in memory.
+// The normal comes from the derivatives between neighbouring pixels: flat shading without normals in memory.
 const FACE_PIXEL = `#version 300 es
 precision highp float;
 uniform vec3 front, back, light;
@@ -125,7 +125,7 @@ void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   colour = vec4((gl_FrontFacing ? front : back) * (0.66 + 0.34 * dot(normal, light)), 1);
 }`;
-// A line is a strip of four corners, as wide as its width in pixels.
+// A line is a strip of four corners that is `width` pixels wide.
 const LINE_VERTEX = `${LOOK_UP}
 uniform vec2 pixels;
 uniform vec3 widths; // pixels of the picture in one of the page, thinning, and where a line stands out
@@ -194,7 +194,7 @@ function renderer(canvas) {
   gl.bindVertexArray(faceArray);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(corners), gl.STATIC_DRAW);
-  /** For each face where its corners begin. */
+  /** Index of each face's first corner in `corners`. */
   const begins = [0];
   for (const face of scene.faces) begins.push(begins.at(-1) + 3 * face.length);
 
@@ -207,7 +207,7 @@ function renderer(canvas) {
     return part < 2 ? scene.edges[2 * edge + part] : dashes(edge);
   }), gl.STATIC_DRAW);
   gl.vertexAttribIPointer(0, 3, gl.INT, 0, 0);
-  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer()); // stays bound: styles are written to it
+  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer()); // stays bound, as line styles are written to it later
   gl.bufferData(gl.ARRAY_BUFFER, lineStyles, gl.DYNAMIC_DRAW);
   gl.vertexAttribPointer(1, 4, gl.UNSIGNED_BYTE, true, 0, 0);
   for (const attribute of [0, 1]) {
@@ -225,7 +225,7 @@ function renderer(canvas) {
   }
 
   function draw() {
-    // Set only where it differs, as setting it makes a new buffer; a hidden canvas has no size.
+    // The size is set only if it differs, because setting it makes a new buffer. A hidden canvas has the size 0.
     for (const [side, length] of [["width", canvas.clientWidth], ["height", canvas.clientHeight]]) {
       const pixels = Math.max(1, Math.round(length * devicePixelRatio));
       if (canvas[side] !== pixels) canvas[side] = pixels;
@@ -244,14 +244,14 @@ function renderer(canvas) {
     gl.clearColor(...rgb("--table"), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 
-    // The light comes over the left shoulder, whichever way the sheet is turned.
+    // The light comes over the viewer's left shoulder for every orientation of the sheet.
     const [right, up, towards] = axesOf(camera);
     const light = [0, 1, 2].map(i => -0.55 * right[i] + 0.45 * up[i] + 0.7 * towards[i]);
     gl.useProgram(faceProgram.made);
     gl.uniformMatrix4fv(faceProgram.at("camera"), false, matrix);
     gl.uniform3fv(faceProgram.at("light"), light);
     gl.bindVertexArray(faceArray);
-    // Faces are pushed back by the depth that they have under half a line, so that lines lie on them.
+    // Faces are pushed back by their change of depth across half the width of a line, so that lines lie on them.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5 * devicePixelRatio, 4);
     drawFaces(rgb("--front"), rgb("--back"), 0, corners.length);
@@ -261,7 +261,7 @@ function renderer(canvas) {
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
 
-    // Where creases are near each other, full lines would hide the paper.
+    // Lines get thinner when creases are close to each other in the picture, as full lines would hide the paper.
     const edgePixels = meanLength * FOCAL * camera.zoom / fit(aspect) * canvas.clientHeight / 2;
     const thinning = Math.min(1, Math.max(0.2, edgePixels / 40));
     gl.useProgram(lineProgram.made);
@@ -272,7 +272,7 @@ function renderer(canvas) {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, edges);
   }
 
-  /** Draws, and boils the pixels down to one number. */
+  /** Draws the picture and returns a hash of its pixels. */
   function hash() {
     draw();
     const pixels = new Uint32Array(canvas.width * canvas.height);
@@ -284,12 +284,12 @@ function renderer(canvas) {
 
 // ---- Picking.
 
-/** Pixels from a hinge within which a click means it. */
+/** Largest distance in pixels of a click from the hinge that it picks. */
 const REACH = 10;
-/** Part of the depth of the picture by which a hinge may lie behind the face before it: its own faces are as near. */
+/** Depth by which a hinge behind a face can still be picked, as a fraction of the range: its own faces touch it. */
 const BEHIND = 2e-3;
 
-/** For each vertex where it is on the canvas: pixels to the right and downwards, and depth. */
+/** Position of each vertex on the canvas: pixels to the right, pixels downwards, and depth. */
 function onCanvas(canvas) {
   const m = projection(canvas.clientWidth / canvas.clientHeight), places = new Float64Array(3 * vertices);
   for (let i = 0; i < folded.length; i += 3) {
@@ -299,7 +299,7 @@ function onCanvas(canvas) {
   return places;
 }
 
-/** The least depth of a face at a pixel. */
+/** Smallest depth of any face at a pixel; infinite without a face. */
 function depthAt(places, x, y) {
   let least = Infinity;
   for (const face of scene.faces) for (const [a, b, c] of face) {
@@ -311,7 +311,7 @@ function depthAt(places, x, y) {
   return least;
 }
 
-/** The hinge at a pixel of the canvas: the nearest of those that no face hides, or -1. */
+/** Returns the edge of the nearest hinge at a pixel of the canvas that no face hides, or -1. */
 function hingeAt(canvas, x, y) {
   foldAt(timeNow());
   const places = onCanvas(canvas), near = [];

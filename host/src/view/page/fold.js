@@ -1,5 +1,6 @@
 "use strict";
-// The motion of the crease groups, and the folding map: where every vertex of the sheet is at a time.
+// The motion of the crease groups, as in FORMAT.md ("Between knots"), and the folding map, which gives the position of
+// every vertex at a time.
 
 const errors = [];
 addEventListener("error", event => errors.push(event.message));
@@ -12,7 +13,7 @@ const groups = motion.groups, edges = scene.letters.length, vertices = scene.ver
 const knotTimes = motion.times, shapeTimes = shapes.map(shape => shape.time);
 const start = knotTimes[0], duration = knotTimes.at(-1) - start;
 
-/** Looks for a time among others, which are in order: between which two, and how far between them. */
+/** Finds a time in a sorted list by bisection: the two entries round it, and the fraction of the way between these. */
 function find(times, time, place) {
   let low = 0, high = times.length - 1;
   while (high - low > 1) {
@@ -21,13 +22,13 @@ function find(times, time, place) {
   }
   const span = times[high] - times[low];
   const part = span > 0 ? (time - times[low]) / span : 0, end = Math.round(part);
-  // Times are rounded: one that is in the list is met all the same.
+  // Times are rounded: a time within 1e-9 of an entry counts as that entry.
   place.low = low; place.high = high; place.part = Math.abs(part - end) < 1e-9 ? end : part;
   return place;
 }
 
-// ---- Fold angles. Between knots either the angle is a cubic, or both of a pair (c, n) proportional to cosine
-// and sine of half the angle are. Of a group at a knot: [angle, its rate] or [c, its rate, n, its rate].
+// ---- Fold angles. Between knots either the angle is a cubic, or c and n are, which are proportional to cosine and
+// sine of half the angle. `nodes` has for each group at each knot [angle, its rate] or [c, its rate, n, its rate].
 
 const halves = ["half-angle", "homogeneous"].includes(motion.interpolation);
 const nodes = new Float64Array(4 * motion.angles.length);
@@ -41,7 +42,7 @@ motion.angles.forEach((angle, i) => {
   }
 });
 
-/** The cubic of a group's first (0) or second (2) number at a place between knots, or the slope of it. */
+/** Value, or slope, of the cubic of a group's first (0) or second (2) number at a place between knots. */
 function cubic(group, number, { low, high, part: s }, slope) {
   const a = 4 * (low * groups + group) + number, b = 4 * (high * groups + group) + number;
   const p = nodes[a], q = nodes[b], span = knotTimes[high] - knotTimes[low];
@@ -56,7 +57,7 @@ function groupAngle(group, place) {
   return halves ? 2 * Math.atan2(cubic(group, 2, place), cubic(group, 0, place)) : cubic(group, 0, place);
 }
 
-/** Its rate (radians per second). */
+/** Rate of a group (radians per second) at a place between knots. */
 function groupRate(group, place) {
   const span = knotTimes[place.high] - knotTimes[place.low];
   if (!(span > 0)) return 0;
@@ -65,8 +66,8 @@ function groupRate(group, place) {
   return 2 * (c * cubic(group, 2, place, true) - n * cubic(group, 0, place, true)) / ((c * c + n * n) * span);
 }
 
-// ---- The folding map. A face is a rotation (quaternion w, x, y, z), and where that takes the axes of the flat
-// sheet and its origin.
+// ---- The folding map. The pose of a face is a rotation (quaternion w, x, y, z in `turned`), and the images of the
+// axes and the origin of the flat sheet (in `frames`).
 
 const faces = scene.faces.length;
 const turned = new Float64Array(4 * faces), frames = new Float64Array(9 * faces);
@@ -75,7 +76,7 @@ const folded = new Float64Array(3 * vertices);
 const vertexFaces = Int32Array.from(scene.vertex_faces, face => face ?? -1);
 const knotPlace = { low: 0, high: 0, part: 0 }, shapePlace = { low: 0, high: 0, part: 0 };
 
-/** Steps of the spanning tree: face, the one it hangs on, turn; and a point of the edge, and its direction. */
+/** Steps of the spanning tree: face, parent face, turn; for each a point of the edge between and its direction. */
 const steps = new Int32Array(scene.tree.length / 4 * 3), hinges = new Float64Array(scene.tree.length);
 for (let i = 0; 4 * i < scene.tree.length; i++) {
   const [face, parent, edge, from] = scene.tree.slice(4 * i, 4 * i + 4);
@@ -86,7 +87,7 @@ for (let i = 0; 4 * i < scene.tree.length; i++) {
   hinges.set([scene.vertices[a], scene.vertices[a + 1], x / length, y / length], 4 * i);
 }
 
-/** Turns a face, and moves it so that the point (x, y) of the flat sheet comes to (to_x, to_y, to_z). */
+/** Sets the rotation of a face and moves it so that the point (x, y) of the flat sheet comes to (to_x, to_y, to_z). */
 function put(face, w, i, j, k, x, y, to_x, to_y, to_z) {
   const scale = 1 / Math.sqrt(w * w + i * i + j * j + k * k), q = 4 * face, f = 9 * face;
   w *= scale; i *= scale; j *= scale; k *= scale;
@@ -98,13 +99,13 @@ function put(face, w, i, j, k, x, y, to_x, to_y, to_z) {
   frames[f + 8] = to_z - frames[f + 2] * x - frames[f + 5] * y;
 }
 
-/** A coordinate (0 to 2) of the point (x, y) of the flat sheet as a face has it. */
+/** A coordinate (axis 0 to 2) of the image of the point (x, y) of the flat sheet under the pose of a face. */
 const at = (face, x, y, axis) => {
   const f = 9 * face + axis;
   return frames[f] * x + frames[f + 3] * y + frames[f + 6];
 };
 
-/** Puts the faces that all others hang on where they are between the two nearest shapes. */
+/** Sets the poses of the root faces, interpolated between the two nearest shapes. */
 function putRoots() {
   const { low, high, part } = shapePlace, from = shapes[low].places, to = shapes[high].places;
   for (let r = 0; r < scene.roots.length; r++) {
@@ -118,7 +119,7 @@ function putRoots() {
   }
 }
 
-/** Folds the sheet: `folded` has its vertices (x, y, z, x, ...) at a time of the path. */
+/** Folds the sheet at a time of the path: `folded` gets the vertices (x, y, z, x, ...). */
 function foldAt(time) {
   find(knotTimes, time, knotPlace);
   find(shapeTimes, time, shapePlace);
@@ -134,7 +135,7 @@ function foldAt(time) {
     const cos = turn ? cosHalf[group] : 1, sin = turn ? Math.sign(turn) * sinHalf[group] : 0;
     const px = hinges[i], py = hinges[i + 1], bx = sin * hinges[i + 2], by = sin * hinges[i + 3];
     const q = 4 * parent, w = turned[q], x = turned[q + 1], y = turned[q + 2], z = turned[q + 3];
-    // The edge stays where the face beyond it takes it.
+    // The face turns about the edge, whose position is that in the parent face.
     put(steps[step], w * cos - x * bx - y * by, w * bx + x * cos - z * by, w * by + y * cos + z * bx, z * cos + x * by - y * bx,
       px, py, at(parent, px, py, 0), at(parent, px, py, 1), at(parent, px, py, 2));
   }
@@ -154,15 +155,15 @@ const flatLengths = Float64Array.from({ length: edges }, (_, e) => {
 });
 const meanLength = flatLengths.reduce((sum, length) => sum + length, 0) / edges;
 
-/** By how much of its length an edge is too long or too short. */
+/** Relative change of length of an edge. */
 function deformation(edge) {
   const a = 3 * scene.edges[2 * edge], b = 3 * scene.edges[2 * edge + 1];
   const x = folded[a] - folded[b], y = folded[a + 1] - folded[b + 1], z = folded[a + 2] - folded[b + 2];
   return Math.abs(Math.sqrt(x * x + y * y + z * z) / flatLengths[edge] - 1);
 }
 
-// ---- How much room the sheet takes in each shape: the middle of the box round it, the radius of the ball round
-// that, and how far it reaches along three axes of the first view.
+// ---- Extent of the sheet: for each shape the middle of its bounding box; over all shapes the radius of a ball round
+// these middles, and the reach along the three axes of the first view.
 
 const START = { yaw: -1.3, pitch: 0.8 };
 const axesOf = ({ yaw, pitch }) => {

@@ -1,10 +1,10 @@
-// ---- What is said of the path, at the current time, and of the hinge that was picked.
+// ---- Texts about the path, about the current time, and about the picked hinge.
 
 const cells = (list, ...rows) => {
   list.innerHTML = rows.map(([name, value]) => `<div><dt>${name}</dt><dd>${typeof value === "function" ? "" : value}</dd></div>`).join("");
   list.querySelectorAll("dd").forEach((node, i) => { if (typeof rows[i][1] === "function") live.push({ node, say: rows[i][1] }); });
 };
-/** Stops texts of what has left the page. */
+/** Stops the updates of texts whose elements have left the page. */
 const forgetLive = () => live.splice(0, live.length, ...live.filter(({ node }) => node.isConnected));
 
 function knotNow() {
@@ -29,7 +29,7 @@ function writeHeader() {
   plots.forEach(writeLegend);
 }
 
-/** What the colours of the lines mean. */
+/** Writes the legend of the line colours. */
 function writeLines() {
   const list = element("lines"), used = LETTERS.filter(letter => edgeLetters.includes(letter));
   const dash = letter => [null, "5 3", "2 2"][(letter.dashes > 0) + (letter.dashes > 6)];
@@ -81,14 +81,14 @@ function say(text) {
 const canvas = element("canvas"), fold = element("fold"), play = element("play"), speed = element("speed"), repeat = element("repeat");
 let picture = null, waiting = false, playingSince = null;
 
-/** Draws once before the next frame, however often it is asked to. */
+/** Schedules one drawing before the next frame; further calls until then have no effect. */
 function redraw() {
   if (waiting) return;
   waiting = true;
   requestAnimationFrame(() => {
     waiting = false;
     picture?.draw();
-    writeLive(); // the worst edge is known once it is drawn
+    writeLive(); // after drawing, which finds the worst edge
   });
 }
 function repaint() {
@@ -114,10 +114,10 @@ function stepKnot(way) {
   if (next !== undefined) setTime(next);
 }
 
-/** Real time, as long as that is neither too quick to follow nor too slow to watch. */
+/** Seconds of one playback at speed 1: the real duration, limited to a time that a viewer can follow. */
 const SECONDS = Math.min(15, Math.max(4, duration));
 
-/** Where playing goes from a position in a time, and which way after that; no way at the end. */
+/** Returns the position that playing reaches after some seconds, and the direction from there: 1, -1, or 0 for none. */
 function advance(from, seconds, way) {
   const to = from + way * seconds * speed.value / SECONDS;
   if (to >= 0 && to <= 1) return [to, way];
@@ -156,7 +156,7 @@ function setColours(colours) {
   repaint();
 }
 
-/** Picks a hinge, by the number of its edge, or none with -1. */
+/** Picks a hinge by the number of its edge; -1 picks none. */
 function select(edge) {
   view.selected = edge;
   writeHinge();
@@ -182,7 +182,7 @@ function resetView() {
   redraw();
 }
 
-/** Magnifies the picture and keeps the point (x, y) of the canvas where it is. */
+/** Magnifies the picture about the point (x, y) of the canvas. */
 function zoom(by, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
   by = Math.min(40, Math.max(0.3, camera.zoom * by)) / camera.zoom;
   camera.zoom *= by;
@@ -214,7 +214,7 @@ const KEYS = {
   "Escape": () => select(-1),
 };
 COLOURS.forEach((colours, i) => { KEYS[i + 1] = () => setColours(colours); });
-/** Keys that go along the path stop playing. */
+/** Keys that change the position on the path; they stop playing. */
 const SEEK = {
   ArrowLeft: event => event.shiftKey ? stepKnot(-1) : setPosition(position - 0.01),
   ArrowRight: event => event.shiftKey ? stepKnot(1) : setPosition(position + 0.01),
@@ -223,7 +223,7 @@ const SEEK = {
 };
 addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey || help.open || event.target.matches("select")) return;
-  const presses = event.key === " " && event.target.matches("button, input[type=checkbox]"); // they answer the space bar by themselves
+  const presses = event.key === " " && event.target.matches("button, input[type=checkbox]"); // these elements handle the space bar themselves
   const action = KEYS[event.key], seek = SEEK[event.key];
   if (presses || !action && !seek) return;
   if (seek) setPlaying(false);
@@ -243,12 +243,12 @@ element("save").addEventListener("click", saveImage);
 element("reset").addEventListener("click", resetView);
 element("ask").addEventListener("click", () => help.showModal());
 
-// ---- Pointers: one turns the sheet, or shifts it with the right button; two pinch and shift. A click picks.
+// ---- Pointers: one pointer turns the sheet, or shifts it with the right button; two pinch and shift. A click picks.
 
 const pointers = new Map();
-/** Pixels that a click may move. */
+/** Largest movement in pixels between press and release of a click. */
 const STILL = 4;
-/** The press that may become a click. */
+/** The press event that may become a click, or null. */
 let pressed = null;
 canvas.addEventListener("pointerdown", event => {
   canvas.setPointerCapture(event.pointerId);
@@ -293,7 +293,7 @@ plots.forEach(drawn => { new ResizeObserver(() => plot(drawn)).observe(drawn.svg
 setPosition(0);
 setColours(view.colours);
 
-/** For tests. */
+/** Interface for tests. */
 window.foldpath = {
   errors, view, advance,
   position: () => position, setPosition, setTime,
@@ -301,7 +301,7 @@ window.foldpath = {
   camera: () => structuredClone(camera),
   drawn: () => picture?.hash() ?? 0,
   hingeAt: (x, y) => hingeAt(canvas, x, y),
-  /** Where the sheet is seen from. */
+  /** Position of the camera. */
   eye: () => {
     const { low, high, part } = shapePlace, away = fit(canvas.clientWidth / canvas.clientHeight), towards = axesOf(camera)[2];
     return middles[low].map((from, axis) => from + part * (middles[high][axis] - from) + away * towards[axis]);
@@ -309,7 +309,7 @@ window.foldpath = {
   /** Fold angle of every edge, radians. */
   angles: () => scene.turns.map(turn => turn && Math.sign(turn) * groupAngle(Math.abs(turn) - 1, knotPlace)),
   vertices: () => { foldAt(timeNow()); return Array.from(folded); },
-  /** The middle of an edge in pixels of the canvas. */
+  /** Middle of an edge, in pixels of the canvas. */
   middleOf: edge => {
     foldAt(timeNow());
     const places = onCanvas(canvas), [a, b] = [3 * scene.edges[2 * edge], 3 * scene.edges[2 * edge + 1]];

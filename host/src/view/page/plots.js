@@ -1,9 +1,9 @@
-// ---- Path time: the position 0..1 runs evenly over it.
+// ---- Path time: the position, 0 to 1, is proportional to it.
 
 let position = 0;
 const timeNow = () => start + position * duration;
 
-/** A number of the shapes at the current time, linear between them; JSON has null for NaN. */
+/** Value of a number of the shapes at the current time, linear between shapes. JSON has null for NaN. */
 function valueNow(of) {
   const { low, high, part } = shapePlace, from = of(shapes[low]) ?? NaN;
   return part > 0 ? from + part * ((of(shapes[high]) ?? NaN) - from) : from;
@@ -15,7 +15,7 @@ const MOST_CURVES = 24, MOST_NAMED = 12;
 const PAD = { left: 40, right: 8, top: 6, bottom: 34 };
 const DEGREE = 180 / Math.PI;
 
-/** A curve of the angle of a group: `at` has its values at the shapes, `now` that at the current time. */
+/** Curve of the angle of a group: `at` has its values at the shapes, `now` gives its value at the current time. */
 function groupCurve(group) {
   const place = {}, at = shapeTimes.map(time => DEGREE * groupAngle(group, find(knotTimes, time, place)));
   return {
@@ -25,7 +25,7 @@ function groupCurve(group) {
 }
 const curve = (name, colour, of, dash) => ({ name, colour, dash, at: shapes.map(shape => of(shape) ?? NaN), now: () => valueNow(of), text: short });
 
-// Angles differ between groups; what is drawn of many is spread evenly over them.
+// Angles differ between groups. If there are many, the groups that are drawn are spread evenly over all.
 const drawnGroups = Math.min(groups, MOST_CURVES);
 const angleCurves = Array.from({ length: drawnGroups }, (_, i) => groupCurve(Math.floor(i * groups / drawnGroups)));
 const errorCurves = [
@@ -38,7 +38,7 @@ const clearanceKnown = shapes.some(shape => shape.clearance !== null);
 const least = list => list.reduce((a, b) => Math.min(a, b));
 const most = list => list.reduce((a, b) => Math.max(a, b));
 
-/** Round numbers over a range, at most about `count` of them. */
+/** Returns at most about `count` round numbers that cover a range. */
 function ticks(low, high, steps, count) {
   const step = steps.find(step => (high - low) / step <= count) ?? (high - low);
   const first = Math.floor(low / step + 1e-9), end = Math.ceil(high / step - 1e-9);
@@ -48,14 +48,14 @@ const DECIMAL = Array.from({ length: 36 }, (_, i) => [1, 2, 5][i % 3] * 10 ** (M
 const DEGREES = [...DECIMAL.filter(step => step < 15), 15, 30, 45, 60, 90, 180];
 const values = curves => curves.flatMap(({ at }) => at).filter(Number.isFinite);
 
-/** An axis from 0 or below to a round number. */
+/** Makes a linear axis that contains 0 and ends at round numbers. */
 function evenAxis(curves, steps, smallest) {
   const all = [0, ...values(curves)];
   const marks = ticks(least(all), Math.max(smallest, most(all)), steps, 5);
   return { marks, label: x => String(x).replace("-", "−"), place: x => x };
 }
 
-/** Powers of ten, with a row below the lowest for zero, which has no logarithm. */
+/** Makes a logarithmic axis of powers of ten, with a row below the lowest power for zero, which has no logarithm. */
 function errorAxis() {
   const all = values(errorCurves);
   const logs = all.filter(x => x > 0).map(Math.log10);
@@ -93,7 +93,7 @@ function plot({ svg, curves, axis }) {
      <text x="${x(time)}" y="${bottom + 15}" text-anchor="middle">${time}</text>`);
   const knots = `<path class="knots" d="${knotTimes.map(time => `M${x(time).toFixed(1)} ${bottom}v-5`).join("")}"/>`;
   const phases = scene.phases.map(knot => `<path class="phase" d="M${x(knotTimes[knot])} ${PAD.top}V${bottom}"/>`);
-  // A value that is not a number leaves a hole in its curve.
+  // A value that is not a number leaves a gap in its curve.
   const paths = curves.map(({ name, colour, dash, group, at }) => {
     let pen = "M";
     const points = at.map((value, k) => {
@@ -113,7 +113,7 @@ function plot({ svg, curves, axis }) {
   svg.moveMarker();
 }
 
-/** Lets the pointer choose the position on a plot. */
+/** Lets the pointer choose the path position on a plot. */
 function seekOn(svg) {
   const seek = event => {
     const { left, width } = svg.getBoundingClientRect();
@@ -126,13 +126,13 @@ function seekOn(svg) {
 
 // ---- Words and numbers.
 
-/** A number in a few characters. */
+/** Formats a number in a few characters. */
 function short(x) {
   if (x === 0 || x === null || !Number.isFinite(x)) return x === 0 ? "0" : "unknown";
   return Math.abs(x) >= 1e-3 && Math.abs(x) < 1e5 ? String(+x.toPrecision(4)) : x.toExponential(2).replace("e", " e");
 }
 
-/** Texts that follow the time: the element with each, and how to say it. */
+/** Texts that follow the time: each has its element and a function that formats the text. */
 const live = [];
 function writeLive() {
   for (const { node, say } of live) {
@@ -144,7 +144,7 @@ function writeLive() {
 const sample = (colour, dash, width) =>
   `<svg viewBox="0 0 24 8" aria-hidden="true"><path d="M0 4H24" stroke="${colour}" stroke-width="${width}" stroke-dasharray="${dash ?? "none"}"/></svg>`;
 
-/** Names curves and tells their values at the current time. */
+/** Writes the legend of a plot: the names of the curves and their values at the current time. */
 function writeLegend({ legend, curves }) {
   if (curves.length > MOST_NAMED) {
     legend.innerHTML = `<li>${curves.length} of ${groups} groups, named on hover</li>`;
