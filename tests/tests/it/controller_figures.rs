@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::image::path::Fold;
 use crate::image::world::World;
-use crate::image::{board_output, image, size};
+use crate::image::{board_output, image, size, turn};
 use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::driver::Persistence;
 use foldpath_firmware_sim::faults::Faults;
@@ -54,6 +54,8 @@ fn work_is_done_in_time() {
 #[test]
 fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
     let fold = Fold::miura();
+    image("foldpath-controller");
+    let _turn = turn();
     let mut world = World::new(&fold, "mps2-an386", Faults::default(), 0);
     world.greet(Persistence::Always);
     let mut latest = i64::MIN;

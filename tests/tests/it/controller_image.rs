@@ -2,12 +2,12 @@
 //! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
 //! Times are the board's own.
 
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::LazyLock;
 use std::thread;
 
 use crate::image::path::Fold;
 use crate::image::world::{Sight, World, moment, rng, stuffed};
-use crate::image::{address, image};
+use crate::image::{address, image, turn};
 use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::driver::Persistence;
@@ -28,10 +28,9 @@ static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
 /// Runs a test with each seed, at the same time. One test after the other: more boards than these would wait for each
 /// other.
 fn seeds(test: impl Fn(u64) + Sync) {
-    static TURN: Mutex<()> = Mutex::new(());
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     LazyLock::force(&FOLD);
     image("foldpath-controller");
+    let _turn = turn();
     thread::scope(|scope| {
         for seed in 0..SEEDS {
             let test = &test;

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::image::image;
+use crate::image::{image, turn};
 use foldpath::formats::fold::read_path;
 use foldpath::formats::traj::TrajFile;
 use foldpath::planner::PlanOptions;
@@ -74,6 +74,7 @@ fn emulators() -> Vec<String> {
 #[test]
 fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     let (bytes, image) = (planned(), image("foldpath-controller"));
+    let _turn = turn();
     let faults = Faults {
         drop: 0.05,
         flip: 0.05,

@@ -4,6 +4,7 @@ pub(crate) mod board;
 pub(crate) mod path;
 pub(crate) mod world;
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -47,6 +48,15 @@ pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
         String::from_utf8_lossy(&build.stderr)
     );
     target_dir.join(TARGET).join("firmware")
+}
+
+/// Holds the emulator until it is dropped: tests in which time passes on a board and on its host run one at a time, also
+/// across processes. Boards that share a core would lose their hosts.
+pub(crate) fn turn() -> File {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boards.lock");
+    let file = File::create(path).unwrap();
+    file.lock().unwrap();
+    file
 }
 
 /// What the probe prints when the emulator runs it to a successful end, in which it counts instructions.
