@@ -1,6 +1,8 @@
-//! Fuzzes the controller: `CARGO_PROFILE_DEV_OPT_LEVEL=3 cargo run -p foldpath-firmware-sim --example fuzz -- 10000000
-//! [SEED] [FIRST]` runs so many executions from the first on. Overflow is checked in this profile. A failure names its
-//! execution; with that number as FIRST and 1 execution it comes back.
+//! Fuzzes the controller with random executions, and with a model of what a controller may do.
+//!
+//! `CARGO_PROFILE_DEV_OPT_LEVEL=3 cargo run -p foldpath-firmware-sim --example fuzz -- 10000000 [SEED] [FIRST]` runs
+//! that many executions, counted from number FIRST. This profile checks for overflow. A failure names its execution:
+//! the same command with that number as FIRST and 1 execution repeats it.
 
 #[path = "../tests/it/fuzz/execution.rs"]
 mod execution;

@@ -1,5 +1,5 @@
-//! Campaigns, each with its summary on stdout: `cargo run --release -p foldpath-tests --example campaign --
-//! stars|plans|paths --count 1000 --seed 1`. `tests/campaign/run` runs them all.
+//! Runs a campaign and prints its summary to stdout: `cargo run --release -p foldpath-tests --example campaign --
+//! stars|plans|paths --count 1000 --seed 1`. `tests/campaign/run` runs all campaigns.
 
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -108,14 +108,14 @@ fn plans(only: Option<&str>, seed: u64, count: u64, timeout: f64) -> std::io::Re
     let each = count.div_ceil(families.len() as u64);
     let tallies = families.iter().map(|&family| {
         eprintln!("{}", family.name);
-        // Some patterns of files take as long as they are given.
+        // Some patterns of files take all the time that they are given.
         let each = if family.real { each.div_ceil(4) } else { each };
         (family, run(family, seed, each, &options))
     });
     Ok(Report(tallies.collect()))
 }
 
-/// The sheets that were not planned, and those in dispute.
+/// Writes the sheets that were not planned, and those in dispute, to a folder.
 fn write_plans(report: &Report, folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     for (family, tally) in &report.0 {

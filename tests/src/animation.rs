@@ -1,11 +1,11 @@
-//! A path file as plain lists.
+//! A path file as plain lists of numbers.
 
 use nalgebra::Vector3;
 use serde_json::{Value, from_value};
 
 use crate::{Motion, Sheet};
 
-/// A path as its file says.
+/// The content of a path file.
 pub struct Animation {
     /// The key frame: the flat sheet.
     pub sheet: Sheet,
@@ -26,10 +26,10 @@ pub struct Frame {
 }
 
 impl Animation {
-    /// The path in the text of a FOLD file.
+    /// Reads a path from the text of a FOLD file.
     ///
     /// # Errors
-    /// If it is not JSON, or a key is missing or of another kind.
+    /// If the text is not JSON, or if a key is missing or of another kind.
     pub fn parse(text: &str) -> serde_json::Result<Self> {
         let file: Value = serde_json::from_str(text)?;
         let frames: Vec<Value> = from_value(file["file_frames"].clone())?;

@@ -1,5 +1,5 @@
-//! Campaigns: many seeded sheets of the [`meshes`], each planned and then judged by `check` and by the oracle;
-//! random [`stars`]; random [`paths`].
+//! Campaigns: do all answers hold on many seeded inputs? Sheets of the [`meshes`] are planned, then judged by `check`
+//! and by the oracle. Random [`stars`] and random [`paths`] are judged as well.
 
 mod follow;
 pub mod paths;
@@ -19,25 +19,25 @@ use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
 
 use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
 
-/// Disputes of a family that are shown.
+/// Largest number of disputes of a family that are shown.
 const SHOWN: usize = 20;
-/// How long beyond its deadline a plan may take before it counts as late.
+/// Time that a plan may run beyond its deadline before it counts as late.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// A kind of sheets.
+/// A family of sheets.
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
-    /// Its name.
+    /// Name of the family.
     pub name: &'static str,
     draw: fn(&mut Random) -> Drawing,
-    /// Draws the same sheet otherwise, which must fare alike.
+    /// `true` if every sheet is also planned as another drawing of it, with which it must have the same outcome.
     varied: bool,
-    /// Whether some cannot be folded and some close only nearly, as patterns of files do.
+    /// `true` if some sheets cannot be folded and some close only nearly, as patterns of files do.
     pub real: bool,
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub const ALL: &'static [Self] = &[
         Self::plain("strips", meshes::strips),
         Self::plain("flat-foldable", meshes::flat_foldable),
@@ -91,13 +91,13 @@ impl Family {
         }
     }
 
-    /// The sheet of that seed.
+    /// Returns the sheet of this seed.
     #[must_use]
     pub fn sheet(&self, seed: u64) -> Drawing {
         (self.draw)(&mut Random::new(seed))
     }
 
-    /// The sheet of that seed, and as it is drawn otherwise, if it is.
+    /// Returns the sheet of this seed, and the other drawing of it if the family has one.
     pub fn sheets(&self, seed: u64) -> impl Iterator<Item = Drawing> {
         let sheet = self.sheet(seed);
         let other = || meshes::variant(&sheet, &mut Random::new(seed));
@@ -106,28 +106,29 @@ impl Family {
     }
 }
 
-/// A sheet of any of the other families.
+/// Draws a sheet of any family that is neither varied nor real.
 fn any(random: &mut Random) -> Drawing {
     let others = |family: &&Family| !family.varied && !family.real;
     let plain = Family::ALL.iter().filter(others).count();
     (Family::ALL[random.whole(0, plain - 1)].draw)(random)
 }
 
-/// Any of these, with 4 to 9 decimals of its coordinates.
+/// Draws a sheet as [`any`] does, and rounds its coordinates to 4 to 9 decimals.
 fn rounded(random: &mut Random) -> Drawing {
     let units = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
     let drawing = any(random);
     meshes::rounded(drawing, units[random.whole(0, units.len() - 1)])
 }
 
-/// Many strips without symmetry, with 3 to 6 decimals of their coordinates: errors of a hundred vertices and more.
+/// Draws many strips without symmetry and rounds their coordinates to 3 to 6 decimals. The rounding errors of a hundred
+/// vertices and more add up.
 fn wide(random: &mut Random) -> Drawing {
     let units = [1e-3, 1e-4, 1e-5, 1e-6];
     let drawing = meshes::wide_strips(random);
     meshes::rounded(drawing, units[random.whole(0, units.len() - 1)])
 }
 
-/// Any of these or of the files, its vertices off a little.
+/// Draws a sheet as [`any`] does, or a pattern of a file, and moves its vertices a little.
 fn measured(random: &mut Random) -> Drawing {
     let drawing = if random.chance(0.5) {
         meshes::file(random)
@@ -137,25 +138,25 @@ fn measured(random: &mut Random) -> Drawing {
     meshes::measured(drawing, random)
 }
 
-/// What became of the sheets of a family.
+/// Results for the sheets of a family.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Creases of each sheet.
+    /// Number of creases of each sheet.
     pub creases: Vec<usize>,
-    /// Sheets planned.
+    /// Number of sheets that were planned.
     pub planned: usize,
-    /// Seeds of those whose path does not close to rounding, or not end at its goal, though the goal
+    /// Seeds of the planned sheets whose path does not close to rounding, or does not end at its goal although the goal
     /// closes.
     pub inexact: Vec<u64>,
-    /// Of the sheets not planned, those whose goal itself crosses.
+    /// Number of sheets that were not planned and whose goal itself crosses.
     pub crossed_goals: usize,
-    /// Seeds of the sheets not planned, by outcome and reason, numbers in it replaced by #.
+    /// Seeds of the sheets that were not planned, by outcome and reason. Numbers in the reason are replaced by #.
     pub others: BTreeMap<String, Vec<u64>>,
-    /// Where oracle and planner differ, or the planner and itself; with seeds.
+    /// Disagreements of the oracle with the planner, or of the planner with itself, with seeds.
     pub disagreements: Vec<(u64, String)>,
     /// Panics, with seeds.
     pub panics: Vec<(u64, String)>,
-    /// Outcomes other than planned that say nothing why; seeds.
+    /// Seeds of outcomes other than planned that give no reason.
     pub silent: Vec<u64>,
     /// Seeds of plans that overran their deadline.
     pub late: Vec<u64>,
@@ -183,7 +184,7 @@ pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tall
 }
 
 impl Tally {
-    /// Plans and judges a sheet; the name of its outcome.
+    /// Plans and judges a sheet, and returns the name of its outcome.
     fn one(
         &mut self,
         seed: u64,
@@ -255,7 +256,7 @@ impl Tally {
         self.others.entry(key).or_default().push(seed);
     }
 
-    /// Half of all plans took no longer.
+    /// Returns the median of the planning times.
     #[must_use]
     pub fn median(&self) -> Duration {
         let mut times = self.times.clone();
@@ -264,8 +265,8 @@ impl Tally {
     }
 }
 
-/// Whether the goal crosses although the plan does not reach it, and what the oracle finds in the path; `rough` goals
-/// close only nearly.
+/// Returns `true` if the plan does not reach its goal and the goal crosses, and the oracle's verdict on the path. The
+/// goals of `rough` sheets close only nearly.
 fn judge(
     drawing: &Drawing,
     pattern: &CreasePattern,
@@ -295,7 +296,7 @@ fn judge(
         let found = &mut verdict.disagreements;
         match path_file(&text) {
             Ok(file) => {
-                // What is drawn by hand closes no better than it is drawn.
+                // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
                 let usual = CheckOptions::default();
                 let bound = if rough { options.bound } else { usual.bound };
                 found.extend(check(&file, &CheckOptions { bound, ..usual }).failures);
@@ -309,7 +310,8 @@ fn judge(
     (!planned && crosses(&path.sheet, &goal), verdict)
 }
 
-/// Whether the sheet passes through itself at these fold angles of the edges, those without one flat.
+/// Returns `true` if the sheet passes through itself at these fold angles of the edges; edges without an angle are
+/// flat.
 fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
     let mut angles = vec![0.0; sheet.edges.len()];
     let known = angles.iter_mut().zip(goal);
@@ -321,11 +323,11 @@ fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
     !crossings.is_empty()
 }
 
-/// Rows of the table, one a family, and what there is to tell below.
+/// The report of a campaign: a table with one row a family, and remarks below it.
 pub struct Report(pub Vec<(Family, Tally)>);
 
 impl Report {
-    /// Whether nothing panicked, all answers were in time and with a reason, and no path is in dispute.
+    /// Returns `true` if nothing panicked, every answer was in time and gave a reason, and no path is in dispute.
     #[must_use]
     pub fn is_good(&self) -> bool {
         self.0.iter().all(|(_, tally)| {

@@ -1,4 +1,5 @@
-//! Faces that pass through each other: every pair looked at, one chord at a time.
+//! Which faces pass through each other? Tests every pair: the chord that the plane of one face cuts from the other is
+//! clipped against the first face (M. Cyrus, J. Beck).
 
 use nalgebra::Vector3;
 
@@ -6,8 +7,8 @@ use crate::Sheet;
 use crate::shape::normal;
 use crate::sheet::sides;
 
-/// A crossing less deep than this part of the median edge is contact: twice what it is to the planner, which measures
-/// depth otherwise.
+/// Depth of a crossing, over the median edge, up to which it counts as contact: twice the planner's tolerance, because
+/// the planner measures depth in another way.
 const CONTACT: f64 = 2e-6;
 
 /// A face in space.
@@ -19,17 +20,17 @@ struct Panel {
 }
 
 impl Sheet {
-    /// All pairs of faces that share no edge and pass through each other in this shape. Faces must
-    /// be convex.
+    /// Returns all pairs of faces that share no edge and pass through each other in this shape. Faces must be convex.
     #[must_use]
     pub fn crossings(&self, positions: &[Vector3<f64>]) -> Vec<[usize; 2]> {
         self.crossings_beyond(positions, 0.0, 0.0)
     }
 
-    /// Those of a sheet that these fold angles of the edges (radians) tear: they are there in these positions, and
-    /// whichever face it is folded from. That takes faces elsewhere, and what crosses from some faces only is no deeper
-    /// than the tear. Nor is by how much a fold misses the rim of layers that it was drawn along: faces that meet nowhere may
-    /// be in each other by twice the `tear` (over the median edge), the most that the sheet is torn by all along its motion.
+    /// Returns the crossings of a sheet that these fold angles of the edges (radians) tear. A pair counts only if it
+    /// crosses in these positions and in the sheet folded from every other face. Another root moves the faces, and a
+    /// crossing that is absent for some roots is no deeper than the tear. A fold may also miss the rim of the layers
+    /// along which it was drawn. Faces that share no vertex may therefore overlap by twice `tear`, the largest tear of
+    /// the sheet all along its motion, over the median edge.
     #[must_use]
     pub fn crossings_beyond_tears(
         &self,
@@ -50,8 +51,9 @@ impl Sheet {
         crossings
     }
 
-    /// Those where faces that meet in a vertex may cross by twice the gap (over the median edge): one is off by the
-    /// gap there, and turned by about as much. Others may by twice the `tear`.
+    /// Returns the crossings that are deeper than the sheet is torn. Faces that share a vertex may overlap by twice the
+    /// gap (over the median edge): one of them is off by the gap at this vertex, and turned by about as much. Other
+    /// faces may overlap by twice `tear`.
     fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64, tear: f64) -> Vec<[usize; 2]> {
         let unit = self.median_edge();
         let contact = |a: usize, b: usize| {
@@ -79,7 +81,7 @@ impl Sheet {
             .filter(|&[a, b]| {
                 let (panel, other) = (&panels[a], &panels[b]);
                 let contact = contact(a, b);
-                // Seen from one of them alone, an edge that lies along an edge of the other is a crossing sooner.
+                // One face alone would report a crossing too soon if an edge lies along an edge of the other face.
                 let both = || panel.crosses(other, contact) && other.crosses(panel, contact);
                 panel.near(other) && both() && !joined(a, b)
             })
@@ -92,8 +94,8 @@ impl Panel {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
-    /// Whether the chord that the plane of `other` cuts from this panel runs through `other` more
-    /// than `contact` inside its sides. A panel on one side of that plane, up to `contact`, has none.
+    /// Returns `true` if the chord that the plane of `other` cuts from this panel runs through `other`, more than
+    /// `contact` inside its sides. A panel that stays on one side of that plane, up to `contact`, has no chord.
     fn crosses(&self, other: &Self, contact: f64) -> bool {
         let height = |p: &Vector3<f64>| other.normal.dot(&(p - other.corners[0]));
         let heights: Vec<f64> = self.corners.iter().map(height).collect();
@@ -112,7 +114,7 @@ impl Panel {
         let [from, to] = chord[..] else {
             return false;
         };
-        // Cyrus and Beck: the part of the chord on the inner side of every side.
+        // Clips the chord against every side of the other face (Cyrus and Beck).
         let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
         for [k, l] in sides(&(0..other.corners.len()).collect::<Vec<_>>()) {
             let (p, q) = (other.corners[k], other.corners[l]);

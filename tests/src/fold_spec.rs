@@ -1,7 +1,8 @@
-//! Judges a file by the FOLD 1.2 specification alone.
+//! Is a file valid by the FOLD 1.2 specification alone?
 //!
-//! Source: E. Demaine, J. Ku, R. Lang, "FOLD Specification (version 1.2)". Differs from it in one point: it
-//! has the fold angle of an unassigned crease (U) at 0, but a motion turns it, and frames inherit the letter.
+//! Source: E. Demaine, J. Ku, R. Lang, "FOLD Specification (version 1.2)". Differs from the source in one point: the
+//! specification sets the fold angle of an unassigned crease (U) to 0, but a motion turns it, and frames inherit the
+//! assignment.
 
 use std::collections::HashSet;
 
@@ -46,10 +47,10 @@ const FILE_CLASSES: &str = "singleModel multiModel animation diagrams";
 const FRAME_CLASSES: &str = "creasePattern foldedForm graph linkage";
 const ATTRIBUTES: &str = "2D 3D abstract manifold nonManifold orientable nonOrientable selfTouching \
      nonSelfTouching selfIntersecting nonSelfIntersecting cuts noCuts joins noJoins convexFaces nonConvexFaces";
-/// Degrees: angles and positions are written with digits enough.
+/// Largest difference of equal angles, degrees; files have enough digits for it.
 const SAME_ANGLE: f64 = 1e-6;
 
-/// What in a file is not as the specification has it, in words; none if it is valid.
+/// Returns a description of every violation of the specification; none if the file is valid.
 #[must_use]
 pub fn violations(file: &Value) -> Vec<String> {
     let mut judge = Judge::default();
@@ -85,7 +86,7 @@ pub fn violations(file: &Value) -> Vec<String> {
     judge.violations
 }
 
-/// A frame with what it inherits; `None` if its parents are none, or go round in a circle.
+/// Returns a frame with everything that it inherits; `None` if a parent does not exist, or if parents form a cycle.
 fn resolved(file: &Object, frame: usize, depth: usize) -> Option<Object> {
     let frames = file.get("file_frames")?.as_array()?;
     if frame == 0 {
@@ -128,7 +129,7 @@ impl Judge {
         }
     }
 
-    /// All keys are of the specification, or somebody's own, which have a colon.
+    /// Requires every key to be of the specification, or an extension, which has a colon.
     fn keys(&mut self, name: &str, object: &Object, known: &[&[&str]]) {
         for key in object.keys() {
             let known = known.iter().any(|keys| keys.contains(&key.as_str()));
@@ -148,7 +149,7 @@ impl Judge {
         }
     }
 
-    /// A list of names, each of them known or with a colon.
+    /// Requires a list of names, each of them known or with a colon.
     fn names(&mut self, name: &str, list: Option<&Value>, known: &str) {
         let known = |name: &str| known.split(' ').any(|k| k == name) || name.contains(':');
         let good = |value: &Value| value.as_str().is_some_and(known);
@@ -156,7 +157,7 @@ impl Judge {
         self.expect(holds, || format!("{name}: {list:?}"));
     }
 
-    /// A frame with all that it inherits.
+    /// Judges a frame with everything that it inherits.
     fn frame(&mut self, name: &str, frame: &Object) {
         self.names(
             &format!("{name}: frame_classes"),
@@ -212,7 +213,7 @@ impl Judge {
         }
     }
 
-    /// Angles within half a turn, with the signs of their letters.
+    /// Requires angles within half a turn, with the signs of their assignments.
     fn angles(&mut self, name: &str, mesh: &Mesh) {
         for (edge, &angle) in mesh.angles.iter().enumerate() {
             let in_range = (-180.0..=180.0).contains(&angle);
@@ -229,7 +230,8 @@ impl Judge {
         }
     }
 
-    /// Sides of faces are edges, each has at most one face on either side, and a letter says how many.
+    /// Requires that sides of faces are edges, that every edge has at most one face on either side, and as many faces
+    /// as its assignment says.
     fn faces(&mut self, name: &str, mesh: &Mesh) {
         let mut sides = HashSet::new();
         let undirected = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
@@ -264,8 +266,8 @@ impl Judge {
         }
     }
 
-    /// Coordinates are as the attributes say; faces of a crease pattern run counter-clockwise, and those of
-    /// a folded form meet at the angles that are written.
+    /// Requires coordinates as the attributes say. Faces of a crease pattern must run counter-clockwise, and faces of a
+    /// folded form must meet at the angles in the file.
     fn places(&mut self, name: &str, mesh: &Mesh, flat: bool, is: &dyn Fn(&str) -> bool) {
         let in_plane = mesh
             .coords
@@ -307,7 +309,7 @@ impl Judge {
     }
 }
 
-/// The lists of a frame, each empty if it is not there.
+/// The lists of a frame; a list that is absent is empty.
 struct Mesh {
     coords: Vec<Vec<f64>>,
     edges: Vec<[usize; 2]>,
@@ -340,7 +342,7 @@ impl Mesh {
         [place[0], place[1], place.get(2).copied().unwrap_or(0.0)]
     }
 
-    /// The normal of a face, as long as twice its area (Newell's method).
+    /// Returns the normal of a face, with twice the area of the face as its length (Newell's method).
     fn normal(&self, face: &[usize]) -> Vector3<f64> {
         let point = |vertex| Vector3::from(self.point(vertex));
         let origin = point(face[0]);

@@ -1,4 +1,4 @@
-//! The folding map: faces turned about their edges one after another, from a face outwards.
+//! The folding map of the oracle: faces turn about their edges one after another, breadth first from a root face.
 
 use std::collections::VecDeque;
 
@@ -22,26 +22,27 @@ impl Pose {
         self.r_wf * Vector3::z()
     }
 
-    /// A place as seen from the face, in the flat sheet.
+    /// Returns a point of space in the flat coordinates of the face.
     pub(crate) fn seen(&self, place: Vector3<f64>) -> Vector3<f64> {
         self.r_wf.inverse() * (place - self.p_w)
     }
 }
 
 impl Sheet {
-    /// The pose of each face at these fold angles of the edges (radians); face 0 stays.
+    /// Returns the pose of each face at these fold angles of the edges (radians); face 0 stays.
     ///
     /// # Panics
-    /// If the sheet is in more than one part.
+    /// If the sheet is not connected.
     #[must_use]
     pub fn fold(&self, angles: &[f64]) -> Vec<Pose> {
         self.fold_from(0, angles)
     }
 
-    /// The same, but that face `root` stays: a sheet that these angles tear is torn elsewhere.
+    /// Returns the poses as [`fold`](Self::fold) does, but with face `root` at rest. A sheet that these angles tear
+    /// then gapes in other places.
     ///
     /// # Panics
-    /// If the sheet is in more than one part.
+    /// If the sheet is not connected.
     #[must_use]
     pub fn fold_from(&self, root: usize, angles: &[f64]) -> Vec<Pose> {
         let mut beyond = vec![Vec::new(); self.faces.len()];
@@ -66,8 +67,8 @@ impl Sheet {
             }
             poses[face] = Some(pose);
             for &(other, [a, b], angle) in &beyond[face] {
-                // Seen from above, the other face lies to the right of the way from a to b: a
-                // valley lifts it by turning against that way.
+                // Seen from above, the other face lies to the right of the direction from a to b. A valley lifts it,
+                // which is a rotation about the opposite direction.
                 let axis = (self.flat[b] - self.flat[a]).normalize();
                 let r_wf = pose.r_wf * Rotation3::new(-axis * angle);
                 let p_w = pose.apply(self.flat[a]) - r_wf * self.flat[a];
@@ -80,7 +81,7 @@ impl Sheet {
             .collect()
     }
 
-    /// For each vertex its positions as the faces round it have them.
+    /// Returns for each vertex its positions by all faces round it.
     fn opinions(&self, poses: &[Pose]) -> Vec<Vec<Vector3<f64>>> {
         let mut opinions = vec![Vec::new(); self.flat.len()];
         for (face, pose) in self.faces.iter().zip(poses) {
@@ -91,7 +92,7 @@ impl Sheet {
         opinions
     }
 
-    /// For each vertex its position as the first of its faces has it.
+    /// Returns for each vertex its position by the first of its faces.
     #[must_use]
     pub fn positions(&self, poses: &[Pose]) -> Vec<Vector3<f64>> {
         self.opinions(poses)
@@ -100,7 +101,7 @@ impl Sheet {
             .collect()
     }
 
-    /// Largest distance between two positions that faces give the same vertex, over the median edge.
+    /// Returns the largest distance between two positions that faces give the same vertex, over the median edge.
     #[must_use]
     pub fn gap(&self, poses: &[Pose]) -> f64 {
         let widest = |p: Vec<Vector3<f64>>| {

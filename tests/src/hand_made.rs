@@ -1,4 +1,4 @@
-//! Small sheets whose paths are made by hand.
+//! Small sheets with hand-made paths.
 
 use serde_json::{Value, json};
 
@@ -7,29 +7,29 @@ pub struct HandMade {
     vertices: Vec<[f64; 2]>,
     edges: Vec<[usize; 2]>,
     faces: Vec<Vec<usize>>,
-    /// Edges that turn, in the order in which paths name their angles.
+    /// Edges that turn, in the order in which paths list their angles.
     hinges: Vec<usize>,
 }
 
-/// A knot of a path made by hand.
+/// A knot of a hand-made path.
 pub struct HandKnot {
     /// Seconds since the start.
     pub time: f64,
     /// Fold angle of each hinge, degrees.
     pub angles: Vec<f64>,
-    /// Its rate, degrees per second.
+    /// Rate of each hinge, degrees per second.
     pub rates: Vec<f64>,
 }
 
 impl HandMade {
-    /// A strip of three panels, the outer ones twice as long as the panel between is wide: folded to one
-    /// side they meet where cos(180 - rho) = 1/4.
+    /// Returns a strip of three panels, the outer ones twice as long as the middle one is wide. Folded to one side they
+    /// meet at cos(180° - ρ) = 1/4.
     #[must_use]
     pub fn strip() -> Self {
         Self::panels(&[-2.0, 0.0, 1.0, 3.0])
     }
 
-    /// A strip of panels between lines at these places.
+    /// Returns a strip of panels between vertical lines at these x coordinates.
     #[must_use]
     pub fn panels(x: &[f64]) -> Self {
         let (lines, panels) = (x.len(), x.len() - 1);
@@ -46,8 +46,8 @@ impl HandMade {
         }
     }
 
-    /// Three panels round one vertex, of 70, 40 and 70 degrees: folded to one side the outer two meet
-    /// where cos(180 - rho) = tan 20 / tan 70.
+    /// Returns three panels round one vertex, of 70°, 40° and 70°. Folded to one side the outer two meet at cos(180° -
+    /// ρ) = tan 20° / tan 70°.
     #[must_use]
     pub fn fan() -> Self {
         let tips = [0.0_f64, 70.0, 110.0, 180.0].map(f64::to_radians);
@@ -60,9 +60,9 @@ impl HandMade {
         }
     }
 
-    /// Two rows of `cells` trapezoids about a straight spine y = 0, the creases across it leaning to and
-    /// fro by 60 degrees. Each vertex of the spine is flat-foldable, and the strip curls up as it folds.
-    /// The hinges: parts of the spine, then above it the creases across, then below.
+    /// Returns two rows of `cells` trapezoids on both sides of a straight spine y = 0. The creases across the spine
+    /// lean to the right and to the left by 60° in turn. Each vertex of the spine is flat-foldable, and the strip curls
+    /// up as it folds. Order of the hinges: parts of the spine, then the creases across above it, then those below.
     #[must_use]
     pub fn arch(cells: usize) -> Self {
         let slope = 60_f64.to_radians().tan();
@@ -91,16 +91,15 @@ impl HandMade {
         }
     }
 
-    /// For each hinge of an arch the ratio of the tangent of its half angle to that of the creases across:
-    /// the spine's is -cos 60 times that of the vertex before it, which leans right, and +cos 60 of one that
-    /// leans left.
+    /// Returns for each hinge of an arch the ratio of tan(ρ/2) to that of the creases across. The ratio of a part of
+    /// the spine is -cos 60° if the vertex before it leans right, and +cos 60° if that vertex leans left.
     #[must_use]
     pub fn arch_tangents(cells: usize) -> Vec<f64> {
         let spine = (0..cells).map(|k| if k.is_multiple_of(2) { -0.5 } else { 0.5 });
         spine.chain(vec![1.0; 2 * (cells - 1)]).collect()
     }
 
-    /// The path through these knots. Hinges have the letter U.
+    /// Returns the path through these knots. Hinges have the assignment U.
     #[must_use]
     pub fn path(&self, interpolation: &str, knots: &[HandKnot]) -> Value {
         let spread = |of_hinges: &[f64]| {

@@ -1,4 +1,4 @@
-//! Judges a planned path by the oracle.
+//! Judges a planned path by the oracle: does the path keep everything that its plan says?
 
 use core::f64::consts::PI;
 
@@ -8,38 +8,38 @@ use nalgebra::Vector3;
 use crate::second::Shape;
 use crate::{Animation, Random, worst};
 
-/// By how much the oracle may find more than the plan admits to: rounding of sheets of hundreds of
-/// faces, in both.
+/// Amount by which the oracle may find more than the plan admits: rounding of sheets with hundreds of faces, in both.
 const ROUNDING: f64 = 1e-9;
-/// Closure residual from which on a path to a goal that closes to rounding is called inexact.
+/// Closure residual from which on a path is called inexact if its goal closes to rounding.
 const CLOSED: f64 = 1e-9;
-/// Radians: how far the end of an exact path may be from a goal that closes.
+/// Largest distance of the end of an exact path from a goal that closes, radians.
 const AT_GOAL: f64 = 1e-9;
-/// Radians: angles measured on positions, beside what the sheet deforms.
+/// Tolerance of fold angles that are measured on positions, radians; the deformation of the sheet is added.
 const SAME_ANGLE: f64 = 1e-6;
-/// Places a segment at which its closure is taken, and those at which it is folded.
+/// Number of points of a segment at which its closure is evaluated (`CLOSURES`) and at which it is folded (`FOLDED`).
 const CLOSURES: u32 = 100;
 const FOLDED: u32 = 3;
-/// Part of a segment before and after a knot at which it is seen on which sides of each other faces are.
+/// Fraction of a segment, before and after a knot, at which the sides of faces on each other are looked up.
 const BESIDE: f64 = 0.01;
-/// Radians: against its letter.
+/// Tolerance of an angle against its assignment, radians.
 const AGAINST: f64 = 1e-9;
 
-/// What the oracle finds in a path.
+/// The oracle's findings on a path.
 #[derive(Debug, Default)]
 pub struct Verdict {
-    /// What is wrong with it, or worse than its plan says.
+    /// Errors of the path, and values that are worse than its plan says.
     pub disagreements: Vec<String>,
-    /// Whether it closes to rounding and, if it is said to arrive, ends at its goal to rounding.
+    /// `true` if the path closes to rounding and, if it is said to arrive, ends at its goal to rounding.
     pub exact: bool,
 }
 
-/// So many places inside a segment, evenly.
+/// Returns `count` fractions of a segment, evenly spaced inside it.
 fn places(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
 }
 
-/// How many pairs of faces cross in a shape whose positions are given, of a sheet that is torn by so much.
+/// Returns the number of pairs of faces that cross in a shape at these positions; `tear` is the largest tear of the
+/// sheet.
 #[allow(clippy::cast_precision_loss, reason = "a small count")]
 fn crossings(shape: &Shape, positions: &[Vector3<f64>], tear: f64) -> f64 {
     shape
@@ -48,14 +48,14 @@ fn crossings(shape: &Shape, positions: &[Vector3<f64>], tear: f64) -> f64 {
         .len() as f64
 }
 
-/// The way an edge turns by its goal.
+/// Returns the sign of an edge's goal, 0 if it has none.
 fn sign(goal: Option<f64>) -> f64 {
     goal.filter(|goal| goal.abs() > 0.0)
         .map_or(0.0, f64::signum)
 }
 
-/// Judges the path of `plan`, written as `path`, from flat towards a goal of the edges (radians; its signs are
-/// the letters; `None` where there is none). `bound` is that on deformation and gap.
+/// Judges the path of `plan`, written as `path`, from flat towards a goal. `goal`: fold angle of each edge, radians,
+/// whose sign is the assignment; `None` for an edge without a goal. `bound`: the bound on deformation and gap.
 #[must_use]
 pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) -> Verdict {
     let sheet = &path.sheet;
@@ -68,7 +68,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
     let (Some(first), Some(last)) = (path.frames.first(), path.frames.last()) else {
         return Verdict::default();
     };
-    // What tears the sheet, or was not looked at to its end, is told of and not vouched for.
+    // A plan that tears the sheet, or that ran out of time, vouches for nothing.
     if matches!(plan.outcome, Outcome::NotRigidlyFoldable | Outcome::Timeout) {
         return Verdict::default();
     }
@@ -101,7 +101,8 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
             stars: &stars,
             angles: &frame.angles,
         };
-        // Torn along other ways, a sheet gapes by as much as is certified of any, or as they differ by.
+        // Folded along another spanning tree the sheet may gape by the certified bound, or by the difference between
+        // two trees.
         let most = shape.apart().max(plan.certified_deformation.unwrap_or(0.0));
         let torn = |value: f64| admitted((other_tree * value).max(most));
         limit("closure", left, admitted(plan.max_closure));
@@ -132,7 +133,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
     let certified = |value: Option<f64>, other: f64| {
         value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
     };
-    // What is no path to the goal is not written, and nothing is said of it between its knots.
+    // A path that misses the goal is not written, and nothing is claimed of it between its knots.
     let pairs = path.frames.windows(2).filter(|_| arrives);
     for (knot, pair) in pairs.enumerate() {
         let mut limit =

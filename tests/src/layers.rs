@@ -1,4 +1,4 @@
-//! Faces that lie flat on each other and leave through each other, followed by points of the one on the other.
+//! Do faces that lie flat on each other leave through each other? Follows a point of one face relative to the other.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use nalgebra::Vector3;
 use crate::sheet::sides;
 use crate::{Pose, Sheet};
 
-/// Part of the median edge within which a point lies on a face; it is on one side of it beyond.
+/// Distance from a face, over the median edge, up to which a point lies on the face. Farther points are on one side.
 const CONTACT: f64 = 1e-6;
-/// The sine of the angle between faces that lie flat on each other.
+/// Largest sine of the angle between faces that lie flat on each other.
 const PARALLEL: f64 = 1e-4;
-/// Part of the median edge that a point lies inside the sides of a face.
+/// Distance of a point from the sides of a face, over the median edge, from which on it is inside.
 const INSIDE: f64 = 1e-3;
 
 impl Sheet {
-    /// Pairs of faces of which the second came to lie flat on the first from one side and left it on the other, in a
-    /// motion of these shapes, and the shape by which it had. Faces must be convex, and shapes shortly before and after
-    /// those in which they touch among them. Where a sheet is `torn` its layers are known only to that, over the median
-    /// edge.
+    /// Returns the pairs of faces of which the second came to lie flat on the first from one side and left on the other
+    /// side, in a motion through these shapes, each with the index of the shape that shows it. Faces must be convex.
+    /// For every shape in which faces touch, `shapes` must hold one shortly before and one shortly after it. `torn`:
+    /// tear of the sheet, over the median edge; the positions of layers are only known to this.
     #[must_use]
     pub fn passed(&self, shapes: &[Vec<Pose>], torn: f64) -> Vec<([usize; 2], usize)> {
         let contact = (CONTACT + torn) * self.median_edge();
-        // For each pair that touches a point of the second face, and whether it came from above the first.
+        // For each pair that touches: a point of the second face, and `true` if that face came from above the first.
         let mut came: HashMap<[usize; 2], (Vector3<f64>, bool)> = HashMap::new();
         let mut passed = Vec::new();
         for (index, shape) in shapes.iter().enumerate() {
@@ -58,7 +58,7 @@ impl Sheet {
         passed
     }
 
-    /// A point of the second face, in the flat sheet, that lies on the first.
+    /// Returns a point of the second face, in the flat sheet, that lies on the first.
     fn common(&self, shape: &[Pose], [a, b]: [usize; 2], contact: f64) -> Option<Vector3<f64>> {
         let unit = self.median_edge();
         let corners = || self.faces[b].iter().map(|&v| self.flat[v]);

@@ -1,26 +1,26 @@
-//! The folded shape by least squares: vertices alone, without the motion of any face.
+//! The folded shape by nonlinear least squares on the vertices alone, without rigid motions of faces.
 //!
-//! A face keeps the distances between its corners and stays plane; a crease keeps the distance between a
-//! corner of each of its faces, and the volume that they span with the crease, as its fold angle has them.
-//! The volume tells a valley from a mountain, and one side of flat from the other. Gauss and Newton's method
-//! then finds where the vertices are. What is left of the equations is by how much the sheet is torn.
+//! A face keeps the distances between its corners and stays plane. A crease keeps the distance between a corner of each
+//! of its faces, and the volume of the tetrahedron that these corners span with the crease; its fold angle gives both.
+//! The sign of the volume tells a valley from a mountain. The Gauss-Newton method then finds the positions of the
+//! vertices. The equations that remain unsolved measure how far the sheet is torn.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::{Random, Sheet, worst};
 
-/// Steps of Gauss and Newton's method.
+/// Largest number of Gauss-Newton steps.
 const STEPS: usize = 20;
-/// Part of the median edge: a step so small is the last.
+/// Length of a step, over the median edge, after which the iteration ends.
 const SETTLED: f64 = 1e-13;
-/// Part of its shortest edge by which a vertex is moved before the first step.
+/// Distance by which a vertex is moved before the first step, over its shortest edge.
 const SPREAD: f64 = 0.01;
-/// Part of the largest diagonal entry that is added to all.
+/// Damping added to the diagonal, over its largest entry.
 const DAMPING: f64 = 1e-14;
 
-/// One equation, in parts of the median edge.
+/// One equation, whose error is in median edges.
 enum Equation {
-    /// A distance between two vertices.
+    /// The distance between two vertices.
     Distance {
         ends: [usize; 2],
         square: f64,
@@ -34,17 +34,17 @@ enum Equation {
     },
 }
 
-/// Where the vertices are, and what is left.
+/// The solution: positions and the error that remains.
 pub struct Solved {
     /// Positions of the vertices.
     pub positions: Vec<Vector3<f64>>,
-    /// Largest error of an equation, in parts of the median edge.
+    /// Largest error of an equation, in median edges.
     pub left: f64,
 }
 
 impl Sheet {
-    /// The shape of these fold angles of the edges (radians) nearest to `near`, after its vertices were moved at
-    /// random; those of face 0 stay there. `None` if that cannot be solved.
+    /// Returns the shape of these fold angles of the edges (radians) nearest to `near`, whose vertices are first moved
+    /// at random; those of face 0 stay. `None` if the normal equations cannot be factorised.
     #[must_use]
     pub fn solved(
         &self,
@@ -149,7 +149,8 @@ impl Sheet {
             let along = self.flat[b] - self.flat[a];
             let length = along.norm();
             let way = along / length;
-            // Of each face the corner farthest from the crease: how far along, and how far from it.
+            // For each face the corner farthest from the crease: its coordinate along the crease, and its distance from
+            // the crease.
             let wing = |face: usize| {
                 let seen = self.faces[face].iter().map(|&corner| {
                     let from = self.flat[corner] - self.flat[a];
@@ -161,7 +162,7 @@ impl Sheet {
                 continue;
             };
             let (sin, cos) = angles[edge].sin_cos();
-            // With the left face in the plane, the right one's corner lies at -other · cos, lifted by a valley.
+            // With the left face in the plane, the corner of the right face lies at -other · cos; a valley lifts it.
             let square = (x - y).powi(2) + (height + other * cos).powi(2) + (other * sin).powi(2);
             equations.push(Equation::Distance {
                 ends: [c, d],
@@ -177,13 +178,13 @@ impl Sheet {
         equations
     }
 
-    /// Twice the area of three corners.
+    /// Returns twice the area of the triangle of three corners.
     fn area(&self, [a, b, c]: [usize; 3]) -> f64 {
         let [p, q, r] = [a, b, c].map(|corner| self.flat[corner]);
         (q - p).cross(&(r - p)).z.abs()
     }
 
-    /// The three corners of a face that span most.
+    /// Returns the three corners of a face that span the largest triangle.
     fn widest(&self, face: &[usize]) -> [usize; 3] {
         let n = face.len();
         let threes = (0..n).flat_map(|i| {
@@ -196,7 +197,7 @@ impl Sheet {
 }
 
 impl Equation {
-    /// Its error in parts of the median edge, and the derivative by the place of each vertex that it knows.
+    /// Returns the error in median edges, and its derivatives by the positions of its vertices.
     fn error(&self, at: &[Vector3<f64>]) -> (f64, Vec<(usize, Vector3<f64>)>) {
         match *self {
             Self::Distance {

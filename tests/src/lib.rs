@@ -1,12 +1,11 @@
-//! Shared fixtures of the cross-crate tests: an oracle that judges a path file on its own, and the
-//! patterns that are planned.
+//! Shared code of the tests that cross crates: an oracle that judges a path file on its own, and planned patterns.
 //!
-//! The oracle ([`Animation`], [`Sheet`]) calls nothing of foldpath. It reads the file with
-//! serde_json, turns faces by rotation matrices from face 0 outwards, takes closure by products of
-//! the same matrices, and compares all pairs of faces for crossings.
+//! The oracle ([`Animation`], [`Sheet`]) calls nothing of foldpath. It reads the file with serde_json, turns faces by
+//! rotation matrices from face 0 outwards, evaluates closure by products of the same matrices, and tests all pairs of
+//! faces for crossings.
 //!
-//! It has a second opinion on each shape: 4x4 [`matrices`] round vertices and along another tree, and vertices alone by
-//! least squares ([`Sheet::solved`]).
+//! A second opinion on each shape uses other formulas: 4x4 [`matrices`] round vertices and along another spanning tree,
+//! and least squares on the vertices alone ([`Sheet::solved`]).
 //!
 //! [`campaign`] judges random stars, plans of seeded sheets of the [`meshes`] and spoilt paths by the thousand:
 //! `cargo run --release -p foldpath-tests --example campaign -- plans --count 1000 --seed 1`.
@@ -40,7 +39,7 @@ pub use newton::Closure;
 pub use planning::{Planned, goal_angles, path_file, pattern_file};
 pub use sheet::Sheet;
 
-/// The largest of `values`, 0 for none; NaN if one is, so that a broken number never passes.
+/// Returns the largest of `values`, 0 if there are none. Returns NaN if a value is NaN, so that it never passes a test.
 #[must_use]
 pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(
@@ -49,7 +48,7 @@ pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     )
 }
 
-/// Whether `value` is above `most`, or no number at all.
+/// Returns `true` if `value` is above `most` or NaN.
 fn exceeds(value: f64, most: f64) -> bool {
     value > most || value.is_nan()
 }

@@ -1,11 +1,11 @@
-//! The report's folding matrices as 4x4 products, written out and without foldpath's: closure round
-//! vertices with places, its derivatives, and faces laid along another tree than [`Sheet::fold`]'s.
+//! The report's folding matrices as 4x4 products, written without foldpath's code: closure round vertices at their
+//! positions, its derivatives, and faces placed along another spanning tree than that of [`Sheet::fold`].
 
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3};
 
 use crate::{Sheet, worst};
 
-/// A move within the plane of the sheet and a turn about its normal: A B(α) of the report.
+/// Returns A B(α) of the report: a translation within the sheet after a rotation about its normal.
 fn frame(place: Vector2<f64>, [cos, sin]: [f64; 2]) -> Matrix4<f64> {
     Matrix4::new(
         cos, -sin, 0.0, place.x, //
@@ -15,7 +15,7 @@ fn frame(place: Vector2<f64>, [cos, sin]: [f64; 2]) -> Matrix4<f64> {
     )
 }
 
-/// C(ρ), about the x axis, of the angle's cosine and sine.
+/// Returns C(ρ), a rotation about the x axis, from the cosine and sine of ρ.
 fn about_x(cos: f64, sin: f64) -> Matrix4<f64> {
     Matrix4::new(
         1.0, 0.0, 0.0, 0.0, //
@@ -25,23 +25,23 @@ fn about_x(cos: f64, sin: f64) -> Matrix4<f64> {
     )
 }
 
-/// A crease as a line of the flat sheet: a place on it and its unit direction.
+/// A crease as a line of the flat sheet.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// A place on it.
+    /// A point of the line.
     pub place: Vector2<f64>,
-    /// Its unit direction.
+    /// Unit direction of the line.
     pub direction: [f64; 2],
 }
 
 impl Line {
-    /// χ = A B(α) C(ρ) B⁻¹ A⁻¹ of a turn by `angle`, radians.
+    /// Returns χ = A B(α) C(ρ) B⁻¹ A⁻¹ for ρ = `angle`, radians.
     #[must_use]
     pub fn turned(&self, angle: f64) -> Matrix4<f64> {
         self.conjugated(about_x(angle.cos(), angle.sin()))
     }
 
-    /// dχ/dρ.
+    /// Returns dχ/dρ.
     #[must_use]
     pub fn turning(&self, angle: f64) -> Matrix4<f64> {
         let mut c = about_x(-angle.sin(), angle.cos());
@@ -56,7 +56,7 @@ impl Line {
     }
 }
 
-/// L: the product of the folding matrices of these creases, in order.
+/// Returns L, the product of the folding matrices of these creases, in order.
 #[must_use]
 pub fn product(turns: impl Iterator<Item = (Line, f64)>) -> Matrix4<f64> {
     turns.fold(Matrix4::identity(), |l, (line, angle)| {
@@ -64,19 +64,19 @@ pub fn product(turns: impl Iterator<Item = (Line, f64)>) -> Matrix4<f64> {
     })
 }
 
-/// The rotation of a motion.
+/// Returns the rotation part of a rigid motion.
 #[must_use]
 pub fn rotation(l: &Matrix4<f64>) -> Matrix3<f64> {
     l.fixed_view::<3, 3>(0, 0).into_owned()
 }
 
-/// ‖L − I‖ / √2 of its rotation, the closure residual.
+/// Returns ‖L − I‖ / √2 of the rotation part, which is the closure residual.
 #[must_use]
 pub fn residual(l: &Matrix4<f64>) -> f64 {
     (rotation(l) - Matrix3::identity()).norm() / core::f64::consts::SQRT_2
 }
 
-/// Its axis times the sine of its angle.
+/// Returns the axis of a rotation times the sine of its angle.
 #[must_use]
 pub fn skew(m: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::new(
@@ -87,7 +87,7 @@ pub fn skew(m: &Matrix3<f64>) -> Vector3<f64> {
 }
 
 impl Sheet {
-    /// The crease on an edge, seen from a vertex.
+    /// Returns the line of an edge, directed away from one of its vertices.
     fn line(&self, edge: usize, from: usize) -> Line {
         let [a, b] = self.edges[edge];
         let way = (self.flat[a + b - from] - self.flat[from]).xy().normalize();
@@ -97,8 +97,8 @@ impl Sheet {
         }
     }
 
-    /// Largest closure residual of an interior vertex by 4x4 matrices, and largest distance by which they
-    /// move the vertex, over the median edge.
+    /// Returns the largest closure residual of an interior vertex by 4x4 matrices, and the largest distance by which L
+    /// moves the vertex, over the median edge.
     #[must_use]
     pub fn closure_by_matrices(&self, stars: &[(usize, Vec<usize>)], angles: &[f64]) -> [f64; 2] {
         let left = |(vertex, star): &(usize, Vec<usize>)| {
@@ -112,18 +112,19 @@ impl Sheet {
         [0, 1].map(|k| worst(left.iter().map(|of_star| of_star[k])))
     }
 
-    /// Positions of the vertices by 4x4 matrices, laid depth first from the last face inwards and moved to where
-    /// face 0 stays: no way from face to face is that of [`Sheet::fold`] but by chance.
+    /// Returns the positions of the vertices by 4x4 matrices. Faces are placed depth first from the last face, then
+    /// moved to where face 0 stays. Paths from face to face hardly ever agree with those of [`Sheet::fold`].
     ///
     /// # Panics
-    /// If the sheet is in more than one part.
+    /// If the sheet is not connected.
     #[must_use]
     pub fn positions_by_matrices(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
         let mut beyond = vec![Vec::new(); self.faces.len()];
         for (edge, sides) in self.sides.iter().enumerate() {
             if let [Some(left), Some(right)] = *sides {
                 let [a, b] = self.edges[edge];
-                // From left to right the crease is crossed with its first end on the left hand.
+                // On the way from the left face to the right one, the axis runs from the second end of the edge to the
+                // first.
                 beyond[left].push((right, self.line(edge, b), angles[edge]));
                 beyond[right].push((left, self.line(edge, a), angles[edge]));
             }
@@ -140,7 +141,7 @@ impl Sheet {
             }
         }
         let first = motions[0].expect("one sheet");
-        // The inverse of a rigid motion.
+        // Inverts a rigid motion.
         let turn = rotation(&first).transpose();
         let shift = first.fixed_view::<3, 1>(0, 3).into_owned();
         let mut positions = vec![None; self.flat.len()];

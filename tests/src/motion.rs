@@ -2,7 +2,7 @@
 
 use serde_json::{Value, from_value};
 
-/// A path that is asked for the angles between its knots.
+/// A path that can be evaluated between its knots.
 #[derive(Clone, Debug)]
 pub struct Motion {
     kind: String,
@@ -19,7 +19,7 @@ struct Knot {
 }
 
 impl Motion {
-    /// The motion of a path file.
+    /// Reads the motion of a path file.
     ///
     /// # Errors
     /// If a key is missing or of another kind.
@@ -33,16 +33,16 @@ impl Motion {
         })
     }
 
-    /// Number of segments.
+    /// Returns the number of segments.
     #[must_use]
     pub fn segments(&self) -> usize {
         self.knots.len().saturating_sub(1)
     }
 
-    /// Fold angle of every edge in a segment, s of the way through it.
+    /// Returns the fold angle of every edge in a segment, radians; `s` is the fraction of the segment, from 0 to 1.
     ///
     /// # Panics
-    /// If the file names an interpolation of another kind.
+    /// If the file names an unknown kind of interpolation.
     #[must_use]
     pub fn angles(&self, segment: usize, s: f64) -> Vec<f64> {
         let knots = [&self.knots[segment], &self.knots[segment + 1]];

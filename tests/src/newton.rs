@@ -1,5 +1,4 @@
-//! Closure of a drawing by rotation matrices, and Newton's method on it: an independent way to goals
-//! that close, which calls nothing of foldpath's solvers.
+//! Closed goals by Newton's method on the closure of a drawing. Uses rotation matrices and none of foldpath's solvers.
 
 use foldpath::pattern::{Drawing, Letter};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
@@ -8,23 +7,23 @@ use crate::worst;
 
 /// Closure residual to which goals are solved: a few roundings of a product of ten rotations.
 const CLOSED: f64 = 1e-13;
-/// Steps of Newton's method: it squares the error, once near.
+/// Largest number of steps of Newton's method. Near a solution each step squares the error.
 const STEPS: usize = 60;
-/// Radians: largest step, so that far starts do not run round in turns.
+/// Largest step, radians, so that a start far from a solution does not go round in full turns.
 const LONGEST: f64 = 0.3;
-/// Part of the largest diagonal entry of JJᵀ that is added to all: vertices whose creases lie in one
-/// line leave it singular.
+/// Damping added to the diagonal of JJᵀ, over its largest entry. JJᵀ is singular if all creases of a vertex lie in one
+/// line.
 const DAMPING: f64 = 1e-10;
 
 /// The stars of a drawing's inner vertices.
 pub struct Closure {
     creases: usize,
-    /// For each inner vertex its edges counter-clockwise, with their directions from it.
+    /// For each inner vertex its edges counter-clockwise, with their directions away from the vertex.
     stars: Vec<Vec<(usize, Vector3<f64>)>>,
 }
 
 impl Closure {
-    /// That of a drawing: vertices without a boundary edge are inner ones.
+    /// Collects the stars of a drawing. A vertex without a boundary edge is an inner one.
     #[must_use]
     pub fn of(drawing: &Drawing) -> Self {
         let mut stars = vec![Vec::new(); drawing.vertices.len()];
@@ -53,7 +52,7 @@ impl Closure {
         }
     }
 
-    /// Rotation vectors, radians, that are left round the inner vertices, at these fold angles of the
+    /// Returns the rotation vectors, radians, of the products round the inner vertices, at these fold angles of the
     /// edges.
     fn residuals(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
         let turn = |l, &(edge, way): &(usize, Vector3<f64>)| l * Rotation3::new(way * angles[edge]);
@@ -61,14 +60,14 @@ impl Closure {
         self.stars.iter().map(left).collect()
     }
 
-    /// Largest turn that is left round an inner vertex, radians.
+    /// Returns the largest rotation that remains round an inner vertex, radians.
     #[must_use]
     pub fn error(&self, angles: &[f64]) -> f64 {
         worst(self.residuals(angles).iter().map(Vector3::norm))
     }
 
-    /// The closed configuration that Newton's method finds from `start` (fold angles of the edges,
-    /// radians), by steps of least length. `None` if it finds none.
+    /// Returns the closed configuration that Newton's method finds from `start` (fold angles of the edges, radians), by
+    /// steps of least length. `None` if it finds none.
     #[must_use]
     pub fn solve(&self, start: &[f64]) -> Option<Vec<f64>> {
         let mut angles = start.to_vec();
@@ -76,7 +75,7 @@ impl Closure {
         for _ in 0..STEPS {
             let residuals = self.residuals(&angles);
             let error = worst(residuals.iter().map(Vector3::norm));
-            // Once closed, on as long as it gets better.
+            // A closed configuration is improved further as long as the error shrinks.
             if error < best.0 {
                 best = (error, angles.clone());
             } else if best.0 <= CLOSED {
@@ -101,8 +100,8 @@ impl Closure {
         (best.0 <= CLOSED).then_some(best.1)
     }
 
-    /// The axes of the creases, each turned by the creases before it: the derivative of the residuals
-    /// where they are small.
+    /// Returns the axes of the creases, each rotated by the creases before it. They are the derivative of the residuals
+    /// if these are small.
     fn jacobian(&self, angles: &[f64]) -> DMatrix<f64> {
         let mut j = DMatrix::zeros(3 * self.stars.len(), self.creases);
         for (row, star) in self.stars.iter().enumerate() {
@@ -119,8 +118,8 @@ impl Closure {
     }
 }
 
-/// Axis times angle, radians. By the arc tangent of the skew part over the trace: by the trace alone,
-/// angles below 1e-8 are lost.
+/// Returns axis times angle, radians. Takes the arc tangent of the skew part over the trace, because the trace alone
+/// loses angles below 1e-8.
 fn rotation_vector(l: &Rotation3<f64>) -> Vector3<f64> {
     let m = l.matrix();
     let skew = Vector3::new(

@@ -1,4 +1,4 @@
-//! The patterns of `patterns/`, and paths that are planned for them.
+//! Plans the patterns of `patterns/` for tests.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use serde_json::Value;
 
 /// A pattern file and its plan.
 pub struct Planned {
-    /// The file.
+    /// The pattern file.
     pub file: PatternFile,
-    /// The plan to its own goal.
+    /// The plan to the pattern's own goal.
     pub plan: Plan,
 }
 
 impl Planned {
-    /// Plans the pattern of that name to its own goal.
+    /// Plans the pattern of this name to its own goal.
     ///
     /// # Panics
     /// If the file cannot be read or has no goal.
@@ -31,7 +31,7 @@ impl Planned {
     /// Plans a pattern to its own goal.
     ///
     /// # Panics
-    /// If it has no goal.
+    /// If the pattern has no goal.
     #[must_use]
     pub fn of(file: PatternFile, options: &PlanOptions) -> Self {
         let goal = Goal::of_pattern(&file.pattern).expect("a goal");
@@ -39,7 +39,7 @@ impl Planned {
         Self { file, plan }
     }
 
-    /// The path as a FOLD file.
+    /// Returns the path as the text of a FOLD file.
     #[must_use]
     pub fn text(&self) -> String {
         let writer = PathWriter {
@@ -54,30 +54,30 @@ impl Planned {
     }
 }
 
-/// Where the pattern of that name is.
+/// Returns the path to the pattern of this name.
 #[must_use]
 pub fn pattern_file(name: &str) -> PathBuf {
     let patterns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patterns");
     patterns.join(name).with_extension("fold")
 }
 
-/// The path file with that text, written and read again.
+/// Writes this text to a file and reads it as a path.
 ///
 /// # Errors
-/// If it is no path.
+/// If the text is not a path.
 ///
 /// # Panics
-/// If the system has no room for a temporary file.
+/// If a temporary file cannot be written.
 pub fn path_file(text: &str) -> Result<PathFile, FileError> {
     let file = tempfile::NamedTempFile::new().expect("a temporary file");
     std::fs::write(file.path(), text).expect("room for a path");
     read_path(file.path())
 }
 
-/// Goal fold angles of the pattern of that name, degrees, straight from its file.
+/// Returns the goal fold angles of the pattern of this name, degrees, straight from its file.
 ///
 /// # Panics
-/// If the file cannot be read or names none.
+/// If the file cannot be read or has no goal angles.
 #[must_use]
 pub fn goal_angles(name: &str) -> Vec<f64> {
     let text = std::fs::read_to_string(pattern_file(name)).expect("a pattern");

@@ -1,20 +1,20 @@
-//! A second opinion on a folded shape, by other formulas than [`Sheet::fold`]'s: 4x4 matrices round vertices and
-//! along another tree, and vertices alone by least squares.
+//! A second opinion on a folded shape, by other formulas than those of [`Sheet::fold`]: 4x4 matrices round vertices and
+//! along another spanning tree, and least squares on the vertices alone.
 
 use nalgebra::Vector3;
 
 use crate::{Random, Sheet, worst};
 
-/// Rounding, over the median edge: of matrices, and of least squares, whose equations are as good but whose
-/// solution loses what the sheet magnifies.
+/// `ROUNDING`: rounding error of the matrices, over the median edge. `LEAST_SQUARES`: error of least squares, over the
+/// median edge. Its equations are as precise, but the sheet magnifies errors of the solution.
 const ROUNDING: f64 = 1e-9;
 const LEAST_SQUARES: f64 = 1e-6;
-/// How often two ways from face to face may wind round a vertex.
+/// Largest number of times that two paths from face to face wind round a vertex.
 const WINDINGS: f64 = 2.0;
-/// Vertices beyond which least squares take too long.
+/// Number of vertices beyond which least squares take too long.
 const VERTICES: usize = 120;
 
-/// A shape given by the fold angles of the edges, radians.
+/// A shape, given by the fold angles of the edges, radians.
 pub(crate) struct Shape<'a> {
     pub(crate) sheet: &'a Sheet,
     pub(crate) stars: &'a [(usize, Vec<usize>)],
@@ -22,7 +22,7 @@ pub(crate) struct Shape<'a> {
 }
 
 impl Shape<'_> {
-    /// Tells `limit` by how much these `positions`, whose gap is given, differ from what the other formulas have.
+    /// Compares these `positions`, whose gap is given, with the other formulas, and reports each difference to `limit`.
     pub(crate) fn compare(
         &self,
         positions: &[Vector3<f64>],
@@ -47,7 +47,7 @@ impl Shape<'_> {
             ROUNDING,
         );
         limit("a vertex moved on the way round it by", shift, ROUNDING);
-        // Ways round a hole differ by a gap.
+        // Paths on different sides of a hole differ by a gap.
         let gap = sheet.other_tree(stars) * gap;
         let torn = WINDINGS * self.apart() + gap;
         let others = sheet.positions_by_matrices(angles);
@@ -62,7 +62,7 @@ impl Shape<'_> {
         match sheet.solved(angles, positions, random) {
             Some(solved) => {
                 limit("left of least squares", solved.left, torn + ROUNDING);
-                // What an edge is torn by turns what is beyond it by that over its length.
+                // A tear of an edge rotates everything beyond it by the tear over the length of the edge.
                 let turned = gap / self.shortest();
                 let most = torn + turned * self.span() + LEAST_SQUARES;
                 limit(
@@ -75,8 +75,8 @@ impl Shape<'_> {
         }
     }
 
-    /// By how much ways to the same face differ that enclose all vertices once, over the median edge: by their residuals, each
-    /// times a lever arm.
+    /// Returns the largest difference, over the median edge, between the positions of a face along two paths that
+    /// enclose every vertex once: the sum of all residuals, each times the largest lever arm.
     pub(crate) fn apart(&self) -> f64 {
         let residuals = self.stars.iter().map(|star| {
             let star = core::slice::from_ref(star);
@@ -85,14 +85,14 @@ impl Shape<'_> {
         residuals.sum::<f64>() * self.span()
     }
 
-    /// The shortest edge, over the median one.
+    /// Returns the length of the shortest edge, over the median edge.
     fn shortest(&self) -> f64 {
         let Sheet { flat, edges, .. } = self.sheet;
         let lengths = edges.iter().map(|&[a, b]| (flat[b] - flat[a]).norm());
         lengths.fold(f64::INFINITY, f64::min) / self.sheet.median_edge()
     }
 
-    /// From one corner of the flat sheet's box to the other, over the median edge.
+    /// Returns the diagonal of the flat sheet's bounding box, over the median edge.
     fn span(&self) -> f64 {
         let flat = &self.sheet.flat;
         let low = flat.iter().fold(flat[0], |low, p| low.inf(p));

@@ -1,4 +1,4 @@
-//! What can be measured on a folded shape alone: lengths, flatness of faces, fold angles.
+//! Measurements on a folded shape alone: lengths, flatness of faces, fold angles.
 
 use core::f64::consts::{PI, TAU};
 
@@ -7,11 +7,11 @@ use nalgebra::Vector3;
 use crate::sheet::sides;
 use crate::{Sheet, worst};
 
-/// Gaps that add up along other ways.
+/// Factor by which gaps may add up along another spanning tree.
 const OTHER_WAYS: f64 = 10.0;
 
 impl Sheet {
-    /// Largest relative change of length of an edge or of a diagonal of a face, all of them.
+    /// Returns the largest relative change of length of an edge or of any diagonal of a face.
     #[must_use]
     pub fn deformation(&self, positions: &[Vector3<f64>]) -> f64 {
         let strain = |a: usize, b: usize| {
@@ -25,8 +25,7 @@ impl Sheet {
         worst(self.faces.iter().map(of_face))
     }
 
-    /// Largest distance of a vertex from the plane of a face that it belongs to, over the median
-    /// edge.
+    /// Returns the largest distance of a vertex from the plane of a face to which it belongs, over the median edge.
     #[must_use]
     pub fn unflatness(&self, positions: &[Vector3<f64>]) -> f64 {
         let height = |face: &Vec<usize>| {
@@ -39,8 +38,8 @@ impl Sheet {
         worst(self.faces.iter().map(height)) / self.median_edge()
     }
 
-    /// By how much a sheet folded from another face, and so torn elsewhere, may gape more: gaps add up along other ways,
-    /// and at a vertex the longest edge may be torn in place of the shortest.
+    /// Returns the factor by which the gap may be larger if the sheet is folded from another face, and so torn in other
+    /// places. Gaps add up along other paths, and at a vertex the longest edge may be torn in place of the shortest.
     #[must_use]
     pub fn other_tree(&self, stars: &[(usize, Vec<usize>)]) -> f64 {
         let length = |&edge: &usize| {
@@ -54,8 +53,8 @@ impl Sheet {
         worst(uneven).max(OTHER_WAYS)
     }
 
-    /// Height of the lowest face over one of its sides, over the median edge: by a gap over it, fold angles are
-    /// off.
+    /// Returns the height of the lowest face over one of its sides, over the median edge. A gap over this height is the
+    /// error of measured fold angles.
     #[must_use]
     pub fn narrowest(&self) -> f64 {
         let height = |face: &Vec<usize>, [a, b]: [usize; 2]| {
@@ -70,8 +69,8 @@ impl Sheet {
         heights.fold(f64::INFINITY, f64::min) / self.median_edge()
     }
 
-    /// Largest difference between the fold angle of a crease in this shape and that in `angles`,
-    /// radians. A half turn is the same either way.
+    /// Returns the largest difference between the fold angle of a crease in this shape and in `angles`, radians. A
+    /// valley and a mountain of half a turn count as equal.
     #[must_use]
     pub fn angle_error(&self, positions: &[Vector3<f64>], angles: &[f64]) -> f64 {
         let normals: Vec<_> = self.faces.iter().map(|f| normal(f, positions)).collect();
@@ -81,7 +80,7 @@ impl Sheet {
             };
             let ([a, b], [left, right]) = (self.edges[edge], [left, right].map(|f| normals[f]));
             let along = (positions[b] - positions[a]).normalize();
-            // Valley positive: the right face's normal leans over to the left.
+            // A valley is positive: the right face's normal leans over to the left.
             let measured = right.cross(&left).dot(&along).atan2(left.dot(&right));
             ((measured - angles[edge] + PI).rem_euclid(TAU) - PI).abs()
         };
@@ -89,7 +88,7 @@ impl Sheet {
     }
 }
 
-/// Unit normal of a face by its vector area (M. Newell).
+/// Returns the unit normal of a face, by its vector area (M. Newell).
 pub(crate) fn normal(face: &[usize], positions: &[Vector3<f64>]) -> Vector3<f64> {
     let origin = positions[face[0]];
     let areas = sides(face).map(|[a, b]| (positions[a] - origin).cross(&(positions[b] - origin)));

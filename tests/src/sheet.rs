@@ -1,4 +1,4 @@
-//! The flat sheet of a FOLD file and what lies beside what.
+//! The flat sheet of a FOLD file, and the adjacency of its edges and faces.
 
 use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, from_value};
@@ -7,18 +7,19 @@ use crate::worst;
 
 /// A flat sheet in the plane z = 0.
 pub struct Sheet {
-    /// Places of the vertices.
+    /// Positions of the vertices.
     pub flat: Vec<Vector3<f64>>,
     /// Ends of the edges.
     pub edges: Vec<[usize; 2]>,
     /// Faces as counter-clockwise cycles of vertices.
     pub faces: Vec<Vec<usize>>,
-    /// For each edge the face to the left of its way from first end to second, and that to the right.
+    /// For each edge the face to the left of the direction from its first end to its second, then the face to the
+    /// right.
     pub sides: Vec<[Option<usize>; 2]>,
 }
 
 impl Sheet {
-    /// The sheet of the key frame.
+    /// Reads the sheet of the key frame.
     ///
     /// # Errors
     /// If a key is missing or of another kind.
@@ -39,7 +40,7 @@ impl Sheet {
         })
     }
 
-    /// Median length of the edges.
+    /// Returns the median length of the edges.
     #[must_use]
     pub fn median_edge(&self) -> f64 {
         let length = |&[a, b]: &[usize; 2]| (self.flat[b] - self.flat[a]).norm();
@@ -48,7 +49,7 @@ impl Sheet {
         lengths[lengths.len() / 2]
     }
 
-    /// Creases: edges between two faces.
+    /// Returns the number of creases, which are the edges between two faces.
     #[must_use]
     pub fn creases(&self) -> usize {
         self.sides
@@ -57,7 +58,7 @@ impl Sheet {
             .count()
     }
 
-    /// Interior vertices, each with its edges counter-clockwise.
+    /// Returns the interior vertices, each with its edges counter-clockwise.
     #[must_use]
     pub fn stars(&self) -> Vec<(usize, Vec<usize>)> {
         let star = |vertex: usize| {
@@ -77,14 +78,14 @@ impl Sheet {
         (0..self.flat.len()).map(star).filter(inner).collect()
     }
 
-    /// Largest closure residual ‖L − I‖ / √2 of an interior vertex at these fold angles of the
-    /// edges (radians).
+    /// Returns the largest closure residual ‖L − I‖ / √2 of an interior vertex at these fold angles of the edges
+    /// (radians).
     #[must_use]
     pub fn closure(&self, angles: &[f64]) -> f64 {
         self.closure_round(&self.stars(), angles)
     }
 
-    /// The same, given the stars.
+    /// Returns the largest closure residual of these stars.
     #[must_use]
     pub fn closure_round(&self, stars: &[(usize, Vec<usize>)], angles: &[f64]) -> f64 {
         let residual = |(vertex, star): &(usize, Vec<usize>)| {
@@ -98,14 +99,14 @@ impl Sheet {
         worst(stars.iter().map(residual))
     }
 
-    /// From `vertex` to the other end of `edge`.
+    /// Returns the vector from `vertex` to the other end of `edge`.
     fn way(&self, edge: usize, vertex: usize) -> Vector3<f64> {
         let [a, b] = self.edges[edge];
         self.flat[a + b - vertex] - self.flat[vertex]
     }
 }
 
-/// The sides of a face as [from, to], counter-clockwise.
+/// Returns the sides of a face as [from, to], counter-clockwise.
 pub(crate) fn sides(face: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]])
 }

@@ -1,4 +1,5 @@
-//! The closure residual against the report's matrices, finite differences and known foldings.
+//! Does the closure residual equal the product of the report's folding matrices? Does its Jacobian equal central
+//! differences? Does it vanish on foldings that are known in closed form?
 
 use core::f64::consts::PI;
 use foldpath_core::closure::{closes, half_angles, misclosure, residual, residual_and_jacobian};
@@ -9,7 +10,7 @@ use foldpath_test_support::stars::{
 use foldpath_test_support::{Random, cast};
 use nalgebra::{Vector3, Vector4};
 
-/// Calls `check` with random stars of degree 1..12 and fold angles for them.
+/// Calls `check` with 600 random stars of degree 1 to 12 and random fold angles, radians.
 fn for_random_stars<T: Scalar>(seed: u64, mut check: impl FnMut(StarView<'_, T>, &[T])) {
     let mut rng = Random::new(seed);
     for degree in (1..=12).cycle().take(600) {
@@ -26,7 +27,7 @@ fn half<T: Scalar>(unknowns: &[T]) -> Vec<HalfAngle<T>> {
     half
 }
 
-/// Roundings that a product over the star may gather, for entries of about 1.
+/// Bound on the rounding error of a product over the star, whose factors have entries of about 1.
 fn rounding<T: Scalar>(star: StarView<'_, T>) -> f64 {
     8.0 * star.spokes.len() as f64 * T::EPSILON.to_f64()
 }
@@ -40,7 +41,8 @@ fn quaternions_equal_folding_matrices<T: Scalar>() {
                 let difference = (matrix[(i, j)] - expected[(i, j)]).abs().to_f64();
                 assert!(difference <= rounding(star), "{star:?} {angles:?}");
             }
-            // The vertex itself stays where it is; its distance, about 4, scales the roundings.
+            // The vertex is a fixed point of the matrix. Its distance from the origin, about 4, scales the rounding
+            // error.
             let vertex = Vector4::new(witness[0], witness[1], T::zero(), T::one());
             let moved = matrix * vertex - vertex;
             assert!(
@@ -95,7 +97,8 @@ fn a_star_closes_within_its_residual_and_within_no_bound_below_zero() {
 
 #[test]
 fn residual_turns_the_short_way() {
-    // Two creases in one direction turn by their sum: past half a turn it is shorter to go back.
+    // Two creases of equal direction turn the sheet by the sum of their angles. Past half a turn the residual is that
+    // of the shorter rotation, which goes the other way.
     let stars = Stars::<f64>::new(1, &[&[(0.0, 0, false), (0.0, 0, false)]]);
     for (rho, turned) in [
         (1.0, 2.0),
@@ -114,7 +117,7 @@ fn residual_turns_the_short_way() {
 
 #[test]
 fn jacobian_matches_central_differences() {
-    // Truncation h² and rounding ε/h are equally small here.
+    // This step makes the truncation error h² and the rounding error ε/h equally small.
     let h = f64::EPSILON.cbrt();
     for_random_stars::<f64>(3, |star, angles| {
         let degree = star.spokes.len();
@@ -133,7 +136,7 @@ fn jacobian_matches_central_differences() {
                 .filter(|(spoke, _)| spoke.group.index() == group)
                 .map(|(_, column)| column)
                 .sum();
-            // The third derivative of a product of k factors of the same angle is below k³.
+            // The third derivative of a product in which one angle occurs in k factors is below k³.
             let repeated = star.spokes.iter().filter(|s| s.group.index() == group);
             let scale = (repeated.count().max(1) as f64).powi(3);
             let error = (difference - derivative).norm();

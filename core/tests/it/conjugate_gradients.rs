@@ -1,4 +1,4 @@
-//! Conjugate gradients against nalgebra's Cholesky factorisation.
+//! Does the truncated conjugate-gradient step come close to the step of nalgebra's Cholesky factorisation?
 
 use foldpath_core::{Scalar, conjugate_gradients};
 use foldpath_test_support::Random;
@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 const N: usize = 8;
 
-/// JᵀJ of a Jacobian with fewer rows than columns, and a gradient in its range.
+/// Returns JᵀJ of a random Jacobian with `rows` rows and N columns, and a gradient in the range of JᵀJ.
 fn equations(rows: usize, seed: u64) -> (SMatrix<f64, N, N>, SVector<f64, N>) {
     let mut rng = Random::new(seed);
     let mut matrix = SMatrix::<f64, N, N>::zeros();
@@ -52,7 +52,7 @@ fn promises_nearly_the_most<T: Scalar>() {
                 (0.9..=1.0 + 1e-5).contains(&part),
                 "{seed} {damping}: {part}"
             );
-            // Nothing along a motion.
+            // The step has no part in the null space, which holds the infinitesimal motions.
             let svd = matrix.symmetric_eigen();
             for (value, vector) in svd.eigenvalues.iter().zip(svd.eigenvectors.column_iter()) {
                 if value.abs() < 1e-10 {

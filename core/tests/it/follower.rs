@@ -1,4 +1,5 @@
-//! The follower on Miura's fold, whose motion is known in closed form.
+//! Does the follower keep to its path, its limits and the closure of the sheet, whatever slows or holds it? The path is
+//! Miura's fold, whose motion is known in closed form.
 
 use core::f64::consts::PI;
 
@@ -12,13 +13,13 @@ use foldpath_core::{
 use foldpath_test_support::stars::{Stars, miura, miura_angles};
 use foldpath_test_support::{Random, cast};
 
-/// Seconds between knots, knots of the path, and microseconds of a tick.
+/// `STEP`: seconds between two knots. `KNOTS`: number of knots of the path. `TICK`: microseconds of a tick.
 const STEP: f64 = 0.02;
 const KNOTS: u32 = 101;
 const TICK: u64 = 1000;
-/// Largest fold angle of the path.
+/// Largest fold angle of the path, radians.
 const TOP: f64 = 2.6;
-/// Largest residual allowed: that of the cubics between knots, and of rounding in f32.
+/// Largest closure residual allowed: the residual of the cubics between knots, and rounding in `f32`.
 const CLOSURE: f64 = 4e-6;
 const LIMITS: GroupLimits<f64> = GroupLimits {
     lower: -0.1,
@@ -29,7 +30,7 @@ const LIMITS: GroupLimits<f64> = GroupLimits {
 
 type Miura<T> = Follower<T, 2, 16>;
 
-/// The fold's angles and rates at `time` of a path that takes two seconds, by the closed form.
+/// Returns the angles (radians) and rates of both groups at `time`, by the closed form. The path takes two seconds.
 fn closed_form(time: f64) -> [[f64; 2]; 2] {
     let duration = STEP * f64::from(KNOTS - 1);
     let (sin, cos) = (PI * time / duration).sin_cos();
@@ -94,7 +95,7 @@ impl<T: Scalar> Sheet<T> {
     }
 }
 
-/// A sheet of one group without vertices.
+/// Returns a sheet of one group without vertices.
 fn lone<'a, T: Scalar>(
     interpolation: Interpolation,
     limits: &'a [GroupLimits<T>; 1],
@@ -108,12 +109,12 @@ fn lone<'a, T: Scalar>(
     }
 }
 
-/// A follower and the host that feeds it.
+/// A follower, and the host that feeds it with setpoints.
 struct Run<T: Scalar> {
     sheet: Sheet<T>,
     follower: Miura<T>,
     now: u64,
-    /// Whether the host is heard, and up to which knot it sends.
+    /// `host`: `true` while the follower hears the host. `sent`: number of knots that the host sends.
     host: bool,
     sent: u32,
 }
@@ -147,7 +148,7 @@ impl<T: Scalar> Run<T> {
         }
     }
 
-    /// A tick, after which the sheet is closed and within its limits.
+    /// Makes one tick and asserts that the sheet is closed and no faster than its limits.
     fn tick(&mut self) {
         self.now += TICK;
         if self.host {
@@ -166,7 +167,7 @@ impl<T: Scalar> Run<T> {
         (0..count).for_each(|_| self.tick());
     }
 
-    /// Ticks until the state is reached.
+    /// Ticks until the follower reaches `state`.
     fn until(&mut self, state: State) {
         for _ in 0..20_000 {
             self.tick();
@@ -192,7 +193,8 @@ fn follows_the_whole_path<T: Scalar>() {
     let mut run = Run::<T>::started();
     let mut before = closed_form(0.0)[0];
     let mut rates_before = [0.0; 2];
-    // The time of the path, 1/4 s of rising and 1/4 of braking at half speed on average, and a tick or two.
+    // Ticks of the whole path: its own 2 s, 1/4 s more because rising and braking run at half speed on average, and a
+    // few ticks to spare.
     let dt = 1e-3;
     for tick in 0..2250 + 4 {
         run.tick();
@@ -282,7 +284,7 @@ fn hinges_turn_as_their_groups_and_signs_say() {
 fn an_empty_queue_stops_at_its_last_setpoint_and_goes_on_with_the_next() {
     for sent in [1, 2, 3, 17, 50, 99] {
         let mut run = Run::<f32>::ready(Options::default());
-        // The queue was filled already with what it holds.
+        // The queue was filled before; whatever it holds counts as sent.
         run.sent = sent.max(run.follower.next());
         let end = run.sent - 1;
         run.follower.start().unwrap();
@@ -345,7 +347,7 @@ fn a_soft_stop_brakes_along_the_path() {
     let before = run.time();
     run.follower.hold(Reason::Asked);
     run.ticks(300);
-    // From full speed with a braking of 4: an eighth of a second.
+    // Braking from the full rate 1 at 4 per second passes 1/(2 · 4) = 1/8 s of the path.
     assert!((run.time() - before - 0.125).abs() < 1e-9);
     assert_eq!(run.follower.reason(), Reason::Asked);
     assert_eq!(
@@ -365,7 +367,7 @@ fn a_moving_sheet_takes_no_other_path() {
     );
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
     assert_eq!(run.follower.start(), Err(Denial::State));
-    // Nor does one that is about to move.
+    // A follower that is started but has not moved yet refuses as well.
     let mut run = Run::<f64>::started();
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
     run.follower.hold(Reason::Asked);
@@ -422,7 +424,8 @@ fn the_stop_line_is_heard_in_every_state() {
     assert_eq!(done.follower.resume(), Err(Denial::Held));
 }
 
-/// A hinge that turns towards its command by at most so much a tick, up to where it sticks.
+/// Measures one hinge that follows its command with at most the given speed, radians a tick, and that sticks at an
+/// angle. Returns the rates of the path clock, tick by tick.
 fn lagging(run: &mut Run<f32>, speed: f32, sticks: f32) -> Vec<f32> {
     let member = Membership {
         group: GroupId(1),
@@ -512,7 +515,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
         (run.follower.state(), run.follower.reason()),
         (State::Running, Reason::None)
     );
-    // Again and again, each time for less than it takes to fail.
+    // The hinge lags several times, each time for less than the time after which a lag is a fault.
     for _ in 0..3 {
         run.follower.measure(2, member, command - 0.5);
         run.ticks(600);
@@ -530,7 +533,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
     );
 }
 
-/// What is changed in a setpoint, how, and why it is refused.
+/// A flaw of a setpoint: its name, the function that makes it, and the refusal that it must cause.
 type Bad = (&'static str, fn(&mut Setpoint<f64, 2>), Refusal);
 
 #[test]
@@ -603,7 +606,7 @@ fn a_full_queue_refuses_without_holding() {
     );
 }
 
-/// Eleven knots of a motion under constant acceleration, in one group without a star.
+/// Accepts eleven knots of a motion under constant acceleration, in one group without a star.
 fn accelerates<T: Scalar>(acceleration: f64, speed: f64) -> Result<(), Refusal> {
     moves::<T>(acceleration, speed, 0.02, -3.0)
 }
@@ -655,7 +658,7 @@ fn a_motion_at_its_limits_is_accepted_and_one_beyond_is_not() {
     assert_eq!(accelerates::<f32>(5.0, 1.002), Err(Refusal::Speed(0)));
 }
 
-/// Lines make no use of rates, however large.
+/// Linear segments make no use of rates, however large, so that rates cannot break a limit.
 #[test]
 fn rates_beside_a_line_widen_no_limit() {
     let none = Stars::<f32>::new(1, &[]);
@@ -682,13 +685,13 @@ fn rates_beside_a_line_widen_no_limit() {
     }
 }
 
-/// Knots rounded to f32 are not refused for their roundings, however close they are.
+/// A knot is not refused because its angles and rates are rounded to `f32`, however close the knots are.
 #[test]
 fn rounding_passes_no_limit_of_acceptance() {
     let mut rng = Random::new(83);
     for _ in 0..2000 {
         let step = 10_f64.powf(rng.uniform(-3.0, -1.0));
-        // From full speed, or from rest, to full speed the other way, if there is time.
+        // The motion goes from full speed, or from rest, to full speed the other way, if there is time for that.
         let from = rng.uniform(-2.0, 3.0);
         let speed = if from > 0.0 { 0.0 } else { 1.0 };
         let acceleration = 5.0_f64.min((1.0 + speed) / (10.0 * step));
@@ -696,7 +699,7 @@ fn rounding_passes_no_limit_of_acceptance() {
     }
 }
 
-/// Cubics that turn back between setpoints.
+/// A cubic that turns back between two setpoints is refused if its extremum lies outside the limits.
 #[test]
 fn an_angle_that_turns_back_on_the_way_is_found() {
     let none = Stars::<f64>::new(1, &[]);
@@ -720,17 +723,17 @@ fn an_angle_that_turns_back_on_the_way_is_found() {
         };
         foldpath_core::acceptance::check(&sheet, Some(&at(0, 0.0, rates[0])), &at(1, end, rates[1]))
     };
-    // s (1 - s)² is largest at a third: 4/27.
+    // s (1 - s)² is largest at s = 1/3, where it is 4/27.
     let (third, refused) = (4.0 / 27.0, Err(Refusal::Range(0)));
     assert_eq!(check(third + 1e-12, [1.0, 0.0], 0.0), Ok(()));
     assert_eq!(check(third - 1e-12, [1.0, 0.0], 0.0), refused);
     assert_eq!(check(third - 1e-12, [0.0, -1.0], 0.0), refused);
-    // s - 3/4 s², whose third derivative is 0, at two thirds.
+    // s - 3/4 s², a cubic without cubic term, is largest at s = 2/3, where it is 1/3.
     assert_eq!(check(1.0 / 3.0 + 1e-12, [1.0, -0.5], 0.25), Ok(()));
     assert_eq!(check(1.0 / 3.0 - 1e-12, [1.0, -0.5], 0.25), refused);
 }
 
-/// A reset forgets everything but the place and the angles last commanded.
+/// A reset forgets everything but the place on the path and the angles last commanded.
 #[test]
 fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
     let mut rng = Random::new(82);
@@ -794,8 +797,8 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
     }
 }
 
-/// Braking each hinge on its own, from the same moment and with each hinge's own acceleration, tears the
-/// sheet; holding along the path does not.
+/// Braking every hinge on its own, from the same moment and with its own acceleration, tears the sheet. Holding along
+/// the path does not.
 #[test]
 fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
     let mut torn = 0.0_f64;
@@ -847,7 +850,7 @@ fn slow_clocks_and_lost_ticks_neither_jump_nor_stick() {
     run.now += 5_000_000;
     run.follower.heard(run.now + TICK);
     run.tick();
-    // A tick passes for 10 ms at the most.
+    // A single tick passes at most 10 ms of world time, however late it comes.
     assert!(run.time() - before < 0.01 * 0.2, "{}", run.time() - before);
     let now = run.now;
     run.now = 17;
@@ -898,7 +901,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
 
 #[test]
 fn half_angles_follow_the_whole_motion_without_leaving_it() {
-    // Tangents of half angles in proportion: straight lines in time.
+    // Both tangents of half angles are proportional to time, so that they are straight lines.
     let straight = |k: i32| {
         let t = f64::from(k);
         let node = |slope: f64| Node {
@@ -913,7 +916,7 @@ fn half_angles_follow_the_whole_motion_without_leaving_it() {
     let top = 2.0 * 2_f64.atan();
     assert!(exact::<f64>(half, &knots, top) < 1e-15 * 8.0);
     assert!(exact::<f32>(half, &knots, top) < 2e-6);
-    // (1 - s, k s) in two seconds, from flat to flat-folded in one segment.
+    // The homogeneous segment (c, n) = (1 - s, k s) goes from flat to flat-folded in two seconds.
     let ends = |k: f64| {
         let flat = Node {
             angle: 0.0,
@@ -934,7 +937,8 @@ fn half_angles_follow_the_whole_motion_without_leaving_it() {
     assert!(exact::<f32>(homogeneous, &knots, PI) < 2e-6);
 }
 
-/// Far into a long segment a tick is sixteen times as long as the place is exact to.
+/// Far into a long segment the spacing of `f32` numbers around the place is 1/16 of a tick. The ticks must still add
+/// up.
 #[test]
 fn a_long_segment_takes_its_time() {
     let none = Stars::<f32>::new(1, &[]);
@@ -969,12 +973,12 @@ fn a_long_segment_takes_its_time() {
         follower.heard(now * TICK);
         follower.tick(now * TICK);
     }
-    // Ten seconds, but for an eighth of speeding up.
+    // Ten seconds of the path, less 1/8 s for speeding up.
     let into = follower.place().into;
     assert!((into - 1009.875).abs() < 5e-4, "{into}");
 }
 
-/// The path is longer than there are numbers for: it does not end at once.
+/// The duration of the path overflows `f32`; the path must not end at once.
 #[test]
 fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
     let none = Stars::<f32>::new(1, &[]);
@@ -1007,12 +1011,13 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
         assert_eq!(follower.state(), State::Running);
     }
     assert_eq!(follower.place().knot, 0);
-    // A second, but for an eighth of speeding up.
+    // One second of the path, less 1/8 s for speeding up.
     assert!((follower.place().into - 0.875).abs() < 1e-3);
     assert!(follower.angles()[0] < 1e-30 && follower.left().is_finite());
 }
 
-/// A sheet that must not move at all: the way through the tangent rounds, what is commanded does not.
+/// The limits allow a single angle. The way through the tangent of the half angle rounds, but the command must not
+/// leave the limits.
 #[test]
 fn rounding_leaves_no_limit() {
     let none = Stars::<f32>::new(1, &[]);

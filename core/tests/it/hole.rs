@@ -1,4 +1,5 @@
-//! Loops round holes against the report's matrices and finite differences.
+//! Do the residuals of loops round holes equal the product of the report's folding matrices, and their Jacobian central
+//! differences?
 
 use foldpath_core::closure::{half_angles, residual};
 use foldpath_core::hole::{residuals, residuals_and_jacobian};
@@ -8,7 +9,7 @@ use foldpath_test_support::stars::{Stars, foldability_error};
 use foldpath_test_support::{Random, cast};
 use nalgebra::{Matrix4, Vector3};
 
-/// A loop that owns its memory: the spokes of a random star, each at a place of its own.
+/// A loop that owns its memory: the spokes of a random star, each at a point of its own.
 struct Loop<T> {
     star: Stars<T>,
     places: Vec<[T; 2]>,
@@ -36,7 +37,7 @@ impl<T: Scalar> Loop<T> {
     }
 }
 
-/// Calls `check` with random loops of 1..16 creases and fold angles for them.
+/// Calls `check` with 480 random loops of 1 to 16 creases and random fold angles, radians.
 fn for_random_loops<T: Scalar>(seed: u64, mut check: impl FnMut(&Loop<T>, &[T])) {
     let mut rng = Random::new(seed);
     for degree in (1..=16).cycle().take(480) {
@@ -52,7 +53,7 @@ fn half<T: Scalar>(unknowns: &[T]) -> Vec<HalfAngle<T>> {
     half
 }
 
-/// Roundings that a product over the loop may gather, for places of about 1.
+/// Bound on the rounding error of a product over the loop, for points at distances of about 1.
 fn rounding<T: Scalar>(degree: usize) -> f64 {
     16.0 * degree as f64 * T::EPSILON.to_f64()
 }
@@ -103,7 +104,7 @@ fn a_loop_through_one_point_is_a_star_there() {
 
 #[test]
 fn jacobian_matches_central_differences() {
-    // Truncation h² and rounding ε/h are equally small here.
+    // This step makes the truncation error h² and the rounding error ε/h equally small.
     let h = f64::EPSILON.cbrt();
     for_random_loops::<f64>(43, |cycle, angles| {
         let spokes = &cycle.star.spokes;
@@ -118,8 +119,8 @@ fn jacobian_matches_central_differences() {
             };
             let (above, below) = (shifted(h), shifted(-h));
             let repeated = spokes.iter().filter(|s| s.group.index() == group).count();
-            // The third derivative of a product of k factors of the same angle is below k³; a place is at
-            // most √2 from the middle, and the loop moves it by at most that often.
+            // The third derivative of a product in which one angle occurs in k factors is below k³. A point is at most
+            // √2 from the middle, and every factor moves it by at most about that distance.
             let reach = 4.0 * spokes.len() as f64;
             let scale = (repeated.max(1) as f64).powi(3) * reach;
             for block in 0..2 {
@@ -139,7 +140,7 @@ fn jacobian_matches_central_differences() {
     });
 }
 
-/// Stars and loops together: the gradient of ½‖r‖² by its rows and by differences of the cost.
+/// With stars and loops together, the gradient of ½‖r‖² from the rows equals central differences of the cost.
 #[test]
 fn a_problem_with_loops_has_the_gradient_of_its_cost() {
     let h = f64::EPSILON.cbrt();
@@ -169,7 +170,7 @@ fn a_problem_with_loops_has_the_gradient_of_its_cost() {
             };
             let difference = (cost_at(at + h) - cost_at(at - h)) / (2.0 * h);
             x[k] = at;
-            // Third derivatives of 16 rows of products of up to 7 factors of size up to 7.
+            // Bounds the third derivatives of 16 rows, which are products of up to 7 factors of size up to 7.
             let error = (difference - gradient[k]).abs();
             assert!(error <= 1e5 * h * h, "{error:e}");
         }

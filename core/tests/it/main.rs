@@ -1,4 +1,4 @@
-//! Tests of core through its public interface, one module for each matter.
+//! Tests of core through its public interface, with one module for each subject.
 
 mod closure;
 mod conjugate_gradients;

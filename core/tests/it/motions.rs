@@ -1,4 +1,5 @@
-//! Projection on the infinitesimal motions of foldings whose tangent is known in closed form.
+//! Does `project_on_motions` project on the null space of the Jacobian? The foldings have one degree of freedom, whose
+//! tangent is known in closed form.
 
 use foldpath_core::closure::{half_angles, residual_and_jacobian};
 use foldpath_core::least_squares::ClosureProblem;
@@ -8,7 +9,7 @@ use foldpath_test_support::stars::{Stars, miura, miura_angles, waterbomb, waterb
 use foldpath_test_support::{Random, cast};
 use nalgebra::Vector3;
 
-/// Unit tangent of the `path` of configurations at `t`, to about 1e-10.
+/// Returns the unit tangent of the curve `path` at `t`, to about 1e-10.
 fn tangent<const N: usize>(path: impl Fn(f64) -> [f64; N], t: f64) -> [f64; N] {
     let h = f64::EPSILON.cbrt();
     let (before, after) = (path(t - h), path(t + h));
@@ -29,7 +30,7 @@ fn project<T: Scalar>(stars: &Stars<T>, x: &[T], direction: &mut [T]) {
     assert!(project_on_motions(&mut equations, direction));
 }
 
-/// Largest ‖J d‖ of a star.
+/// Returns the largest ‖J d‖ of a star.
 fn velocity<T: Scalar>(stars: &Stars<T>, x: &[T], direction: &[T]) -> f64 {
     let mut half = vec![HalfAngle::default(); x.len()];
     half_angles(x, &mut half);
@@ -43,15 +44,15 @@ fn velocity<T: Scalar>(stars: &Stars<T>, x: &[T], direction: &[T]) -> f64 {
     velocities.fold(0.0, f64::max)
 }
 
-/// At points of a path with one degree of freedom, the projection of d is (τ·d) τ.
+/// At points of a path with one degree of freedom and unit tangent τ, the projection of d is (τ·d) τ.
 fn projects_on_the_tangent<T: Scalar, const N: usize>(
     stars: &Stars<T>,
     path: impl Fn(f64) -> [f64; N],
     parameters: impl Iterator<Item = f64>,
 ) {
     let mut rng = Random::new(41);
-    // √ε is what rounding leaves; (λ/σ²)² is 140²ε at the largest, for a waterbomb at t = 1, where
-    // σ² is 1/140 of the largest diagonal entry. In f32 that is 7√ε.
+    // Rounding leaves √ε. Damping leaves (λ/σ²)², which is at most 140²ε: for a waterbomb at t = 1 the squared singular
+    // value σ² is 1/140 of the largest diagonal entry. In `f32` 140²ε is 7√ε.
     let tolerance = 8.0 * T::EPSILON.to_f64().sqrt();
     for t in parameters {
         let x: [T; N] = cast(path(t));
@@ -87,7 +88,7 @@ fn on_known_paths<T: Scalar>() {
             steps().map(|s| 3.0 * s),
         );
     }
-    // Near flat the singular values vanish with t, and f32 has no null space to find.
+    // Near flat the singular values vanish with t, so that rounding in `f32` hides the null space.
     let steps = steps().filter(|&t| t >= 0.3);
     projects_on_the_tangent::<T, 4>(&waterbomb(), waterbomb_angles, steps);
 }

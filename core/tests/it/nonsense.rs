@@ -1,6 +1,7 @@
-//! Numbers that are none, or too large or too small to mean anything, at every public entry: refused, or handled,
-//! and never taken for an answer. Also see `an_undefined_star_does_not_hide_behind_the_others`,
-//! `a_start_that_is_no_number_is_an_outcome`, and the refusals of trajectories, setpoints and files beside them.
+//! Does every public function refuse or handle infinities, NaN and numbers too large or too small to mean anything, and
+//! never return one as an answer? See also `an_undefined_star_does_not_hide_behind_the_others`,
+//! `a_start_that_is_no_number_is_an_outcome`, and the refusals of trajectories, setpoints and files in their own
+//! modules.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome};
 use foldpath_core::{
@@ -12,12 +13,12 @@ use foldpath_test_support::stars::{Stars, miura, miura_angles};
 use foldpath_test_support::{Random, cast};
 use nalgebra::Vector3;
 
-/// No numbers.
+/// Returns the values that are not finite.
 fn none<T: Scalar>() -> [T; 3] {
     cast([f64::NAN, f64::INFINITY, f64::NEG_INFINITY])
 }
 
-/// Numbers that no hinge has, but that are some. An `f32` has a sine up to 12,866.
+/// Returns finite numbers that no fold angle has. The sine of core works in `f32` for arguments up to 12,866.
 fn odd<T: Scalar>() -> Vec<T> {
     let smallest = T::EPSILON * T::lit(1e-30);
     let odd = [0.0, -0.0, 1e-30, -7.0, 1e3, -12_000.0];
@@ -67,7 +68,7 @@ fn closure_of_no_numbers_is_none_and_never_within_a_bound<T: Scalar>() {
     }
 }
 
-/// Both solvers, from starts that no sheet has: an outcome, and angles that hinges can have.
+/// Both solvers, started where no sheet can be, return an outcome and angles within the limits.
 fn solvers_end_within_the_limits<T: Scalar>() {
     let stars = miura::<T>(60.0, false, false);
     let infinite = none::<T>()[1];
@@ -101,7 +102,7 @@ fn solvers_end_within_the_limits<T: Scalar>() {
     }
 }
 
-/// Limits that are no numbers allow no step that is none.
+/// Limits that are not numbers lead to no angle that is not finite.
 fn limits_that_are_no_numbers_spoil_no_angle<T: Scalar>() {
     let stars = miura::<T>(60.0, false, false);
     let nan = none::<T>()[0];
@@ -145,7 +146,7 @@ fn solve<T: Scalar>(
     report.outcome
 }
 
-/// A direction of motions that is none is said to be none.
+/// A direction that is not finite is reported as no motion.
 fn motions_of_no_numbers_are_none<T: Scalar>() {
     let stars = miura::<T>(60.0, false, false);
     let (mut halves, mut columns) = (
@@ -172,8 +173,8 @@ fn motions_of_no_numbers_are_none<T: Scalar>() {
     }
 }
 
-/// What is measured at no number leaves its group, and only that, without an angle; the distance of the hinges from
-/// their means is none either.
+/// A measured angle that is not finite leaves its group, and only its group, without an angle. The spread of the hinges
+/// about their means is then not finite either.
 fn means_of_no_numbers_are_none<T: Scalar>() {
     let member = |group| Membership {
         group: GroupId(group),

@@ -1,4 +1,4 @@
-//! The dense normal equations, and the dual ones, against nalgebra's Cholesky factorisation.
+//! Do the dense normal equations, and the dual ones, give the step of nalgebra's Cholesky factorisation?
 
 use foldpath_core::least_squares::{Accumulate, NormalEquations};
 use foldpath_core::{DenseNormalEquations, DualNormalEquations, Scalar};
@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 const STARS: usize = 3;
 
-/// With N unknowns, of which stars have several spokes each.
+/// Compares both kinds of equations in N unknowns; several spokes of a star may share an unknown.
 fn equal_nalgebras<T: Scalar, const N: usize>() {
     let mut memory = vec![T::zero(); DenseNormalEquations::<T>::memory(N)];
     equals_nalgebra::<T, N>(&mut DenseNormalEquations::new(N, &mut memory).unwrap());
@@ -19,7 +19,7 @@ fn equal_nalgebras<T: Scalar, const N: usize>() {
 fn equals_nalgebra<T: Scalar, const N: usize>(equations: &mut impl NormalEquations<T>) {
     let mut rng = Random::new(31);
     for _ in 0..200 {
-        // The rows of three stars, written down twice: the second time in f64 by nalgebra.
+        // The rows of three stars are added up twice: by core, and in `f64` by nalgebra.
         equations.clear();
         let (mut matrix, mut gradient) =
             (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());

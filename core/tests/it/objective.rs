@@ -1,4 +1,4 @@
-//! The report's objectives against the 4x4 matrices themselves.
+//! Do the report's objectives equal their values by the 4x4 matrices?
 
 use foldpath_core::{HalfAngle, Objective, Scalar, StarsView};
 use foldpath_test_support::Random;
@@ -17,7 +17,7 @@ fn values_of_the_matrices<T: Scalar>() {
         let (max, sum) = errors.fold((0.0_f64, 0.0), |(max, sum), e| (max.max(e), sum + e));
         let rounding = 8.0 * degrees.iter().sum::<usize>() as f64 * T::EPSILON.to_f64();
         for (objective, expected) in [(Objective::Max, max), (Objective::Sum, sum)] {
-            // Longer than needed, and not clean.
+            // The scratch is longer than needed and holds stale values, neither of which may matter.
             let mut scratch = [HalfAngle::of(T::one()); 7];
             let value = objective
                 .value(stars.view(), &angles, &mut scratch)

@@ -1,4 +1,4 @@
-//! The path clock against the closed forms of motion under constant acceleration.
+//! Does the path clock take the time that closed forms of motion under constant acceleration give?
 
 use foldpath_core::Scalar;
 use foldpath_core::path_clock::{ClockLimits, PathClock};
@@ -11,8 +11,8 @@ fn clock<T: Scalar>(rise: f64, brake: f64) -> PathClock<T> {
     })
 }
 
-/// Runs to the end of `left` seconds and returns the ticks taken; asserts that every change of the rate is
-/// within the limits and that the clock can always stop.
+/// Runs the clock over `left` seconds of the path and returns the number of ticks. Asserts that every change of the
+/// rate is within the limits and that the clock can always stop in time.
 fn run<T: Scalar>(rise: f64, brake: f64, dt: f64, mut left: T) -> u32 {
     let mut clock = clock::<T>(rise, brake);
     let slack = 8.0 * T::EPSILON.to_f64();
@@ -24,7 +24,7 @@ fn run<T: Scalar>(rise: f64, brake: f64, dt: f64, mut left: T) -> u32 {
         let (rate, left) = (clock.rate().to_f64(), left.to_f64());
         assert!((0.0..=1.0).contains(&rate));
         assert!(rate - before <= rise * dt + slack, "{before} {rate}");
-        // What is left carries a rounding of its own size, and the rate its root.
+        // The path time left has a rounding error of its own size, and the rate, its root, inherits that error.
         let rounding = slack * (1.0 + left / (dt * brake * dt));
         assert!(
             before - rate <= brake * dt * (1.0 + 1e-3) + rounding,
@@ -45,7 +45,7 @@ fn ends_in_the_time_of_the_closed_form<T: Scalar>() {
         let dt = rng.uniform(2e-4, 5e-3);
         let left = rng.uniform(0.001, 4.0);
         let ticks = f64::from(run(rise, brake, dt, T::lit(left)));
-        // The highest rate reached, 1 at most, and the time of rising, cruising and braking.
+        // The highest rate reached, at most 1, and the time for rising, cruising and braking.
         let top = (2.0 * left / (1.0 / rise + 1.0 / brake)).sqrt().min(1.0);
         let ends = top * (1.0 / rise + 1.0 / brake);
         let time = ends + (left - top * ends / 2.0) / top;

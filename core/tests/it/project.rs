@@ -1,4 +1,4 @@
-//! Measured configurations brought back to where they close, against the closed forms.
+//! Does `project` bring measured configurations back to closed ones? Compares with curves in closed form.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, Outcome};
 use foldpath_core::project::{Projection, means, project};
@@ -6,7 +6,7 @@ use foldpath_core::{DenseNormalEquations, GroupId, Membership, Scalar};
 use foldpath_test_support::stars::{Stars, miura, miura_angles, waterbomb, waterbomb_angles};
 use foldpath_test_support::{Random, cast};
 
-/// Projects on the motion of these stars.
+/// Projects a measured configuration on the closed configurations of these stars.
 fn closed<T: Scalar, const N: usize>(
     stars: &Stars<T>,
     measured: [T; N],
@@ -33,7 +33,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     square.sqrt()
 }
 
-/// The least distance from `point` to a curve, by halving intervals around the nearest of many points.
+/// Returns the least distance from `point` to a curve, by bisection around the nearest of 1001 points.
 fn nearest<const N: usize>(point: [f64; N], curve: impl Fn(f64) -> [f64; N], top: f64) -> f64 {
     let at = |t: f64| distance(&point, &curve(t));
     let places = (0..=1000).map(|k| top * f64::from(k) / 1000.0);
@@ -49,8 +49,8 @@ fn nearest<const N: usize>(point: [f64; N], curve: impl Fn(f64) -> [f64; N], top
     at(best)
 }
 
-/// Noise on a known configuration: what is found closes, lies on the curve, and is no farther from what was measured
-/// than the nearest point by more than the second order of the noise.
+/// Adds noise to a known configuration and projects. The result closes and lies on the curve. Its distance to the
+/// measured configuration exceeds that of the nearest point by no more than the second order of the noise.
 fn comes_back<T: Scalar, const N: usize>(
     stars: &Stars<T>,
     curve: impl Fn(f64) -> [f64; N],

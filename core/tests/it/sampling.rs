@@ -1,4 +1,4 @@
-//! Random configurations: reproducible, and near the centre.
+//! Are random configurations reproducible, near their centre and evenly spread?
 
 use foldpath_core::Scalar;
 use foldpath_core::least_squares::Limits;
@@ -34,7 +34,7 @@ fn in_both_precisions<T: Scalar>() {
     let offsets: Vec<f64> = near(1).iter().map(|angle| angle.to_f64() - 1.0).collect();
     let radius = 0.3 + T::EPSILON.to_f64();
     assert!(offsets.iter().all(|offset| offset.abs() <= radius));
-    // All of the range is used, evenly: of 1000 samples the mean has a deviation of 0.0055.
+    // The samples use the whole range evenly: the mean of 1000 samples has a standard deviation of 0.0055.
     let (low, high) = offsets.iter().fold((0.0_f64, 0.0_f64), |(low, high), &o| {
         (low.min(o), high.max(o))
     });

@@ -1,4 +1,5 @@
-//! Both solvers, over both precisions and over memory from arrays and from `Vec`.
+//! Do both solvers find closed configurations, keep to limits and report the truth? Every check runs in both
+//! precisions, with memory in arrays and in `Vec`.
 
 use core::f64::consts::PI;
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
@@ -11,13 +12,13 @@ use foldpath_test_support::stars::{
 use foldpath_test_support::{Random, cast};
 use nalgebra::Vector3;
 
-/// Where a solver's memory comes from.
+/// Source of a solver's memory.
 trait Storage {
-    /// At least `length` values.
+    /// Returns memory for at least `length` values.
     fn room<V: Copy>(value: V, length: usize) -> impl AsMut<[V]>;
 }
 
-/// As on the controller: fixed, and usually longer than the problem needs.
+/// Memory as on the controller: of fixed size, usually larger than the problem needs.
 struct Arrays;
 
 impl Storage for Arrays {
@@ -27,7 +28,7 @@ impl Storage for Arrays {
     }
 }
 
-/// As on the host.
+/// Memory as on the host.
 struct Vecs;
 
 impl Storage for Vecs {
@@ -46,7 +47,7 @@ enum Method {
 use Method::{Dual, Gradient, LevenbergMarquardt};
 
 const METHODS: [Method; 2] = [LevenbergMarquardt, Gradient];
-/// The same method by two ways.
+/// Levenberg-Marquardt on the primal and on the dual normal equations.
 const DAMPED: [Method; 2] = [LevenbergMarquardt, Dual];
 
 impl Method {
@@ -57,7 +58,7 @@ impl Method {
         }
     }
 
-    /// Options with the iterations that the method may need.
+    /// Returns options with the iterations that the method may need.
     fn options<T: Scalar>(self) -> Options<T> {
         Options {
             max_iterations: match self {
@@ -111,7 +112,7 @@ impl Method {
     }
 }
 
-/// Of stars with M residuals.
+/// Solves by the dual normal equations; the stars have M residuals in all.
 fn dual<T: Scalar, S: Storage, const M: usize>(
     problem: &mut ClosureProblem<'_, T>,
     limits: Limits<'_, T>,
@@ -132,14 +133,14 @@ fn dual<T: Scalar, S: Storage, const M: usize>(
     )
 }
 
-/// The report against x and against the 4x4 matrices, which the solvers do not use.
+/// Asserts that the report is true of `x`, by the 4x4 matrices, which the solvers do not use.
 fn assert_honest<T: Scalar>(stars: &Stars<T>, options: &Options<T>, x: &[T], report: &Report<T>) {
     let errors = stars.view().iter().map(|star| foldability_error(star, x));
     let residual = errors.fold(0.0, f64::max) / 2_f64.sqrt();
     let rounding = 8.0 * stars.view().max_degree() as f64 * T::EPSILON.to_f64();
     let converged = report.residual <= options.tolerance;
     let said = report.residual.to_f64();
-    // What closes for certain is not evaluated: the report bounds it.
+    // If a bound proves that the last point closes, the solver does not evaluate it and reports the bound.
     let more_than_is = said - residual > rounding && !converged;
     assert!(
         residual - said <= rounding && !more_than_is,
@@ -153,7 +154,7 @@ fn assert_honest<T: Scalar>(stars: &Stars<T>, options: &Options<T>, x: &[T], rep
     assert!(report.iterations <= options.max_iterations, "{report:?}");
 }
 
-/// Miura folds: (sector in degrees, closed configuration, start near it).
+/// Returns Miura folds: sector angle in degrees, a closed configuration, and a start near it, in radians.
 fn miura_starts<T: Scalar>(count: usize) -> impl Iterator<Item = (f64, [T; 2], [T; 2])> {
     let mut rng = Random::new(11);
     (0..count).map(move |_| {
@@ -166,9 +167,8 @@ fn miura_starts<T: Scalar>(count: usize) -> impl Iterator<Item = (f64, [T; 2], [
     })
 }
 
-/// By how much tan(minor/2) = cos(sector) tan(major/2) is missed, multiplied out so that it stays
-/// bounded at half turns. Its slope is below 1 and that of the residual about 2, so that it is below
-/// the residual.
+/// Returns the error of tan(minor/2) = cos(sector) tan(major/2), multiplied out so that it stays bounded at half turns.
+/// This error is below the residual: its slope is below 1, that of the residual about 2.
 fn miura_error<T: Scalar>(sector: f64, x: [T; 2]) -> f64 {
     let [(sin_major, cos_major), (sin_minor, cos_minor)] = x.map(|x| (x.to_f64() / 2.0).sin_cos());
     (sin_minor * cos_major - sector.to_radians().cos() * sin_major * cos_minor).abs()
@@ -214,7 +214,8 @@ fn finds_the_waterbomb_again<T: Scalar, S: Storage>() {
             assert_honest(&stars, &options, &x, &report);
             let expected = waterbomb_angles((x[0].to_f64() / 2.0).tan());
             for (x, expected) in x.iter().zip(expected) {
-                // √2 residuals, a singular value above 1/4, and b moves 2.2 times as fast as m.
+                // Three factors: √2 for two residuals, 4 for a singular value above 1/4, and 2.2 because b moves 2.2
+                // times as fast as m.
                 let error = (x.to_f64() - expected).abs();
                 assert!(
                     error <= 20.0 * T::CLOSURE_TOLERANCE.to_f64(),
@@ -271,7 +272,7 @@ fn what_closes_for_certain_is_not_evaluated<T: Scalar, S: Storage>() {
             let mut x = closed.clone();
             let radius = T::lit(rng.uniform(0.001, 0.5));
             random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
-            // Some are met by a step, and so is a limit to its length.
+            // Some steps reach one of these limits, and some the limit on their length.
             let near = |angle| (angle - T::lit(0.1), angle + T::lit(rng.uniform(0.0, 0.5)));
             let limits: Vec<(T, T)> = closed.iter().copied().map(near).collect();
             let finest = T::CLOSURE_TOLERANCE.to_f64().log10();
@@ -334,7 +335,7 @@ fn both_solvers_agree<T: Scalar, S: Storage>() {
             error <= T::CLOSURE_TOLERANCE.to_f64(),
             "{error:e} {sector} {steepest:?}"
         );
-        // Each goes to a point of the motion near the start, along the motion not the same one.
+        // Both methods reach points of the motion near the start, but not the same point.
         let apart = damped
             .iter()
             .zip(&steepest)
@@ -362,12 +363,12 @@ fn stays_within_limits<T: Scalar, S: Storage>() {
             converged += usize::from(report.outcome == Outcome::Converged);
         }
     }
-    // Not all: see the test of active limits at the end.
+    // All converge here; `moves_along_an_active_limit` at the end has the hard cases of active limits.
     assert!(converged == 600, "{converged} of 600");
 }
 
 fn limits_that_exclude_every_solution<T: Scalar, S: Storage>() {
-    // The minor angle of a Miura fold has the sign of the major one.
+    // The limits exclude every solution because both angles of a Miura fold have the same sign.
     let limits: [(T, T); 2] = [(1.0, 1.2), (-0.5, -0.2)].map(|(a, b)| (T::lit(a), T::lit(b)));
     for method in METHODS {
         for start in [[1.1, -0.3], [1.0, -0.5], [-3.0, 3.0]] {
@@ -403,7 +404,7 @@ fn stays_honest_from_anywhere<T: Scalar, S: Storage>() {
         assert_within(&[(-T::PI, T::PI); 2], &x);
         converged += usize::from(report.outcome == Outcome::Converged);
     }
-    // In f32 a few stall where the star misses by half a turn, and the residual has its largest value.
+    // In `f32` a few runs stall where the rotation of a star is half a turn off and the residual is largest.
     assert!(
         converged * 1000 >= starts.len() * 998,
         "{converged} of {}",
@@ -467,12 +468,12 @@ fn a_start_that_is_no_number_is_an_outcome<T: Scalar, S: Storage>() {
         let unlimited = [(-infinity, infinity); 2];
         for x in [[infinity, T::one()], [T::one(), -infinity]] {
             assert_eq!(solve(Limits::Each(&unlimited), x).0, Outcome::NotFinite);
-            // Limits bring an infinity back like any other number.
+            // Limits clamp an infinite start like any other.
             let (outcome, x) = solve(Limits::HalfTurn, x);
             assert_ne!(outcome, Outcome::NotFinite);
             assert_within(&[(-T::PI, T::PI); 2], &x);
         }
-        // Unknown 2 turns no crease of a star, so that everything closes whatever it is.
+        // Unknown 2 belongs to no crease, so that all stars close at any value of it.
         let flat = Stars::new(3, &[&[(0.0, 0, false), (90.0, 1, false)]]);
         let mut x = [T::zero(), T::zero(), nan];
         let report = method.solve::<T, S>(&flat, Limits::HalfTurn, &options, &mut x);
@@ -516,9 +517,9 @@ fn a_gradient_step_too_short_to_move_is_no_stall() {
 
 #[test]
 fn moves_along_an_active_limit() {
-    // The major angle runs into -π; the way from there to (-π, π), which closes, is free.
+    // The major angle reaches -π. The motion from there along the limit to (-π, π), which closes, is free.
     let half_turn = [(-PI, PI); 2];
-    // The minor angle runs into its lower limit; a closed configuration lies 0.06 rad away.
+    // The minor angle reaches its lower limit. A closed configuration lies 0.06 rad away.
     let tight = [(0.41, 0.60), (0.36, 0.49)];
     let cases = [
         (60.0, half_turn, [-3.04, 1.14]),

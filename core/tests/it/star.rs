@@ -1,4 +1,4 @@
-//! Views of stars: which ones are refused, and what a view says.
+//! Which stars does a view refuse, and what does it tell of the others?
 
 use foldpath_core::least_squares::ClosureProblem;
 use foldpath_core::{GroupId, HalfAngle, Membership, StarsView, expand};

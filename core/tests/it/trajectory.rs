@@ -1,11 +1,11 @@
-//! Trajectories: what is sampled between knots, what is refused, and the stored form.
+//! Trajectories: their samples between knots, the input that they refuse, and their stored form.
 
 use foldpath_core::Interpolation::Hermite;
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryError, TrajectoryView};
 use foldpath_core::{Curve, Interpolation, Node, Scalar};
 use foldpath_test_support::{Random, cast};
 
-/// A polynomial of degree 3 and its derivative, at `t`.
+/// Returns a cubic polynomial and its derivative at `t`.
 fn cubic([a, b, c, d]: [f64; 4], t: f64) -> (f64, f64) {
     let value = a + t * (b + t * (c + t * d));
     (value, b + t * (2.0 * c + t * 3.0 * d))
@@ -27,7 +27,7 @@ fn reproduces_cubics<T: Scalar>() {
             view.sample(T::lit(t), &mut sampled);
             for (sampled, curve) in sampled.iter().zip(curves) {
                 let error = (sampled.to_f64() - cubic(curve, t).0).abs();
-                // Angles and rates times span are below 15 and 20 in size.
+                // The angles are below 15, the rates times the duration below 20.
                 assert!(
                     error <= 4.0 * 20.0 * T::EPSILON.to_f64(),
                     "{error:e} at {t}"
@@ -135,7 +135,7 @@ fn knot<'a>(time: f64, angles: &'a [f64], rates: &'a [f64]) -> Knot<'a, f64> {
     }
 }
 
-/// Two knots of two groups, in room for `KNOTS` knots and `VALUES` angles.
+/// Returns two knots of two groups, in storage for `KNOTS` knots and `VALUES` angles.
 fn two_knots<const KNOTS: usize, const VALUES: usize>() -> Trajectory<f64, KNOTS, VALUES> {
     let mut trajectory = Trajectory::new(Hermite, 2);
     for (index, time) in TIMES.into_iter().enumerate() {
@@ -174,7 +174,7 @@ fn push_refuses_bad_knots_and_changes_nothing() {
     }
 }
 
-/// Pushes a third knot into storage without room for it.
+/// Pushes a third knot into storage that has no room for it.
 fn overfill<const KNOTS: usize, const VALUES: usize>() {
     let before = two_knots::<KNOTS, VALUES>();
     let mut trajectory = before.clone();
@@ -197,7 +197,8 @@ fn postcard_brings_back_the_same_trajectory() {
     let bytes = postcard::to_slice(&trajectory, &mut buffer).unwrap();
     let back: Trajectory<f64, 4, 8> = postcard::from_bytes(bytes).unwrap();
     assert_eq!(back, trajectory);
-    // Before the count of weights lies the top of the last rate: an exponent of ones is no number.
+    // The last bytes of the last rate precede the number of weights. An exponent of ones makes the rate a NaN or
+    // infinite.
     let mut spoilt = bytes.to_vec();
     let end = spoilt.len() - 1;
     spoilt[end - 2..end].fill(0xff);
@@ -206,7 +207,7 @@ fn postcard_brings_back_the_same_trajectory() {
     assert!(too_small.is_err());
 }
 
-/// A weighted knot of one group.
+/// Returns a weighted knot of one group.
 fn node(angle: f64, rate: f64, weight: [f64; 2]) -> Node<f64> {
     Node {
         angle,
@@ -269,8 +270,8 @@ fn derivatives_are_those_of_the_angle() {
 
 #[test]
 fn one_homogeneous_segment_folds_a_miura_flat() {
-    // c = 1 - s, n = k s from flat to half a turn, k = 1 for the one group and cos 60 degrees for
-    // the other: then tan ρ₁/2 = cos 60 tan ρ₀/2 all along.
+    // c = 1 - s and n = k s lead from flat to half a turn, with k = 1 for one group and k = cos 60° for the other. Then
+    // tan(ρ₁/2) = cos 60° tan(ρ₀/2) all along.
     let curve = |k: f64| {
         let flat = node(0.0, 2.0 * k, [1.0, -1.0]);
         let folded = node(core::f64::consts::PI, 2.0 / k, [k, k]);

@@ -1,4 +1,4 @@
-//! `.traj` files: what is written, what is read back, and that nothing else is read.
+//! `.traj` files: are they read back as they were written, and is every other byte sequence refused?
 
 use foldpath_core::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
 use foldpath_core::trajectory_file::{FileError, GroupLimits, TrajectoryFile, write};
@@ -40,7 +40,7 @@ fn hinges() -> [Membership; 3] {
     })
 }
 
-/// Two vertices, of two spokes and of one.
+/// The spokes of two vertices: two of the first, one of the second.
 fn spokes() -> [Spoke<f32>; 3] {
     [
         (1, true, [0.0, 1.0]),
@@ -81,14 +81,14 @@ const KINDS: [Interpolation; 4] = [
     Interpolation::Homogeneous,
 ];
 
-/// CRC-32 bit by bit, as its definition has it.
+/// Computes the CRC-32 bit by bit, from its definition.
 fn crc(bytes: &[u8]) -> u32 {
     let shift = |crc: u32| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
     let byte = |crc, byte: &u8| (0..8).fold(crc ^ u32::from(*byte), |crc, _| shift(crc));
     !bytes.iter().fold(!0, byte)
 }
 
-/// The bytes with the checksum that they should have.
+/// Returns the bytes with the right checksum at their end.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let body = bytes.len() - 4;
     let checksum = crc(&bytes[..body]).to_le_bytes();
@@ -124,7 +124,7 @@ fn what_is_written_is_read_back() {
     }
 }
 
-/// The documented types, decoded by postcard itself.
+/// The types that the protocol documents, decoded by postcard itself.
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(bound(deserialize = "[f32; N]: Deserialize<'de>"))]
 struct Documented<const N: usize> {
@@ -200,18 +200,18 @@ fn every_other_length_is_refused() {
     }
 }
 
-/// Where the limits, the hinges, the spokes, the closure and the knots of a file with 2 groups, 3 hinges and 3 spokes
-/// begin.
+/// Offsets, in bytes, of the limits, the hinges, the spokes, the closure and the knots in a file with 2 groups, 3
+/// hinges and 3 spokes.
 const PLACES: [usize; 5] = [7, 40, 44, 71, 76];
 
-/// What reading a file with a change, and the checksum that belongs to it, says.
+/// Changes a file, corrects its checksum, reads it and returns the result.
 fn changed(kind: Interpolation, change: impl FnOnce(&mut [u8])) -> Result<(), FileError> {
     let mut bytes = written(kind);
     change(&mut bytes);
     TrajectoryFile::read(&sealed(bytes)).map(drop)
 }
 
-/// The same with one of its numbers changed.
+/// Replaces the number at byte `at`, corrects the checksum, reads the file and returns the result.
 fn with_number(kind: Interpolation, at: usize, value: f32) -> Result<(), FileError> {
     changed(kind, |bytes| {
         bytes[at..][..4].copy_from_slice(&value.to_le_bytes());
@@ -250,7 +250,7 @@ fn each_refusal_says_what_and_where() {
     let knot = |error| Err(FileError::Knot(error));
     let beyond = |knot, group| Err(FileError::Angle { knot, group });
     let (half_angle, homogeneous) = (Interpolation::HalfAngle, Interpolation::Homogeneous);
-    // Place of a number among those of the limits, or of the knots.
+    // The third column is the index of the number within its part of the file (`part`, an index of `PLACES`).
     for (part, kind, place, value, expected) in [
         (0, hermite, 0, f32::NAN, Err(FileError::Limits(0))),
         (0, hermite, 1, f32::INFINITY, Err(FileError::Limits(0))),
@@ -319,13 +319,13 @@ fn what_would_not_be_read_is_not_written() {
     assert_eq!(write(&spokes, 0.0), Err(FileError::Spoke(1)));
 }
 
-/// The stars of these spokes, of which there are three or none, in three groups.
+/// Returns the stars of these spokes, three spokes or none, in three groups.
 fn stars(spokes: &[Spoke<f32>]) -> StarsView<'_, f32> {
     let ends = if spokes.is_empty() { &[][..] } else { &ENDS };
     StarsView::new(spokes, ends, 3).unwrap()
 }
 
-/// What writing answers; nothing has been written unless that is well.
+/// Returns the result of writing. Asserts that nothing is written unless writing succeeds.
 fn written_bytes(
     write: impl FnOnce(&mut dyn FnMut(&[u8])) -> Result<(), FileError>,
 ) -> Result<(), FileError> {
@@ -341,7 +341,7 @@ fn random_bytes_are_no_panic() {
     let good = KINDS.map(written);
     for round in 0..100_000 {
         let mut bytes = good[round % 4].clone();
-        // A few changes anywhere, or noise behind the first bytes; with the right checksum or without.
+        // A few random changes anywhere, or noise behind the first bytes, with or without the right checksum.
         let from = [0, 4, 6][round % 3];
         if round % 5 < 3 {
             for _ in 0..=round % 4 {
@@ -368,7 +368,7 @@ fn random_bytes_are_no_panic() {
     }
 }
 
-/// The bytes of the worked example in the protocol: the hexadecimal numbers before a bar.
+/// Returns the bytes of the protocol's worked example: the hexadecimal numbers before each bar.
 fn example() -> Vec<u8> {
     let text = include_str!("../../../firmware-sim/PROTOCOL.md");
     let (_, text) = text.split_once("```hex\n").unwrap();

@@ -1,4 +1,4 @@
-//! The wire: frames from bytes, messages as the protocol documents them, and both ends by the frame.
+//! The wire protocol: frames from bytes, messages as the protocol documents them, and both ends, frame by frame.
 
 use core::num::NonZero;
 
@@ -27,7 +27,7 @@ fn stuffed(payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The frames in a stream of bytes.
+/// Returns the frames in a stream of bytes.
 fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut deframer = Deframer::<600>::default();
     let found = bytes
@@ -38,7 +38,8 @@ fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
 
 #[test]
 fn the_examples_of_the_authors_are_stuffed_as_they_say() {
-    // S. Cheshire, M. Baker, "Consistent overhead byte stuffing", 1999, and its article in Wikipedia.
+    // Examples from S. Cheshire and M. Baker, "Consistent overhead byte stuffing", 1999, and from Wikipedia's article
+    // on it.
     let long: Vec<u8> = (1..=254).collect();
     let cases: [(&[u8], Vec<u8>); 6] = [
         (&[0], vec![1, 1, 0]),
@@ -46,7 +47,7 @@ fn the_examples_of_the_authors_are_stuffed_as_they_say() {
         (&[0, 0x11, 0], vec![1, 2, 0x11, 1, 0]),
         (&[0x11, 0x22, 0, 0x33], vec![3, 0x11, 0x22, 2, 0x33, 0]),
         (&[0x11, 0, 0, 0], vec![2, 0x11, 1, 1, 1, 0]),
-        // A last block of 254 may be followed by an empty one.
+        // A last block of 254 bytes may be followed by an empty block.
         (&long, [&[255], &long[..], &[1, 0]].concat()),
     ];
     for (payload, stuffed_bytes) in cases {
@@ -110,7 +111,7 @@ fn each_changed_bit_of_a_frame_is_noticed() {
     for length in 0..frame.len() {
         assert_eq!(frame::open::<ToDevice<'_>>(&frame[..length]), None);
     }
-    // Nothing may follow the message, though the checksum is right.
+    // Nothing may follow the message, even if the checksum is right.
     let longer = frame::seal(7, &(message, 0_u8), &mut buffer).unwrap();
     assert_eq!(frame::open::<ToDevice<'_>>(longer), None);
     for room in 0..longer.len() {
@@ -118,7 +119,7 @@ fn each_changed_bit_of_a_frame_is_noticed() {
     }
 }
 
-/// What the protocol lists: the bytes of each message and value, and what they say.
+/// Returns the protocol's examples: the bytes of each message and value, and their meaning.
 fn examples() -> Vec<(Vec<u8>, &'static str)> {
     fn bytes(value: impl Serialize) -> Vec<u8> {
         postcard::to_slice(&value, &mut [0; 256]).unwrap().to_vec()
@@ -304,7 +305,8 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
     ]
 }
 
-/// The blocks of hexadecimal numbers of the protocol behind that of the file.
+/// Returns the lines of the protocol's block of hexadecimal numbers number `block`, counted from behind the block of
+/// the file.
 fn documented(block: usize) -> Vec<&'static str> {
     let text = include_str!("../../../firmware-sim/PROTOCOL.md");
     let blocks = text.split("```hex\n").skip(2 + block);
@@ -351,7 +353,7 @@ fn the_protocols_frame_is_on_the_line_as_it_is() {
     assert_eq!(hex(&bytes), hex(&stuffed(frame)));
 }
 
-/// Items that are telling: each its own number, up to `count`.
+/// A source of `u64` items; each item holds its own number.
 struct Numbers(u64);
 
 impl Source for Numbers {
@@ -372,7 +374,7 @@ fn number(item: Item<'_>) -> u64 {
     }
 }
 
-/// Both ends, with frames handed over by the test.
+/// Both ends of the line; the test hands over the frames.
 struct Ends {
     now: u64,
     sender: Sender,
@@ -404,7 +406,7 @@ impl Ends {
         ends
     }
 
-    /// What the host says now.
+    /// Returns the host's next frame, if it has one.
     fn said(&mut self) -> Option<Vec<u8>> {
         let (mut scratch, mut buffer) = ([0; 64], [0; 128]);
         let frame = self
@@ -413,7 +415,7 @@ impl Ends {
         frame.map(<[u8]>::to_vec)
     }
 
-    /// The receiver hears a frame and takes what it brings, but for the items in `bad`.
+    /// Hands a frame to the receiver. Takes every item, and denies `Command::Clear` alone.
     fn hear(&mut self, frame: &[u8]) {
         match self.receiver.receive(frame, self.room) {
             Some(Event::Item(item)) => {
@@ -430,7 +432,7 @@ impl Ends {
         }
     }
 
-    /// What the controller says now.
+    /// Returns the controller's next answer, if one is due.
     fn answered(&mut self) -> Option<Vec<u8>> {
         let status = Status {
             state: State::Idle,
@@ -446,7 +448,7 @@ impl Ends {
         frame
     }
 
-    /// All that there is to say goes both ways, and some time passes.
+    /// Exchanges all frames that are due, both ways, and lets 1 ms pass.
     fn exchange(&mut self) {
         while let Some(frame) = self.said() {
             self.hear(&frame);
@@ -478,7 +480,7 @@ fn no_more_is_sent_than_there_is_room_for() {
     let report = ends.answered().unwrap();
     ends.sender.receive(&report, ends.now);
     assert_eq!((ends.sender.acknowledged(), ends.said()), (3, None));
-    // What comes though there is no room is not taken, and is no gap.
+    // An item for which there is no room is dropped, but is no gap.
     ends.hear(&sent[0]);
     let report = ends.answered().unwrap();
     assert!(matches!(
@@ -516,7 +518,7 @@ fn a_gap_is_reported_once_and_answered_once() {
         }
     }
     assert_eq!(gaps.len(), 1);
-    // Whatever else is asked, it is not said again.
+    // The gap is not told again, whatever else is asked.
     let mut buffer = [0; 64];
     let session = ends.receiver.session().unwrap();
     let alive = frame::seal(session, &ToDevice::Alive, &mut buffer).unwrap();
@@ -529,14 +531,14 @@ fn a_gap_is_reported_once_and_answered_once() {
     ));
     let again: Vec<_> = core::iter::from_fn(|| ends.said()).collect();
     assert_eq!(again.len(), 20);
-    // The report comes twice: what was sent again is not sent a third time.
+    // The report arrives twice, but the items are not sent a third time.
     ends.sender.receive(&gaps[0], ends.now);
     assert_eq!(ends.said(), None);
     again.iter().for_each(|frame| ends.hear(frame));
     assert!(ends.came.iter().copied().eq(0..24));
 }
 
-/// A late report must not take back what later ones have said, nor count what was not sent.
+/// A late report must not take back the acknowledgements of later reports, nor acknowledge items that were not sent.
 #[test]
 fn a_late_report_after_a_rewind_changes_nothing() {
     let mut ends = Ends::open(50, 20);
@@ -640,7 +642,7 @@ fn a_session_begins_with_its_first_frame_and_not_with_a_late_greeting() {
     ends.exchange();
     let session = ends.receiver.session().unwrap();
     assert!(ends.receiver.opened() && !ends.receiver.opened());
-    // The greeting of this host again, and that of one that never goes on.
+    // Repeats the greeting of this host, then brings that of a host that never goes on.
     ends.hear(&hello);
     let mut buffer = [0; 64];
     let other = ToDevice::Hello {
@@ -655,7 +657,7 @@ fn a_session_begins_with_its_first_frame_and_not_with_a_late_greeting() {
     assert!(ends.came.iter().copied().eq(0..20) && !ends.receiver.opened());
 }
 
-/// The sum of id and count would be the session that is open, or 0.
+/// The sum of id and count would be the number of the open session, or 0; both must be avoided.
 #[test]
 fn no_two_hosts_share_a_session() {
     let mut ends = Ends::open(20, 5);
@@ -726,13 +728,13 @@ fn random_bytes_are_neither_frames_nor_panics() {
             assert_eq!(sender.receive(frame, 0), None);
         }
     }
-    // With a good checksum the messages are what they happen to be.
+    // With a good checksum the random bytes are decoded as messages.
     for _ in 0..200_000 {
         let mut body = [0; 24];
         rng.fill_bytes(&mut body);
         body[0] %= 8;
         let length = 1 + rng.below(23);
-        // A list would say its length: these are bytes as they are.
+        // A serialised list would begin with its length, so that the bytes are appended as they are.
         let mut frame = [0, 0, 0, 0].to_vec();
         frame.extend(&body[..length]);
         let crc = Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(&frame);
@@ -754,7 +756,7 @@ fn random_bytes_are_neither_frames_nor_panics() {
     assert!(ends_meet(&mut receiver));
 }
 
-/// Whether a receiver still takes a host's items.
+/// Returns `true` if the receiver still takes a host's items.
 fn ends_meet(receiver: &mut Receiver) -> bool {
     let mut ends = Ends::new(20, 5);
     ends.receiver = receiver.clone();
@@ -779,12 +781,12 @@ fn codes_of_hinges_take_as_few_bits_as_they_can() {
     for (groups, expected) in bits {
         assert_eq!(path::hinge_bits(groups).get(), expected, "{groups} groups");
     }
-    // By hand: 5, 2, 7 and 0 in three bits each are 000 111 010 101.
+    // Worked out by hand: 5, 2, 7 and 0 in three bits each are 000 111 010 101, the lowest bits last.
     let codes: Vec<u16> = path::hinge_codes(&[0b1101_0101, 0b0000_0001], width(3)).collect();
     assert_eq!(codes, [5, 2, 7, 0, 0]);
 }
 
-/// A sheet like the 24x24 Miura: what travels are its groups.
+/// For a sheet like the 24x24 Miura only the angles of its groups travel.
 #[test]
 fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
     let (knots, hinges) = (300_u16, 1104_u16);

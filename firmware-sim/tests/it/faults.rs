@@ -1,5 +1,6 @@
-//! What goes wrong on the line and beside it, a hundred seeds each. The world checks at every tick that nothing is
-//! commanded that was not sent, nothing beyond the limits, and nothing that tears the sheet.
+//! Does the sheet stay whole whatever goes wrong on the line and beside it? Every fault is tried with a hundred seeds.
+//! At every tick the world checks that the controller commands nothing that was not sent, nothing beyond the limits and
+//! nothing that tears the sheet.
 
 use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::cobs;
@@ -40,7 +41,7 @@ fn a_clean_line_takes_the_time_of_the_path() {
     let path = Path::miura();
     let mut world = World::new(&path, LINE, 0);
     world.finish(4);
-    // The path's two seconds and a quarter for speeding up and slowing down.
+    // The path takes two seconds; speeding up and slowing down add a quarter.
     assert!(world.now < 2_400_000, "{}", world.now);
     assert_eq!(world.hosts[0].sender().repeated(), 0);
     assert!(world.hosts[0].telemetry > 90);
@@ -65,7 +66,7 @@ fn noise_changes_nothing_but_the_time() {
     println!("slowest {slowest} us, repeated {repeated}, closure {closure:e}");
 }
 
-/// Runs to a moment between 0.1 s and 2.2 s, most of which are in the midst of the motion.
+/// Runs to a moment between 0.1 s and 2.2 s. Most of these moments lie within the motion.
 fn some_time_later<'a>(path: &'a Path, faults: Faults, seed: u64) -> World<'a> {
     let mut world = World::new(path, faults, seed);
     let moment = 100_000 + below(&mut rng(900 + seed), 2_100_000);
@@ -125,7 +126,7 @@ fn a_host_that_never_comes_back_leaves_the_sheet_at_rest_and_the_next_is_told() 
     assert!(silent > SEEDS / 2);
 }
 
-/// Twenty times in each run, in motion, while braking and at rest.
+/// The stop line is drawn twenty times in each run: in motion, while braking and at rest.
 #[test]
 fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
     let path = Path::miura();
@@ -160,7 +161,7 @@ fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
             }
             world.device.stop(false);
         }
-        // A hundred milliseconds are long enough for one report to come through.
+        // In a hundred milliseconds at least one report comes through.
         world.device.stop(true);
         world.run(300_000);
         world.device.stop(false);
@@ -188,7 +189,7 @@ fn a_new_host_takes_over_from_where_the_sheet_holds_and_the_old_one_is_told() {
     assert!(taken > SEEDS / 2);
 }
 
-/// The first host sends another path than the one that is run, and is gone before it starts it.
+/// The first host sends another path than the one that is followed, and vanishes before it starts that path.
 #[test]
 fn frames_of_a_session_that_is_over_do_nothing() {
     let (path, other) = (Path::miura(), Path::miura_to(TOP / 2.0));
@@ -206,7 +207,7 @@ fn frames_of_a_session_that_is_over_do_nothing() {
         assert_eq!(world.state(), State::Ready);
         world.hosts[0].awake = false;
         world.hosts.push(Host::new(&path, 77_777));
-        // All that it said comes again, with and between what the other says.
+        // Frames of the first host come again, between and inside those of the second host.
         let mut rng = rng(seed);
         for _ in 0..30 {
             world.run(below(&mut rng, 40_000));
@@ -251,7 +252,7 @@ fn a_host_of_another_version_is_told_and_moves_nothing() {
         assert!(answers[0].1);
         assert_eq!(world.state(), State::Idle);
 
-        // A host of ours that hears such an answer gives up and says why.
+        // This project's host gives up when it hears such an answer, and tells the reason.
         let mut host = Host::new(&path, 5);
         let other = ToHost::Mismatch {
             id,
@@ -266,7 +267,7 @@ fn a_host_of_another_version_is_told_and_moves_nothing() {
     }
 }
 
-/// Nor does it disturb the host whose session is open.
+/// A host of another version does not disturb the host whose session is open.
 #[test]
 fn a_host_of_another_version_disturbs_nobody() {
     let path = Path::miura();
@@ -325,7 +326,7 @@ fn random_bytes_do_nothing() {
     }
 }
 
-/// The host does not read: the device's buffer fills, telemetry gives way, nothing waits.
+/// If the host does not read, the buffer of the device fills, telemetry gives way, and nothing waits.
 #[test]
 fn a_host_that_does_not_read_blocks_nothing() {
     let path = Path::miura();
@@ -337,7 +338,8 @@ fn a_host_that_does_not_read_blocks_nothing() {
         world.run(3_000_000);
         assert_eq!(world.device.follower().rate().to_bits(), 0);
         let dry = moved && world.state() == State::Holding;
-        // The host learns of no room, and says again and again what was not acknowledged: that is no silence.
+        // The host learns of no room, and repeats whatever was not acknowledged. The controller hears these
+        // repetitions, so that the host counts as present.
         assert!(!dry || world.reason() == Reason::Underrun);
         dried += u64::from(dry);
         world.drains = true;
@@ -390,13 +392,13 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
         assert_eq!(world.device.follower().angles(), angles);
         world.hosts.push(Host::new(&path, 99_999));
         world.finish(30);
-        // Nothing that was executed is sent again but the knot before the place.
+        // The second host sends no setpoint again that was executed, except the knot before the place.
         let sent = world.hosts[1].driver.setpoints();
         assert_eq!(sent, KNOTS as u64 - u64::from(place.knot));
     }
 }
 
-/// The controller starts anew; its board has kept what was executed last.
+/// Resets the controller. Its board has kept the angles and the place that were executed last.
 fn reset(world: &mut World<'_>) {
     let place = world.device.follower().place();
     let angles = world.device.follower().angles().to_vec();
@@ -425,8 +427,8 @@ fn with_hinges<'a>(path: &'a Path, drive: Drive, seed: u64) -> World<'a> {
     world
 }
 
-/// The sheet tells how torn it is while the follower runs. Each hinge of the vertex is off by what it lags and half
-/// its play, and turns a part of the sheet by no more than that.
+/// Measures how torn the sheet is while the follower runs. Every hinge of the vertex is off its command by its lag and
+/// half its play, and turns a part of the sheet by no more than that.
 #[test]
 fn real_hinges_tear_the_sheet_by_no_more_than_they_are_off() {
     let path = Path::miura();
@@ -450,10 +452,10 @@ fn real_hinges_tear_the_sheet_by_no_more_than_they_are_off() {
             torn <= f64::from(CLOSURE) && off <= 1e-6,
             "{torn:e} {off:e}"
         );
-        // At the speed v a motor of the time constant T is v T behind.
+        // At the speed v a motor with the time constant T lags by v T.
         let (torn, off) = of(lagging, seed);
         assert!(off > 0.9 * 0.005 * 2.0 && off <= 0.0055 * 2.5, "{off}");
-        // All are late alike: the sheet is where it was commanded a moment ago.
+        // All hinges lag alike, so that the sheet is where it was commanded to be a moment ago.
         assert!(torn <= 0.02 * off, "{torn} {off}");
         let (torn, off) = of(playing, seed);
         assert!((off - 0.001).abs() < 1e-5, "{off}");
@@ -486,14 +488,14 @@ fn a_dip_of_the_supply_slows_the_sheet_and_nobody_has_to_ask() {
         world.finish(30);
         let told = |reason: &Reason| matches!(reason, Reason::Lag(_));
         assert!(!lagged || world.hosts[0].reasons.iter().any(told));
-        // The distance that holds, and the way of braking.
+        // The largest lag that holds the motion, and the motion during braking.
         let most = 0.15 + 0.125 * f64::from(LIMITS.speed) + DRIVE.noise;
         assert!(world.farthest <= most, "{}", world.farthest);
     }
     assert!(slowed > SEEDS / 2, "{slowed}");
 }
 
-/// Deeper, and the controller is reset too; its hinges stay where they are.
+/// The supply dips so deep that the controller is reset. Its hinges stay where they are.
 #[test]
 fn a_dip_that_resets_the_controller_ends_where_the_hinges_stand() {
     let path = Path::miura();
@@ -541,7 +543,7 @@ fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
         assert_eq!(world.reason(), Reason::Stalled(hinge));
         world.run(500_000);
         assert!(world.hosts[0].reasons.contains(&Reason::Stalled(hinge)));
-        // The host leaves the fault behind.
+        // The host clears the fault.
         assert_eq!(world.state(), State::Idle);
     }
 }

@@ -1,4 +1,4 @@
-//! Tests of the controller's program on the host, in virtual time, one module for each matter.
+//! Tests of the controller's program on the host, in virtual time, with one module for each subject.
 
 mod faults;
 mod fuzz;

@@ -11,10 +11,10 @@ use foldpath_test_support::Random;
 use foldpath_test_support::stars::{Stars, foldability_error, miura};
 use rand_core::Rng;
 
-/// Seconds between knots, and knots of the path.
+/// `STEP`: seconds between two knots. `KNOTS`: number of knots of the path.
 const STEP: f64 = 0.02;
 pub(crate) const KNOTS: usize = 101;
-/// Largest fold angle of the path, and the limits of both groups.
+/// `TOP`: largest fold angle of the path, radians. `LIMITS`: limits of both groups.
 pub(crate) const TOP: f64 = 2.6;
 pub(crate) const LIMITS: GroupLimits = GroupLimits {
     lower: -0.1,
@@ -22,35 +22,35 @@ pub(crate) const LIMITS: GroupLimits = GroupLimits {
     speed: 2.5,
     acceleration: 8.0,
 };
-/// Largest residual that a commanded configuration may have: that of the cubics between knots, and the floor of
-/// f32.
+/// Largest residual that a commanded configuration may have: the residual of the cubics between knots, and rounding in
+/// `f32`.
 pub(crate) const CLOSURE: f32 = 2e-6;
 /// A controller with room for this path.
 pub(crate) type Device = Controller<4, 64, 32, 16>;
 
-/// A whole number from 0 below `count`.
+/// Returns a random whole number from 0 to `count - 1`.
 pub(crate) fn below(rng: &mut Random, count: u64) -> u64 {
     rng.next_u64() % count
 }
 
-/// A path in numbers of its own.
+/// A path that owns its memory.
 pub(crate) struct Path {
     times: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     stars: Stars<f32>,
     exact: Stars<f64>,
-    /// The group and sign of each hinge.
+    /// Group and sign of each hinge.
     pub(crate) hinges: Vec<Membership>,
 }
 
 impl Path {
-    /// Miura's fold with 60 degree sectors, there and smooth at both ends.
+    /// Creates the path of Miura's fold with sector angles of 60°, from flat to [`TOP`]; its rates are 0 at both ends.
     pub(crate) fn miura() -> Self {
         Self::miura_to(TOP)
     }
 
-    /// The same up to another angle.
+    /// Creates the path of that fold to another largest angle, radians.
     pub(crate) fn miura_to(top: f64) -> Self {
         let duration = STEP * (KNOTS - 1) as f64;
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
@@ -96,7 +96,7 @@ impl Path {
         .unwrap()
     }
 
-    /// The closure residual of the real vertex at these angles, by the report's matrices in f64.
+    /// Returns the closure residual of the real vertex at these angles, by the report's matrices in `f64`.
     pub(crate) fn residual(&self, angles: &[f32]) -> f64 {
         let angles = [angles[0], angles[1]].map(f64::from);
         let star = self.exact.view().iter().next().unwrap();
@@ -104,7 +104,7 @@ impl Path {
     }
 }
 
-/// Miura's vertex with 60 degree sectors.
+/// Returns Miura's vertex with sector angles of 60°.
 pub(crate) fn vertex<T: Scalar>() -> Stars<T> {
     miura(60.0, false, false)
 }

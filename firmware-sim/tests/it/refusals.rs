@@ -1,5 +1,5 @@
-//! A host that sends anything, with good checksums: each refusal comes with its reason, and whatever is sent, nothing
-//! is commanded beyond the limits or torn.
+//! Does the controller refuse wrong content behind good checksums, with the right reason? Whatever is sent, it commands
+//! no angle beyond the limits and no configuration that tears the sheet.
 
 use foldpath_core::acceptance::Refusal;
 use foldpath_core::follower::{Denial, Place, Reason, State};
@@ -16,7 +16,7 @@ use rand_core::Rng;
 use crate::path::{CLOSURE, Device, LIMITS, Path, below};
 use crate::world::rng;
 
-/// A host without manners, on a line without faults.
+/// A host that breaks the rules, on a line without faults.
 struct Talk {
     device: Device,
     deframer: Deframer<512>,
@@ -42,7 +42,7 @@ impl Talk {
         talk
     }
 
-    /// Another host comes.
+    /// Opens a session as another host.
     fn greet(&mut self, id: u32) {
         let (version, schema) = (VERSION, SCHEMA);
         (self.session, self.sequence, self.command) = (0, 0, 0);
@@ -74,7 +74,7 @@ impl Talk {
         }
     }
 
-    /// Sends an item under the number that is expected; returns why it is refused.
+    /// Sends an item under the expected number and returns the reason if the item is refused.
     fn item(&mut self, item: Item<'_>) -> Option<ItemRefusal> {
         let sequence = self.sequence;
         self.say(&ToDevice::Item { sequence, item });
@@ -97,7 +97,7 @@ impl Talk {
         self.device.tick(self.now);
     }
 
-    /// The sheet of a path.
+    /// Sends the sheet of a path.
     fn sheet(&mut self, path: &Path) {
         let items = path.items(Place::default());
         let mut scratch = [0; 256];
@@ -107,7 +107,7 @@ impl Talk {
         }
     }
 
-    /// A knot of a path, sent as `change` makes it.
+    /// Sends a knot of a path, changed by `change`.
     fn knot(
         &mut self,
         path: &Path,
@@ -182,12 +182,12 @@ fn pieces_of_a_sheet_are_refused_with_their_reasons() {
     assert_eq!(talk.item(Item::Limits(&limits[..15])), Some(Pieces));
     assert_eq!(talk.item(Item::Limits(&[0; 16])), Some(Limits(0)));
     assert_eq!(talk.item(Item::Limits(&limits)), None);
-    // What is refused leaves nothing behind.
+    // A refused item leaves nothing behind.
     let unsound = [limits.clone(), vec![0; 16]].concat();
     assert_eq!(talk.item(Item::Limits(&unsound)), Some(Pieces));
     assert_eq!(talk.item(Item::Limits(&limits)), None);
     assert_eq!(talk.item(Item::Limits(&limits)), Some(Pieces));
-    // 50 hinges of 2 bits.
+    // 50 hinges of 2 bits each take 13 bytes.
     assert_eq!(talk.item(Item::Hinges(&[0; 14])), Some(Pieces));
     assert_eq!(talk.item(Item::Hinges(&[0; 4])), None);
     assert_eq!(talk.item(Item::Hinges(&[0; 10])), Some(Pieces));
@@ -195,7 +195,7 @@ fn pieces_of_a_sheet_are_refused_with_their_reasons() {
     assert_eq!(talk.item(Item::Hinges(&[0])), Some(Pieces));
     let three = SheetHead { groups: 3, ..head };
     assert_eq!(talk.item(Item::Sheet(three)), None);
-    // 8 hinges of 3 bits, and not all of 2 bytes.
+    // 8 hinges of 3 bits each take 3 bytes; an item of 2 bytes would cut a hinge.
     assert_eq!(talk.item(Item::Hinges(&[0, 0])), Some(Pieces));
     assert_eq!(talk.item(Item::Hinges(&[6 << 3, 0, 0])), Some(Hinge(1)));
     assert_eq!(talk.item(Item::Hinges(&[5 << 3, 0, 0])), None);
@@ -210,7 +210,7 @@ fn pieces_of_a_sheet_are_refused_with_their_reasons() {
         );
         assert_eq!(talk.item(Item::Spokes(&bad)), Some(Stars));
     }
-    // A sheet with other groups than the ones that stand.
+    // No other sheet is taken while a path moves.
     talk.sheet(&path);
     assert_eq!(talk.knot(&path, 0, |_, _| {}), None);
     assert_eq!(talk.knot(&path, 1, |_, _| {}), None);
@@ -243,8 +243,8 @@ fn commands_are_denied_with_their_reasons() {
     assert_eq!(talk.report.unwrap().reason, Reason::Asked);
 }
 
-/// What a session has left does not become the path of the next one: not by an empty piece, not by a setpoint that
-/// would fit behind the last, not by a command.
+/// Remains of a session do not become the path of the next session: not by an empty piece, not by a setpoint that would
+/// fit behind the last one, not by a command.
 #[test]
 fn a_new_session_builds_on_nothing_of_the_one_before() {
     use ItemRefusal::Incomplete;
@@ -279,7 +279,7 @@ fn a_new_session_builds_on_nothing_of_the_one_before() {
     }
 }
 
-/// What the host asked for to go on after a hold may come behind the stop line.
+/// A resume that the host sent after a hold may arrive after the stop line was drawn.
 #[test]
 fn a_resume_that_was_sent_before_the_stop_line_does_not_undo_it() {
     let path = Path::miura();
@@ -298,7 +298,7 @@ fn a_resume_that_was_sent_before_the_stop_line_does_not_undo_it() {
     assert_eq!(talk.device.follower().state(), State::Running);
 }
 
-/// Nobody reads: telemetry stops before there is no room for an answer.
+/// If nobody reads, telemetry stops before it takes the room of an answer.
 #[test]
 fn telemetry_leaves_room_for_answers() {
     let path = Path::miura();
@@ -320,7 +320,7 @@ fn telemetry_leaves_room_for_answers() {
     assert_eq!(talk.report.unwrap().command, 4);
 }
 
-/// How a setpoint is changed, and why it is refused.
+/// A function that spoils a setpoint, and the refusal that it must cause.
 type Bad = (fn(&mut SetpointBytes<'_>, &mut Vec<u8>), Refusal);
 
 #[test]
@@ -363,7 +363,7 @@ fn a_bad_setpoint_is_refused_holds_the_motion_and_may_be_amended() {
     }
 }
 
-/// Anything that a host can say in an open session.
+/// Does anything that a host can do in an open session, and moves the stop line.
 fn anything(rng: &mut Random, talk: &mut Talk, path: &Path, knot: &mut u64) {
     match below(rng, 40) {
         0 => {
@@ -388,7 +388,7 @@ fn anything(rng: &mut Random, talk: &mut Talk, path: &Path, knot: &mut u64) {
         }
         2 => talk.device.stop(below(rng, 2) == 0),
         3..8 => {
-            // Some bits of a setpoint: most are refused, a last digit may pass.
+            // Changes bits of a setpoint. Most results are refused; a change of a last digit may pass.
             let (bit, more) = (below(rng, 128), below(rng, 3));
             let seed = rng.next_u64();
             let refused = talk.knot(path, *knot, |head, nodes| {
@@ -449,7 +449,7 @@ fn whatever_is_sent_nothing_is_torn_or_beyond_its_limits() {
             let before = before.replace([a, b]).unwrap_or([a, b]);
             for (angle, before) in [a, b].into_iter().zip(before) {
                 assert!((LIMITS.lower..=LIMITS.upper).contains(&angle));
-                // A path may be begun anew within the jump that is allowed.
+                // A path may begin anew with a jump of at most 0.01 rad.
                 let most = f64::from(LIMITS.speed) * 1e-3 + 0.0101;
                 assert!((f64::from(angle) - f64::from(before)).abs() <= most);
             }

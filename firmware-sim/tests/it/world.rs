@@ -1,4 +1,4 @@
-//! A host, a line with faults and a controller in virtual time.
+//! A host, a line with faults and a controller, which run in virtual time.
 
 use foldpath_core::follower::{Place, Reason, State};
 use foldpath_core::wire::cobs;
@@ -13,15 +13,15 @@ use foldpath_test_support::Random;
 
 use crate::path::{CLOSURE, Device, LIMITS, Path, vertex};
 
-/// Microseconds of a step of the world, of which four are a tick.
+/// Microseconds of a step of the world; four steps are a tick.
 const INSTANT: u64 = 250;
 
-/// The generator of that seed.
+/// Returns the random generator of this seed.
 pub(crate) fn rng(seed: u64) -> Random {
     Random::stream(seed, 7)
 }
 
-/// The vertex between four of the hinges, which are its unknowns.
+/// Returns the vertex between four of the hinges, with the hinges themselves as its unknowns.
 fn vertex_of_hinges() -> Vec<Spoke<f64>> {
     let hinges = [3, 2, 1, 8].map(GroupId).into_iter();
     let own = |(group, spoke)| Spoke {
@@ -32,7 +32,7 @@ fn vertex_of_hinges() -> Vec<Spoke<f64>> {
     hinges.zip(vertex().spokes).map(own).collect()
 }
 
-/// The angles of both groups at a place of the path.
+/// Returns the angles of both groups at a place of the path, radians.
 fn angles_at(path: &Path, place: Place<f32>) -> [f32; 2] {
     let (view, knot) = (path.view(), place.knot as usize);
     let from = view.knot(knot).unwrap();
@@ -47,7 +47,7 @@ fn angles_at(path: &Path, place: Place<f32>) -> [f32; 2] {
 /// The library's host at one end of the line.
 pub(crate) struct Host<'a> {
     pub(crate) driver: Driver<'a>,
-    /// Whether it polls and listens.
+    /// `true` while the host polls and listens.
     pub(crate) awake: bool,
     pub(crate) reasons: Vec<Reason>,
     pub(crate) telemetry: u64,
@@ -78,7 +78,7 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// The next frame for the line.
+    /// Returns the host's next frame, encoded for the line.
     pub(crate) fn poll(&mut self, now: u64) -> Option<Vec<u8>> {
         let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
         let frame = self.driver.poll(now, &mut scratch, &mut buffer)?;
@@ -88,24 +88,25 @@ impl<'a> Host<'a> {
     }
 }
 
-/// Hosts, both ways of the line and a controller, which together run in virtual time.
+/// Hosts, both directions of the line and a controller, which run together in virtual time.
 pub(crate) struct World<'a> {
     pub(crate) now: u64,
     pub(crate) hosts: Vec<Host<'a>>,
     pub(crate) up: Line<Random>,
     pub(crate) down: Line<Random>,
     pub(crate) device: Device,
-    /// Whether the device's bytes are taken from it.
+    /// `true` while the line takes the device's bytes.
     pub(crate) drains: bool,
     pub(crate) path: &'a Path,
     pub(crate) max_closure: f64,
     pub(crate) ticks: u64,
-    /// Hinges that follow what is commanded, and are measured; the farthest that one was off, and the most that the
-    /// vertex between four of them was torn.
+    /// Hinges that follow the commanded angles and are measured.
     pub(crate) hinges: Option<Hinges<Random>>,
+    /// Largest distance of a hinge from its command, radians.
     pub(crate) farthest: f64,
+    /// Largest closure residual of the vertex between four of the hinges.
     pub(crate) torn: f64,
-    /// All that held the motion until it was asked to go on, or ended it.
+    /// Reasons that held the motion until somebody asked to resume, or ended it.
     pub(crate) held: Vec<Reason>,
     outgoing: Vec<u8>,
     before: Option<[f32; 2]>,
@@ -142,7 +143,7 @@ impl<'a> World<'a> {
         self.device.follower().reason()
     }
 
-    /// A quarter of a millisecond.
+    /// Advances the world by a quarter of a millisecond.
     pub(crate) fn step(&mut self) {
         self.now += INSTANT;
         for host in &mut self.hosts {
@@ -179,7 +180,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The hinges follow, and are measured.
+    /// Lets the hinges follow the commanded angles, and measures them.
     fn turn(&mut self) {
         let Some(hinges) = &mut self.hinges else {
             return;
@@ -196,7 +197,7 @@ impl<'a> World<'a> {
         self.torn = self.torn.max(hinges.torn(stars));
     }
 
-    /// What has to be true at every tick, whatever went wrong.
+    /// Checks what has to hold at every tick, whatever goes wrong.
     fn look(&mut self) {
         self.ticks += 1;
         let follower = self.device.follower();
@@ -231,7 +232,7 @@ impl<'a> World<'a> {
         }
         let rates = [follower.rates()[0], follower.rates()[1]];
         let before = core::mem::replace(&mut self.rates, rates);
-        // Only the stop line, a fault and a reset do not brake.
+        // Every stop brakes, except for a stop line, a fault or a reset.
         if follower.rate() > 0.0 {
             let most = (LIMITS.acceleration + 4.0 * LIMITS.speed) * 1.001e-3;
             let jumps = |(rate, before): (f32, f32)| (rate - before).abs() > most;
@@ -247,14 +248,15 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Whether a host was told of each thing that held the motion.
+    /// Asserts that a host was told of every reason that held the motion.
     fn told(&self) {
         let told = |reason| self.hosts.iter().any(|host| host.reasons.contains(reason));
         let untold = self.held.iter().find(|reason| !told(reason));
         assert_eq!(untold, None);
     }
 
-    /// Runs until the last host knows that the path is done, and looks whether hosts were told what held it.
+    /// Runs until the last host knows that the path is done, and checks that hosts were told of every reason that held
+    /// it.
     pub(crate) fn finish(&mut self, seconds: u64) {
         let end = self.now + seconds * 1_000_000;
         while self.now < end {

@@ -1,4 +1,5 @@
-//! Arguments of the commands.
+//! Defines the command line with clap: commands, options and their values. The doc comments of these are the help texts
+//! that users read.
 
 use core::str::FromStr;
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ use foldpath::planner;
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
-/// Exit status: 0 done; 1 ran well, but the answer is no; 2 bad input or usage.
+/// Exit status: 0 if the work is done; 1 if the command ran well, but the answer is no; 2 for bad input or usage.
 #[derive(Debug, Parser)]
 #[command(
     name = "foldpath",
@@ -27,7 +28,7 @@ Examples:
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// No notes and no bars on stderr
+    /// Print no notes and no progress bars on stderr
     #[arg(long, global = true)]
     pub(crate) quiet: bool,
 }
@@ -36,38 +37,42 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Write a crease pattern of a known family with its goal
     Generate(Generate),
-    /// Say what a crease pattern is, whether it will fold, and which hinges to drive
+    /// Describe a crease pattern: its parts, whether it will fold, and which hinges to drive
     Info(Info),
-    /// Find a path from flat to the goal: the pattern's own angles, or else its letters folded all the
-    /// way
+    /// Find a path from the flat sheet to a goal
+    ///
+    /// If no option names a goal, the goal is the pattern's own fold angles. If the pattern has none, all creases that
+    /// are lettered M or V fold all the way, as their letters say.
     Plan(Box<Plan>),
-    /// Judge a path afresh: rigidity, closure, signs and crossings, at its knots and between them
+    /// Judge a path afresh: rigidity, closure, signs and crossings, at the knots and between them
     Check(Check),
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
-    /// Faces are laid flat across their edges, all with the same side up: that of most faces as their vertices
-    /// run counter-clockwise, or the side that the file's letters are for. A plain sheet is never cut. Where an
-    /// inner vertex of a shape with a boundary has not 360 degrees round it the answer is no. What has no
-    /// boundary, or goes round in a ring that no plane holds, is cut along edges. Folds of 180 degrees have no
-    /// sign that could be measured: they get that of the file's letters or angles, or else are valleys, which is
-    /// said. Edges without a letter that are flat to within 6e-6 degrees, or four times the largest angle defect
-    /// let pass, get F.
+    /// Faces are laid flat across their edges, all with the same side up: the side from which the vertices of most
+    /// faces run counter-clockwise, or the side for which the file's letters are written. A plain sheet is never cut. A
+    /// shape without a boundary, or a ring that cannot lie in a plane, is cut along edges. If a shape has a boundary
+    /// and the angles round an inner vertex do not sum to 360 degrees, the answer is no.
+    ///
+    /// The sign of a fold by 180 degrees cannot be measured. Such a fold gets the sign of the file's letter or angle;
+    /// without one it becomes a valley, and a note says so. An edge without a letter gets the letter F if it is flat to
+    /// within 6e-6 degrees, or to within four times the largest angle defect that --max-defect accepts.
     Unfold(Unfold),
     /// Write one self-contained page that shows a path
     View(View),
-    /// Draw fold angles, errors and clearance along a path
+    /// Draw curves of fold angles, errors and clearance along a path
     Plot(Plot),
-    /// Write a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
+    /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
-    /// Send a path to a controller and follow what it does
+    /// Send a path to a controller and follow the motion
     ///
-    /// Ctrl-C slows the motion down along the path and holds it; a second one stops at once. Exit status: 0 the
-    /// sheet is at the end of the path; 1 it was held, stopped or refused, a hinge stalled, or there is no
-    /// controller that understands; 2 bad input or usage.
+    /// Ctrl-C slows the motion down along the path and then holds it; a second Ctrl-C stops it at once.
+    ///
+    /// Exit status: 0 if the sheet is at the end of the path; 1 if the motion was held, stopped or refused, if a hinge
+    /// stalled, or if there is no controller that understands; 2 for bad input or usage.
     Stream(Box<Stream>),
-    /// Print the completions of a shell, for it to read
+    /// Print the completion script of a shell
     Completions(Completions),
-    /// Print the manual page, or write those of all commands
+    /// Print the manual page, or write the manual pages of all commands
     Man(Man),
 }
 
@@ -83,7 +88,7 @@ pub(crate) struct Generate {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Family {
-    /// Miura fold of rows x cols parallelograms with unit sides
+    /// Miura fold of rows x cols parallelograms with sides of length 1
     #[command(after_help = "\
 Examples:
   foldpath generate miura --rows 11 --cols 11 -o miura.fold
@@ -94,7 +99,7 @@ Examples:
         /// Sector angle, degrees
         #[arg(long, default_value_t = 60.0)]
         angle: f64,
-        /// Goal: fold angle of the zigzag creases over 180 degrees
+        /// Goal: fold angle of the zigzag creases, as a fraction of 180 degrees
         #[arg(long, default_value_t = 0.9)]
         fold: f64,
     },
@@ -106,7 +111,7 @@ Examples:
     Waterbomb {
         #[command(flatten)]
         size: Size,
-        /// Goal: fold angle of the boundary lines over 180 degrees
+        /// Goal: fold angle of the boundary lines, as a fraction of 180 degrees
         #[arg(long, default_value_t = 0.5)]
         fold: f64,
     },
@@ -121,11 +126,11 @@ Examples:
         /// Angle between diagonals and straight creases, degrees
         #[arg(long, default_value_t = 30.0)]
         angle: f64,
-        /// Goal: fold angle of the straight creases over 180 degrees
+        /// Goal: fold angle of the straight creases, as a fraction of 180 degrees
         #[arg(long, default_value_t = 0.25)]
         fold: f64,
     },
-    /// Slender parallelograms with one diagonal each, all valley: cannot fold
+    /// Slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold
     #[command(after_help = "\
 Examples:
   foldpath generate quad -o quad.fold
@@ -140,11 +145,11 @@ Examples:
         /// File to write
         #[arg(short, long)]
         output: PathBuf,
-        /// Goal: fold angle of the diagonals over 180 degrees
+        /// Goal: fold angle of the diagonals, as a fraction of 180 degrees
         #[arg(long, default_value_t = 0.0675)]
         fold: f64,
     },
-    /// Square twists on rows x cols tiles that mirror their neighbours
+    /// Square twists on rows x cols tiles; each tile mirrors its neighbours
     #[command(after_help = "\
 Examples:
   foldpath generate square-twist -o twist.fold
@@ -159,17 +164,17 @@ Examples:
         /// File to write
         #[arg(short, long)]
         output: PathBuf,
-        /// Angle between a square's sides and its pleats, degrees
+        /// Angle between the sides of a square and its pleats, degrees
         #[arg(long, default_value_t = 60.0)]
         angle: f64,
-        /// Letters that fold or, folded flat as their goal, do not
+        /// Letters with which the sheet folds, or with which it does not
         #[arg(long, value_enum, default_value_t)]
         letters: TwistLetters,
-        /// Goal of foldable letters: fold angle of the creases that turn most over 180 degrees
+        /// Goal of foldable letters: fold angle of the creases that turn most, as a fraction of 180 degrees
         #[arg(long, default_value_t = 0.5)]
         fold: f64,
     },
-    /// Ron Resch's triangular tessellation of rows x cols stars, closed to a plane as its goal
+    /// Ron Resch's triangular tessellation of rows x cols stars; its goal is closed to a plane
     #[command(after_help = "\
 Examples:
   foldpath generate resch -o resch.fold
@@ -185,8 +190,9 @@ Examples:
         #[arg(short, long)]
         output: PathBuf,
     },
-    /// Flat conical Kresling pattern: a polygon of cols sides in rows rings; its goal closes, no motion
-    /// leads there
+    /// Flat conical Kresling pattern: rows rings round a polygon of cols sides
+    ///
+    /// The goal closes, but no motion leads to it.
     #[command(after_help = "\
 Examples:
   foldpath generate kresling -o kresling.fold
@@ -195,7 +201,7 @@ Examples:
         /// Number of rings
         #[arg(long, default_value_t = 2)]
         rows: usize,
-        /// Number of sides of the panel, even
+        /// Number of sides of the polygon, even
         #[arg(long, default_value_t = 6)]
         cols: usize,
         /// File to write
@@ -206,8 +212,10 @@ Examples:
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum TwistLetters {
+    /// The sheet folds
     #[default]
     Foldable,
+    /// The sheet does not fold; its goal is folded flat
     Unfoldable,
 }
 
@@ -230,7 +238,9 @@ Examples:
   foldpath info miura.fold
   foldpath info miura.fold --json")]
 pub(crate) struct Info {
-    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
+    ///
+    /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
     #[command(flatten)]
     pub(crate) report: Report,
@@ -242,16 +252,19 @@ Examples:
   foldpath unfold path.fold -o unfolded.fold
   foldpath unfold path.fold --frame 3 -o third.fold --json")]
 pub(crate) struct Unfold {
-    /// Folded shape: a FOLD file with faces in space, or by its ending .obj (with Freeform Origami's crease
-    /// comments) or .stl
+    /// Folded shape: a FOLD file with faces in space, or a file that ends in .obj or .stl
+    ///
+    /// An OBJ file may have Freeform Origami's crease comments.
     pub(crate) shape: PathBuf,
-    /// Crease pattern to write, a FOLD file; nothing is written unless the shape unfolds
+    /// Crease pattern to write, a FOLD file; written only if the shape unfolds
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// Frame of a FOLD file, of which the key frame is 0 [default: the last folded form, or the key frame]
+    /// Frame of a FOLD file; the key frame is 0 [default: the last folded form, or else the key frame]
     #[arg(long, value_name = "N")]
     pub(crate) frame: Option<usize>,
-    /// Angle defect of an inner vertex, and slope of a face out of its plane, that is taken for noise, degrees
+    /// Largest error of the shape that is taken for noise, degrees
+    ///
+    /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane.
     #[arg(long, default_value_t = 0.01, value_name = "DEG")]
     pub(crate) max_defect: f64,
     #[command(flatten)]
@@ -260,7 +273,7 @@ pub(crate) struct Unfold {
 
 #[derive(Debug, Args)]
 pub(crate) struct Report {
-    /// Print one JSON object on stdout
+    /// Print the answer as one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -274,46 +287,56 @@ Examples:
   foldpath plan miura.fold --crease 4=-45 -o driven.fold
   foldpath plan miura.fold --symmetry off --collision off --json")]
 pub(crate) struct Plan {
-    /// Crease pattern: a FOLD file, or by its ending .svg (Origami Simulator's colours), .cp or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
+    ///
+    /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
-    /// FOLD file of the same sheet whose angles are the goal
+    /// FOLD file of the same sheet whose fold angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
     pub(crate) goal: Option<PathBuf>,
-    /// Fold each crease by this fraction of a half turn, the way its letter says; 0 is the flat sheet, to which
-    /// --via leads back
+    /// Fold each crease by this fraction of a half turn, as its letter says
+    ///
+    /// With 0 the goal is the flat sheet. Together with --via the path then leads back to flat.
     #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
     pub(crate) fold: Option<f64>,
-    /// Drive one crease, an edge of the file counted from 0, to an angle in degrees; the others follow
+    /// Drive one crease, edge I of the file, to an angle in degrees; the other creases follow
+    ///
+    /// Edges are counted from 0.
     #[arg(long, value_name = "I=DEG", help_heading = "Goal")]
     pub(crate) crease: Option<DrivenEdge>,
-    /// FOLD file of the same sheet whose angles the path passes through before the goal, at rest; several
-    /// in the order given
+    /// FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable
+    ///
+    /// The path passes through several such files in the order given.
     #[arg(long, value_name = "FILE", help_heading = "Goal")]
     pub(crate) via: Vec<PathBuf>,
-    /// Path to write, a FOLD animation; nothing is written unless the goal is reached
+    /// Path to write, a FOLD animation; written only if the goal is reached
     #[arg(short, long, help_heading = "Path written")]
     pub(crate) output: Option<PathBuf>,
-    /// Keep the hinge at an edge of the file, counted from 0, within angles in degrees; repeatable
+    /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
+    ///
+    /// Edges are counted from 0.
     #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
     pub(crate) limit: Vec<LimitedEdge>,
-    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
-    /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
+    /// Largest deformation, gap and closure residual that the path may have
+    ///
+    /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
+    /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
+    /// sheets that lie 1e11 edge lengths from the origin.
     #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
     pub(crate) bound: f64,
-    /// Find creases that turn alike and give them one unknown; off gives every crease its own
+    /// Unknowns of the plan: crease groups, or single creases
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) symmetry: Symmetry,
-    /// Vertices whose closure is solved: one for each distinct condition, or all
+    /// Vertices whose closure conditions are solved
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) vertices: Vertices,
-    /// Plan on the essential crease pattern and reuse its path on the whole sheet; off plans on the
-    /// closure of all vertices
+    /// Reuse of a path of the essential crease pattern on the whole sheet
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) reuse: Reuse,
-    /// Look for faces that pass through each other
+    /// Search for faces that pass through each other
     #[arg(long, value_enum, default_value_t, help_heading = "Crossings")]
     pub(crate) collision: Switch,
-    /// Switch off what the search for crossings skips, to compare
+    /// Kinds of pairs that the search for crossings must not skip, for comparison; separated by commas
     #[arg(
         long,
         value_enum,
@@ -322,10 +345,10 @@ pub(crate) struct Plan {
         help_heading = "Crossings"
     )]
     pub(crate) no_skip: Vec<Skip>,
-    /// Motion between knots
+    /// Interpolation of the motion between knots
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(crate) interpolation: Interpolation,
-    /// Speed that no hinge exceeds, degrees per second
+    /// Largest speed of a hinge, degrees per second
     #[arg(
         long,
         default_value_t = 45.0,
@@ -333,34 +356,36 @@ pub(crate) struct Plan {
         help_heading = "Limits"
     )]
     pub(crate) max_speed: f64,
-    /// Acceleration that no hinge exceeds, degrees per second squared; the path then begins and ends at rest
+    /// Largest acceleration of a hinge, degrees per second squared [default: no limit]
+    ///
+    /// With such a limit the path begins and ends at rest.
     #[arg(long, value_name = "DEG_PER_S2", help_heading = "Limits")]
     pub(crate) max_accel: Option<f64>,
-    /// How time runs along the path
+    /// Time law along the path
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(crate) pace: Pace,
-    /// What of the path is judged
+    /// Part of the path that is judged
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) judge: Judged,
-    /// Knots that the path has at most
+    /// Largest number of knots of the path [default: no limit]
     #[arg(long, value_name = "N", help_heading = "Path written")]
     pub(crate) max_knots: Option<usize>,
-    /// What each knot stores
+    /// Data that each knot stores
     #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
     pub(crate) frames: Frames,
-    /// Solver
+    /// Solver that closes the sheet
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) solver: Solver,
-    /// How to look for the path: along the motion, or by the report's adaptive randomised search
+    /// Method by which the path is found
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) search: Search,
-    /// Objective of the randomised search: the worst vertex, or the sum over all
+    /// Objective by which the randomised search measures closure
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) objective: Objective,
-    /// Seed of everything random
+    /// Seed of all random numbers
     #[arg(long, default_value_t = 0, help_heading = "Method")]
     pub(crate) seed: u64,
-    /// Stop planning after this time
+    /// Stop planning after this time, seconds [default: no limit]
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
@@ -369,22 +394,28 @@ pub(crate) struct Plan {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Symmetry {
+    /// One unknown for each group of creases that turn alike
     #[default]
     Auto,
+    /// One unknown for each crease
     Off,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Vertices {
+    /// One vertex for each distinct closure condition
     #[default]
     Essential,
+    /// All vertices
     All,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Reuse {
+    /// Plan on the essential crease pattern and reuse the path on the whole sheet
     #[default]
     Auto,
+    /// Plan on the closure of all vertices
     Off,
 }
 
@@ -397,7 +428,7 @@ pub(crate) enum Switch {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Interpolation {
-    /// What needs the fewest knots
+    /// The interpolation that needs the fewest knots
     #[default]
     Auto,
     /// Cubic Hermite in the tangent of half the fold angle
@@ -406,7 +437,7 @@ pub(crate) enum Interpolation {
     Hermite,
     /// Cubic Hermite in weighted cosine and sine of half the fold angle
     Homogeneous,
-    /// Straight lines in the fold angle
+    /// Linear in the fold angle
     Linear,
 }
 
@@ -414,7 +445,7 @@ pub(crate) enum Interpolation {
 pub(crate) enum Skip {
     /// Pairs of faces that move like another pair
     Symmetry,
-    /// Pairs that cannot have come together since they were looked at
+    /// Pairs that cannot have met since they were last looked at
     Motion,
     /// Pairs whose bounding volumes are apart
     Bounds,
@@ -427,16 +458,16 @@ pub(crate) enum Pace {
     /// As fast as the limits of the hinges allow
     #[default]
     Optimal,
-    /// So that few knots suffice
+    /// A simple law with which few knots suffice
     Sparse,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Judged {
-    /// The whole motion, certified between its knots
+    /// The whole motion, certified between the knots
     #[default]
     Motion,
-    /// Its knots alone, joined straight whatever the pace: a first look, sooner
+    /// The knots alone, for a quicker first look; hinges turn evenly between them, whatever the pace
     Knots,
 }
 
@@ -445,7 +476,7 @@ pub(crate) enum Frames {
     /// Fold angles and the positions of all vertices
     #[default]
     Full,
-    /// Fold angles alone
+    /// Only fold angles
     Angles,
 }
 
@@ -460,19 +491,23 @@ pub(crate) enum Solver {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Search {
+    /// Follow the motion
     #[default]
     Path,
+    /// The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)
     Random,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum Objective {
+    /// The worst vertex
     #[default]
     Max,
+    /// The sum over all vertices
     Sum,
 }
 
-/// `I=DEG`.
+/// Value `I=DEG` of `--crease`: an edge and its angle in degrees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DrivenEdge {
     pub(crate) edge: usize,
@@ -494,7 +529,7 @@ impl FromStr for DrivenEdge {
     }
 }
 
-/// `I=MIN..MAX`.
+/// Value `I=MIN..MAX` of `--limit`: an edge and the range of its angle in degrees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LimitedEdge {
     pub(crate) edge: usize,
@@ -525,10 +560,13 @@ fn degrees_of(text: &str) -> Option<f64> {
 }
 
 impl Plan {
-    /// The planner's options.
+    /// Returns the planner's options.
+    ///
+    /// # Errors
+    /// If an option is out of its range, or options exclude each other.
     pub(crate) fn options(&self) -> Result<planner::PlanOptions, crate::CliError> {
         let timeout = self.timeout.map(|seconds| {
-            // Longer than a duration can be is no timeout.
+            // A number of seconds that is too large for a `Duration` is no timeout.
             let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
             (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
                 let text = format!("--timeout: expected seconds from 0, found {seconds}");
@@ -625,8 +663,11 @@ Examples:
 pub(crate) struct Check {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
-    /// Bound on deformation (change of an edge's length over it), gap (over the median edge) and closure; where
-    /// rounding alone may be over it, as of sheets 1e11 edges from the origin, a note says so
+    /// Largest deformation, gap and closure residual that the path may have
+    ///
+    /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
+    /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
+    /// sheets that lie 1e11 edge lengths from the origin.
     #[arg(long, default_value_t = 1e-3)]
     pub(crate) bound: f64,
     #[command(flatten)]
@@ -654,7 +695,7 @@ Examples:
 pub(crate) struct Plot {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
-    /// Picture to write: .svg or .png
+    /// Picture to write, an SVG or PNG file by its ending .svg or .png
     #[arg(short, long)]
     pub(crate) output: PathBuf,
 }
@@ -667,45 +708,47 @@ Examples:
   foldpath export path.fold --to obj --frames 60 -o fold.obj
   foldpath export path.fold --to svg --colour groups -o groups.svg")]
 pub(crate) struct Export {
-    /// Path, a FOLD animation; for svg by letters or groups any crease pattern
+    /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_enum)]
     pub(crate) to: ExportFormat,
-    /// File to write; for obj the name of the sequence, or a folder
+    /// File to write; with obj, the name of the sequence or a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// With obj or glb: number of frames, evenly in time [default: obj the knots; glb the knots and as many
-    /// between that no hinge turns by more than 6 degrees from one to the next]
+    /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
+    ///
+    /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
+    /// turns by more than 6 degrees from one frame to the next.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=2000))]
     pub(crate) frames: Option<u16>,
-    /// With svg: what colours say [default: letters]
+    /// With svg: meaning of the colours [default: letters]
     #[arg(long, value_enum)]
     pub(crate) colour: Option<Colour>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExportFormat {
-    /// What a controller stores and follows: group angles and rates at the knots, with limits
+    /// File that a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
-    /// A row a knot: seconds, and the fold angle of each crease group in degrees
+    /// One row for each knot: time in seconds and the fold angle of each crease group in degrees
     Csv,
-    /// What a .traj file holds as constants of Rust, which need foldpath-core and no std
+    /// Contents of a .traj file as Rust constants, which need foldpath-core but no std
     Rust,
-    /// A sequence of Wavefront OBJ files, one a frame
+    /// Sequence of Wavefront OBJ files, one for each frame
     Obj,
     /// Binary glTF 2.0 with the motion as an animation
     Glb,
-    /// The crease pattern, coloured
+    /// Coloured drawing of the crease pattern
     Svg,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Colour {
-    /// Mountain red, valley blue and so on, opacity the goal angle: what Origami Simulator reads
+    /// Colours of Origami Simulator: mountain red, valley blue and so on; the opacity is the goal angle
     #[default]
     Letters,
-    /// Crease groups, with the angles they go through
+    /// Crease groups, each with the range of its angles
     Groups,
     /// Largest deformation of each face along the path
     Deformation,
@@ -728,7 +771,7 @@ Examples:
   foldpath man > foldpath.1
   foldpath man -o .")]
 pub(crate) struct Man {
-    /// Folder to write a page for each command into
+    /// Folder into which a page for each command is written
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -741,44 +784,58 @@ Examples:
   foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
   foldpath stream path.traj --to serial:/dev/ttyUSB0")]
 pub(crate) struct Stream {
-    /// Path: a .traj file, as `foldpath export --to traj` writes it
+    /// Path: a .traj file, as written by `foldpath export --to traj`
     pub(crate) path: PathBuf,
-    /// Controller: sim (one in this process, in virtual time), qemu (its image on an emulated board),
-    /// serial:DEVICE, tcp:HOST:PORT, or tcp:PORT on this machine
+    /// Controller: sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT
+    ///
+    /// sim is a controller in this process, in virtual time. qemu runs the controller's image on an emulated board.
+    /// serial:DEVICE is a controller behind a serial device, tcp:HOST:PORT one behind a network address, and tcp:PORT
+    /// one behind a port of this machine.
     #[arg(long, value_name = "CONTROLLER")]
     pub(crate) to: Target,
-    /// CSV file to write, a row for each telemetry message: microseconds, state, number of the knot at or before
-    /// the place on the path, and the commanded angle of each crease group in radians
+    /// CSV file to write, with one row for each telemetry message
+    ///
+    /// Its columns are the time in microseconds, the state, the number of the knot at or before the position on the
+    /// path, and the commanded angle of each crease group in radians.
     #[arg(long)]
     pub(crate) log: Option<PathBuf>,
-    /// Go on from where the sheet stands, after a stop or a fault too
+    /// Continue from the present position of the sheet, also after a stop or a fault
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Faults to add to the line, parts of its frames and a seed: drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
+    /// Faults to add to the line, such as drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
+    ///
+    /// Each number is a fraction of the frames, from 0 to 1: drop of those that get lost, flip of those of which one
+    /// bit is changed, double of those that arrive twice, and reorder of those that are overtaken by others. Faults are
+    /// drawn from the seed.
     #[arg(long)]
     pub(crate) faults: Option<LineFaults>,
-    /// With sim: what its hinges' drives have, of lag (seconds), speed (radians a second), acceleration (torque over
-    /// what is turned, radians a second squared), play and noise (radians): lag=0.005,speed=4,acceleration=200,seed=7
+    /// With sim: drives of the hinges, such as lag=0.005,speed=4,acceleration=200,seed=7
+    ///
+    /// Properties are lag (seconds), speed (radians per second), acceleration (torque over the inertia that it turns,
+    /// radians per second squared), play and noise (both in radians). A property that is not given is that of an ideal
+    /// drive. Noise is drawn from the seed.
     #[arg(long)]
     pub(crate) drives: Option<Drives>,
-    /// With sim: what befalls its hinges, a line an event: SECONDS and supply 0..1, stick HINGE, free HINGE or
-    /// jump HINGE RADIANS (of its sensor)
+    /// With sim: script of events that disturb the hinges, one event on each line
+    ///
+    /// A line has the time in SECONDS and then one of: supply 0..1, stick HINGE, free HINGE, or jump HINGE RADIANS, an
+    /// error of the hinge's sensor.
     #[arg(long)]
     pub(crate) script: Option<PathBuf>,
-    /// With sim: the path that the .traj file was exported from, to tell how far from rigid its sheet was
+    /// With sim: path from which the .traj file was exported, to report how far from rigid its sheet was
     #[arg(long)]
     pub(crate) sheet: Option<PathBuf>,
-    /// Image for qemu [default: that of the workspace, built if there is none]
+    /// Image for qemu [default: the image of the workspace, which is built if it is missing]
     #[arg(long)]
     pub(crate) image: Option<PathBuf>,
-    /// Speed of a serial line
+    /// Speed of a serial line, baud
     #[arg(long, default_value_t = 115_200)]
     pub(crate) baud: u32,
     #[command(flatten)]
     pub(crate) report: Report,
 }
 
-/// A controller to send to.
+/// Controller to which a path is sent.
 #[derive(Clone, Debug)]
 pub(crate) enum Target {
     Sim,
@@ -804,7 +861,7 @@ impl FromStr for Target {
     }
 }
 
-/// Whether it is `HOST:PORT`, with the colons of a host in brackets, or a port.
+/// Returns `true` if `text` is `HOST:PORT` or a port alone. A host that contains colons has to be in brackets.
 fn is_address(text: &str) -> bool {
     let (host, port) = match text.rsplit_once(':') {
         Some((host, port)) => (Some(host), port),
@@ -819,7 +876,7 @@ fn is_address(text: &str) -> bool {
     host.is_none_or(known) && port.parse::<u16>().is_ok_and(|port| port > 0)
 }
 
-/// Faults of a line.
+/// Value of `--faults`: faults of a line, and the seed from which they are drawn.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LineFaults {
     pub(crate) faults: foldpath_firmware_sim::faults::Faults,
@@ -855,7 +912,7 @@ impl FromStr for LineFaults {
     }
 }
 
-/// Drives of hinges.
+/// Value of `--drives`: drives of the hinges, and the seed of their noise.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drives {
     pub(crate) drive: Drive,
@@ -892,7 +949,7 @@ impl FromStr for Drives {
     }
 }
 
-/// The pairs of a list KEY=VALUE,KEY=VALUE.
+/// Returns the pairs of a list `KEY=VALUE,KEY=VALUE`.
 fn pairs(text: &str) -> impl Iterator<Item = Result<(&str, &str), String>> {
     text.split(',').map(|pair| {
         pair.split_once('=')

@@ -1,4 +1,4 @@
-//! `foldpath check`.
+//! Runs `foldpath check`, which judges a path.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! `foldpath completions` and `foldpath man`.
+//! Runs `foldpath completions` and `foldpath man`, which print completion scripts and manual pages.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub(crate) fn man(args: &Man) -> Answer {
     Ok(true)
 }
 
-/// Writes the page of a command and of all below it; returns how many.
+/// Writes the manual pages of a command and of all its subcommands. Returns the number of pages.
 fn write_pages(command: clap::Command, folder: &Path) -> Result<usize, CliError> {
     let mut pages = 1;
     for below in command
@@ -45,7 +45,7 @@ fn write_pages(command: clap::Command, folder: &Path) -> Result<usize, CliError>
     Ok(pages)
 }
 
-/// The manual page of a command.
+/// Returns the manual page of a command.
 fn page(command: clap::Command) -> Result<Vec<u8>, CliError> {
     let mut page = Vec::new();
     Page::new(command)

@@ -1,4 +1,4 @@
-//! `foldpath export`.
+//! Runs `foldpath export`, which writes a path, or its pattern, in other formats.
 
 use foldpath_core::Membership;
 
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &Export) -> Answer {
     Ok(true)
 }
 
-/// Title, bytes, and what they are.
+/// Title, bytes, and a description of the bytes.
 type Content = (String, Vec<u8>, String);
 
 fn path_file(args: &Export) -> Result<Content, FileError> {
@@ -58,7 +58,8 @@ fn path_file(args: &Export) -> Result<Content, FileError> {
             }
         }
         ExportFormat::Glb => {
-            // Between frames a viewer moves vertices on straight lines.
+            // A viewer moves vertices on straight lines between frames, so that hinges may turn only a little from one
+            // frame to the next.
             let frames = resampled(args, &path).unwrap_or_else(|| path.with_steps(STEP));
             let content = format!(
                 "{} frames, {} faces",
@@ -75,12 +76,12 @@ fn path_file(args: &Export) -> Result<Content, FileError> {
     Ok((path.title, bytes, content))
 }
 
-/// The path in as many frames as are asked for; `None` if none are.
+/// Returns the path in the number of frames asked for; `None` if no number is given.
 fn resampled(args: &Export, path: &PathFile) -> Option<PathFile> {
     Some(path.resampled(args.frames?.into()))
 }
 
-/// Writes an OBJ file a frame.
+/// Writes one OBJ file for each frame.
 fn sequence(args: &Export) -> Answer {
     let path = read_path(&args.path)?;
     let path = resampled(args, &path).unwrap_or(path);
@@ -113,7 +114,7 @@ fn sequence(args: &Export) -> Answer {
     Ok(true)
 }
 
-/// The crease pattern of a path, or of any file with one, coloured.
+/// Returns a coloured drawing of the crease pattern of a path, or of any file with a crease pattern.
 fn drawing(args: &Export) -> Result<Content, FileError> {
     let colour = args.colour.unwrap_or_default();
     let (title, text, content) = match colour {
@@ -162,7 +163,7 @@ fn drawing(args: &Export) -> Result<Content, FileError> {
     Ok((title, text.into_bytes(), content))
 }
 
-/// For each crease group of a path the fold angles (radians) that it goes through.
+/// Returns for each crease group of a path its smallest and largest fold angle, radians.
 fn ranges(path: &PathFile) -> Vec<[f64; 2]> {
     let steps = path.with_steps(STEP);
     let leaders = path.leaders().into_iter();
@@ -176,7 +177,8 @@ fn ranges(path: &PathFile) -> Vec<[f64; 2]> {
     leaders.map(range).collect()
 }
 
-/// Crease groups found in a pattern, for each edge its part in one, and for each group the way to its goal.
+/// Finds the crease groups of a pattern. Returns the membership of each edge, and for each group the range of fold
+/// angles (radians) from flat to its goal.
 fn found_groups(pattern: &CreasePattern) -> (Vec<Option<Membership>>, Vec<[f64; 2]>) {
     let groups = CreaseGroups::find(pattern);
     let edges = pattern.edges().iter();
@@ -188,7 +190,7 @@ fn found_groups(pattern: &CreasePattern) -> (Vec<Option<Membership>>, Vec<[f64; 
     (members.collect(), ranges.collect())
 }
 
-/// The least and the greatest.
+/// Returns the smallest and the largest number; zeros if there are no numbers.
 fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     let ends = numbers
         .map(|x| [x; 2])

@@ -1,4 +1,4 @@
-//! Labels of an SVG picture as outlines of a font of the system.
+//! Replaces the labels of an SVG picture by outlines from a font of the system.
 //!
 //! Characters are set one after the other by their advance widths: no kerning, no ligatures, no right-to-left scripts.
 
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use resvg::usvg::roxmltree::{Document, Node};
 use ttf_parser::{Face, OutlineBuilder};
 
-/// Folders in which Linux, macOS and Windows keep fonts; those that begin with `~` are in the user's own folder.
+/// Folders in which Linux, macOS and Windows keep fonts; folders that begin with `~` are in the user's own folder.
 const FOLDERS: [&str; 8] = [
     "/usr/share/fonts",
     "/usr/local/share/fonts",
@@ -19,11 +19,11 @@ const FOLDERS: [&str; 8] = [
     "~/Library/Fonts",
     "C:\\Windows\\Fonts",
 ];
-/// Folders in folders that are looked into.
+/// Number of levels of subfolders that are searched.
 const MAX_DEPTH: usize = 5;
-/// Endings of font files that can be read.
+/// File name endings of font files that can be read.
 const ENDINGS: [&str; 3] = ["ttf", "otf", "ttc"];
-/// Words in names of fonts for other uses than plain text.
+/// Words in the names of fonts that are not meant for plain text.
 const SPECIAL: [&str; 8] = [
     "bold",
     "oblique",
@@ -34,14 +34,15 @@ const SPECIAL: [&str; 8] = [
     "emoji",
     "symbol",
 ];
-/// Height of a small letter over the size of the font, where the font does not say it: what CSS falls back to.
+/// Height of a lower-case letter over the size of the font, used if the font does not state it. CSS falls back to this
+/// value.
 const X_HEIGHT: f64 = 0.5;
 
-/// The bytes of a font file.
+/// Bytes of a font file.
 pub(crate) struct Font(Vec<u8>);
 
 impl Font {
-    /// Reads a font of this system: a plain sans-serif one if there is any, or else the first that can be read.
+    /// Reads a font of this system: a plain sans-serif font if there is one, or else the first font that can be read.
     pub(crate) fn of_system() -> Option<Self> {
         let mut files = Vec::new();
         for folder in FOLDERS {
@@ -63,7 +64,7 @@ impl Font {
     }
 }
 
-/// Collects the font files in a folder.
+/// Collects the font files in a folder and in `depth` levels of subfolders.
 fn find(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
@@ -148,7 +149,7 @@ fn outline(text: &Node<'_, '_>, face: &Face<'_>, out: &mut String) {
         path.x += advance(glyph) * scale;
     }
     let attribute = |name, usual| text.attribute(name).unwrap_or(usual);
-    // Text fails to be written only where memory ends.
+    // Writing to a `String` does not fail.
     let _written = write!(
         out,
         r#"<path d="{}" fill="{}" opacity="{}" transform="{}"/>"#,
@@ -159,7 +160,8 @@ fn outline(text: &Node<'_, '_>, face: &Face<'_>, out: &mut String) {
     );
 }
 
-/// Path data of glyphs, which are scaled from font units with y upwards, and set at (x, y).
+/// SVG path data of glyphs. Each glyph is scaled from font units, turned from y upwards to y downwards, and set at (x,
+/// y).
 struct Outline {
     data: String,
     scale: f64,

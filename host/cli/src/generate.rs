@@ -1,4 +1,4 @@
-//! `foldpath generate`.
+//! Runs `foldpath generate`, which writes a crease pattern of a known family.
 
 use crate::args::{Family, Generate, Size, TwistLetters};
 use crate::output::write_whole_with;

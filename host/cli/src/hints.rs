@@ -1,4 +1,4 @@
-//! What helps, for mistakes that are often made.
+//! Finds hints for common mistakes, such as a file of another format or goal angles in radians.
 
 use core::f64::consts::PI;
 use std::io::Read;
@@ -9,7 +9,7 @@ use foldpath::formats::FileError;
 use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
 use foldpath::planner::{CLOSED, GoalError, closure_of};
 
-/// A hint on what to do about an error.
+/// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
@@ -78,10 +78,11 @@ fn of_goal(error: &GoalError) -> Option<String> {
     Some(text.into())
 }
 
-/// Bytes by which a file is recognised.
+/// Number of bytes at the beginning of a file by which its format is recognised.
 const HEAD: u64 = 512;
 
-/// The first line of a file, as far as that is text, that says anything. Not of pipes.
+/// Returns the first line of a file, within its first bytes, that is neither empty nor a comment with `#`. Pipes and
+/// devices are not read: for these it returns `None`.
 fn head(path: &Path) -> Option<String> {
     if !std::fs::metadata(path).ok()?.is_file() {
         return None;
@@ -95,7 +96,7 @@ fn head(path: &Path) -> Option<String> {
     Some(first.into())
 }
 
-/// What a file that is no FOLD file seems to be.
+/// Returns a hint on the format that a file seems to have if it is no FOLD file.
 fn of_content(path: &Path) -> Option<String> {
     let first = head(path)?;
     let words = first.split_whitespace();
@@ -124,12 +125,12 @@ fn of_content(path: &Path) -> Option<String> {
     Some(text.into())
 }
 
-/// Radians: of goal angles none of which is beyond pi, the largest seems to be it.
+/// Largest distance from π at which the largest goal angle, read as degrees, seems to be half a turn in radians.
 const SAME_ANGLE: f64 = 1e-3;
-/// Closure residual that a goal in rounded radians has at most.
+/// Largest closure residual of a goal that was given in rounded radians.
 const NEARLY_CLOSED: f64 = 1e-3;
 
-/// That the goal angles, which do not close, seem to be radians. They are taken as degrees.
+/// Returns a hint if the goal angles, which are taken as degrees and do not close, seem to be radians.
 pub(crate) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {
     let goals = pattern
         .creases()
@@ -154,7 +155,8 @@ pub(crate) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<S
     })
 }
 
-/// The hinge nearest to an edge that is none, in words.
+/// Names the hinge nearest to an edge that is no hinge, in words. If the pattern has no such edge, names its first
+/// hinge.
 pub(crate) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<String> {
     let middle = |edge: EdgeId| {
         let [a, b] = pattern

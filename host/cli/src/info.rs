@@ -1,4 +1,4 @@
-//! `foldpath info`.
+//! Runs `foldpath info`, which describes a crease pattern.
 
 use std::collections::BTreeMap;
 

@@ -1,6 +1,7 @@
-//! The command `foldpath`: arguments in, text or JSON out, an exit status.
+//! The command `foldpath`: it reads arguments, prints text or JSON, and returns an exit status.
 //!
-//! What needs a terminal, a process or a serial port is here; planning and judging are in the library, [`foldpath`].
+//! Code that needs a terminal, a process or a serial port is here. Planning and judging are in the library,
+//! [`foldpath`].
 
 pub mod link;
 
@@ -54,7 +55,7 @@ enum CliError {
     Hinge { text: String, hint: Option<String> },
 }
 
-/// The name of an option on the command line.
+/// Returns the name of an option on the command line.
 fn flag(error: &OptionsError) -> String {
     match error.option {
         "max_acceleration" => "max-accel".into(),
@@ -62,10 +63,11 @@ fn flag(error: &OptionsError) -> String {
     }
 }
 
-/// What a command that ran well says: done, or no.
+/// Answer of a command that ran well: `true` if the work is done, `false` if the answer is no.
 type Answer = Result<bool, CliError>;
 
-/// Runs the command line of this process: 0 done, 1 the answer is no, 2 bad input or usage.
+/// Runs the command line of this process. Returns exit status 0 if the work is done, 1 if the answer is no, and 2 for
+/// bad input or usage.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = args::Cli::parse();
@@ -93,7 +95,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Refuses to write what `option` names over a file that it is made of.
+/// Checks that the output file, named by `option`, is none of the input files.
 fn check_output<'a>(
     option: &str,
     output: &Path,
@@ -112,12 +114,12 @@ fn check_output<'a>(
     Ok(())
 }
 
-/// Prints to stdout, in its colours if that is a terminal.
+/// Prints to stdout, with colours if stdout is a terminal.
 fn print(text: &str) -> Result<(), CliError> {
     print_to(anstream::stdout().lock(), text.as_bytes())
 }
 
-/// Prints as it is; a reader that went away is no error.
+/// Writes the bytes unchanged. A reader that has closed its end of a pipe is no error.
 fn print_to(mut out: impl Write, bytes: &[u8]) -> Result<(), CliError> {
     match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Output(error)),
@@ -130,7 +132,7 @@ fn print_json(value: &impl Serialize) -> Result<(), CliError> {
     print_to(std::io::stdout().lock(), (text + "\n").as_bytes())
 }
 
-/// A line on stderr, if anybody reads it.
+/// Prints a line on stderr. A failure to write is ignored.
 fn say(line: &str) {
     let _gone = writeln!(std::io::stderr(), "{line}");
 }

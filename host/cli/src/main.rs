@@ -1,4 +1,4 @@
-//! The `foldpath` command.
+//! Starts the command `foldpath`.
 
 fn main() -> std::process::ExitCode {
     foldpath_cli::main()

@@ -1,4 +1,5 @@
-//! What `foldpath info` says of the future: will it fold, and what would I drive? To first order: `plan` knows.
+//! Predicts for `foldpath info`, to first order, whether a pattern will fold and which hinges to drive. Only `plan`
+//! tells for sure.
 
 use core::f64::consts::PI;
 use std::path::Path;
@@ -8,12 +9,12 @@ use foldpath::pattern::{CreasePattern, FlatFlaw, VertexId};
 use foldpath::planner::{CLOSED, FirstStep, Goal, GoalKind, first_step};
 use foldpath::symmetry::CreaseGroups;
 
-/// Vertices and hinges that are named.
+/// Largest number of vertices or hinges that are named.
 const NAMED: usize = 5;
-/// Radians: hinges this near half a turn are folded flat.
+/// Distance from 0 and from half a turn, radians, within which a goal angle counts as flat or folded flat.
 const FLAT: f64 = 1e-6;
 
-/// Two lines of the summary.
+/// Returns two lines of the summary: whether the pattern will fold, and which hinges to drive.
 pub(crate) fn text(
     pattern: &CreasePattern,
     groups: &CreaseGroups,
@@ -36,7 +37,7 @@ pub(crate) fn text(
     format!("  will it fold        {fold}\n  to drive            {drive}\n")
 }
 
-/// Whether it will fold.
+/// Says in words whether the pattern will fold.
 fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Option<f64>) -> String {
     let letters = goal.kind == GoalKind::Letters;
     let way = if letters {
@@ -90,7 +91,7 @@ fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Opti
     }
 }
 
-/// The first flaws, in words.
+/// Names the first flaws in words.
 fn named(flaws: &[(VertexId, FlatFlaw)]) -> String {
     let named = flaws.iter().take(NAMED).map(|(vertex, flaw)| {
         let flaw = match flaw {
@@ -118,7 +119,7 @@ fn named(flaws: &[(VertexId, FlatFlaw)]) -> String {
     named.collect::<Vec<_>>().join(", ") + &more
 }
 
-/// What to drive.
+/// Says in words which hinges to drive.
 fn drive(pattern: &CreasePattern, groups: &CreaseGroups, step: &FirstStep) -> String {
     let FirstStep::Leaves {
         symmetric: Some(symmetric),
@@ -164,7 +165,7 @@ fn drive(pattern: &CreasePattern, groups: &CreaseGroups, step: &FirstStep) -> St
     }
 }
 
-/// Hinges that drive others, of so many that turn.
+/// Names the driving hinges, and the number of the hinges that follow: `moving` hinges turn in all.
 fn drives(edges: &[usize], moving: usize) -> String {
     let follow = moving.saturating_sub(edges.len());
     match follow {
@@ -174,7 +175,7 @@ fn drives(edges: &[usize], moving: usize) -> String {
     }
 }
 
-/// Hinges by their edges, in words.
+/// Names hinges by their edges, in words.
 fn hinges(edges: &[usize]) -> String {
     let named: Vec<String> = edges.iter().take(NAMED).map(usize::to_string).collect();
     let named = named.join(", ");

@@ -1,4 +1,4 @@
-//! Writing files whole or not at all.
+//! Writes files whole or not at all: under a temporary name first, and then renamed.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use foldpath::formats::FileError;
 use tempfile::TempPath;
 
-/// Bytes handed to the system at once.
+/// Size of the buffer for writing, bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Writes `content` to `path`, as [`write_whole_with`] does.
@@ -18,9 +18,9 @@ pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> 
     write_whole_with(path, |out| out.write_all(content))
 }
 
-/// Writes what `content` says to `path`, which never holds a part of it: the file is written beside it
-/// under another name and then renamed. What stands behind a link is replaced, not the link; a pipe or
-/// a device is written to.
+/// Writes the output of `content` to `path`, so that `path` never holds a part of it. The file is written in the same
+/// folder under another name and then renamed. If `path` is a symbolic link, its target is replaced and the link stays.
+/// A pipe or a device is written to directly.
 ///
 /// # Errors
 /// If the system refuses, or `content` fails.
@@ -37,7 +37,7 @@ pub(crate) fn write_whole_with(
     write().map_err(|error| failed(path, &error))
 }
 
-/// Writes several files, each whole; none is put in its place before all have been written.
+/// Writes several files, each whole. No file is put in its place before all have been written.
 ///
 /// # Errors
 /// If the system refuses.
@@ -59,12 +59,13 @@ pub(crate) fn write_each_whole(
 fn failed(path: &Path, error: &io::Error) -> FileError {
     FileError::Io {
         path: path.to_path_buf(),
-        // The kind alone: the error itself names the temporary file.
+        // Only the kind is kept, because the error itself names the temporary file.
         source: error.kind().into(),
     }
 }
 
-/// A file with this content beside `target`, under another name; gone when dropped.
+/// Writes a file with this content in the folder of `target`, under another name. The file is removed when the returned
+/// path is dropped.
 fn beside(
     target: &Path,
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
@@ -79,7 +80,7 @@ fn beside(
     fill(file.as_file(), content)?;
     #[cfg(unix)]
     {
-        // A temporary file is private to its owner; a result is as public as any other file.
+        // A temporary file is private to its owner, but a result is as readable as any other file.
         use std::os::unix::fs::PermissionsExt;
         let public = std::fs::Permissions::from_mode(0o644);
         file.as_file().set_permissions(public)?;

@@ -1,4 +1,4 @@
-//! `foldpath plan`.
+//! Runs `foldpath plan`, which plans a path and writes it.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     Ok(plan.outcome == Outcome::Planned)
 }
 
-/// A plan of what was read, and the time that reading and writing took.
+/// Pattern and goal that were read, the plan, and the times that reading and writing took.
 struct Planned {
     file: PatternFile,
     goal: Goal,
@@ -156,7 +156,7 @@ struct Planned {
     write: Duration,
 }
 
-/// Reads, plans, and writes a path that reaches its goal.
+/// Reads the pattern and the goal, plans, and writes the path if it reaches the goal.
 fn planned(
     args: &Plan,
     mut options: PlanOptions,
@@ -234,13 +234,13 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     Ok(goal)
 }
 
-/// The flat sheet: where the path begins, or where it goes back to.
+/// Returns the flat sheet as a goal. The path begins at the flat sheet, and with `--via` it goes back to it.
 fn flat(pattern: &CreasePattern) -> Goal {
     let angles = vec![Some(0.0); pattern.creases().len()];
     Goal::chosen(pattern, angles, "the flat sheet".into())
 }
 
-/// The limits of the hinges.
+/// Returns the limits of the hinges.
 fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliError> {
     let limit = |limit: &crate::args::LimitedEdge| {
         Ok(HingeLimit {
@@ -252,7 +252,8 @@ fn limits(args: &Plan, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, CliEr
     args.limit.iter().map(limit).collect()
 }
 
-/// That limits leave creases no room at all the way they are to turn, which no outcome says.
+/// Returns a note for each limit that leaves its crease no room at all in the direction in which the crease is to turn.
+/// No outcome says so.
 fn held_flat(args: &Plan, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
     let note = |limit: &crate::args::LimitedEdge| {
         let edge = pattern.edges().get(limit.edge)?;
@@ -284,7 +285,7 @@ fn held_flat(args: &Plan, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
     args.limit.iter().filter_map(note).collect()
 }
 
-/// The crease of an edge that an option names.
+/// Returns the crease of an edge that an option names.
 fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId, CliError> {
     let found = pattern.edges().get(edge);
     found.and_then(|edge| edge.crease).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! `foldpath plot`.
+//! Runs `foldpath plot`, which draws curves of a path as an SVG or PNG picture.
 
 use crate::args::Plot;
 use crate::fonts::Font;

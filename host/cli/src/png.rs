@@ -1,7 +1,7 @@
-//! Pixels of a picture.
+//! Renders an SVG picture as a PNG file with resvg.
 //!
-//! The renderer comes without its text shaping, which takes longer to build than all the rest of drawing: plots have
-//! short labels, so [`fonts`](crate::fonts) turns them into outlines first.
+//! The renderer is built without its text shaping, which takes longer to build than all other code for drawing. Plots
+//! have only short labels, so [`fonts`](crate::fonts) turns them into outlines first.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -9,21 +9,21 @@ use thiserror::Error;
 
 use crate::fonts::{self, Font};
 
-/// The reasons why there are no pixels.
+/// Reason why a picture cannot be rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub(crate) enum PngError {
-    /// Texts have to be drawn, and only the system has fonts.
+    /// No font was found on the system, and drawing texts needs one.
     #[error("expected a font on this system to draw texts with, found none (.svg needs none)")]
     NoFont,
-    /// The text is no picture.
+    /// The text is no SVG picture, or the picture does not fit in memory.
     #[error("expected an SVG picture that fits in memory")]
     NoPicture,
 }
 
-/// Draws an SVG picture in its own size as a PNG file, its texts in `font`.
+/// Renders an SVG picture in its own size as a PNG file, with its texts in `font`.
 ///
 /// # Errors
-/// If there is no font, or the text is no picture.
+/// If `font` is `None`, the text is no SVG picture, or the picture does not fit in memory.
 pub(crate) fn png(svg: &str, font: Option<&Font>) -> Result<Vec<u8>, PngError> {
     let font = font.ok_or(PngError::NoFont)?;
     let draw = || {

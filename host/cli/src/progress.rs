@@ -1,4 +1,4 @@
-//! Bars on a terminal, for work that lasts over a second.
+//! Draws progress bars on a terminal, for work that takes over a second.
 
 use core::time::Duration;
 use std::io::{IsTerminal, stderr};
@@ -10,19 +10,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::args::Report;
 use foldpath::progress::Progress;
 
-/// Work shorter than this has no bar.
+/// Time after which a bar appears; shorter work has no bar.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
-/// Time between two looks at the work.
+/// Time between two updates of a bar.
 pub(crate) const PACE: Duration = Duration::from_millis(100);
-/// What a full bar counts to.
+/// Position of a full bar.
 const FULL: u64 = 1000;
 
-/// Whether bars are drawn.
+/// Returns `true` if bars are drawn: on a terminal, unless `--quiet` or `--json` is given.
 pub(crate) fn shown(report: &Report, quiet: bool) -> bool {
     !quiet && !report.json && stderr().is_terminal()
 }
 
-/// Does the work and shows how far it is, if bars are shown.
+/// Does the work. If bars are shown, a second thread draws its progress meanwhile.
 pub(crate) fn watched<T>(report: &Report, quiet: bool, work: impl FnOnce(&Progress) -> T) -> T {
     let progress = Progress::new();
     if !shown(report, quiet) {
@@ -38,7 +38,7 @@ pub(crate) fn watched<T>(report: &Report, quiet: bool, work: impl FnOnce(&Progre
     })
 }
 
-/// Draws a bar until the work is over.
+/// Draws a bar until the work ends.
 fn draw(progress: &Progress, over: &Receiver<()>) {
     let goes_on = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
     if !goes_on(PATIENCE) {
@@ -55,12 +55,12 @@ fn draw(progress: &Progress, over: &Receiver<()>) {
     bar.finish_and_clear();
 }
 
-/// A bar on stderr, of which nothing is seen yet.
+/// Creates a bar on stderr that is not visible yet.
 pub(crate) fn hidden_bar() -> ProgressBar {
     ProgressBar::new(FULL)
 }
 
-/// Draws what is done, and the part of it that is over if that is known.
+/// Draws the name of the work and, if it is known, the fraction of the work that is done.
 pub(crate) fn show(bar: &ProgressBar, what: &str, part: Option<f64>) {
     let template = match part {
         Some(_) => "{spinner} {elapsed} [{bar:30}] {percent:>3} % {msg}",

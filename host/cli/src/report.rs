@@ -1,5 +1,5 @@
-//! How an error is told: file, place and what was expected in one line, then the line of the file underlined, and a
-//! hint where one helps. Colours where stderr is a terminal that has them.
+//! Prints errors: one line with file, place and what was expected, then the line of the file with the place underlined,
+//! and a hint if there is one. Colours are used if stderr is a terminal that has them.
 
 use core::ops::Range;
 use std::io::Write;
@@ -9,44 +9,44 @@ use anstyle::{AnsiColor, Style};
 
 use crate::{CliError, hints};
 
-/// Characters of a line that are shown.
+/// Largest number of characters of a line that are shown.
 const SHOWN: usize = 72;
-/// Characters shown before the place of an error, where the line is longer.
+/// Number of characters shown before the place of an error, if the line is too long to be shown whole.
 const BEFORE: usize = 30;
-/// What stands for characters that are not shown.
+/// Mark in place of characters that are not shown.
 const CUT: &str = "...";
 
-/// Red, for errors and answers that are a fault.
+/// Red, for errors.
 pub(crate) const BAD: Style = AnsiColor::Red.on_default().bold();
 /// Yellow, for answers that are no.
 pub(crate) const NO: Style = AnsiColor::Yellow.on_default().bold();
 /// Green, for answers that are yes.
 pub(crate) const YES: Style = AnsiColor::Green.on_default().bold();
 
-/// A text in a style, which is left out where there are no colours.
+/// Returns a text in a style. The stream that prints the text removes the style if it has no colours.
 pub(crate) fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// An outcome in the style of a yes or a no.
+/// Returns the text of an outcome in the style of a yes or a no.
 pub(crate) fn outcome(good: bool, text: &str) -> String {
     styled(if good { YES } else { NO }, text)
 }
 
-/// Tells an error on stderr, if anybody reads it.
+/// Prints an error on stderr. A failure to write is ignored.
 pub(crate) fn tell(error: &CliError) {
     let text = text_of(error);
     let _gone = writeln!(anstream::stderr(), "{text}");
 }
 
-/// An error in full, with colours and without the last newline.
+/// Returns the full text of an error, with colours and without the last newline.
 fn text_of(error: &CliError) -> String {
     let mut message = error.to_string();
     let excerpt = match error {
         CliError::File(file) => file.locate().and_then(|(text, span)| {
             let excerpt = Excerpt::of(&text, span)?;
             let name = format!("{}: ", file.path().display());
-            // Of places that are no position yet: keys and numbers of a list.
+            // A place that is a key or a list index is no position in the text yet, so line and column are added.
             if let Some(rest) = message
                 .strip_prefix(&name)
                 .filter(|rest| !rest.starts_with("line "))
@@ -77,27 +77,28 @@ fn text_of(error: &CliError) -> String {
     text
 }
 
-/// A place in a line of a file.
+/// Excerpt of a line of a file, with the place of an error.
 #[derive(Debug, PartialEq)]
 struct Excerpt {
-    /// From 1, as the column, which counts characters.
+    /// Line number, from 1.
     line: usize,
+    /// Column in characters, from 1.
     column: usize,
-    /// The line, or the part of it round the place.
+    /// The line, or the part of the line round the place.
     shown: String,
-    /// The bytes of that to underline.
+    /// Bytes of `shown` to underline.
     mark: Range<usize>,
 }
 
 impl Excerpt {
-    /// The place at these bytes of a text, as far as its first line.
+    /// Returns the excerpt at these bytes of a text. If the bytes span several lines, only the first line counts.
     fn of(text: &str, span: Range<usize>) -> Option<Self> {
         let (before, rest) = text.split_at_checked(span.start)?;
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let head = &before[start..];
         let line_rest = rest.split('\n').next()?.trim_end_matches('\r');
         let marked = line_rest.get(..span.len()).unwrap_or(line_rest);
-        // Cut from both ends, unless it is all shown.
+        // A line that is too long to be shown whole is cut at both ends.
         let length = head.chars().count();
         let whole = length + line_rest.chars().take(SHOWN).count() <= SHOWN;
         let (head, cut) = match head.char_indices().rev().nth(BEFORE - 1) {

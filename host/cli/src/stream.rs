@@ -1,4 +1,4 @@
-//! `foldpath stream`.
+//! Runs `foldpath stream`, which sends a path to a controller.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use std::io::{self, Write};
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     Ok(summary.outcome == Outcome::Done)
 }
 
-/// The hinges of a simulated controller.
+/// Returns the hinges of a simulated controller.
 fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     let events = match &args.script {
         Some(file) => read_script(file, path.hinges().len())?,
@@ -111,7 +111,7 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     })
 }
 
-/// A session over a link, if there is one.
+/// Runs a session over a link. Without a link, the outcome says that there is no device.
 fn connected(
     name: &str,
     link: io::Result<impl Link>,
@@ -134,14 +134,14 @@ fn connected(
     }
 }
 
-/// A number that other sessions hardly had.
+/// Returns a session number that other sessions are unlikely to have had.
 fn id() -> u32 {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let [a, b, c, d, ..] = now.map_or(0, |now| now.as_micros()).to_le_bytes();
     u32::from_le_bytes([a, b, c, d]) ^ std::process::id().rotate_left(16)
 }
 
-/// A session with the faults and the log that were asked for.
+/// Runs a session with the faults and the log that were asked for.
 fn session(
     mut link: impl Link,
     args: &Stream,
@@ -166,7 +166,7 @@ fn logged(
 ) -> Result<Summary, CliError> {
     let pressed = Arc::new(AtomicU8::new(0));
     let count = Arc::clone(&pressed);
-    // Without a handler Ctrl-C ends the process, and the controller holds for the silence.
+    // If no handler can be set, Ctrl-C ends the process, and the controller holds because it hears nothing more.
     let _default = ctrlc::set_handler(move || {
         count.fetch_add(1, Ordering::Relaxed);
     });
@@ -251,7 +251,7 @@ fn report(
     print(&text)
 }
 
-/// Whoever ran the command looks on.
+/// Watches a session for the user: writes the log, draws the bar and obeys Ctrl-C.
 struct Watch<'a> {
     path: &'a StreamPath,
     log: &'a mut dyn Write,
@@ -270,7 +270,7 @@ impl Watch<'_> {
         writeln!(self.log)
     }
 
-    /// How far the motion is, once it lasts.
+    /// Draws the progress of the motion.
     fn show(&self, bar: &ProgressBar, telemetry: &Telemetry) {
         let times = self.path.times();
         let time = |knot: usize| times.get(knot).copied().unwrap_or(0.0);
@@ -295,7 +295,7 @@ impl Watcher for Watch<'_> {
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
         let (time, state) = (telemetry.time, state(telemetry.state));
         write!(self.log, "{time},{state},{}", telemetry.place.knot)?;
-        // None are known before the first motion.
+        // No angles are known before the first motion.
         for group in 0..self.path.groups() {
             let angle = telemetry.angles.get(group);
             let angle = angle.map_or_else(String::new, f32::to_string);
@@ -328,7 +328,7 @@ impl Drop for Watch<'_> {
     }
 }
 
-/// The name of a state in the log.
+/// Returns the name of a state in the log.
 fn state(state: State) -> &'static str {
     match state {
         State::Idle => "Idle",

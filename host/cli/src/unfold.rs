@@ -1,4 +1,4 @@
-//! `foldpath unfold`.
+//! Runs `foldpath unfold`, which makes a crease pattern of a folded shape.
 
 use serde::Serialize;
 

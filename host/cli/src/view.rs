@@ -1,4 +1,4 @@
-//! `foldpath view`.
+//! Runs `foldpath view`, which writes a page that shows a path.
 
 use crate::args::View;
 use crate::output::write_whole;

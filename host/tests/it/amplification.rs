@@ -1,4 +1,4 @@
-//! The bound on errors of the whole sheet per closure residual holds, and is of use.
+//! Tests the bound on errors of the whole sheet per closure residual: it holds, and it is tight enough to be of use.
 
 use crate::common::{miura, noise, waterbomb, yoshimura};
 use foldpath::folding::{Amplification, FoldingMap, Holonomy, SpanningTree};
@@ -12,7 +12,7 @@ fn amplification(pattern: &CreasePattern) -> Amplification {
     Amplification::new(pattern, &SpanningTree::from_central_face(pattern)).unwrap()
 }
 
-/// Gap, deformation and twist at these angles, each over its bound.
+/// Returns gap, deformation and twist at these angles, each over its bound.
 fn fractions(pattern: &CreasePattern, angles: &[f64]) -> [f64; 3] {
     let tree = SpanningTree::from_central_face(pattern);
     let factors = Amplification::new(pattern, &tree).unwrap();
@@ -26,8 +26,8 @@ fn fractions(pattern: &CreasePattern, angles: &[f64]) -> [f64; 3] {
     ]
 }
 
-/// Perturbed by independent noise, by noise that all creases of one letter and goal share, and by
-/// noise that grows along the sheet; from rounding's size to where nothing is small any more.
+/// Angles are perturbed by independent noise, by noise that all creases of one letter and goal share, and by noise that
+/// grows along the sheet. Sizes go from that of rounding errors to one at which nothing is small any more.
 #[test]
 fn no_error_is_larger_than_its_factor_times_the_largest_residual() {
     let mut random = Pcg64::new(5, 7);
@@ -62,7 +62,7 @@ fn no_error_is_larger_than_its_factor_times_the_largest_residual() {
                 for (kind, angles) in perturbed.iter().enumerate() {
                     let now = fractions(&pattern, angles);
                     for (worst, now) in worst[kind].iter_mut().zip(now) {
-                        // Rounding alone breaks no bound: residuals here are at least 1e-9.
+                        // Rounding alone breaks no bound, because residuals here are at least 1e-9.
                         assert!(now <= 1.0 + 1e-6, "{name} {size:e}: {now}");
                         *worst = worst.max(now);
                     }
@@ -80,13 +80,13 @@ fn no_error_is_larger_than_its_factor_times_the_largest_residual() {
             }
         }
     }
-    // On some sheet each is nearly reached: no factor can be made smaller by as much as this.
+    // On some sheet each bound is nearly reached, so no factor can be reduced to 0.3 of its value.
     println!("closest: {closest:.3?}");
     assert!(closest.iter().all(|filled| *filled > 0.3), "{closest:?}");
 }
 
-/// One perturbed vertex is a closed form: the point of the border it hangs on moves by its own
-/// distance, whatever the sheet.
+/// One perturbed vertex has a closed form: per residual, the point of the border that hangs on it moves by its distance
+/// from the vertex, whatever the sheet.
 #[test]
 fn a_single_vertex_is_amplified_by_its_distance_from_the_border() {
     let pattern = CreasePattern::new(miura(2, 2, 0.7)).unwrap();
@@ -96,7 +96,7 @@ fn a_single_vertex_is_amplified_by_its_distance_from_the_border() {
     assert!((factors.twist - 1.0).abs() < 1e-12, "{factors:?}");
 }
 
-/// Factors have no unit.
+/// Factors have no unit, so they do not depend on the scale of the sheet.
 #[test]
 fn factors_are_those_of_the_scaled_sheet() {
     let drawing = waterbomb(8, 10, 0.5);
@@ -112,7 +112,7 @@ fn factors_are_those_of_the_scaled_sheet() {
     }
 }
 
-/// The sheet without these faces, and cut between these neighbouring vertices.
+/// Returns the sheet without these faces, and cut along the edges of these chains of vertices.
 fn cut(sheet: &Drawing, faces: &[usize], ways: &[&[usize]]) -> Drawing {
     let whole = CreasePattern::new(sheet.clone()).unwrap();
     let cycles = whole.faces().iter().enumerate();
@@ -132,8 +132,8 @@ fn cut(sheet: &Drawing, faces: &[usize], ways: &[&[usize]]) -> Drawing {
     drawing
 }
 
-/// A hole's residuals count like those of a vertex, and turn what hangs below it about a point within
-/// reach; each bound by the residual of every vertex and hole on its own holds too.
+/// The residuals of a hole count like those of a vertex. They turn the part of the sheet that hangs below the hole
+/// about a point within reach. The bound from the residual of every single vertex and hole holds too.
 #[test]
 fn errors_of_sheets_with_holes_are_bounded_too() {
     let mut random = Pcg64::new(11, 3);
@@ -218,7 +218,8 @@ fn errors_of_sheets_with_holes_are_bounded_too() {
     assert!(closest.iter().all(|filled| *filled > 0.2), "{closest:?}");
 }
 
-/// A ring of faces is one loop: the faces that no step joins are off by its residuals and nothing else.
+/// A ring of faces is one loop. The two faces that the spanning tree does not join are off by the loop's residuals and
+/// nothing else.
 #[test]
 fn a_ring_misses_by_the_residuals_of_its_hole() {
     let pattern = CreasePattern::new(cut(&miura(3, 3, 0.7), &[4], &[])).unwrap();
@@ -226,8 +227,8 @@ fn a_ring_misses_by_the_residuals_of_its_hole() {
     let holonomy = Holonomy::new(&pattern, &tree).unwrap();
     let vertices = vec![1.0; pattern.vertices().len()];
     let (_, size) = pattern.hole_frame(0);
-    // Of a shift alone, and of a turn about a point at most half the way round and the size away from
-    // the rim, and one edge more from the border.
+    // The first error is a shift alone. The second is a turn about a point whose distance from the rim is at most half
+    // the way round plus the size of the hole; the border is one edge farther away.
     let shift = holonomy.rigidity(&vertices, &[[0.0, 0.1]]);
     assert!((shift.gap - 0.1 * size).abs() < 1e-12, "{shift:?}");
     assert!(shift.twist.abs() < 1e-12);
@@ -239,8 +240,7 @@ fn a_ring_misses_by_the_residuals_of_its_hole() {
     assert!((turn.twist - 0.1).abs() < 1e-12);
 }
 
-/// The essential tolerance is the bound over the amplification, and what is planned within it keeps
-/// the bound.
+/// The essential tolerance is the bound over the amplification, and a plan within this tolerance keeps the bound.
 #[test]
 fn plan_derives_the_essential_tolerance_from_the_bound() {
     let mut random = Pcg64::new(3, 9);
@@ -266,7 +266,7 @@ fn plan_derives_the_essential_tolerance_from_the_bound() {
             assert!(plan.rigidity.gap <= bound && plan.rigidity.deformation <= bound);
             assert!(plan.max_closure <= bound);
         }
-        // The sheet closes to about the noise in it: under the loose bound, not under the tight one.
+        // The sheet closes to about the noise in its coordinates: within the loose bound, but not within the tight one.
         let planned = plan.outcome == Outcome::Planned;
         if bound >= 1e-3 {
             assert!(planned, "{:?}", plan.reason);

@@ -1,4 +1,4 @@
-//! A motion that crosses strictly between knots is refused by the planner.
+//! Tests that the planner refuses a motion with a crossing strictly between knots.
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
@@ -7,8 +7,8 @@ use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use nalgebra::Vector2;
 
-/// A unit square with a flap of 0.55 on its left and one on its right. Folded over to 172 and 174 degrees one
-/// lies above the other, but on the way, for two degrees, they pass through each other if both turn at once.
+/// Returns a unit square with a flap of 0.55 on its left and another on its right. Folded over to 172 and 174 degrees,
+/// one flap lies above the other. If both turn at once, they pass through each other for two degrees on the way.
 fn flaps() -> CreasePattern {
     let xs = [-0.55, 0.0, 1.0, 1.55];
     let vertices = xs
@@ -61,7 +61,7 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         );
     }
 
-    // One after the other they do not cross; but phases that somebody chose are kept.
+    // If the flaps turn one after the other they do not cross. Phases that the caller chose are kept, however.
     let in_turn = plan(&pattern, &goal, &PlanOptions::default());
     assert_eq!(in_turn.outcome, Outcome::Planned);
     let halves = goal.fold_angles.iter().map(|angle| angle.map(|a| a / 2.0));
@@ -86,8 +86,8 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
     );
 }
 
-/// Twelve squares round close to a tube, edge on edge, where boundary and middle lines turn by 60 degrees more than
-/// one another. What is beyond by next to nothing is beyond, however much the certificate leaves open.
+/// Twelve squares round close to a tube, edge on edge, if boundary lines turn by 60 degrees more than middle lines. The
+/// smallest turn beyond that is a crossing, however much the certificate leaves open.
 #[test]
 fn a_tube_closes_and_no_further() {
     let turn = 15_f64.to_radians().tan();

@@ -1,5 +1,5 @@
-//! Certificates of whole segments are never below what is sampled by another way of computation, and
-//! not far above it.
+//! Tests certificates of whole segments: no bound is below a value that is sampled by another computation, and none is
+//! far above it.
 
 use crate::common::{miura, noise};
 use foldpath::certificate::{FoldingCertifier, SegmentCertifier, SheetCertifier, range, rate};
@@ -28,9 +28,9 @@ struct Sheet {
     pattern: CreasePattern,
     groups: CreaseGroups,
     stars: ReducedStars,
-    /// Of each group, the polynomial and its derivative.
+    /// Polynomial of each group, and its derivative.
     tangents: Vec<fn(f64) -> [f64; 2]>,
-    /// The largest of the fold angles.
+    /// Index of the group with the largest fold angle.
     largest: usize,
 }
 
@@ -90,7 +90,7 @@ impl Sheet {
         Self::new("miura", pattern, &MIURA, 1.0)
     }
 
-    /// The 5x5 Miura without the face in the middle.
+    /// Returns the 5x5 Miura fold without the face in the middle.
     fn with_a_hole() -> Self {
         let sheet = Self::miura(5, 5);
         let faces = sheet.pattern.faces().iter().enumerate();
@@ -122,7 +122,7 @@ impl Sheet {
         Self::new("waterbomb", pattern, &WATERBOMB, t)
     }
 
-    /// The parameter at which the largest fold angle is this (radians).
+    /// Returns the parameter at which the largest fold angle is `angle` (radians).
     fn parameter(&self, angle: f64) -> f64 {
         let (mut low, mut high) = (0.0, 1e3);
         for _ in 0..200 {
@@ -136,7 +136,7 @@ impl Sheet {
         low
     }
 
-    /// Curves from where the largest angle is one to where it is the other; by t, or by that angle.
+    /// Returns curves between two values of the largest angle (radians). Time is proportional to t, or to that angle.
     fn curves(&self, kind: Interpolation, ends: [f64; 2], by_t: bool) -> Vec<Curve<f64>> {
         let t = ends.map(|angle| self.parameter(angle));
         let span = if by_t { t[1] - t[0] } else { ends[1] - ends[0] };
@@ -161,7 +161,7 @@ impl Sheet {
     }
 }
 
-/// Largest residual of each star by the report's matrices, over a thousand samples.
+/// Returns the largest residual of each star over a thousand samples, by the report's matrices.
 fn sampled(stars: StarsView<'_, f64>, curves: &[Curve<f64>]) -> Vec<f64> {
     let mut worst = vec![0.0_f64; stars.len()];
     for sample in 0..=1000 {
@@ -176,7 +176,7 @@ fn sampled(stars: StarsView<'_, f64>, curves: &[Curve<f64>]) -> Vec<f64> {
     worst
 }
 
-/// Scales both parts of a homogeneous curve, or all of an angle.
+/// Scales both parts of a homogeneous curve, or the whole of an angle curve.
 fn scaled(curve: &Curve<f64>, factor: f64) -> Curve<f64> {
     let scale = |b: &[f64; 4]| b.map(|b| b * factor);
     match curve {
@@ -188,7 +188,7 @@ fn scaled(curve: &Curve<f64>, factor: f64) -> Curve<f64> {
     }
 }
 
-/// Checks both sides; returns bound over sample.
+/// Asserts that bounds are neither below the samples nor far above them. Returns the largest bound over its sample.
 fn judge(name: &str, stars: StarsView<'_, f64>, curves: &[Curve<f64>], floor: f64) -> f64 {
     let mut certifier = SegmentCertifier::default();
     let closure = certifier.closure(stars, LoopsView::none(), curves);
@@ -199,8 +199,8 @@ fn judge(name: &str, stars: StarsView<'_, f64>, curves: &[Curve<f64>], floor: f6
         assert!(bound >= sample, "{name}: {bound:e} below {sample:e}");
         ratio = ratio.max(bound / sample.max(most / 2.0).max(floor));
     }
-    // A curve that swings out far beyond its knots has coefficients far larger than its values, and
-    // roundings to match.
+    // A curve that swings far beyond its knots has coefficients far larger than its values, and rounding errors of that
+    // size.
     let swings = curves.iter().any(|curve| {
         let ends = [curve.angle(0.0), curve.angle(1.0)];
         let [low, high] = range(curve);
@@ -235,7 +235,7 @@ fn closure_of_closed_forms_is_bounded_tightly() {
     }
 }
 
-/// A star of random creases, each a group of its own.
+/// Returns a star of random creases, each with a group of its own.
 fn random_star(degree: u32, random: &mut Pcg64) -> Vec<Spoke<f64>> {
     let spoke = |group| {
         let (sin, cos) = (3.0 * noise(random)).sin_cos();
@@ -263,7 +263,7 @@ fn random_curve(kind: Interpolation, size: f64, random: &mut Pcg64) -> Curve<f64
     Curve::between(kind, 1.0, from, to)
 }
 
-/// Stars that do not close at all, each crease by its own curve, all kinds in one star too.
+/// The stars do not close at all. Each crease has a curve of its own; some stars have curves of all kinds.
 #[test]
 fn closure_of_random_stars_is_bounded_tightly() {
     let mut random = Pcg64::new(17, 1);
@@ -296,7 +296,7 @@ fn closure_of_random_stars_is_bounded_tightly() {
     assert!(sum / count < 1.3);
 }
 
-/// A homogeneous half angle is the same at any scale, and a tiny motion is bounded like a large one.
+/// A homogeneous half angle does not depend on its scale, and a tiny motion is bounded like a large one.
 #[test]
 fn scale_does_not_matter() {
     for sheet in [Sheet::miura(3, 3), Sheet::waterbomb(8, 10)] {
@@ -318,7 +318,7 @@ fn scale_does_not_matter() {
     }
 }
 
-/// The whole motion, flat to flat-folded, is one segment without error.
+/// The whole motion from flat to flat-folded is one segment without error.
 #[test]
 fn whole_motions_are_certified() {
     let line = |c: [f64; 2], n: [f64; 2]| {
@@ -338,7 +338,7 @@ fn whole_motions_are_certified() {
         .closure(sheet.stars.view(), LoopsView::none(), &curves)
         .worst();
     assert!(bound <= 1e-13, "{bound:e}");
-    // Out of flat to both sides: the angle turns by a whole turn.
+    // This motion passes through flat to both sides: the angle turns by a whole turn.
     let curves: Vec<_> = sheet
         .tangents
         .iter()
@@ -381,7 +381,7 @@ fn what_is_no_number_has_no_bound() {
     }
 }
 
-/// Ranges hold all samples, and are reached; rates hold all derivatives.
+/// Ranges contain all samples and are reached. Rates bound all derivatives.
 #[test]
 fn ranges_and_rates_hold_all_samples() {
     let mut random = Pcg64::new(23, 1);
@@ -400,7 +400,7 @@ fn ranges_and_rates_hold_all_samples() {
                     fastest = curve.derivatives(s)[0].abs().max(fastest);
                 }
                 assert!(low <= least && largest <= high, "{curve:?}");
-                // The largest value is between samples: nearer than the square of their distance.
+                // The largest value lies between samples, above them by less than the square of their distance.
                 assert!(
                     high - largest < 1e-6 * size + 1e-11,
                     "{curve:?} {high} {largest}"
@@ -415,8 +415,9 @@ fn ranges_and_rates_hold_all_samples() {
     assert!(loosest < 1.5);
 }
 
-/// Deformation, gap and twist of the whole folded sheet stay below what the closure of its essential vertices proves of
-/// it, closing to rounding or not, and half of what folding it proves, which is near.
+/// Tests two bounds on deformation, gap and twist of the whole folded sheet, whether or not it closes to rounding
+/// errors. Sampled values are below the bound from the closure of the essential vertices. They are also below half the
+/// bound from folding the whole sheet, which is near them.
 #[test]
 fn errors_of_the_folded_sheet_are_certified() {
     let mut loosest = 0.0_f64;
@@ -430,7 +431,7 @@ fn errors_of_the_folded_sheet_are_certified() {
     ] {
         let tree = SpanningTree::from_central_face(&sheet.pattern);
         let all = ReducedStars::all(&sheet.pattern, &sheet.groups);
-        // Rounding of a loop's translation is bounded more coarsely.
+        // Rounding errors of a loop's translation are bounded more coarsely.
         let within = if all.loops().is_empty() { 1e3 } else { 1e4 };
         let mut closure = SegmentCertifier::default();
         let mut certifier = SheetCertifier::new(&sheet.pattern, &tree, &all).unwrap();
@@ -507,7 +508,7 @@ fn errors_of_the_folded_sheet_are_certified() {
     println!("at most {loosest:.0} times what is sampled");
 }
 
-/// Loops round holes: both residuals of a random way, sampled by the composition of motions.
+/// Both residuals of loops round holes are compared, on random motions, with samples by products of rigid motions.
 #[test]
 fn loops_are_bounded_too() {
     let mut random = Pcg64::new(29, 1);
@@ -551,7 +552,7 @@ fn loops_are_bounded_too() {
     println!("at most {loosest:.2} times what is sampled");
 }
 
-/// ‖L − I‖ / √2 and the shift of the origin, by folding matrices about the places.
+/// Returns ‖L − I‖ / √2 and the shift of the origin, by folding matrices about the places.
 fn moved(spokes: &[Spoke<f64>], places: &[[f64; 2]], curves: &[Curve<f64>], s: f64) -> [f64; 2] {
     let factors = spokes.iter().zip(places).map(|(spoke, place)| {
         let [cos, sin] = spoke.direction;

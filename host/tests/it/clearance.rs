@@ -1,4 +1,4 @@
-//! The clearance of one configuration, against closed forms and against all pairs.
+//! Tests the clearance of one configuration against closed forms and against all pairs of faces.
 
 use foldpath::collision::{CollisionScene, ConvexPiece, distance};
 use foldpath::folding::{FoldingMap, SpanningTree};
@@ -6,7 +6,7 @@ use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use nalgebra::{Vector2, Vector3};
 
-/// Unit squares in a row.
+/// Returns a row of unit squares.
 fn strip(squares: usize) -> CreasePattern {
     #[allow(clippy::cast_precision_loss, reason = "a few")]
     let corner = |k: usize| Vector2::new((k / 2) as f64, (k % 2) as f64);
@@ -33,7 +33,7 @@ fn strip(squares: usize) -> CreasePattern {
     CreasePattern::new(drawing).unwrap()
 }
 
-/// The outer two of three squares stand up: parallel, then they lean together until their rims meet.
+/// The outer two of three squares stand up. First they are parallel, then they lean together until their rims meet.
 #[test]
 fn two_walls_are_as_far_apart_as_their_rims() {
     let pattern = strip(3);
@@ -42,7 +42,7 @@ fn two_walls_are_as_far_apart_as_their_rims() {
     for degrees in [0.0, 45.0, 90.0, 100.0, 119.0, 119.999, 30.0] {
         let angle = f64::to_radians(degrees);
         let map = FoldingMap::new(&pattern, &tree, &[angle; 2]);
-        // Nearest at their feet until they lean in.
+        // The walls are nearest at their feet until they lean in.
         let expected = (1.0 + 2.0 * angle.cos()).min(1.0);
         let found = scene.clearance(&map).unwrap();
         assert!(
@@ -50,7 +50,7 @@ fn two_walls_are_as_far_apart_as_their_rims() {
             "{degrees}: {found}, {expected}"
         );
     }
-    // Two squares share the vertices of their edge.
+    // Two squares share the vertices of their common edge, so there is no clearance.
     let pattern = strip(2);
     let map = FoldingMap::flat(&pattern);
     assert_eq!(CollisionScene::new(&pattern).clearance(&map), None);

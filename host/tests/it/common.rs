@@ -1,4 +1,4 @@
-//! Sheets of the families, files of planned paths, noise, and how near two numbers are.
+//! Builds sheets of the families, files of planned paths and noise, and compares numbers.
 
 use foldpath::formats::fold::PathWriter;
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
@@ -7,7 +7,7 @@ use foldpath::planner::{Path, PlanOptions};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-/// A Miura sheet whose sector angle is 60°.
+/// Returns a Miura sheet with a sector angle of 60°.
 pub(crate) fn miura(rows: usize, columns: usize, fold: f64) -> Drawing {
     let sector_angle = 60_f64.to_radians();
     let sheet = Miura {
@@ -19,7 +19,7 @@ pub(crate) fn miura(rows: usize, columns: usize, fold: f64) -> Drawing {
     sheet.drawing().unwrap()
 }
 
-/// A waterbomb sheet.
+/// Returns a waterbomb sheet.
 pub(crate) fn waterbomb(rows: usize, columns: usize, fold: f64) -> Drawing {
     let sheet = Waterbomb {
         rows,
@@ -29,7 +29,7 @@ pub(crate) fn waterbomb(rows: usize, columns: usize, fold: f64) -> Drawing {
     sheet.drawing().unwrap()
 }
 
-/// A Yoshimura sheet whose angle is 0.9 radians.
+/// Returns a Yoshimura sheet with an angle of 0.9 radians.
 pub(crate) fn yoshimura(rows: usize, columns: usize, fold: f64) -> Drawing {
     let sheet = Yoshimura {
         rows,
@@ -40,7 +40,7 @@ pub(crate) fn yoshimura(rows: usize, columns: usize, fold: f64) -> Drawing {
     sheet.drawing().unwrap()
 }
 
-/// The file of a path planned with default options.
+/// Returns the file of a path that was planned with default options.
 pub(crate) fn path_text(title: &str, pattern: &CreasePattern, path: &Path) -> String {
     let writer = PathWriter {
         title,
@@ -53,12 +53,12 @@ pub(crate) fn path_text(title: &str, pattern: &CreasePattern, path: &Path) -> St
     writer.text(path)
 }
 
-/// A number between -1 and 1.
+/// Returns a random number between -1 and 1.
 pub(crate) fn noise(random: &mut Pcg64) -> f64 {
     (random.next_u64() >> 11) as f64 / 2_f64.powi(52) - 1.0
 }
 
-/// Fails unless `a` is within this part of `b`.
+/// Asserts that `a` differs from `b` by at most the fraction `relative` of `b`.
 #[track_caller]
 pub(crate) fn near(a: f64, b: f64, relative: f64) {
     assert!((a - b).abs() <= relative * b.abs(), "{a} is not {b}");

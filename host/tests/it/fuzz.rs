@@ -1,6 +1,6 @@
-//! Mutated files: an answer or an error, never a panic.
+//! Tests mutated files: they lead to an answer or an error, never to a panic.
 //!
-//! Seeded, so that a failure comes back: it names its seed, and leaves the file in the message.
+//! Mutations are drawn from seeds, so that a failure can be repeated. Its message has the seed and the file.
 
 use std::fs;
 use std::panic::catch_unwind;
@@ -17,7 +17,7 @@ use foldpath::unfold::{UnfoldOptions, unfold};
 use foldpath::view::{Scene, page};
 use serde_json::{Value, json};
 
-/// G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", 2014: SplitMix64.
+/// Generator SplitMix64: G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", 2014.
 struct Random(u64);
 
 impl Random {
@@ -51,8 +51,8 @@ fn mutate_bytes(random: &mut Random, text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Changes up to three values: to one that is hard to bear or that of another place, or a little; or
-/// adds to a list, or removes the value.
+/// Makes up to three changes: a value becomes a hard value or a copy of another value, or is multiplied by a factor; a
+/// list gets another entry; or a value is removed.
 fn mutate_values(random: &mut Random, document: &Value) -> Vec<u8> {
     let mut document = document.clone();
     for _ in 0..=random.below(3) {
@@ -146,7 +146,7 @@ fn hard_values() -> Vec<Value> {
     values
 }
 
-/// Pointers to all values.
+/// Returns JSON pointers to all values.
 fn places(value: &Value) -> Vec<String> {
     let children: Vec<(String, &Value)> = match value {
         Value::Array(list) => list
@@ -167,8 +167,8 @@ fn places(value: &Value) -> Vec<String> {
     core::iter::once(String::new()).chain(below).collect()
 }
 
-/// Mutates `text` with every seed, and calls `read` with each file that it gives: a tenth of them at
-/// least must be good enough to be read, or nothing behind the reader is tried.
+/// Mutates `text` with every seed, and calls `read` with each mutated file. At least a tenth of the files must be good
+/// enough to be read, so that the code behind the reader is tested too.
 fn for_mutations(text: &str, read: fn(&Path) -> Option<()>) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mutated.fold");
@@ -206,14 +206,14 @@ fn miura() -> (String, CreasePattern) {
     )
 }
 
-/// Plans a pattern, and judges its path as it is read back.
+/// Plans a pattern, reads its path back and judges the path.
 fn plan_and_check(file: &Path) -> Option<()> {
     let read = read_pattern(file).ok()?;
     let goal = Goal::of_pattern(&read.pattern).ok()?;
     let plan = plan(&read.pattern, &goal, &PlanOptions::default());
     let text = path_text(&read.title, &read.pattern, &plan.path);
     fs::write(file, text).unwrap();
-    // Where one edge is thousands of times as long as the others, rounding alone opens gaps.
+    // If one edge is thousands of times as long as the others, rounding alone opens gaps.
     let coordinates = read.pattern.vertices().iter().flatten();
     let moderate = coordinates.clone().all(|c| c.abs() < 1e3);
     if plan.outcome == Outcome::Planned && moderate {
@@ -251,11 +251,11 @@ fn mutated_paths_are_judged_or_refused() {
     for_mutations(&text, check_and_view);
 }
 
-/// The seeds of `tests/fuzz`, which searches on from there.
+/// Seeds of `tests/fuzz`, which starts its search from these files.
 const SEEDS_OF_READERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fuzz/seeds");
 
-/// Mutates the seeds of a reader, each byte by byte or with a piece of another, and calls it with what that
-/// gives: of the seeds all must be read, and of what comes from them a fiftieth.
+/// Mutates the seeds of a reader, byte by byte or with a piece of another seed, and calls the reader with the results.
+/// The reader must accept all seeds, and at least a fiftieth of the mutated files.
 fn for_mutated_seeds<T>(folder: &str, read: impl Fn(&Path, &[u8]) -> Result<T, FileError>) {
     let seeds = fs::read_dir(Path::new(SEEDS_OF_READERS).join(folder)).unwrap();
     let mut seeds: Vec<_> = seeds.map(|entry| entry.unwrap().path()).collect();
@@ -292,7 +292,7 @@ fn for_mutated_seeds<T>(folder: &str, read: impl Fn(&Path, &[u8]) -> Result<T, F
     assert!(good > SEEDS / 50, "{folder}: {good}");
 }
 
-/// What is hard to bear somewhere.
+/// Pieces of text that are hard for some reader.
 const PIECES: [&str; 16] = [
     "1e300",
     "-1e-300",

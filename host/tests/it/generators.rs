@@ -1,4 +1,4 @@
-//! Generated families whose answer is not a plain plan: sheets that do not fold, and why.
+//! Tests generated families whose answer is not a plain plan: sheets that do not fold, and the reasons.
 
 use foldpath::folding::{FoldingMap, Rigidity, SpanningTree};
 use foldpath::generate::{Kresling, Letters, Quad, Resch, SquareTwist};
@@ -9,7 +9,7 @@ use foldpath_core::HalfAngle;
 use foldpath_core::closure::{half_angles, residual_and_jacobian};
 use nalgebra::{DMatrix, Rotation3, Unit, Vector3};
 
-/// A sheet that is closed, but for rounding.
+/// Closure residual below which a sheet is closed except for rounding errors.
 const CLOSED: f64 = 1e-9;
 
 fn pattern(drawing: Drawing) -> CreasePattern {
@@ -26,7 +26,7 @@ fn closure_at(pattern: &CreasePattern, angles: &[f64]) -> f64 {
     closure_of(pattern, &angles).unwrap()
 }
 
-/// The answer with crease groups and without.
+/// Returns the outcomes with crease groups and without.
 fn outcomes(pattern: &CreasePattern) -> [Outcome; 2] {
     let goal = Goal::of_pattern(pattern).unwrap();
     [Symmetry::Auto, Symmetry::Off].map(|symmetry| {
@@ -38,7 +38,7 @@ fn outcomes(pattern: &CreasePattern) -> [Outcome; 2] {
     })
 }
 
-/// The worst over twenty steps from flat to the goal, all angles scaled alike.
+/// Returns the worst errors over twenty steps from flat to the goal, with all angles scaled alike.
 fn scaled_to_goal(pattern: &CreasePattern) -> Rigidity {
     let tree = SpanningTree::from_central_face(pattern);
     let goal = goal_angles(pattern);
@@ -58,7 +58,7 @@ fn quad(size: usize) -> CreasePattern {
     pattern(quad.drawing().unwrap())
 }
 
-/// The report's Quad: within 0.1 % on the essential crease pattern, over 400 % on 24x24.
+/// The report's Quad deforms by at most 0.1 % on the essential crease pattern, and by over 400 % on 24x24.
 #[test]
 fn quad_deforms_with_its_size() {
     let (small, large) = (quad(3), quad(24));
@@ -79,8 +79,8 @@ fn quad_deforms_with_its_size() {
     assert_eq!(quad(4).creases().len(), 24 + 16);
 }
 
-/// The letters leave no closed configuration within 0.2 radians of the goal: of three families of creases
-/// two have to stay flat at each vertex, and the second largest goal angle is beyond that.
+/// The letters leave no closed configuration within 0.2 radians of the goal. At each vertex two of three families of
+/// creases have to stay flat, and the second largest goal angle is above 0.2 radians.
 #[test]
 fn quad_has_no_closed_configuration_near_its_goal() {
     let sheet = quad(24);
@@ -96,8 +96,8 @@ fn quad_has_no_closed_configuration_near_its_goal() {
     }
 }
 
-/// Misclosure of the corner of a square twist by matrices: sides k and k - 1, then the creases of their
-/// pleats, for tangents of half their fold angles.
+/// Returns the misclosure of the corner of a square twist, by matrices. `tangents` are those of half the fold angles of
+/// the sides k and k - 1, then of the creases of their pleats.
 fn corner_misclosure(alpha: f64, tangents: [f64; 4]) -> f64 {
     let quarter = core::f64::consts::FRAC_PI_2;
     let directions = [alpha, alpha + quarter, -quarter, 0.0];
@@ -124,7 +124,7 @@ fn square_twist_folds_with_two_and_two() {
             assert_eq!(sheet.real_vertices().count(), 4 * rows * columns);
             let goal = goal_angles(&sheet);
             assert!(closure_at(&sheet, &goal) < CLOSED);
-            // Along the motion all tangents stay in proportion.
+            // All tangents stay in proportion along the motion.
             for part in [0.1, 0.5, 0.9] {
                 let angles: Vec<f64> = goal
                     .iter()
@@ -132,7 +132,7 @@ fn square_twist_folds_with_two_and_two() {
                     .collect();
                 assert!(closure_at(&sheet, &angles) < CLOSED);
             }
-            // Folded farther, neighbouring pleats may meet.
+            // Neighbouring pleats may meet if the sheet is folded farther.
             if fold <= 0.5 {
                 assert_eq!(outcomes(&sheet), [Outcome::Planned; 2], "{degrees}");
             }
@@ -162,8 +162,8 @@ fn square_twist_locks_with_four_alike() {
         for outcome in outcomes(&sheet) {
             assert_ne!(outcome, Outcome::Planned);
         }
-        // With these letters each side of a square turns by τ of the side before or after, the same way
-        // at all corners; the other way round a corner does not close.
+        // With these letters the tangent of each side of a square is τ times that of the side before it, or after it,
+        // in the same direction at all corners. A corner does not close in the other direction.
         let tau = (core::f64::consts::FRAC_PI_4 - twist.angle / 2.0).tan();
         for t in [0.1, 1.0, 5.0] {
             assert!(corner_misclosure(twist.angle, [t, tau * t, t, -tau * t]) < CLOSED);
@@ -173,7 +173,7 @@ fn square_twist_locks_with_four_alike() {
     }
 }
 
-/// There are as many conditions as creases, and at the goal they are independent: it stands alone.
+/// There are as many conditions as creases. At the goal they are independent, so the goal is isolated.
 #[test]
 fn kresling_has_a_goal_and_no_motion() {
     for (rows, columns) in [(1, 4), (1, 6), (2, 6), (2, 8), (3, 8), (1, 24)] {
@@ -213,14 +213,14 @@ fn kresling_has_a_goal_and_no_motion() {
     }
 }
 
-/// Stars tucked below leave a plane of triangles; with each crease on its own a motion leads there.
+/// The goal has its stars tucked below a plane of triangles. With each crease on its own, a motion leads to it.
 #[test]
 fn resch_closes_to_a_plane() {
     for (rows, columns) in [(1, 1), (1, 4), (3, 2), (3, 3)] {
         let sheet = pattern(Resch { rows, columns }.drawing().unwrap());
         let goal = goal_angles(&sheet);
         assert!(closure_at(&sheet, &goal) < CLOSED);
-        // Folded, the triangles between stars lie in one plane.
+        // The triangles between stars lie in one plane when the sheet is folded.
         let tree = SpanningTree::from_central_face(&sheet);
         let map = FoldingMap::new(&sheet, &tree, &goal);
         let rigidity = map.rigidity(&sheet, &tree);

@@ -1,4 +1,4 @@
-//! The lattice of a tessellation, and the folded sheet by one cell of it, against the whole sheet.
+//! Tests the lattice of a tessellation, and the sheet folded by one cell of its lattice, against the whole sheet.
 
 use core::f64::consts::PI;
 use std::collections::{HashMap, HashSet};
@@ -63,7 +63,7 @@ impl Sheet {
         Self::find(drawing).expect("a lattice")
     }
 
-    /// Group angles of the goal, which closes.
+    /// Returns the group angles of the goal, which closes.
     fn goal(&self) -> Vec<f64> {
         let groups = self.memberships.iter().map(|m| m.group.index() + 1).max();
         let mut angles = vec![0.0; groups.unwrap()];
@@ -79,22 +79,22 @@ impl Sheet {
         creases.map(|m| m.apply(angles[m.group.index()])).collect()
     }
 
-    /// The folded lattice at these group angles.
+    /// Returns the folded lattice at these group angles.
     fn motion(&self, angles: &[f64]) -> LatticeMotion {
         let mut motion = LatticeMotion::new(&self.pattern, &self.memberships, &self.lattice);
         motion.fold(&halves(angles));
         motion
     }
 
-    /// Where the corners of a face are for the lattice: less the translation of its cell.
+    /// Returns the corners of a face as the lattice has them: without the translation of the face's cell.
     fn reduced(&self, face: FaceId) -> impl Iterator<Item = Vector2<f64>> {
         let origin = self.lattice.translation(self.lattice.place(face).cell);
         let cycle = self.pattern.faces()[face.index()].iter();
         cycle.map(move |v| self.pattern.vertices()[v.index()] - origin)
     }
 
-    /// Largest distance between corners as the lattice and the whole folding map see them from the first
-    /// face of each pair.
+    /// Returns the largest distance between the corners of a face in the lattice and in the whole folding map, as seen
+    /// from the first face of each pair of faces.
     fn disagreement(&self, angles: &[f64]) -> f64 {
         let motion = self.motion(angles);
         let tree = SpanningTree::from_central_face(&self.pattern);
@@ -124,8 +124,8 @@ impl Sheet {
         worst
     }
 
-    /// What the lattice promises, checked from edge to edge: wherever a face and one beyond an edge have
-    /// images in the same cell, these have an edge between them, moved as they are, that turns alike.
+    /// Checks from edge to edge that the lattice is right. If two neighbouring faces both have images under a
+    /// translation of the lattice, the images share the translated edge, which turns like the original edge.
     fn check(&self, what: &str) {
         let Self {
             pattern, lattice, ..
@@ -179,13 +179,14 @@ fn halves(angles: &[f64]) -> Vec<HalfAngle<f64>> {
     angles.iter().map(|&angle| HalfAngle::of(angle)).collect()
 }
 
-/// Number of faces of a cell: area of the cell over that of the sheet, for sheets of whole cells.
+/// The number of faces of a cell is that of the sheet times the area of the cell over that of the sheet, for sheets of
+/// whole cells.
 #[test]
 fn steps_and_orbits_are_those_found_by_hand() {
     let (miura_height, yoshimura_height) = (3_f64.sqrt(), 1.0 / 0.9_f64.tan());
     let root3 = 3_f64.sqrt();
     for (name, drawing, steps, orbits) in [
-        // Two rows and two columns of faces.
+        // A cell has two rows and two columns of faces.
         (
             "miura 3x3",
             miura(3, 3, 0.7),
@@ -198,7 +199,7 @@ fn steps_and_orbits_are_those_found_by_hand() {
             [[2.0, 0.0], [0.0, miura_height]],
             4,
         ),
-        // Units of six faces on two by two squares, those of the next row shifted by one.
+        // Units of six faces lie on two by two squares. The units of the next row are shifted by one.
         (
             "waterbomb 4x6",
             waterbomb(4, 6, 0.5),
@@ -211,14 +212,14 @@ fn steps_and_orbits_are_those_found_by_hand() {
             [[2.0, 0.0], [1.0, 2.0]],
             6,
         ),
-        // Triangles to the left and right of straight creases; at the top and bottom, of both, halves.
+        // Triangles lie to the left and right of straight creases. At the top and bottom there are halves of both.
         (
             "yoshimura 12x12",
             yoshimura(12, 12, 0.3),
             [[1.0, yoshimura_height], [-1.0, yoshimura_height]],
             6,
         ),
-        // A parallelogram in two triangles.
+        // A cell is one parallelogram of two triangles.
         (
             "quad 3x3",
             quad(3, 3),
@@ -231,7 +232,7 @@ fn steps_and_orbits_are_those_found_by_hand() {
             [[1.0, 0.0], [1.85 * 0.1_f64.cos(), 1.85 * 0.1_f64.sin()]],
             2,
         ),
-        // Six faces of a star, and two between stars.
+        // A cell has the six faces of a star, and two faces between stars.
         (
             "resch 3x3",
             resch(3, 3),
@@ -252,7 +253,8 @@ fn steps_and_orbits_are_those_found_by_hand() {
         let [a, b] = steps.map(Vector2::from);
         let found = sheet.lattice.steps();
         assert_eq!(found.len(), 2, "{name}");
-        // Whole parts, with determinant 1 or -1: the same lattice.
+        // The steps found are whole combinations of the expected ones, with determinant 1 or -1, so the lattice is the
+        // same.
         let parts =
             [found[0], found[1]].map(|step| [step.perp(&b), a.perp(&step)].map(|x| x / a.perp(&b)));
         let whole = parts
@@ -264,7 +266,7 @@ fn steps_and_orbits_are_those_found_by_hand() {
     }
 }
 
-/// Of two rows of Miura faces one step leads to the next, and of two columns.
+/// Two rows, or two columns, of Miura faces have a single step, which runs along the strip.
 #[test]
 fn a_strip_has_one_step() {
     for (drawing, step) in [
@@ -282,7 +284,7 @@ fn a_strip_has_one_step() {
     }
 }
 
-/// Faces of all pairs, at closed configurations on the motions of the families.
+/// All pairs of faces are compared at closed configurations on the motions of the families.
 #[test]
 fn relative_poses_are_those_of_the_whole_folding_map() {
     let mut random = Pcg64::new(7, 1);
@@ -306,7 +308,7 @@ fn relative_poses_are_those_of_the_whole_folding_map() {
     }
 }
 
-/// Long sides alone turn about parallel axes: a step is a turn, and far cells go round many times.
+/// Only the long sides turn, about parallel axes. A step is then a rotation, and far cells go round many times.
 #[test]
 fn a_rolled_sheet_is_that_of_the_whole_folding_map() {
     let sheet = Sheet::new(quad(6, 40));
@@ -330,7 +332,7 @@ fn a_rolled_sheet_is_that_of_the_whole_folding_map() {
     }
 }
 
-/// A thousand cells on, to 1e-12 of the sheet's size.
+/// Cells a thousand steps away are exact to 1e-12 of the sheet's size.
 #[test]
 fn far_cells_are_as_exact_as_the_whole_folding_map() {
     for (name, drawing) in [
@@ -356,7 +358,7 @@ fn far_cells_are_as_exact_as_the_whole_folding_map() {
             let cycle = sheet.pattern.faces()[face.index()].iter();
             for (reduced, vertex) in sheet.reduced(face).zip(cycle) {
                 let expected = map.poses()[face.index()].apply(vertices[vertex.index()]);
-                // Face 0 has its flat points less its own translation here.
+                // Here face 0 has its flat points without its own translation.
                 let off = pose.apply(reduced) + map.poses()[0].r_wf.rotate(&origin) - expected;
                 worst = worst.max(off.norm());
             }
@@ -366,7 +368,7 @@ fn far_cells_are_as_exact_as_the_whole_folding_map() {
     }
 }
 
-/// Each pair of faces is in one class, that has it, and no other class has pairs.
+/// Each pair of faces is in exactly one class, and that class has the pair. No other class has pairs.
 #[test]
 fn classes_part_the_pairs() {
     for (name, drawing) in [
@@ -414,8 +416,8 @@ fn classes_part_the_pairs() {
     }
 }
 
-/// A defect in the middle, with the groups that it leaves and with those that the sheet has without it:
-/// no step but such as take what is wrong to the border or beyond.
+/// A sheet with a defect in the middle is tested with its own groups, and with those of the sheet without the defect.
+/// It has no steps, or only steps that take the defect to the border or beyond.
 #[test]
 fn a_defect_has_no_step_or_only_right_ones() {
     let clean = CreasePattern::new(miura(9, 9, 0.7)).unwrap();
@@ -472,7 +474,7 @@ fn a_defect_has_no_step_or_only_right_ones() {
     }
 }
 
-/// Turned, scaled, moved and renumbered.
+/// The sheet is turned, scaled, moved and renumbered.
 #[test]
 fn the_lattice_moves_with_the_sheet() {
     for (name, drawing) in [
@@ -517,7 +519,7 @@ fn a_sheet_with_a_hole_has_a_lattice_and_two_sheets_have_none() {
             ..miura(9, 9, 0.7)
         };
         let pattern = CreasePattern::new(drawing).unwrap();
-        // Edges of the hole are no creases now; the others keep their groups.
+        // Edges of the hole are no longer creases. All other edges keep their groups.
         let edges = pattern.edges().iter().zip(whole.edges());
         let creases = edges.filter(|(edge, _)| edge.crease.is_some());
         let memberships = creases.map(|(_, edge)| groups.of(edge.crease.unwrap()));
@@ -530,13 +532,13 @@ fn a_sheet_with_a_hole_has_a_lattice_and_two_sheets_have_none() {
     sheet.check("hole");
     assert_eq!(sheet.lattice.orbits().len(), 4);
     assert!(sheet.disagreement(&sheet.goal()) < 1e-12);
-    // Without the middle row.
+    // The middle row of faces is missing.
     let (pattern, memberships) = without(36..45);
     assert_eq!(pattern.sheets(), 2);
     assert!(Sheet::with(pattern, memberships).is_none());
 }
 
-/// Where the sheet does not close, the lattice and the folding map differ by no more than is said.
+/// If the sheet does not close, the lattice and the folding map differ by no more than the bound `Lattice::astray`.
 #[test]
 fn faces_go_no_farther_astray_than_their_vertices_allow() {
     let mut random = Pcg64::new(21, 4);
@@ -566,9 +568,9 @@ fn faces_go_no_farther_astray_than_their_vertices_allow() {
     assert!(fullest > 0.01, "of use: {fullest}");
 }
 
-/// How much of the course from some group angles to others is filled: corners of a cell against corners of
-/// other cells, whose distance is no less than the gap and changes by no more than the course says, here
-/// for hinges that turn evenly.
+/// Compares the bounds of a `LatticeCourse` with a motion on which hinges turn evenly between two sets of group angles.
+/// The distance between corners of different cells must not be less than the gap, and must not change by more than the
+/// course allows. Returns the largest change over its bound.
 fn filled(sheet: &Sheet, [from, to]: [&[f64]; 2], what: &str) -> f64 {
     let changes = || from.iter().zip(to).map(|(a, b)| b - a);
     let mut course = LatticeCourse::new(&sheet.motion(from), [1000, 1000]);
@@ -662,7 +664,7 @@ fn filled_between(
     fullest
 }
 
-/// From closed configurations to others.
+/// The motions lead from closed configurations to others.
 #[test]
 fn gap_and_course_bound_motions() {
     let mut random = Pcg64::new(3, 3);
@@ -692,7 +694,7 @@ fn gap_and_course_bound_motions() {
                     [size * fold, size * fold / 50.0].map(|fold| waterbomb(8, 12, fold)),
                 ),
             ] {
-                // The same sheet: only its goal differs.
+                // Both are the same sheet with different goals.
                 let (sheet, next) = (Sheet::new(from), Sheet::new(to));
                 let angles = [&sheet.goal()[..], &next.goal()];
                 fullest = fullest.max(filled(&sheet, angles, &format!("{name} {size:e}")));
@@ -703,8 +705,8 @@ fn gap_and_course_bound_motions() {
     assert!(fullest > 0.3, "of use: {fullest}");
 }
 
-/// The bound does not ask that the sheet closes. From flat, where much of the first order cancels, the
-/// second counts.
+/// The bound does not require that the sheet closes. At the flat sheet much of the first order cancels, so the second
+/// order counts.
 #[test]
 fn gap_and_course_bound_changes_that_do_not_close() {
     let mut random = Pcg64::new(13, 3);

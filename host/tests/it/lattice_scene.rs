@@ -1,4 +1,5 @@
-//! Crossings in single configurations of a tessellation, found by its lattice, against those found among all faces.
+//! Tests crossings in single configurations of a tessellation: those found by its lattice against those found among all
+//! faces.
 
 use foldpath::collision::{CollisionScene, LatticeScene};
 use foldpath::folding::{FoldingMap, SpanningTree};
@@ -6,7 +7,8 @@ use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::symmetry::{CreaseGroups, Lattice};
 
-/// The deepest crossings, over the median edge, of the sheet folded to its goal: by the lattice, and among all faces.
+/// Returns the depths of the deepest crossings, over the median edge, of the sheet folded to its goal: by the lattice,
+/// and among all faces.
 fn both(drawing: Drawing) -> [f64; 2] {
     let pattern = CreasePattern::new(drawing).unwrap();
     let groups = CreaseGroups::find(&pattern);
@@ -23,7 +25,7 @@ fn both(drawing: Drawing) -> [f64; 2] {
     let lattice = Lattice::find(&pattern, groups.memberships()).unwrap();
     let mut scene =
         LatticeScene::new(&pattern, groups.memberships(), groups.len(), &lattice).unwrap();
-    // Another configuration before leaves nothing behind.
+    // A configuration that was tested before must leave nothing behind.
     let other: Vec<f64> = angles.iter().map(|angle| 0.9 * angle).collect();
     scene.deepest_crossing(&other);
     let found = scene.deepest_crossing(&angles);
@@ -43,7 +45,7 @@ fn both(drawing: Drawing) -> [f64; 2] {
     [found, deepest].map(|crossing| crossing.map_or(0.0, |c| c.depth) / pattern.median_edge())
 }
 
-/// Waterbombs wide enough pass through themselves where their tube has closed.
+/// Waterbomb sheets that are wide enough pass through themselves after their tube has closed.
 #[test]
 fn the_lattice_finds_the_deepest_crossing_of_all() {
     let (mut crossed, mut free) = (0, 0);

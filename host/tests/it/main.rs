@@ -1,4 +1,4 @@
-//! Tests of the library, one module for each matter.
+//! Tests of the library, one module for each subject.
 
 mod amplification;
 mod between;

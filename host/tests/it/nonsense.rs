@@ -1,5 +1,6 @@
-//! Numbers that are none, or too large or too small to mean anything, at the library's entries: refused, or handled,
-//! and never taken for an answer. What files may hold is in `bad_files.rs` and `hostile.rs`.
+//! Tests the library's functions with numbers that are NaN or infinite, or too large or too small to mean anything.
+//! Such numbers are refused or handled, and never taken for an answer. Files with bad contents are tested in
+//! `bad_files.rs` and `hostile.rs`.
 
 use core::f64::consts::PI;
 
@@ -18,7 +19,7 @@ use foldpath_core::Curve;
 use nalgebra::Vector2;
 
 const NONE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-/// The smallest number above 0.
+/// Smallest number above 0.
 const TINY: f64 = f64::from_bits(1);
 
 fn drawing() -> Drawing {
@@ -48,7 +49,7 @@ fn coordinates_are_numbers_within_bounds() {
             assert_eq!(refused, PatternError::NotFinite { vertex: 7 });
         }
     }
-    // Less than rounding changes nothing.
+    // A change below rounding errors has no effect.
     for odd in [TINY, -TINY, 1e-300, f64::MIN_POSITIVE] {
         let mut drawing = drawing();
         for vertex in &mut drawing.vertices {
@@ -63,7 +64,7 @@ fn coordinates_are_numbers_within_bounds() {
         );
         assert_eq!(plan.outcome, Outcome::Planned);
     }
-    // All of it that small has no length.
+    // If the whole sheet is this small, its edges have no length.
     for scale in [1e-60, 1e-200, 1e-310] {
         let mut drawing = drawing();
         for vertex in &mut drawing.vertices {
@@ -77,8 +78,8 @@ fn coordinates_are_numbers_within_bounds() {
     }
 }
 
-/// Far from the origin a sheet has all its faces, the right way up, whether the file names them or not; what rounding
-/// makes of its shape is certified as it is.
+/// A sheet far from the origin has all its faces, with the right side up, whether or not the drawing names faces. The
+/// certificate is for the shape as rounding has changed it.
 #[test]
 fn a_sheet_far_from_the_origin_is_the_same_sheet() {
     let near = sheet().0;
@@ -106,8 +107,8 @@ fn a_sheet_far_from_the_origin_is_the_same_sheet() {
     }
 }
 
-/// Between panels a ten-millionth of a degree wide at their corners rounding alone is over the bound, as far as
-/// anybody can prove: that is no plan.
+/// If the corners of panels are only a billionth of a degree wide, rounding alone exceeds the bound as far as can be
+/// proved, so there is no plan.
 #[test]
 fn what_is_not_certified_within_the_bound_is_not_planned() {
     for (sector, certified) in [(60.0, true), (1e-9, false)] {
@@ -168,7 +169,7 @@ fn goals_are_angles_that_hinges_have() {
     }
 }
 
-/// All numbers of a plan that is no plan are numbers, but for what is not known.
+/// Asserts that a plan failed with a reason, and that all numbers of its path are finite.
 fn assert_no(plan: &Plan, what: &str) {
     assert_ne!(plan.outcome, Outcome::Planned, "{what}");
     assert!(plan.reason.is_some(), "{what}");
@@ -247,7 +248,7 @@ fn folded_by_no_numbers_a_sheet_has_none() {
     for bad in NONE {
         let (rigidity, map) = folded(bad);
         assert!(rigidity.worst().is_nan() && rigidity.gap.is_nan());
-        // Neither ends in a panic nor without an end.
+        // No call panics or runs without end.
         let mut scene = CollisionScene::new(&pattern);
         let _none = scene.deepest_crossing(&map, 0.0, 0.0);
         assert_eq!(scene.clearance(&map), None);

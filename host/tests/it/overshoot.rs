@@ -1,4 +1,4 @@
-//! How near to its limits a trajectory runs, against closed forms and differences of sampled angles.
+//! Tests the fractions of its limits that a trajectory uses, against closed forms and differences of sampled angles.
 
 use crate::common::near;
 use foldpath::planner::Overshoot;
@@ -52,7 +52,7 @@ const WEIGHTS: [[f64; 2]; 8] = [
 const SPEEDS: [f64; 2] = [2.0, 3.0];
 const ACCELERATIONS: [f64; 2] = [7.0, 5.0];
 
-/// Largest parts of the limits in differences of angles, sampled within the segments.
+/// Returns the largest fractions of the limits that are used, by differences of angles sampled within the segments.
 fn of_differences(view: TrajectoryView<'_, f64>) -> [f64; 2] {
     let step = 1e-4;
     let angles = |time: f64| {
@@ -111,7 +111,7 @@ fn what_does_not_move_uses_nothing() {
     assert!(used.stretch() <= 1e-15);
 }
 
-/// A Miura fold's pair of angles, with derivatives by the first.
+/// Returns the two angles of a Miura fold, with their first and second derivatives by the first angle.
 fn miura(sigma: f64) -> [[f64; 2]; 3] {
     let k = 0.3;
     let tan = (sigma / 2.0).tan();

@@ -1,4 +1,4 @@
-//! Long calls that are watched: what they tell, and what they answer once cancelled.
+//! Tests long calls that are watched: their progress, and their answers after they are cancelled.
 
 use crate::common::{miura, path_text};
 use foldpath::check::{CheckOptions, check, check_watched};
@@ -9,7 +9,7 @@ use foldpath::plot::Curves;
 use foldpath::progress::{Progress, Stage};
 use foldpath::view::{Scene, page};
 
-/// A small sheet, and its plan.
+/// Returns a small sheet and its plan.
 fn planned(progress: &Progress) -> (CreasePattern, Plan) {
     let pattern = CreasePattern::new(miura(3, 3, 0.7)).unwrap();
     let goal = Goal::of_pattern(&pattern).unwrap();
@@ -17,7 +17,7 @@ fn planned(progress: &Progress) -> (CreasePattern, Plan) {
     (pattern, plan)
 }
 
-/// A path as it is read from its file.
+/// Returns a path as it is read from its file.
 fn path() -> PathFile {
     let (pattern, plan) = planned(&Progress::new());
     let text = path_text("a path", &pattern, &plan.path);

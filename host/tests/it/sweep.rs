@@ -1,4 +1,4 @@
-//! Whole motions swept for crossings, against closed forms and dense sampling.
+//! Tests sweeps of whole motions for crossings against closed forms and dense sampling.
 
 use core::f64::consts::PI;
 use std::collections::HashMap;
@@ -17,14 +17,14 @@ use rand_pcg::rand_core::Rng;
 
 type Motion = Vec<Vec<Curve<f64>>>;
 
-/// A pattern of `patterns/` and its closed-form motion from flat to its goal: tangents of half the fold
-/// angles keep their ratios, but that of the waterbomb's boundary lines is 3t + 4t³.
+/// Returns a pattern of `patterns/`, the memberships of its creases, and its closed-form motion from flat to its goal.
+/// The tangents of half the fold angles keep their ratios, except that the waterbomb's boundary lines have 3t + 4t³.
 fn folded(name: &str) -> (CreasePattern, Vec<Membership>, Motion) {
     let path = format!("{}/../patterns/{name}.fold", env!("CARGO_MANIFEST_DIR"));
     to_goal(read_pattern(Path::new(&path)).unwrap().pattern, name)
 }
 
-/// The same for a pattern of a family.
+/// Returns a pattern of the family `name` with its memberships and closed-form motion, as `folded` does.
 fn to_goal(pattern: CreasePattern, name: &str) -> (CreasePattern, Vec<Membership>, Motion) {
     let groups = CreaseGroups::find(&pattern);
     let mut tangents = vec![0.0_f64; groups.len()];
@@ -53,7 +53,7 @@ fn to_goal(pattern: CreasePattern, name: &str) -> (CreasePattern, Vec<Membership
     (pattern, groups.memberships().to_vec(), motion)
 }
 
-/// A pattern from its vertices and edges, those with two faces creases of a group each.
+/// Returns the pattern of these vertices and edges. Each edge between two faces is a crease with a group of its own.
 fn drawn(vertices: &[[f64; 2]], edges: &[[usize; 2]]) -> (CreasePattern, Vec<Membership>) {
     let edge = |&ends: &[usize; 2]| DrawnEdge {
         ends,
@@ -74,7 +74,7 @@ fn drawn(vertices: &[[f64; 2]], edges: &[[usize; 2]]) -> (CreasePattern, Vec<Mem
     (pattern, memberships)
 }
 
-/// A strip of panels along x, one side at 0 and the other from (x, 1) to the next, shifted by `shear`.
+/// Returns a strip of panels along x. The k-th edge across the strip runs from (x, 0) to (x + shear, 1).
 fn strip(places: &[f64], shears: &[f64]) -> (CreasePattern, Vec<Membership>) {
     let mut vertices = Vec::new();
     let mut edges = Vec::new();
@@ -88,7 +88,7 @@ fn strip(places: &[f64], shears: &[f64]) -> (CreasePattern, Vec<Membership>) {
     drawn(&vertices, &edges)
 }
 
-/// Sectors round a vertex, from one ray (degrees) to the next.
+/// Returns sectors round a vertex, each from one ray (degrees) to the next.
 fn fan(rays: &[f64]) -> (CreasePattern, Vec<Membership>) {
     let mut vertices = vec![[0.0, 0.0]];
     let mut edges = Vec::new();
@@ -103,7 +103,7 @@ fn fan(rays: &[f64]) -> (CreasePattern, Vec<Membership>) {
     drawn(&vertices, &edges)
 }
 
-/// A straight line in the fold angle (degrees).
+/// Returns a curve that is linear in the fold angle, between these angles (degrees).
 fn line(from: f64, to: f64) -> Curve<f64> {
     let [from, to] = [from, to].map(f64::to_radians);
     let third = (to - from) / 3.0;
@@ -146,8 +146,9 @@ fn miura_folds_are_free_and_their_clearance_is_the_width_of_a_pleat() {
     for name in ["miura-3x3", "miura-5x5", "miura-11x11"] {
         let (pattern, memberships, motion) = folded(name);
         let found = clearance(sweep(&(pattern, memberships), &motion));
-        // Faces two apart in a row are parallel: the panel between, as wide as its height sin 60°, stands
-        // at 10° to them. In a column: at the straight creases' angle, whose tangent is half as large.
+        // Two faces of a row with one panel between them are parallel. The panel has the height sin 60° and stands at
+        // 10° to them. In a column it stands at the angle of the straight creases, whose half-angle tangent is half as
+        // large.
         let zigzag = 60_f64.to_radians().sin() * 170_f64.to_radians().sin();
         let straight = 2.0 * (85_f64.to_radians().tan() / 2.0).atan();
         let straight = 60_f64.to_radians().sin() * straight.sin();
@@ -162,7 +163,8 @@ fn the_waterbomb_tube_is_free_until_it_closes() {
     assert!(clearance(sweep(&(pattern, memberships), &motion)) > 0.1);
     let (pattern, memberships, motion) = folded("waterbomb-12x22-crossing");
     let (_, s) = crossing_at(sweep(&(pattern, memberships), &motion));
-    // Boundary lines less middle lines: the twelve columns of the tube make a full turn at 60°.
+    // The tube closes if the angle of boundary lines less that of middle lines is 60°: twelve squares round the tube
+    // then make a full turn.
     let angles = motion[0].iter().map(|curve| curve.angle(s).abs());
     let (least, most) = angles.fold((PI, 0.0_f64), |(l, m), angle| (l.min(angle), m.max(angle)));
     let turn = (most - least).to_degrees();
@@ -172,8 +174,8 @@ fn the_waterbomb_tube_is_free_until_it_closes() {
 
 #[test]
 fn a_flap_that_passes_through_within_a_segment_is_found() {
-    // A box of floor, wall and roof, and a longer flap that comes in from outside: at a right angle it
-    // stands on the rim of the floor, at the end it is inside.
+    // The strip is a box of floor, wall and roof, and a longer flap that comes in from outside. At a right angle the
+    // flap stands on the rim of the floor, at the end it is inside.
     let box_ = strip(&[0.0, 2.0, 3.0, 5.0, 6.5], &[0.0; 5]);
     let motion = |end: f64| vec![vec![line(90.0, 90.0), line(90.0, 90.0), line(0.0, end)]];
     let (faces, s) = crossing_at(sweep(&box_, &motion(150.0)));
@@ -188,7 +190,8 @@ fn a_flap_that_passes_through_within_a_segment_is_found() {
 
 #[test]
 fn what_rounded_coordinates_explain_is_contact() {
-    // The box above: past a right angle the flap is as deep in the floor, 1 below it, as it has turned.
+    // This is the box of the test above. The floor is at distance 1 from the flap's hinge, so past a right angle the
+    // flap is as deep in the floor as the angle (radians) by which it has turned.
     let box_ = strip(&[0.0, 2.0, 3.0, 5.0, 6.5], &[0.0; 5]);
     let motion = vec![vec![line(90.0, 90.0), line(90.0, 90.0), line(0.0, 150.0)]];
     let (pattern, memberships) = &box_;
@@ -208,7 +211,7 @@ fn what_rounded_coordinates_explain_is_contact() {
             (0.9..2.0).contains(&sooner),
             "{gap:e}: {turned:e}, {depth:e}"
         );
-        // At one configuration likewise.
+        // The verdict on one configuration is the same.
         let tree = SpanningTree::from_central_face(pattern);
         let mut scene = CollisionScene::new(pattern);
         let mut crosses = |turned: f64| {
@@ -222,9 +225,9 @@ fn what_rounded_coordinates_explain_is_contact() {
 
 #[test]
 fn sectors_that_pass_through_each_other_are_found() {
-    // The first sector stands at 30° over the second; the third, shorter, turns over from outside and
-    // ends under the first. It meets the corner of the first where that is seen from their common ray at
-    // the base angle of an isosceles spherical triangle.
+    // The first sector stands at 30° over the second. The third sector is shorter, turns over from outside and ends
+    // under the first. It meets the corner of the first where its angle to the second is the base angle of an isosceles
+    // spherical triangle.
     let sectors = fan(&[0.0, 60.0, 120.0, 150.0]);
     let motion = |end: f64| vec![vec![line(150.0, 150.0), line(0.0, end)]];
     let base = (1.0 / (60_f64.to_radians().cos() * 15_f64.to_radians().tan())).atan();
@@ -254,7 +257,8 @@ fn layers_that_touch_at_half_a_turn_are_contact() {
 
 #[test]
 fn flaps_that_turn_about_the_same_line_do_not_pass_through_each_other() {
-    // The third panel lies on the second, and the hinge of the fourth on that of the first: it comes to lie on it.
+    // The third panel lies on the second, so the hinge of the fourth panel lies on that of the first. The fourth panel
+    // comes to lie on the first.
     let flaps = strip(&[0.0, 0.6, 1.6, 2.6, 3.1], &[0.0; 5]);
     let motion = |end: f64| {
         let still = || line(180.0, 180.0);
@@ -273,7 +277,8 @@ fn flaps_that_turn_about_the_same_line_do_not_pass_through_each_other() {
 #[test]
 fn layers_that_turn_nearly_alike_are_followed_together() {
     let flaps = strip(&[0.0, 0.6, 1.6, 2.6, 3.1], &[0.0; 5]);
-    // The fourth panel lies on the first, and goes ahead of it on the way, or lags behind it, by about this (radians).
+    // The fourth panel lies on the first. On the way it is ahead of the first by about `ahead` radians, or behind it if
+    // `ahead` is negative.
     let looks = |ahead: f64| {
         let turns = [0.0, 0.5 + ahead, 1.0 + ahead, 1.5];
         let back = Curve::Angle(turns.map(|turn| -turn));
@@ -292,7 +297,7 @@ fn layers_that_turn_nearly_alike_are_followed_together() {
     }
     let (faces, s) = crossing_at(looks(-1e-5).0);
     assert_eq!(faces, [FaceId(0), FaceId(3)]);
-    // As deep as counts where 3 s (1 - s) 1e-5 turns the shorter one through: at 0.035 and beyond.
+    // The shorter panel, 0.5 long, turns through the other by 3 s (1 - s) 1e-5. Its depth counts from 1e-6 on.
     let part = 1e-6 / 0.5 / 3e-5;
     assert!((part..3.0 * part).contains(&s), "{s}");
 }
@@ -310,21 +315,21 @@ fn sectors_that_lie_on_each_other_leave_in_their_order() {
     assert!(matches!(free, SweepVerdict::Free(None)), "{free:?}");
 }
 
-/// The ends of a panel along the strip, and whether its face is up.
+/// Ends of a panel along the strip, and `true` if its face is up.
 type Place = ([i32; 2], bool);
 
-/// Panels of a strip that lies flat, creases turned by half a turn or not at all, and which of two that overlap is above
-/// the other: followed in whole numbers, without angles.
+/// State of a strip that lies flat: its creases are turned by half a turn or not at all, and of two panels that overlap
+/// one is above the other. The state is followed in whole numbers, without angles.
 struct Layers {
     widths: Vec<i32>,
-    /// Of each crease: 0, or 1 or -1 for half a turn up or down.
+    /// Turn of each crease: 1 for half a turn up, -1 for half a turn down, or 0.
     turned: Vec<i32>,
-    /// Whether the second of a pair is above the first.
+    /// `true` if the second panel of the pair is above the first.
     above: HashMap<[usize; 2], bool>,
 }
 
 impl Layers {
-    /// Where each panel lies.
+    /// Returns the place of each panel.
     fn places(&self) -> Vec<Place> {
         let (mut x, mut up) = (0, true);
         let mut place = |panel: usize| {
@@ -338,15 +343,15 @@ impl Layers {
         (0..self.widths.len()).map(&mut place).collect()
     }
 
-    /// Turns a crease; `false` if what turns with it would have to pass through another panel.
+    /// Turns a crease. Returns `false` if a panel that turns with it would have to pass through another panel.
     fn turn(&mut self, crease: usize, to: i32) -> bool {
         let (before, from) = (self.places(), self.turned[crease]);
         self.turned[crease] = to;
         let after = self.places();
         let (still, face_up) = before[crease];
         let hinge = still[usize::from(face_up)];
-        // The panel beyond the crease leaves and comes on this side of the one that stays, and so does all that turns with
-        // it on that side of the hinge; what is beyond the hinge goes the other way.
+        // The panel beyond the crease leaves, and arrives, on this side of the panel that stays. All panels that turn
+        // with it do so on its side of the hinge. Panels beyond the hinge go the other way.
         let upward = (from + to > 0) == face_up;
         let sides = |places: &[Place], pair: [usize; 2], panel_is_left: bool| {
             let [a, b] = pair.map(|panel| places[panel].0);
@@ -366,7 +371,7 @@ impl Layers {
                 return false;
             }
         }
-        // What turns does so upside down.
+        // Panels that turn are upside down afterwards, so the order among them is reversed.
         let upside_down = self.above.iter_mut().filter(|(pair, _)| pair[0] > crease);
         upside_down.for_each(|(_, above)| *above = !*above);
         for pair in pairs {
@@ -391,7 +396,7 @@ fn panels_that_lie_on_each_other_leave_on_the_side_they_came_from() {
             i32::try_from(random.next_u32() % most).unwrap()
         };
         let panels = 4 + below(3);
-        // Creases that come to lie on each other, or hardly ever.
+        // With few different widths creases come to lie on each other; with many they hardly ever do.
         let unequal = if below(2) == 0 { 3 } else { 1000 };
         let widths: Vec<i32> = (0..panels).map(|_| unequal + below(unequal)).collect();
         let mut layers = Layers {
@@ -437,17 +442,17 @@ fn panels_that_lie_on_each_other_leave_on_the_side_they_came_from() {
     assert!(met.iter().all(|&met| met > 50), "{met:?}");
 }
 
-/// Panels that rest on each other while others turn, and then leave through each other: the walks that were missed once.
+/// Panels rest on each other while others turn, and then leave through each other. These motions were missed once.
 #[test]
 fn panels_that_lay_on_each_other_for_long_are_not_forgotten() {
     for (widths, turns, faces) in [
-        // The last panel sticks out over the fourth, by rounding alone apart from it.
+        // The last panel sticks out over the fourth, and only rounding keeps them apart.
         (
             &[1.347, 1.309, 1.411, 1.791, 1.616, 1.666],
             &[(4, 1), (4, 0), (4, 1), (2, -1), (1, 1), (3, 1)][..],
             [3, 5],
         ),
-        // The centers of both fall together to the last bit.
+        // The centers of both panels coincide to the last bit.
         (
             &[4.0, 3.0, 4.0, 3.0, 3.0, 3.0],
             &[(4, -1), (3, -1), (2, -1), (1, 1), (2, 0), (0, -1), (4, 0)],
@@ -504,7 +509,7 @@ fn a_hinge_that_turns_past_half_a_turn_is_found() {
     assert!(angle > PI && angle < PI + 1e-5, "{angle}");
 }
 
-/// A folded sheet that is asked for crossings at one place after the other.
+/// A folded sheet that is tested for crossings at one place of a motion after the other.
 struct Sampler<'a> {
     pattern: &'a CreasePattern,
     memberships: &'a [Membership],
@@ -522,7 +527,7 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The depth of the deepest crossing; 0 for none.
+    /// Returns the depth of the deepest crossing; 0 if there is none.
     fn depth(&mut self, motion: &Motion, segment: usize, s: f64) -> f64 {
         let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
         let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
@@ -532,12 +537,12 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Numbers from `low` to `high`.
+/// Returns a random number from `low` to `high`.
 fn uniform(random: &mut Pcg64, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * f64::from(random.next_u32()) / f64::from(u32::MAX)
 }
 
-/// A strip, a fan, or a square with strips on its sides.
+/// Returns a random strip, fan, or square with strips on its sides.
 fn random_pattern(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
     let count = 4 + random.next_u32() as usize % 4;
     match random.next_u32() % 3 {
@@ -568,7 +573,7 @@ fn random_pattern(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
     }
 }
 
-/// A unit square with a strip of two panels on each side.
+/// Returns a unit square with a strip of two panels on each side.
 fn star(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
     let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let (mut vertices, mut edges) = (square.to_vec(), Vec::new());
@@ -589,7 +594,7 @@ fn star(random: &mut Pcg64) -> (CreasePattern, Vec<Membership>) {
     drawn(&vertices, &edges)
 }
 
-/// Two segments of smooth curves, joined, with angles below half a turn.
+/// Returns two joined segments of smooth curves, with angles below half a turn at their control points.
 fn random_motion(random: &mut Pcg64, groups: usize) -> Motion {
     let most = 0.95 * PI;
     let mut start = vec![0.0; groups];
@@ -765,7 +770,7 @@ fn with_a_lattice_a_few_pairs_stand_for_all() {
     }
 }
 
-/// Strips that close to tubes and pass through themselves in a small part of the time between two tabulated ones.
+/// Strips close to tubes and pass through themselves within a small part of the time between two tabulated times.
 #[test]
 fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
     let places: Vec<f64> = (0..31).map(f64::from).collect();
@@ -787,8 +792,8 @@ fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
     }
 }
 
-/// The lattice of this sheet is oblique to it, and its second step turns: of the differences of cells in the box round
-/// them only a few are there.
+/// The lattice of this sheet is oblique to the sheet, and its second step turns. Only a few of the cell differences in
+/// their bounding box occur.
 #[test]
 fn a_lattice_oblique_to_its_sheet_is_swept() {
     let sheet = Yoshimura {

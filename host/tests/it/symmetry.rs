@@ -1,5 +1,5 @@
-//! Crease groups without a goal, on sheets as they come: letters only, rough coordinates, cut out,
-//! moved, mirrored, scaled, renumbered. And sheets that are not symmetric.
+//! Tests crease groups without a goal on sheets as they come: with letters only, with rough coordinates, cut out,
+//! moved, mirrored, scaled or renumbered. Sheets that are not symmetric are tested too.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use nalgebra::{Rotation2, Vector2};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-/// Sheets with their numbers of groups: the closed forms' own.
+/// Returns sheets with their numbers of groups, which are those of the closed forms.
 fn sheets() -> [(&'static str, Drawing, usize); 4] {
     [
         ("miura 11x11", miura(11, 11, 0.7), 2),
@@ -37,7 +37,8 @@ fn below(random: &mut Pcg64, end: usize) -> usize {
     (random.next_u64() % end as u64) as usize
 }
 
-/// For each edge its group, named by the first edge in it, and its turn against that.
+/// Returns for each edge its group, named by the first edge of the group, and `true` if the edge turns against that
+/// first edge.
 fn partition(pattern: &CreasePattern, groups: &CreaseGroups) -> Vec<Option<(usize, bool)>> {
     let mut first = HashMap::new();
     let edges = pattern.edges().iter().enumerate();
@@ -52,7 +53,7 @@ fn partition(pattern: &CreasePattern, groups: &CreaseGroups) -> Vec<Option<(usiz
         .collect()
 }
 
-/// Mountains of a group turn against its valleys.
+/// Asserts that mountains of a group turn against its valleys.
 fn check_letters(pattern: &CreasePattern, groups: &CreaseGroups, what: &str) {
     let mut sign_of = HashMap::new();
     for &id in pattern.creases() {
@@ -154,7 +155,7 @@ fn a_moved_and_renumbered_sheet_has_the_same_groups() {
             check_same(moved, &expected, count, &format!("{name} {turn}"));
         }
 
-        // Renumbered: vertex v becomes to[v], edge e comes from[e].
+        // The sheet is renumbered: vertex v becomes to[v], edge e comes from[e].
         let mut shuffled = |count: usize| {
             let mut order: Vec<usize> = (0..count).collect();
             for last in (1..count).rev() {
@@ -177,7 +178,7 @@ fn a_moved_and_renumbered_sheet_has_the_same_groups() {
         assert_eq!(groups.len(), count, "{name}");
         check_letters(&pattern, &groups, name);
         let found = partition(&pattern, &groups);
-        // The same edges are together, whatever the names.
+        // Edges that were in one group are in one group again, whatever its name.
         let mut names = HashMap::new();
         for (new, &old) in from.iter().enumerate() {
             let (a, b) = (expected[old].map(|x| x.0), found[new].map(|x| x.0));
@@ -186,7 +187,7 @@ fn a_moved_and_renumbered_sheet_has_the_same_groups() {
     }
 }
 
-/// The faces in rows and columns of the grid that these ranges name.
+/// Returns the part of the sheet that consists of these faces.
 fn cut_out(whole: &CreasePattern, faces: &[usize]) -> CreasePattern {
     let mut vertices = HashMap::new();
     let mut drawing = Drawing::default();
@@ -219,8 +220,8 @@ fn cut_out(whole: &CreasePattern, faces: &[usize]) -> CreasePattern {
     CreasePattern::new(drawing).unwrap()
 }
 
-/// Rectangles that do not care for unit cells, from the size on at which a sheet holds each kind of star
-/// with its neighbours.
+/// Rectangles are cut out without regard to unit cells. The smallest size is that at which a sheet has each kind of
+/// star with its neighbours.
 #[test]
 fn cut_outs_have_the_groups_of_the_sheet() {
     let mut random = Pcg64::new(8, 1);
@@ -230,7 +231,7 @@ fn cut_outs_have_the_groups_of_the_sheet() {
         (waterbomb.0, waterbomb.1, waterbomb.2, [5, 6]),
     ] {
         let whole = CreasePattern::new(drawing).unwrap();
-        // Rows are cut along y; along x a zigzag of columns, so that every cell is whole.
+        // Rows are cut along y. Along x the cut follows the zigzag of columns, so that every cell is whole.
         let cell = |face: usize| {
             let corners = &whole.faces()[face];
             let n = corners.len() as f64;
@@ -266,8 +267,8 @@ fn cut_outs_have_the_groups_of_the_sheet() {
     }
 }
 
-/// One vertex moved by a visible distance, or one letter flipped: more groups, or a plan that says so,
-/// but never a planned motion that does not close.
+/// One vertex is moved by a visible distance, or one letter is flipped. Then there are more groups, and a plan closes
+/// or says why there is none, but a planned motion never fails to close.
 #[test]
 fn a_defect_gives_no_wrong_groups() {
     let clean = CreasePattern::new(miura(7, 7, 0.7)).unwrap();
@@ -296,12 +297,12 @@ fn a_defect_gives_no_wrong_groups() {
     }
 }
 
-/// Columns whose sector angles change little by little are no rough Miura, and goal angles that drift
-/// along the sheet are no group.
+/// Columns whose sector angles change little by little are no rough Miura fold, and goal angles that drift along the
+/// sheet are no group.
 #[test]
 fn what_drifts_is_not_one_group() {
     for step in [3e-5, 2e-4, 1e-3, 3e-3] {
-        // Straight lines stay straight; each zigzag line leans a little more than the one before.
+        // Straight lines stay straight. Each zigzag line leans a little more than the line before.
         let mut drifting = without_goal(miura(12, 24, 0.7));
         for vertex in &mut drifting.vertices {
             let row = (vertex.y / 0.75_f64.sqrt()).round();
@@ -316,8 +317,8 @@ fn what_drifts_is_not_one_group() {
             groups.len(),
             groups.tolerance()
         );
-        // Directions in the first and last column differ by 23 steps times the sine of 60 degrees: all
-        // but the first sheet vary by more than rough stars may, 2e-3.
+        // Directions in the first and last column differ by 23 steps times the sine of 60 degrees. All sheets but the
+        // first vary by more than the 2e-3 that rough stars may.
         if 23.0 * step * 0.75_f64.sqrt() > 2e-3 {
             assert!(groups.len() > 2, "{step:e}: {}", groups.len());
         }
@@ -325,7 +326,7 @@ fn what_drifts_is_not_one_group() {
     let mut drawing = miura(11, 11, 0.7);
     for edge in &mut drawing.edges {
         let x = drawing.vertices[edge.ends[0]].x;
-        // Neighbours differ by less than what one group allows, the ends by much more.
+        // Neighbours differ by less than one group allows, the ends of the sheet by much more.
         edge.goal = edge.goal.map(|goal| goal * (1.0 - 2e-3 * x));
     }
     let pattern = CreasePattern::new(drawing).unwrap();
@@ -340,7 +341,7 @@ fn what_drifts_is_not_one_group() {
     }
 }
 
-/// Patterns that nobody here wrote, where they are at hand.
+/// Patterns by other authors, if they are at hand.
 #[test]
 fn real_files_have_few_groups_and_close() {
     let Some(folder) = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS") else {

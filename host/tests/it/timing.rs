@@ -1,4 +1,4 @@
-//! Time-optimal speed along a path, against closed forms, quadrature and integration in the phase plane.
+//! Tests time-optimal speeds along a path against closed forms, quadrature and integration in the phase plane.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_8, TAU};
 
@@ -7,7 +7,7 @@ use foldpath::planner::timing::{Law, RateLimits, Rests, SampledPath, TimingError
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// A path as functions of σ: first and second derivatives of each group.
+/// First and second derivatives of each group's angle, as functions of the path parameter σ.
 type Derivatives<'a> = &'a dyn Fn(f64) -> (Vec<f64>, Vec<f64>);
 
 /// A path sampled on a grid, with limits.
@@ -36,7 +36,7 @@ impl Case {
         }
     }
 
-    /// Adds a piece of the path from σ = `from` to `to` in so many intervals.
+    /// Adds a piece of the path from σ = `from` to `to`, with `intervals` intervals.
     fn piece(mut self, from: f64, to: f64, intervals: u32, path: Derivatives<'_>) -> Self {
         for k in 0..=intervals {
             let sigma = from + (to - from) * f64::from(k) / f64::from(intervals);
@@ -65,7 +65,8 @@ impl Case {
         self.law(AT_REST).unwrap()
     }
 
-    /// Largest parts of the limits on speed and acceleration used on the path itself, sampled at 10 kHz.
+    /// Returns the largest fractions of the limits on speed and acceleration that are used on the path itself, sampled
+    /// at 10 kHz.
     fn used(&self, law: &Law, path: Derivatives<'_>) -> [f64; 2] {
         let mut used = [0.0_f64; 2];
         let mut time = 0.0;
@@ -87,7 +88,7 @@ fn within_limits(used: [f64; 2]) {
     assert!(used.iter().all(|&part| part <= 1.001), "{used:?}");
 }
 
-/// Fastest time from rest to rest over a way, by high school physics.
+/// Returns the shortest time from rest to rest over a way, by high school physics.
 fn trapezoid(way: f64, speed: f64, acceleration: f64) -> f64 {
     let ramp = speed * speed / acceleration;
     if ramp >= way {
@@ -136,7 +137,7 @@ fn one_hinge_switches_where_the_ramps_end() {
 
 #[test]
 fn the_parameter_does_not_matter() {
-    // ρ = sin σ over part of its range, and over the whole, where ρ' vanishes at the ends.
+    // The path ρ = sin σ is taken over a part of its range, and over the whole range, where ρ' vanishes at the ends.
     let sine = |sigma: f64| (vec![sigma.cos()], vec![-sigma.sin()]);
     for (reach, speed) in [(1.0, 1.0), (1.0, 7.0), (FRAC_PI_2, 1.0), (FRAC_PI_2, 7.0)] {
         let exact = trapezoid(2.0 * f64::sin(reach), speed, 3.0);
@@ -146,7 +147,7 @@ fn the_parameter_does_not_matter() {
             within_limits(case.used(&law, &sine));
             (law.duration() / exact - 1.0).abs()
         };
-        // First order in the grid: ρ'' is what makes u vary within an interval.
+        // The error is of first order in the grid, because ρ'' makes u vary within an interval.
         let errors = [400, 1600, 6400].map(error);
         assert!(errors[2] <= 1e-3, "{errors:?}");
         assert!(
@@ -174,7 +175,7 @@ fn the_hinge_with_the_tightest_scaled_limits_rules() {
     }
 }
 
-/// A Miura fold's pair: tangents of half angles in proportion k.
+/// Returns the derivatives of the two angles of a Miura fold, whose half-angle tangents are in proportion k.
 fn miura(sigma: f64) -> (Vec<f64>, Vec<f64>) {
     let k = 0.3_f64;
     let tan = (sigma / 2.0).tan();
@@ -209,10 +210,10 @@ fn circle(sigma: f64) -> (Vec<f64>, Vec<f64>) {
     (vec![-sin, cos], vec![-cos, -sin])
 }
 
-/// Fastest time round the circle with accelerations up to 1 and no other limit. One hinge after the other
-/// is at its limit, so that all pieces are those of a constant acceleration.
+/// Returns the shortest time round the circle with accelerations up to 1 and no other limit. One hinge after the other
+/// is at its limit, so that all pieces have a constant acceleration.
 fn round_the_circle() -> f64 {
-    // From rest hinge 2 speeds up, x = 2 sin σ / cos² σ, until hinge 1 has to.
+    // From rest, hinge 2 speeds up at its limit, x = 2 sin σ / cos² σ, until hinge 1 reaches its limit.
     let (mut low, mut high) = (0.0_f64, 1.0_f64);
     for _ in 0..60 {
         let middle = (low + high) / 2.0;
@@ -227,8 +228,8 @@ fn round_the_circle() -> f64 {
     let first = low;
     let speed = (2.0 * first.sin()).sqrt() / first.cos();
     let ramp = (2.0 * first.sin()).sqrt();
-    // Then hinge 1 does, sin² σ x / 2 = c - cos σ, until hinge 2 has to slow down towards the quarter,
-    // where its speed is 0: cos² σ x / 2 = 1 - sin σ.
+    // Then hinge 1 speeds up at its limit, sin² σ x / 2 = c - cos σ, until hinge 2 has to slow down towards the
+    // quarter, at which its speed is 0: cos² σ x / 2 = 1 - sin σ.
     let c = first.cos() + (first.sin() * speed).powi(2) / 2.0;
     let over = |sigma: f64| {
         (c - sigma.cos()) / sigma.sin().powi(2) - (1.0 - sigma.sin()) / sigma.cos().powi(2)
@@ -244,7 +245,7 @@ fn round_the_circle() -> f64 {
     }
     let [at_first, at_second] = [first.sin() * speed, (2.0 * (c - low.cos())).sqrt()];
     let slowing = (2.0 * (1.0 - low.sin())).sqrt();
-    // The two quarters in the middle: x = 1 / cos² (δ/2) at δ from the nearest end of a quarter.
+    // In the two quarters in the middle, x = 1 / cos² (δ/2) at a distance δ from the nearest end of a quarter.
     2.0 * (ramp + (at_second - at_first) + slowing) + 2.0 * 4.0 * FRAC_PI_8.sin()
 }
 
@@ -270,7 +271,8 @@ fn hinges_take_turns_at_their_limits_round_a_circle() {
 
 #[test]
 fn hinges_turn_back_without_chattering() {
-    // In the middle of the circle one hinge turns back at each multiple of a quarter: zero inertia, x = 1.
+    // In the middle of the circle one hinge turns back at each multiple of a quarter. The inertia is zero there, and x
+    // = 1.
     for intervals in [397, 400, 1603] {
         let case = Case::new(&[100.0; 2], &[1.0; 2]).piece(0.0, TAU, intervals, &circle);
         let law = case.at_rest();
@@ -293,7 +295,7 @@ fn hinges_turn_back_without_chattering() {
     }
 }
 
-/// Group angles that are a line and a wave each, with limits, by a seed.
+/// Group angles that are the sum of a line and a wave each, with limits, drawn from a seed.
 struct Waves {
     /// Slope, height, frequency and phase of each group.
     groups: Vec<[f64; 4]>,
@@ -336,8 +338,8 @@ impl Waves {
 }
 
 impl Case {
-    /// Largest part of an acceleration's or speed's limit at both ends of the interval behind point k, with
-    /// σ̇² = x at its beginning and y at its end.
+    /// Returns the largest fraction of a limit on acceleration or speed that is used at the ends of the interval after
+    /// point k, with σ̇² = x at its beginning and y at its end.
     fn load(&self, k: usize, x: f64, y: f64) -> f64 {
         let groups = self.speeds.len();
         let u = (y - x) / (2.0 * (self.parameters[k + 1] - self.parameters[k]));
@@ -384,7 +386,7 @@ fn no_point_can_be_faster() {
     }
 }
 
-/// Least time over all motions on a lattice of σ̇², by dynamic programming.
+/// Returns the shortest time of all motions on a lattice of values of σ̇², by dynamic programming.
 fn least_time(case: &Case, lattice: &[f64]) -> f64 {
     let last = case.parameters.len() - 1;
     let mut to_go: Vec<f64> = lattice
@@ -432,7 +434,7 @@ fn the_motion_stops_where_the_path_turns_a_corner() {
     near(law.duration(), exact[0] + exact[1], 1e-3);
     near(law.time_at(1.0), exact[0], 1e-3);
     assert!(law.speed_at(1.0) <= 0.0);
-    // With a limit on the acceleration of the first hinge alone, the other need not start from rest.
+    // If only the first hinge has a limit on its acceleration, the other hinge need not start from rest.
     let half = Case {
         accelerations: vec![3.0, f64::INFINITY],
         ..corner
@@ -442,8 +444,8 @@ fn the_motion_stops_where_the_path_turns_a_corner() {
 
 #[test]
 fn a_point_given_twice_is_passed_if_only_the_second_derivative_jumps() {
-    // A line and the quarter of a circle that goes on from it, at speeds that bind everywhere but at the
-    // ends: there the acceleration does, on the line's side in closed form.
+    // The path is a line that continues as a quarter of a circle. The limits on speed bind everywhere except at the
+    // ends. At the ends the limits on acceleration bind, at the line's end in closed form.
     let line = |_: f64| (vec![0.0, 1.0], vec![0.0, 0.0]);
     let case = Case::new(&[0.3; 2], &[1.0; 2])
         .piece(-1.0, 0.0, 500, &line)

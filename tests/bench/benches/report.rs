@@ -1,8 +1,8 @@
-//! The report's tables and figures, foldpath beside the report's method.
+//! Benchmark `report`: the report's tables and figures, foldpath beside the report's method.
 //!
 //! `cargo bench --profile dist -p foldpath-bench --bench report` prints the section `report` of `BENCHMARKS.md` in
-//! about ten minutes and writes data and plots to `tests/bench/results`; `-- short` takes a few rows, in seconds,
-//! and writes to a folder of the target directory.
+//! about ten minutes and writes data and plots to `tests/bench/results`. With `-- short` it takes a few rows, in
+//! seconds, and writes to a folder of the target directory.
 
 use std::path::Path;
 

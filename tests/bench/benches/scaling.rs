@@ -1,7 +1,7 @@
-//! Time and memory of whole plans against the number of hinges, to a million and more.
+//! Benchmark `scaling`: time and memory of whole plans against the number of hinges, up to more than a million.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench scaling`, minutes; `-- short`, seconds. Writes `scaling.csv`
-//! and `scaling.svg` to `tests/bench/results`.
+//! `cargo bench --profile dist -p foldpath-bench --bench scaling` takes minutes, with `-- short` seconds. Writes
+//! `scaling.csv` and `scaling.svg` to `tests/bench/results`.
 
 use std::process::ExitCode;
 

@@ -1,7 +1,8 @@
-//! Errors of core and planner where sheets are extreme, against a reference of 192 bits, and what breaks first.
+//! Benchmark `stability`: errors of core and planner on extreme sheets, against a reference of 192 bits, and the first
+//! sheets on which something breaks.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench stability`, minutes; `-- short`, seconds. Writes tables to
-//! `tests/bench/results/stability-*.csv`.
+//! `cargo bench --profile dist -p foldpath-bench --bench stability` takes minutes, with `-- short` seconds. Writes
+//! tables to `tests/bench/results/stability-*.csv`.
 
 use std::path::Path;
 use std::process::ExitCode;

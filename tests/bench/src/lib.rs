@@ -1,6 +1,6 @@
-//! What the benchmarks share: the report's method, peers, and how tables and plots are written.
+//! Code that the benchmarks share: the report's method, peers, and writers of tables and plots.
 //!
-//! Every bench prints its section of `BENCHMARKS.md` as Markdown on stdout; `tests/bench/run` puts it there.
+//! Every bench prints its section of `BENCHMARKS.md` as Markdown on stdout; `tests/bench/run` puts it into the file.
 
 pub mod precision;
 pub mod report;

@@ -1,8 +1,8 @@
-//! Where files of the benchmarks go.
+//! The folder for the files of the benchmarks.
 
 use std::path::{Path, PathBuf};
 
-/// `tests/bench/results`, or the folder that the environment variable `FOLDPATH_BENCH_RESULTS` names.
+/// Returns `tests/bench/results`, or the folder that the environment variable `FOLDPATH_BENCH_RESULTS` names.
 #[must_use]
 pub fn folder() -> PathBuf {
     let named = std::env::var_os("FOLDPATH_BENCH_RESULTS").map(PathBuf::from);
@@ -12,7 +12,7 @@ pub fn folder() -> PathBuf {
 /// Writes a file to the folder.
 ///
 /// # Panics
-/// If that cannot be written to.
+/// If the file cannot be written.
 pub fn write(name: &str, text: &str) {
     let folder = folder();
     std::fs::create_dir_all(&folder).expect("a folder for results");

@@ -1,4 +1,4 @@
-//! One reader, which the environment variable READER names, fed by libFuzzer.
+//! Feeds one reader of files with libFuzzer's inputs. The environment variable READER names the reader.
 #![no_main]
 
 use std::path::Path;
@@ -9,7 +9,7 @@ use foldpath::pattern::CreasePattern;
 use foldpath::unfold::{UnfoldOptions, unfold};
 use libfuzzer_sys::fuzz_target;
 
-/// Feeds bytes to a reader; an error is put in words.
+/// Feeds bytes to a reader, and formats the error if there is one.
 type Reader = fn(&[u8]);
 
 static READER: LazyLock<Reader> = LazyLock::new(|| {
@@ -30,7 +30,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
     }
 });
 
-/// The sheet that goals are read for.
+/// The sheet for which goals are read.
 static SHEET: LazyLock<CreasePattern> = LazyLock::new(|| {
     let text = include_bytes!("../seeds/fold/square.fold");
     let file = fold::parse_pattern(Path::new("square.fold"), text);
@@ -41,7 +41,7 @@ fn said<T>(read: Result<T, FileError>) -> Option<T> {
     read.map_err(|error| error.to_string()).ok()
 }
 
-/// Reads a folded shape and lays it flat.
+/// Reads a folded shape and unfolds it.
 fn unfolded(name: &str, bytes: &[u8]) {
     if let Some(file) = said(parse_shape(Path::new(name), bytes, None)) {
         let laid = unfold(&file.shape, &UnfoldOptions::default());

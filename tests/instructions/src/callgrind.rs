@@ -1,13 +1,13 @@
-//! Runs one kernel of this program under callgrind.
+//! Runs one kernel of this program under callgrind and reads its instruction count.
 
 use std::process::{Command, Stdio};
 
 use crate::kernels::Kernel;
 
-/// The function inside which instructions are counted, as the symbol table has it.
+/// Pattern for the symbol of the function inside which instructions are counted.
 const COUNTED: &str = "*kernels::counted*";
 
-/// Instructions of a call of the kernel.
+/// Returns the number of instructions of one call of the kernel.
 pub(crate) fn count(kernel: &Kernel) -> Result<f64, String> {
     eprintln!("counting {}", kernel.name);
     let out = tempfile::NamedTempFile::new().map_err(|error| error.to_string())?;

@@ -1,14 +1,14 @@
-//! The stored figures.
+//! The stored instruction counts, in `figures.csv`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What the figures are counted with.
+/// Toolchain and processor for which the figures are counted.
 pub(crate) const TOOLCHAIN: &str = concat!("rustc ", env!("CARGO_PKG_RUST_VERSION"), " on x86-64");
 
 const HEAD: &str = "kernel,instructions";
 
-/// Instructions of each kernel by its name.
+/// Instructions of one call of each kernel, by its name.
 #[derive(Default)]
 pub(crate) struct Figures(BTreeMap<String, f64>);
 
@@ -17,7 +17,7 @@ impl Figures {
         PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/figures.csv"))
     }
 
-    /// Those of the file.
+    /// Reads the stored figures.
     pub(crate) fn read() -> Result<Self, String> {
         let file = Self::file();
         let text = std::fs::read_to_string(&file);

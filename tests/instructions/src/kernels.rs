@@ -1,4 +1,4 @@
-//! The kernels and their fixed inputs.
+//! The kernels whose instructions are counted, and their fixed inputs.
 
 use core::hint::black_box;
 use std::path::Path;
@@ -13,22 +13,22 @@ use foldpath::symmetry::CreaseGroups;
 mod follower;
 mod star;
 
-/// A piece of work on a fixed input.
+/// A kernel: a piece of work on a fixed input.
 pub(crate) struct Kernel {
-    /// Its name.
+    /// Name of the kernel.
     pub(crate) name: &'static str,
-    /// What it does, in words.
+    /// Description of the work, for the table.
     pub(crate) work: &'static str,
-    /// Calls that are counted.
+    /// Number of calls that are counted.
     pub(crate) calls: u32,
-    /// Whether counting takes more than a few seconds.
+    /// `true` if counting takes more than a few seconds.
     pub(crate) long: bool,
-    /// Sets it up, which is not counted.
+    /// Sets up the input, which is not counted, and returns the work.
     prepare: fn() -> Box<dyn FnMut()>,
 }
 
 impl Kernel {
-    /// Runs it once to warm up, and then to be counted.
+    /// Runs the kernel once to warm up, then as often as it is counted.
     pub(crate) fn run(&self) {
         let mut work = (self.prepare)();
         work();
@@ -36,7 +36,7 @@ impl Kernel {
     }
 }
 
-/// What is counted: callgrind looks for this name.
+/// Runs the counted calls. Callgrind looks for the name of this function.
 #[inline(never)]
 fn counted(work: &mut dyn FnMut(), calls: u32) {
     for _ in 0..calls {
@@ -44,12 +44,12 @@ fn counted(work: &mut dyn FnMut(), calls: u32) {
     }
 }
 
-/// The kernel of that name.
+/// Returns the kernel of this name.
 pub(crate) fn find(name: &str) -> Option<&'static Kernel> {
     ALL.iter().find(|kernel| kernel.name == name)
 }
 
-/// All of them.
+/// All kernels.
 pub(crate) const ALL: &[Kernel] = &[
     Kernel {
         name: "closure-f64",
@@ -149,7 +149,7 @@ fn read(name: &str) -> CreasePattern {
     read_pattern(Path::new(&path)).expect("a pattern").pattern
 }
 
-/// A sheet in its goal.
+/// A folded sheet at its goal.
 struct Sheet {
     pattern: CreasePattern,
     tree: SpanningTree,

@@ -1,10 +1,10 @@
 //! Counts the instructions of the hot kernels by callgrind and compares them with stored figures:
 //! `tests/instructions/run`.
 //!
-//! Times of a shared machine differ by a tenth from run to run; instructions of the same program on the same
-//! input do not. Figures are of the toolchain that `rust-toolchain.toml` names, the profile dist and x86-64
-//! without further features. What dispatches on the processor by itself (faer, in the plan with every crease an
-//! unknown, and glibc) does so on one with AVX2.
+//! Times on a shared machine differ by a tenth from run to run; the number of instructions of a program on fixed input
+//! does not. The figures hold for the toolchain in `rust-toolchain.toml`, the profile dist and x86-64 without further
+//! features. Code that chooses instructions at run time (glibc, and faer in the plan with every crease an unknown) is
+//! counted on a processor with AVX2.
 
 mod callgrind;
 mod figures;
@@ -17,7 +17,7 @@ use clap::Parser;
 use figures::Figures;
 use kernels::Kernel;
 
-/// Part by which a count may differ from its stored figure.
+/// Relative difference of a count from its stored figure that is not reported.
 const TOLERANCE: f64 = 0.02;
 
 /// Counts the instructions of the hot kernels and compares them with stored figures
@@ -56,7 +56,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Counts, compares and prints; whether nothing has grown.
+/// Counts, compares and prints. Returns `true` if no count has grown.
 fn guard(arguments: &Arguments) -> Result<bool, String> {
     let named = |kernel: &&Kernel| {
         let names = &arguments.kernels;

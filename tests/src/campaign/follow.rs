@@ -1,23 +1,24 @@
-//! A follower fed with a controller's file.
+//! Feeds a follower with a controller's file: does it command nothing beyond the limits?
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, Options, Place, State};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{GroupLimits, Spoke, StarsView};
 
-/// Groups and setpoints for which there is room.
+/// Largest number of groups (`GROUPS`), and length of the queue of setpoints (`KNOTS`).
 const GROUPS: usize = 32;
 const KNOTS: usize = 64;
-/// Microseconds of a tick, and ticks after which a path counts as never ending.
+/// `TICK`: microseconds of a tick. `TICKS`: number of ticks after which the run ends.
 const TICK: u64 = 4_000;
 const TICKS: u64 = 20_000;
-/// Part of its limits by which a rounded command may pass them.
+/// Relative rounding error by which a command may exceed its limits.
 const ROUNDING: f32 = 1e-5;
 
-/// Whether the follower goes to the end of the path in these bytes; all that it commands is within limits.
+/// Returns `true` if the follower goes to the end of the path in these bytes, and `false` if it refuses the path. Every
+/// command must be within the limits.
 ///
 /// # Errors
-/// What is wrong with what it does, or with the file.
+/// A description of what is wrong with a command, or with the file.
 pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
     let file = TrajectoryFile::read(bytes).map_err(|error| format!("exported, but {error}"))?;
     let limits: Vec<GroupLimits> = (0..file.groups()).filter_map(|g| file.limits(g)).collect();
@@ -71,7 +72,7 @@ pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
         match follower.state() {
             State::Done => return Ok(true),
             State::Running => {}
-            // Nothing holds it.
+            // Nothing was done to hold the motion.
             other => return Err(format!("{other:?}: {:?}", follower.reason())),
         }
     }

@@ -1,5 +1,6 @@
-//! Random paths: good ones spoilt in a number or two, or in their structure. None of them makes `check` or an
-//! export panic, what `check` lets pass the oracle does too, and the follower commands nothing that it may not.
+//! Random paths: valid ones, spoilt in a few numbers or in their structure. None of them may make `check` or an export
+//! panic. The oracle must accept every path that `check` accepts, and the follower must command nothing that it may
+//! not.
 
 use core::fmt;
 use core::panic::AssertUnwindSafe;
@@ -19,31 +20,31 @@ use serde_json::{Value, json};
 use super::follow::follow;
 use crate::{Animation, HandKnot, HandMade, Planned, Random, exceeds, worst};
 
-/// Executions of which one is looked at for crossings all along the way.
+/// One in this many executions is also checked for crossings between its knots.
 const SWEPT: u64 = 8;
-/// Shapes looked at between two knots.
+/// Number of shapes that are checked between two knots.
 const PLACES: u32 = 7;
-/// A sheet that is torn by less crosses where the oracle says so.
+/// A sheet that is torn by no more than this, over the median edge, must not cross by the oracle.
 const CLOSED: f64 = 1e-9;
 
-/// What became of the paths.
+/// Results for the paths.
 #[derive(Debug, Default)]
 pub struct Paths {
-    /// Paths made.
+    /// Number of paths made.
     pub executions: u64,
-    /// Of these, those that were read as paths.
+    /// Number of paths that were read as paths.
     pub read: u64,
-    /// Those that hold.
+    /// Number of paths that hold.
     pub hold: u64,
-    /// Those that a controller's file was made of, and those that it followed to their end.
+    /// Number of paths of which a controller's file was made.
     pub exported: u64,
-    /// Those that a follower went along to their end.
+    /// Number of paths that a follower went along to their end.
     pub followed: u64,
-    /// What is wrong, with seeds.
+    /// Failures, with seeds.
     pub failures: Vec<(u64, String)>,
 }
 
-/// Good paths of small sheets, of all interpolations.
+/// Valid paths of small sheets, in all kinds of interpolation.
 static GOOD: LazyLock<Vec<Value>> = LazyLock::new(|| {
     let mut paths = Vec::new();
     for name in [
@@ -60,7 +61,7 @@ static GOOD: LazyLock<Vec<Value>> = LazyLock::new(|| {
         ] {
             let options = PlanOptions {
                 interpolation: Some(kind),
-                // Few knots, so that the numbers that are spoilt matter.
+                // Few knots, so that each number that is spoilt matters.
                 bound: 0.02,
                 ..PlanOptions::default()
             };
@@ -84,7 +85,7 @@ static GOOD: LazyLock<Vec<Value>> = LazyLock::new(|| {
     paths
 });
 
-/// Makes and judges paths of the seeds from `seed` on.
+/// Makes and judges `count` paths, with the seeds from `seed` on.
 #[must_use]
 pub fn run(seed: u64, count: u64) -> Paths {
     let mut tally = Paths::default();
@@ -105,13 +106,13 @@ pub fn run(seed: u64, count: u64) -> Paths {
     tally
 }
 
-/// The path of a seed, as its file.
+/// Returns the path of a seed, as the content of its file.
 #[must_use]
 pub fn path_of(seed: u64) -> Value {
     spoilt(&mut Random::new(seed))
 }
 
-/// A good path, spoilt up to three times; one in ten is left as it is.
+/// Returns a valid path, spoilt up to three times; one path in ten stays as it is.
 fn spoilt(random: &mut Random) -> Value {
     let good = &GOOD[random.whole(0, GOOD.len() - 1)];
     let mut path = good.clone();
@@ -123,14 +124,14 @@ fn spoilt(random: &mut Random) -> Value {
     path
 }
 
-/// Lists of numbers, one an edge, that a knot may have.
+/// Lists that a knot may have, with one number an edge.
 const LISTS: [&str; 4] = [
     "edges_foldAngle",
     "foldpath:edges_foldAngleRate",
     "foldpath:edges_weight",
     "foldpath:edges_weightRate",
 ];
-/// Numbers that are hard to bear.
+/// Numbers that are hard to handle.
 const HARD: [f64; 14] = [
     0.0,
     -0.0,
@@ -156,7 +157,7 @@ fn spoil(path: &mut Value, random: &mut Random) {
     let at = random.whole(0, frames - 1);
     let list = LISTS[random.whole(0, LISTS.len() - 1)];
     match random.whole(0, 11) {
-        // A number of an edge, by a little or by much.
+        // Changes a number of an edge by a small or large amount.
         0..=3 => {
             if let Some(values) = path["file_frames"][at][list].as_array_mut() {
                 let edge = random.whole(0, values.len().max(1) - 1);
@@ -166,7 +167,7 @@ fn spoil(path: &mut Value, random: &mut Random) {
                 }
             }
         }
-        // All of a kind, of a knot.
+        // Scales all numbers of one list of a knot.
         4 => {
             let factor = 1.0 + random.sign() * random.log_uniform(1e-9, 1.0);
             if let Some(values) = path["file_frames"][at][list].as_array_mut() {
@@ -261,7 +262,7 @@ impl Paths {
         let holds = verdict.failures.is_empty();
         if holds {
             self.hold += 1;
-            // foldpath does without some keys that the oracle asks for.
+            // `check` accepts paths without some keys that the oracle needs.
             if let Ok(path) = Animation::parse(&text) {
                 judge(&path, &options, verdict.closure_bound(), &mut found);
             }
@@ -270,7 +271,7 @@ impl Paths {
         found
     }
 
-    /// Exports, and has the controller's file followed.
+    /// Exports a path in every format, and has the controller's file followed.
     fn export(&mut self, file: &PathFile, holds: bool, found: &mut Vec<String>) {
         let name = Path::new("a.fold");
         drop(csv::path_text(file, name).map_err(|error| error.to_string()));
@@ -290,7 +291,7 @@ impl Paths {
     }
 }
 
-/// What the oracle has against a path that holds.
+/// Adds to `found` whatever the oracle has against a path that holds.
 fn judge(path: &Animation, options: &CheckOptions, closure_bound: f64, found: &mut Vec<String>) {
     let sheet = &path.sheet;
     let stars = sheet.stars();

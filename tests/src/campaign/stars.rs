@@ -1,5 +1,5 @@
-//! Random stars: closure and its Jacobian against products of 4x4 matrices, and solvers that close or say
-//! that they do not.
+//! Random stars: do closure and its Jacobian agree with products of 4x4 matrices, and are solvers right when they say
+//! that a star closes or does not?
 
 use core::f64::consts::{PI, TAU};
 use core::fmt;
@@ -17,33 +17,34 @@ use nalgebra::{Matrix3, Matrix4, Vector2, Vector3};
 use crate::matrices::{Line, product, residual, rotation, skew};
 use crate::{Random, exceeds, worst};
 
-/// Largest number of creases round a vertex, and of vertices that share unknowns: see [`by_dual`].
+/// `DEGREE`: largest number of creases round a vertex. `TOGETHER`: largest number of vertices that share unknowns, see
+/// [`by_dual`].
 const DEGREE: usize = 64;
 const TOGETHER: usize = 3;
-/// Steps of the solvers.
+/// Largest number of iterations of the solvers.
 const LM_STEPS: u32 = 100;
 const GRADIENT_STEPS: u32 = 60;
-/// Roundings a crease by which a residual may differ from the matrices'.
+/// Largest difference of a residual from the matrices' residual, in roundings a crease.
 const ROUNDINGS: f64 = 4.0;
-/// Cosine of half the misclosure below which the sign of the residual is open.
+/// Cosine of half the misclosure below which the sign of the residual is not defined.
 const HALF_TURN: f64 = 1e-3;
 
-/// What became of the stars.
+/// Results for the stars.
 #[derive(Debug, Default)]
 pub struct Stars {
-    /// Stars judged.
+    /// Number of stars that were judged.
     pub stars: u64,
-    /// Problems of one to three stars that were solved.
+    /// Number of problems, of one to three stars each, that were solved.
     pub problems: u64,
     /// Largest error of a residual and of an entry of the Jacobian, in roundings a crease.
     pub errors: [f64; 2],
-    /// How solvers ended, by solver and outcome.
+    /// Number of runs by solver and outcome.
     pub outcomes: BTreeMap<(&'static str, String), u64>,
-    /// What is wrong, with seeds.
+    /// Failures, with seeds.
     pub failures: Vec<(u64, String)>,
 }
 
-/// Some stars in common unknowns, and where solvers begin.
+/// Some stars in common unknowns, and the start of the solvers.
 #[derive(Debug)]
 struct Problem {
     degrees: Vec<usize>,
@@ -53,7 +54,7 @@ struct Problem {
     limits: Option<Vec<(f64, f64)>>,
 }
 
-/// Judges problems with the seeds from `seed` on, until there were `count` stars.
+/// Judges problems with the seeds from `seed` on, until at least `count` stars were judged.
 #[must_use]
 pub fn run(seed: u64, count: u64) -> Stars {
     let mut tally = Stars::default();
@@ -127,7 +128,7 @@ impl Problem {
     }
 }
 
-/// Directions of creases, radians, counter-clockwise.
+/// Draws directions of creases, radians, counter-clockwise.
 fn directions(random: &mut Random, degree: usize) -> Vec<f64> {
     let mut directions: Vec<f64> = match random.whole(0, 3) {
         // Sectors of any size.
@@ -144,7 +145,7 @@ fn directions(random: &mut Random, degree: usize) -> Vec<f64> {
             });
             turned.collect()
         }
-        // Multiples of 15 degrees, some of them the same.
+        // Multiples of 15 degrees, some of them equal.
         2 => {
             let fifteen = || f64::from(u8::try_from(random.whole(0, 23)).expect("few"));
             core::iter::repeat_with(fifteen)
@@ -152,7 +153,7 @@ fn directions(random: &mut Random, degree: usize) -> Vec<f64> {
                 .map(|k| k * 15_f64.to_radians())
                 .collect()
         }
-        // Flat-foldable where the degree is even: opposite sectors make half a turn.
+        // Flat-foldable if the degree is even: alternate sectors add up to half a turn.
         _ => {
             let mut at = random.uniform(0.0, TAU);
             let share: Vec<f64> = (0..degree).map(|_| random.uniform(0.1, 1.0)).collect();
@@ -169,7 +170,7 @@ fn directions(random: &mut Random, degree: usize) -> Vec<f64> {
     directions
 }
 
-/// A fold angle to begin at, radians.
+/// Draws a fold angle to start from, radians.
 fn start(random: &mut Random, kind: usize) -> f64 {
     match kind {
         0 => random.sign() * random.log_uniform(1e-300, 1e-3),
@@ -185,7 +186,7 @@ fn start(random: &mut Random, kind: usize) -> f64 {
     }
 }
 
-/// The stars in one precision, and in the other as the matrices see them.
+/// The stars of a problem, in the precision `T`.
 struct InPrecision<T> {
     spokes: Vec<Spoke<T>>,
     ends: Vec<u32>,
@@ -226,13 +227,13 @@ impl<T: Scalar> InPrecision<T> {
         })
     }
 
-    /// Largest residual by 4x4 matrices.
+    /// Returns the largest residual by 4x4 matrices.
     fn residual(&self, x: &[T]) -> f64 {
         worst(self.stars().map(|star| residual(&product(turns(star, x)))))
     }
 }
 
-/// Creases and fold angles of a star as the matrices take them.
+/// Returns creases and fold angles of a star for the matrices.
 fn turns<T: Scalar>(star: &[Spoke<T>], x: &[T]) -> impl Iterator<Item = (Line, f64)> {
     star.iter().map(|spoke| {
         let [cos, sin] = spoke.direction.map(|part| part.to_f64());
@@ -246,7 +247,7 @@ fn turns<T: Scalar>(star: &[Spoke<T>], x: &[T]) -> impl Iterator<Item = (Line, f
     })
 }
 
-/// What a solver left, and what it says of that.
+/// Configuration that a solver has found, and its report.
 struct Solved<'a, T> {
     report: Report<T>,
     x: &'a [T],
@@ -321,7 +322,7 @@ impl Stars {
         }
     }
 
-    /// Closure and Jacobian of a star against the matrices'.
+    /// Compares closure and Jacobian of a star with those of the matrices.
     fn compare<T: Scalar>(
         &mut self,
         precision: &str,
@@ -344,10 +345,11 @@ impl Stars {
         let l = product(turns.iter().copied());
         let roundings = T::EPSILON.to_f64() * (star.len() as f64 + 4.0);
         let half_turn = (1.0 - r.norm_squared() / 4.0).max(0.0).sqrt();
-        // 2 sin θ/2 by the norm; the axis times sin θ by the skew part.
+        // The norm of L - I gives 2 sin(θ/2); the skew part of L gives the axis times sin θ.
         let by_norm = (r.norm() - residual(&l)).abs();
         let by_skew = (r * half_turn - skew(&rotation(&l))).norm();
-        // Near half a turn the norm hardly changes, and the root of its rest much.
+        // Near half a turn the norm of r hardly changes, but `half_turn`, the root of a small difference, has a large
+        // error. The comparison is therefore weighted by `half_turn`, or left out.
         let by_skew = if half_turn < HALF_TURN {
             0.0
         } else {
@@ -366,15 +368,16 @@ impl Stars {
             let change = rotation(&(before[k] * line.turning(*angle) * rest));
             let sign = if star[k].negative { -1.0 } else { 1.0 };
             let column = wide(&columns[k]) * sign;
-            // d‖L − I‖² = 2 (L − I) : dL, where ‖L − I‖² = 2 r·r.
+            // The derivative is d‖L − I‖² = 2 (L − I) : dL, with ‖L − I‖² = 2 r·r.
             let square = (rotation(&l) - Matrix3::identity()).dot(&change) * 2.0;
             let by_norm = (4.0 * r.dot(&column) - square).abs() / 4.0;
-            // d(r c) with c = √(1 − r·r / 4).
+            // The derivative is d(r c), with c = √(1 − r·r / 4).
             let by_skew = if half_turn < HALF_TURN {
                 0.0
             } else {
                 let skewed = column * half_turn - r * (r.dot(&column) / (4.0 * half_turn));
-                // An error of c is one of r over c, and the division by c squares it and more.
+                // An error of r leads to an error of c that is larger by 1/c. Dividing by c magnifies it by 1/c or more
+                // again.
                 (skewed - skew(&change)).norm() * half_turn.powi(3)
             };
             let error = worst([by_norm, by_skew]) / roundings;
@@ -388,7 +391,7 @@ impl Stars {
     }
 }
 
-/// For each crease the product of those before it.
+/// Returns for each crease the product of the matrices before it.
 fn prefixes(turns: &[(Line, f64)]) -> Vec<Matrix4<f64>> {
     let before = turns.iter().scan(Matrix4::identity(), |l, (line, angle)| {
         let here = *l;
@@ -398,7 +401,7 @@ fn prefixes(turns: &[(Line, f64)]) -> Vec<Matrix4<f64>> {
     before.collect()
 }
 
-/// Levenberg-Marquardt by equations in exactly M residuals.
+/// Solves by Levenberg-Marquardt with the dual equations of exactly M residuals.
 fn by_dual<T: Scalar, const M: usize>(
     problem: &mut ClosureProblem<'_, T>,
     limits: Limits<'_, T>,
@@ -414,7 +417,7 @@ fn by_dual<T: Scalar, const M: usize>(
 }
 
 impl<T: Scalar> Solved<'_, T> {
-    /// What is wrong with what the solver says of its answer.
+    /// Returns everything that is wrong with the solver's report.
     fn wrong(
         &self,
         stars: &InPrecision<T>,
@@ -445,7 +448,7 @@ impl<T: Scalar> Solved<'_, T> {
             let left = stars.residual(x);
             let (said, tolerance) = (report.residual.to_f64(), options.tolerance.to_f64());
             let closed = report.outcome == Outcome::Converged;
-            // What closes for certain is not evaluated: the report bounds it.
+            // If a bound proves that the last point closes, the solver does not evaluate it and reports the bound.
             if exceeds(left - said, rounding) || !closed && exceeds(said - left, rounding) {
                 found.push(format!("residual {said:e}, by matrices {left:e}"));
             }

@@ -1,5 +1,5 @@
-//! Patterns of files, drawn otherwise: those of `patterns/`, and real ones where they are at hand, in the folder
-//! that the environment variable FOLDPATH_EXTERNAL_PATTERNS names.
+//! Patterns of files, drawn differently: the files of `patterns/`, and real ones if the environment variable
+//! FOLDPATH_EXTERNAL_PATTERNS names a folder of them.
 
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use nalgebra::Rotation2;
 use super::variant;
 use crate::Random;
 
-/// Creases of the largest that is taken.
+/// Largest number of creases of a pattern that is used.
 const LARGEST: usize = 400;
 
 static FILES: LazyLock<Vec<(String, Drawing)>> = LazyLock::new(|| {
@@ -45,7 +45,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries(folder).into_iter().filter(pattern).collect()
 }
 
-/// What is in a folder, in order of names.
+/// Returns the entries of a folder, sorted by name.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let entries = read_dir(folder).into_iter().flatten().flatten();
     let mut entries: Vec<_> = entries.map(|entry| entry.path()).collect();
@@ -53,7 +53,7 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     entries
 }
 
-/// The pattern of a file, if the oracle can judge it: one sheet, of convex faces, with a goal.
+/// Returns the pattern of a file if the oracle can judge it: one sheet of convex faces, with a goal.
 fn drawing(file: &Path) -> Option<Drawing> {
     let pattern = read_pattern(file).ok()?.pattern;
     let fits = pattern.sheets() == 1
@@ -70,12 +70,12 @@ fn drawing(file: &Path) -> Option<Drawing> {
         edges: edges.collect(),
         faces: None,
     };
-    // What was parted by cuts has vertices in the same place, which cannot be drawn again.
+    // Cuts part a sheet into vertices at the same point, which cannot be drawn again.
     let again = CreasePattern::new(drawing.clone()).is_ok();
     (fits && again).then_some(drawing)
 }
 
-/// Whether no corner of a face turns back.
+/// Returns `true` if no face has a reflex corner.
 pub(super) fn convex(pattern: &CreasePattern) -> bool {
     let at = pattern.vertices();
     pattern.faces().iter().all(|face| {
@@ -88,13 +88,13 @@ pub(super) fn convex(pattern: &CreasePattern) -> bool {
     })
 }
 
-/// Any of them: half of them turned alone, the others drawn otherwise in every way.
+/// Returns the pattern of a random file: in half of all cases only rotated, else drawn differently in every way.
 #[must_use]
 pub fn file(random: &mut Random) -> Drawing {
     named_file(random).1
 }
 
-/// The same, with the name of the file.
+/// Returns such a pattern with the name of its file.
 #[must_use]
 pub fn named_file(random: &mut Random) -> (String, Drawing) {
     let (name, mut drawing) = FILES[random.whole(0, FILES.len() - 1)].clone();

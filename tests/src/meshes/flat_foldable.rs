@@ -1,4 +1,4 @@
-//! Generalised Miura sheets: quadrilateral meshes without symmetry whose vertices are flat-foldable.
+//! Generalised Miura sheets: quadrilateral meshes without symmetry, with flat-foldable vertices of degree 4.
 
 use foldpath::pattern::Drawing;
 use nalgebra::{Matrix2, Vector2};
@@ -6,19 +6,17 @@ use nalgebra::{Matrix2, Vector2};
 use super::{alternating, first_good, grid, heading, spacings, turns_well};
 use crate::Random;
 
-/// Shortest edge.
+/// Length of the shortest edge.
 const SHORTEST: f64 = 0.25;
 
-/// A mesh as in T. Tachi, "Generalization of rigid-foldable quadrilateral-mesh origami" (2009), built
-/// vertex by vertex.
+/// Draws a mesh as in T. Tachi, "Generalization of rigid-foldable quadrilateral-mesh origami" (2009), vertex by vertex.
 ///
-/// Round a flat-foldable vertex of degree 4 with the sectors s₁ (right to up) and s₂ (up to left),
-/// tan(right/2) = m tan(up/2) with m = sin((s₁ - s₂)/2) / sin((s₁ + s₂)/2); up and down turn alike,
-/// left and right opposite. So column i turns by tan(u_i/2) = ± y_i t and row j by ± x_j t all along,
-/// and the sheet folds with one degree of freedom if m = x_j / y_i at every vertex. Where the creases
-/// to the left and down are given, flat-foldability gives s₁ and this equation
-/// tan(s₂/2) = tan(s₁/2) (1 - m)/(1 + m): creases may start from two sides of the sheet in any
-/// direction.
+/// Round a flat-foldable vertex of degree 4 with the sectors s₁ (right to up) and s₂ (up to left), tan(right/2) = m
+/// tan(up/2) with m = sin((s₁ - s₂)/2) / sin((s₁ + s₂)/2). Up and down turn by equal angles, left and right by opposite
+/// ones. Therefore column i turns by tan(u_i/2) = ± y_i t and row j by ± x_j t all along the motion, and the sheet
+/// folds with one degree of freedom if m = x_j / y_i at every vertex. Given the creases to the left and down,
+/// flat-foldability gives s₁, and the equation gives tan(s₂/2) = tan(s₁/2) (1 - m)/(1 + m). The creases may start from
+/// two sides of the sheet in any direction.
 #[must_use]
 pub fn flat_foldable(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -52,7 +50,8 @@ pub fn flat_foldable(random: &mut Random) -> Drawing {
                 let (left, down) = (right[column - 1][row], up[column][row - 1]);
                 places[column][row] =
                     meet(places[column - 1][row], left, places[column][row - 1], down)?;
-                // The sector from left to down, both turned by π, is that from right to up before.
+                // The sector from left to down is opposite to s₁. Both of its directions are turned by π, which does
+                // not matter here.
                 let s1 = core::f64::consts::PI - (down - left);
                 if column == 1 {
                     x_of[row] = -s1.cos() * y_of[1] * (1.0 + random.uniform(-noise, noise));
@@ -89,14 +88,15 @@ pub fn flat_foldable(random: &mut Random) -> Drawing {
     })
 }
 
-/// Where the ray from `a` in the direction `along_a` meets that from `b`; `None` if not ahead of both.
+/// Returns the point where the ray from `a` in the direction `along_a` meets the ray from `b`; `None` if the point is
+/// not at least one shortest edge ahead of both.
 fn meet(a: Vector2<f64>, along_a: f64, b: Vector2<f64>, along_b: f64) -> Option<Vector2<f64>> {
     let rays = Matrix2::from_columns(&[heading(along_a), -heading(along_b)]);
     let lengths = rays.lu().solve(&(b - a))?;
     (lengths.min() >= SHORTEST).then(|| a + heading(along_a) * lengths.x)
 }
 
-/// Whether all faces of the grid are convex, counter-clockwise and not too slim.
+/// Returns `true` if all faces of the grid are convex, counter-clockwise and not too slim.
 fn convex(places: &[Vec<Vector2<f64>>]) -> bool {
     let cells = places.windows(2).flat_map(|columns| {
         let rows = 0..columns[0].len() - 1;

@@ -1,4 +1,4 @@
-//! Straight lines, alone and across straight lines.
+//! Sheets with straight creases: parallel ones (rolls and pleats), and two crossing families (maps).
 
 use core::f64::consts::PI;
 
@@ -8,11 +8,11 @@ use nalgebra::Vector2;
 use super::{alternating, grid, spacings};
 use crate::Random;
 
-/// A map of up to 4 x 4 panels: pleats all folded flat, and then, all layers as one, the lines across them by
-/// any angles of any signs, or left flat.
+/// Draws a map of up to 4 x 4 panels. All pleats are folded flat; then the lines across them turn, through all layers,
+/// by any angles of any signs, or stay flat.
 ///
-/// Where straight lines cross, neither pair can turn unless the other is flat or folded flat: the only way leads
-/// through bifurcations.
+/// If straight lines cross, neither of them can turn unless the other is flat or folded flat. The motion therefore has
+/// to pass through bifurcations.
 #[must_use]
 pub fn map(random: &mut Random) -> Drawing {
     let [columns, rows] = [(); 2].map(|()| random.whole(2, 4));
@@ -28,9 +28,9 @@ pub fn map(random: &mut Random) -> Drawing {
     )
 }
 
-/// A strip of 3 to 6 panels. Either rolled up or pleated, none quite onto its neighbour; or each narrower than the one
-/// before and rolled up quite flat, in which each has to be folded after the narrower ones. Panels that come to lie over
-/// others have to be folded after these.
+/// Draws a strip of 3 to 6 panels. One kind is rolled up or pleated, with no panel folded quite onto its neighbour. In
+/// the other kind each panel is narrower than the one before and the strip is rolled up flat, so that every panel has
+/// to be folded after the narrower ones, over which it comes to lie.
 #[must_use]
 pub fn roll(random: &mut Random) -> Drawing {
     let columns = random.whole(3, 6);
@@ -55,7 +55,7 @@ pub fn roll(random: &mut Random) -> Drawing {
     grid(&places, |column, _| goals[column], |_, _| 0.0)
 }
 
-/// The angle by which a line turns, radians.
+/// Draws the angle by which a line turns, radians.
 fn across(random: &mut Random) -> f64 {
     if random.chance(0.2) {
         0.0

@@ -1,4 +1,4 @@
-//! Sheets as they are measured or drawn by hand, and as files round them: nothing closes.
+//! Sheets as they are measured, drawn by hand or rounded by files: no configuration but the flat one closes exactly.
 
 use foldpath::pattern::{CreasePattern, Drawing};
 use nalgebra::Vector2;
@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 use super::file::convex;
 use crate::Random;
 
-/// The drawing with each vertex off by up to a thousandth of the shortest edge, or far less; as it was if that is no
-/// sheet of convex faces.
+/// Returns the drawing with each vertex moved by up to a thousandth of the shortest edge, or far less. Returns the
+/// drawing unchanged if the result is not a sheet of convex faces.
 #[must_use]
 pub fn measured(drawing: Drawing, random: &mut Random) -> Drawing {
     let length = |ends: [usize; 2]| {
@@ -21,13 +21,14 @@ pub fn measured(drawing: Drawing, random: &mut Random) -> Drawing {
     })
 }
 
-/// The drawing with its coordinates rounded to multiples of `unit`; as it was if that is no sheet of convex faces.
+/// Returns the drawing with coordinates rounded to multiples of `unit`, or unchanged if that is not a sheet of convex
+/// faces.
 #[must_use]
 pub fn rounded(drawing: Drawing, unit: f64) -> Drawing {
     with_vertices(drawing, |place| place.map(|x| (x / unit).round() * unit))
 }
 
-/// The drawing with its vertices moved; as it was if that is no sheet of convex faces.
+/// Returns the drawing with its vertices moved, or unchanged if that is not a sheet of convex faces.
 fn with_vertices(drawing: Drawing, moved: impl FnMut(&Vector2<f64>) -> Vector2<f64>) -> Drawing {
     let moved = Drawing {
         vertices: drawing.vertices.iter().map(moved).collect(),

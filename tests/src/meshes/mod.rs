@@ -1,5 +1,5 @@
-//! Seeded crease patterns that fold although they have little or no symmetry, each with letters and a
-//! goal that closes to rounding: by a closed form, or by the Newton's method of this package.
+//! Seeded crease patterns that fold although they have little or no symmetry. Each has assignments and a goal that
+//! closes to rounding, by a closed form or by the Newton's method of this package.
 
 mod file;
 mod flat_foldable;
@@ -28,14 +28,14 @@ pub use vertex::{slender, vertex};
 
 use crate::{Closure, Random};
 
-/// Radians: creases of goals turn by at least this, so that their letters mean something.
+/// Smallest goal of a crease, radians, so that its assignment means something.
 const LEAST: f64 = 0.03;
-/// Radians: and by at most this, short of a half turn.
+/// Largest goal of a crease, radians, short of half a turn.
 const MOST: f64 = 2.9;
-/// Drawings tried until one is good.
+/// Largest number of drawings that are tried until one is good.
 const TRIES: usize = 10_000;
 
-/// A drawing in the making.
+/// A drawing under construction.
 #[derive(Default)]
 struct Canvas(Drawing);
 
@@ -53,7 +53,7 @@ impl Canvas {
         });
     }
 
-    /// A crease with that goal, radians.
+    /// Adds a crease with this goal, radians.
     fn crease(&mut self, ends: [usize; 2], goal: f64) {
         self.0.edges.push(DrawnEdge {
             ends,
@@ -63,8 +63,8 @@ impl Canvas {
     }
 }
 
-/// A grid of (columns + 1) x (rows + 1) vertices at `places[column][row]`, joined by creases with the
-/// goals of `up(column, row)` and `right(column, row)`, radians.
+/// Returns a grid of (columns + 1) x (rows + 1) vertices at `places[column][row]`, joined by creases with the goals
+/// `up(column, row)` and `right(column, row)`, radians.
 fn grid(
     places: &[Vec<Vector2<f64>>],
     up: impl Fn(usize, usize) -> f64,
@@ -108,8 +108,8 @@ fn letter(goal: f64) -> Letter {
     }
 }
 
-/// Gives the creases the closed configuration that Newton's method finds from their goals, with its
-/// letters. `None` if there is none, or a crease turns too little or too far.
+/// Gives the creases the closed configuration that Newton's method finds from their goals, and its assignments. `None`
+/// if there is no such configuration, or if a crease turns too little or too far.
 fn close(mut drawing: Drawing) -> Option<Drawing> {
     let start: Vec<f64> = drawing
         .edges
@@ -126,25 +126,25 @@ fn close(mut drawing: Drawing) -> Option<Drawing> {
     turns_well(&drawing).then_some(drawing)
 }
 
-/// Whether every crease turns by neither too little nor too far.
+/// Returns `true` if every crease turns by at least `LEAST` and at most `MOST`.
 fn turns_well(drawing: &Drawing) -> bool {
     let goals = drawing.edges.iter().filter_map(|edge| edge.goal);
     goals.map(f64::abs).all(|a| (LEAST..=MOST).contains(&a))
 }
 
-/// The first good drawing of `draw`.
+/// Returns the first good drawing of `draw`.
 fn first_good(random: &mut Random, draw: impl Fn(&mut Random) -> Option<Drawing>) -> Drawing {
     (0..TRIES)
         .find_map(|_| draw(random))
         .expect("good drawings are not that rare")
 }
 
-/// The unit vector at that angle from +x, radians.
+/// Returns the unit vector at this angle from +x, radians.
 fn heading(angle: f64) -> Vector2<f64> {
     Vector2::new(angle.cos(), angle.sin())
 }
 
-/// Positions along a line of `count` panels of random width, from 0.
+/// Returns the positions of the lines between `count` panels of random width, from 0.
 fn spacings(random: &mut Random, count: usize) -> Vec<f64> {
     let mut at = 0.0;
     let mut places = vec![at];
@@ -155,7 +155,7 @@ fn spacings(random: &mut Random, count: usize) -> Vec<f64> {
     places
 }
 
-/// 1 for even columns, -1 for odd ones.
+/// Returns 1 for even columns, -1 for odd ones.
 fn alternating(column: usize) -> f64 {
     if column.is_multiple_of(2) { 1.0 } else { -1.0 }
 }

@@ -1,4 +1,4 @@
-//! Triangulated sheets of the known families with their vertices moved.
+//! Triangulated sheets of known families, with moved vertices.
 
 use foldpath::generate::{Waterbomb, Yoshimura};
 use foldpath::pattern::{Drawing, Letter};
@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 use super::{close, first_good};
 use crate::Random;
 
-/// A waterbomb sheet with moved vertices.
+/// Draws a waterbomb sheet with moved vertices.
 #[must_use]
 pub fn moved_waterbomb(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -20,7 +20,7 @@ pub fn moved_waterbomb(random: &mut Random) -> Drawing {
     })
 }
 
-/// A Yoshimura sheet with moved vertices.
+/// Draws a Yoshimura sheet with moved vertices.
 #[must_use]
 pub fn moved_yoshimura(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -34,10 +34,10 @@ pub fn moved_yoshimura(random: &mut Random) -> Drawing {
     })
 }
 
-/// Moves the vertices by up to a twentieth of an edge. A triangulated sheet stays flexible, with as
-/// many degrees of freedom as creases end on its boundary, less three or so: the goal is the closed
-/// configuration that Newton's method finds from the old goal, its letters unchanged. Vertices within
-/// a crease stay within it, and the boundary stays where it is.
+/// Moves the vertices by up to a twentieth of an edge. A triangulated sheet stays flexible: it has about three degrees
+/// of freedom less than creases end on its boundary. The goal is the closed configuration that Newton's method finds
+/// from the old goal, with the same assignments. Vertices within a crease stay within it, and the boundary stays in
+/// place.
 fn moved(random: &mut Random, mut drawing: Drawing) -> Option<Drawing> {
     let reach = random.log_uniform(1e-4, 0.05);
     let letters: Vec<Letter> = drawing.edges.iter().map(|edge| edge.letter).collect();

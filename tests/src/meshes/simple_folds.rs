@@ -1,4 +1,4 @@
-//! Squares folded by hand: along one line after the other, through all layers.
+//! Squares folded by hand: along one line after the other, each through all layers.
 
 use core::f64::consts::{PI, TAU};
 
@@ -8,13 +8,13 @@ use nalgebra::Vector2;
 use super::{Canvas, first_good, heading};
 use crate::Random;
 
-/// How far a line keeps from all corners of the folded sheet, and the shortest crease.
+/// Least distance of a line from all corners of the folded sheet, and half the length of the shortest crease.
 const ROOM: f64 = 0.04;
-/// Places that are the same differ by less.
+/// Distance below which two points are the same.
 const SAME: f64 = 1e-9;
 
-/// A square folded flat along 2 to 4 lines of any direction, up or down. Folded in this order it never crosses itself;
-/// folded all at once it often does.
+/// Draws a square folded flat along 2 to 4 lines of any direction, up or down. Folded in this order it never crosses
+/// itself; folded along all lines at once it often does.
 #[must_use]
 pub fn simple_folds(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -41,7 +41,7 @@ struct Layer {
     face_up: bool,
 }
 
-/// A corner, and the goal of the side that follows; none at the border of the sheet.
+/// A corner, and the goal of the side that follows it; `None` at the border of the sheet.
 #[derive(Clone, Copy)]
 struct Corner {
     flat: Vector2<f64>,
@@ -49,7 +49,7 @@ struct Corner {
     goal: Option<f64>,
 }
 
-/// What lies to the right of a random line is folded over to its left. `None` if the line passes too near a corner.
+/// Folds everything to the right of a random line over to its left. `None` if the line passes too near a corner.
 fn fold(layers: &[Layer], random: &mut Random) -> Option<Vec<Layer>> {
     let through = &layers[random.whole(0, layers.len() - 1)].corners;
     let weights: Vec<f64> = through.iter().map(|_| random.uniform(0.0, 1.0)).collect();
@@ -64,7 +64,7 @@ fn fold(layers: &[Layer], random: &mut Random) -> Option<Vec<Layer>> {
     }
     let mut folded = Vec::new();
     for layer in layers {
-        // Seen from its own upper side, each layer is folded its own way.
+        // Seen from its own upper side, a layer that lies face down is folded the opposite way.
         let goal = if up == layer.face_up { PI } else { -PI };
         for side in [1.0, -1.0] {
             let mut corners = part(&layer.corners, |place| side * height(place), goal)?;
@@ -83,7 +83,8 @@ fn fold(layers: &[Layer], random: &mut Random) -> Option<Vec<Layer>> {
     Some(folded)
 }
 
-/// The part of a face where `height` is positive; the side along which it is cut has that goal. `None` if that is short.
+/// Returns the part of a face where `height` is positive; the side along which it is cut gets this goal. `None` if that
+/// side is too short.
 fn part(
     corners: &[Corner],
     height: impl Fn(Vector2<f64>) -> f64,
@@ -113,7 +114,7 @@ fn part(
     (cut.is_empty() || long(&cut)).then_some(part)
 }
 
-/// The crease pattern of all layers laid flat.
+/// Returns the crease pattern of all layers, unfolded.
 fn drawing(layers: &[Layer]) -> Drawing {
     let mut canvas = Canvas::default();
     let mut drawn = Vec::new();
@@ -125,7 +126,7 @@ fn drawing(layers: &[Layer]) -> Drawing {
                 let known = known.position(|place| (place - corner.flat).norm() < SAME);
                 known.unwrap_or_else(|| canvas.vertex(corner.flat))
             });
-            // Creases are met from both sides.
+            // Every crease is met twice, from both sides.
             if drawn.contains(&[b, a]) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Miura-like sheets: strips of any height, each leaning its own way, and columns of any width.
+//! Miura-like sheets: strips of any height, each with a lean of its own, and columns of any width.
 
 use foldpath::pattern::Drawing;
 use nalgebra::Vector2;
@@ -6,15 +6,14 @@ use nalgebra::Vector2;
 use super::{alternating, first_good, grid, spacings, turns_well};
 use crate::Random;
 
-/// Straight creases along x and zigzag creases across, which are the same in every column but for
-/// where they stand. Strip j leans by θ_j from +x.
+/// Draws straight creases along x and zigzag creases across them. All zigzag creases have the same shape. Strip j leans
+/// by θ_j from +x.
 ///
-/// All vertices of a line are alike, and every other column is turned inside out. Between the zigzag
-/// creases of strips j - 1 and j the straight creases turn by s to the right and by -s to the left.
-/// With the zigzag's quaternion (cos u/2, sin u/2 (cos θ, sin θ, 0)), the product of the two turns by
-/// s and the one by u has no part along z, so that two equations are left:
-/// sin(u_j/2) sin θ_j is the same for all strips, and s_j = φ_{j-1} - φ_j with
-/// tan φ = tan(u/2) cos θ. One degree of freedom. The Miura fold is θ_j = α, π - α, α, ...
+/// All vertices of a line are alike, except that every other column swaps mountains and valleys. Between the zigzag
+/// creases of strips j - 1 and j the straight creases turn by s to the right and by -s to the left. With the zigzag's
+/// quaternion (cos u/2, sin u/2 (cos θ, sin θ, 0)), the product of the two rotations by s and the one by u has no part
+/// along z. Two equations remain: sin(u_j/2) sin θ_j is equal for all strips, and s_j = φ_{j-1} - φ_j with tan φ =
+/// tan(u/2) cos θ. The motion has one degree of freedom. The Miura fold is θ_j = α, π - α, α, ...
 #[must_use]
 pub fn strips(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -23,7 +22,7 @@ pub fn strips(random: &mut Random) -> Drawing {
     })
 }
 
-/// The same of 8 to 16 strips and columns.
+/// Draws such a sheet of 8 to 16 strips and columns.
 #[must_use]
 pub fn wide_strips(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -32,7 +31,7 @@ pub fn wide_strips(random: &mut Random) -> Drawing {
     })
 }
 
-/// Of so many strips and columns, if its creases turn well.
+/// Returns a sheet with these numbers of strips and columns, if its creases turn neither too little nor too far.
 fn sheet(random: &mut Random, [rows, columns]: [usize; 2]) -> Option<Drawing> {
     let lean: Vec<f64> = (0..rows)
         .map(|row| {

@@ -1,4 +1,4 @@
-//! Several vertices joined by creases without a loop between them.
+//! Several vertices joined by creases, without a closed loop of creases.
 
 use foldpath::pattern::Drawing;
 use nalgebra::Vector2;
@@ -10,8 +10,8 @@ use crate::Random;
 /// Half the height of a chain.
 const HALF_HEIGHT: f64 = 1.0;
 
-/// A strip with 2 to 5 vertices along its middle line, each joined to the next, with 1 to 3 creases
-/// up and as many down to its sides. The goal as that of [`vertex`](super::vertex()).
+/// Draws a strip with 2 to 5 vertices along its middle line, each joined to the next. Every vertex has 1 to 3 creases
+/// up and 1 to 3 down to the sides of the strip. The goal is found as for [`vertex`](super::vertex()).
 #[must_use]
 pub fn chain(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -50,8 +50,8 @@ pub fn chain(random: &mut Random) -> Drawing {
     })
 }
 
-/// A vertex of degree 4 or 5 on whose creases, one or more, sit further vertices of degree 4 or 5. The
-/// goal as that of [`vertex`](super::vertex()).
+/// Draws a vertex of degree 4 or 5. One or more of its creases end in further vertices of degree 4 or 5. The goal is
+/// found as for [`vertex`](super::vertex()).
 #[must_use]
 pub fn tree(random: &mut Random) -> Drawing {
     first_good(random, |random| {
@@ -74,7 +74,7 @@ pub fn tree(random: &mut Random) -> Drawing {
             }
             let joint = canvas.vertex(heading(arms[k]) * random.uniform(0.8, 1.2));
             canvas.crease([centre, joint], random_angle(random, largest));
-            // A fan to both sides of the arm, within its part of the sheet.
+            // A fan of creases on both sides of the arm, within the arm's part of the sheet.
             let (low, high) = (-0.4 * (turn - before), 0.4 * next);
             let mut fan = vec![
                 low * random.uniform(0.5, 1.0),

@@ -1,12 +1,12 @@
-//! The same sheet drawn otherwise.
+//! Other drawings of the same sheet.
 
 use foldpath::pattern::{Drawing, DrawnEdge};
 use nalgebra::Rotation2;
 
 use crate::Random;
 
-/// The drawing scaled, turned, perhaps mirrored and perhaps seen from its other side, its vertices and
-/// edges in another order: whatever it does, it does as before.
+/// Returns the drawing scaled, rotated, perhaps mirrored and perhaps seen from its other side, with its vertices and
+/// edges in another order. Every answer must be the same as before.
 #[must_use]
 pub fn variant(drawing: &Drawing, random: &mut Random) -> Drawing {
     let scale = random.log_uniform(1e-3, 1e3);

@@ -1,4 +1,4 @@
-//! Single vertices.
+//! Sheets with a single vertex.
 
 use core::f64::consts::{PI, TAU};
 
@@ -8,21 +8,21 @@ use nalgebra::Vector2;
 use super::{Canvas, close, first_good, heading};
 use crate::Random;
 
-/// Largest sector, radians: short of a half turn, so that faces are convex.
+/// Largest sector, radians: short of half a turn, so that faces are convex.
 const WIDEST: f64 = 0.95 * PI;
 
-/// A vertex with 4 to 8 creases in random directions; a third of those of even degree are
-/// flat-foldable (alternate sectors add to a half turn). The goal is where Newton's method closes
+/// Draws a vertex with 4 to 8 creases in random directions. A third of the vertices of even degree are flat-foldable:
+/// their alternate sectors add up to half a turn. The goal is the closed configuration that Newton's method finds from
 /// random angles of random signs.
 ///
-/// If its faces do not cross in the goal, it can be folded flat with no crease ever turning away from
-/// flat (I. Streinu, W. Whiteley, "Single-vertex origami and spherical expansive motions", 2005).
+/// If its faces do not cross in the goal, the vertex can be folded flat so that no crease ever turns away from flat (I.
+/// Streinu, W. Whiteley, "Single-vertex origami and spherical expansive motions", 2005).
 #[must_use]
 pub fn vertex(random: &mut Random) -> Drawing {
     of_lengths(random, |random| random.uniform(0.7, 1.3))
 }
 
-/// The same with creases of very different lengths.
+/// Draws such a vertex with creases of very different lengths.
 #[must_use]
 pub fn slender(random: &mut Random) -> Drawing {
     of_lengths(random, |random| random.log_uniform(1.0, 1e3))
@@ -46,12 +46,12 @@ fn of_lengths(random: &mut Random, length: fn(&mut Random) -> f64) -> Drawing {
     })
 }
 
-/// A random fold angle for Newton's method to start from, radians.
+/// Draws a fold angle for Newton's method to start from, radians.
 pub(super) fn random_angle(random: &mut Random, largest: f64) -> f64 {
     random.sign() * largest * random.uniform(0.3, 1.0)
 }
 
-/// Directions of creases round a vertex, counter-clockwise, radians. `None` if a sector is too wide.
+/// Draws directions of creases round a vertex, counter-clockwise, radians. `None` if a sector is too wide.
 pub(super) fn directions(random: &mut Random, degree: usize) -> Option<Vec<f64>> {
     let mut sectors: Vec<f64> = (0..degree).map(|_| random.uniform(0.3, 1.0)).collect();
     let flat_foldable = degree.is_multiple_of(2) && random.chance(1.0 / 3.0);

@@ -10,8 +10,9 @@ pub fn miura_straight(sector_angle: f64, zigzag: f64) -> f64 {
     2.0 * (sector_angle.cos() * (zigzag / 2.0).tan()).atan()
 }
 
-/// Returns the fold angle of the diagonals of a Yoshimura sheet whose straight creases have the fold
-/// angle `straight` and enclose the angle `gamma` with the diagonals: cos d = cos²ψ (1 − T²)/(1 + T²) − sin²ψ with ψ = v/2, T = sin ψ tan γ.
+/// Returns the fold angle of the diagonals of a Yoshimura sheet whose straight creases have the fold angle `straight`
+/// and enclose the angle `gamma` with the diagonals: cos d = cos²ψ (1 − T²)/(1 + T²) − sin²ψ with ψ = v/2, T = sin ψ
+/// tan γ.
 #[must_use]
 pub fn yoshimura_diagonal(gamma: f64, straight: f64) -> f64 {
     let (sin, cos) = (straight / 2.0).sin_cos();
@@ -22,17 +23,16 @@ pub fn yoshimura_diagonal(gamma: f64, straight: f64) -> f64 {
     -2.0 * half.atan2(rest)
 }
 
-/// The fold angles of the waterbomb's symmetric motion at the parameter t = tan(m/2), of which m is
-/// the angle of the middle lines.
+/// Fold angles of the waterbomb's symmetric motion at the parameter t = tan(m/2), with the angle m of the middle lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Waterbomb {
-    /// Middle lines.
+    /// Fold angle of the middle lines.
     pub middle: f64,
-    /// Cross lines.
+    /// Fold angle of the cross lines.
     pub cross: f64,
-    /// Diagonals, the only mountains.
+    /// Fold angle of the diagonals, the only mountains.
     pub diagonal: f64,
-    /// Boundary lines.
+    /// Fold angle of the boundary lines.
     pub boundary: f64,
 }
 
@@ -49,8 +49,8 @@ impl Waterbomb {
         }
     }
 
-    /// Returns the fold angle of the crease between two points, `ends`, of the unit-square grid:
-    /// units begin at even columns, and at odd ones in every other pair of rows.
+    /// Returns the fold angle of the crease between two points, `ends`, of the unit-square grid. Units of the pattern
+    /// begin at even columns, and in every other pair of rows at odd ones.
     #[must_use]
     pub fn of_crease(&self, ends: [[f64; 2]; 2]) -> f64 {
         let [[x, y], [other_x, other_y]] = ends;

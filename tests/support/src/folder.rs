@@ -31,19 +31,19 @@ impl Answer {
         value
     }
 
-    /// Returns `true` if the error told is this, with its line and column or without them.
+    /// Returns `true` if the error told is `message`, with or without its line and column.
     #[must_use]
     pub fn tells(&self, message: &str) -> bool {
         self.told().iter().any(|told| told == message)
     }
 
-    /// Returns `true` if the error told begins like this, with its line and column or without them.
+    /// Returns `true` if the error told begins with `message`, with or without its line and column.
     #[must_use]
     pub fn begins(&self, message: &str) -> bool {
         self.told().iter().any(|told| told.starts_with(message))
     }
 
-    /// Returns the error told, without the line of the file and the hint: as it is, and without line and column.
+    /// Returns the error told, without the line of the file and the hint: first in full, then without line and column.
     fn told(&self) -> [String; 2] {
         let first = self.stderr.lines().next().unwrap_or_default();
         let told = first.strip_prefix("foldpath: ").unwrap_or_default();
@@ -59,10 +59,10 @@ impl Answer {
         [told.into(), placeless]
     }
 
-    /// Returns the same answer, which must have this status.
+    /// Returns this answer, which must have the given status.
     ///
     /// # Panics
-    /// If it has another.
+    /// If the status is another.
     #[track_caller]
     pub fn with_status(self, status: i32) -> Self {
         assert_eq!(self.status, Some(status), "{self:?}");
@@ -70,17 +70,17 @@ impl Answer {
     }
 }
 
-/// A temporary folder, empty at first, in which one program runs. It is removed with its files in the end.
+/// A temporary folder, empty at first, in which one program runs. It is removed with its files when it is dropped.
 pub struct Folder {
     folder: TempDir,
     program: PathBuf,
 }
 
 impl Folder {
-    /// Makes a folder in which `program` runs, such as `env!("CARGO_BIN_EXE_foldpath")`.
+    /// Creates a folder in which `program` runs, such as `env!("CARGO_BIN_EXE_foldpath")`.
     ///
     /// # Panics
-    /// If the folder cannot be made.
+    /// If the folder cannot be created.
     #[must_use]
     pub fn of(program: &str) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl Folder {
         }
     }
 
-    /// Returns the place of a file in the folder, which need not exist.
+    /// Returns the path of a file in the folder, which need not exist.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
@@ -98,7 +98,7 @@ impl Folder {
     /// Reads a text file.
     ///
     /// # Panics
-    /// If there is none, or it is no text.
+    /// If there is no such file, or if it is not text.
     #[must_use]
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
@@ -107,24 +107,24 @@ impl Folder {
     /// Reads a JSON document.
     ///
     /// # Panics
-    /// If there is none, or it is no JSON.
+    /// If there is no such file, or if it is not JSON.
     #[must_use]
     pub fn read_json(&self, name: &str) -> Value {
         serde_json::from_str(&self.read(name)).unwrap()
     }
 
-    /// Writes a text file, over any that is there.
+    /// Writes a text file, replacing any file of this name.
     ///
     /// # Panics
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// Returns the names of all files, in order.
+    /// Returns the names of all files, sorted.
     ///
     /// # Panics
-    /// If the folder cannot be read, or a name is no text.
+    /// If the folder cannot be read, or if a name is not text.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
@@ -144,10 +144,10 @@ impl Folder {
         command
     }
 
-    /// Runs the command with arguments separated by blanks to its end.
+    /// Runs the command with arguments separated by blanks and waits for its end.
     ///
     /// # Panics
-    /// If it cannot be started, or writes other bytes than text.
+    /// If the command cannot be started, or if its output is not text.
     pub fn run(&self, arguments: &str) -> Answer {
         let output = self.command(arguments).output().unwrap();
         Answer {

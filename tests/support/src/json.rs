@@ -1,11 +1,11 @@
-//! JSON documents that are taken apart and spoilt.
+//! JSON documents that tests read and spoil.
 
 use serde_json::Value;
 
 /// Reads the numbers of a JSON list.
 ///
 /// # Panics
-/// If it is no list, or anything else is in it.
+/// If it is not a list, or if an entry is not a number.
 #[must_use]
 #[track_caller]
 pub fn numbers(list: &Value) -> Vec<f64> {
@@ -13,11 +13,11 @@ pub fn numbers(list: &Value) -> Vec<f64> {
     entries.map(|entry| entry.as_f64().unwrap()).collect()
 }
 
-/// Returns the document with some places changed. An edit is `/pointer = value`, several have `; ` between;
-/// without a value the place is removed, and one past the end of a list adds to it.
+/// Returns the document with some places changed. An edit is `/pointer = value`; `; ` separates edits. An edit without
+/// a value removes the place. A place past the end of a list adds to the list.
 ///
 /// # Panics
-/// If an edit is none, or a place is not in the document.
+/// If an edit has no such form, or if a place is not in the document.
 #[must_use]
 #[track_caller]
 pub fn edited(document: &Value, edits: &str) -> Value {

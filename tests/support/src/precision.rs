@@ -1,4 +1,4 @@
-//! Numbers in the precision that a test is made for.
+//! Numbers in the precision in which a test runs.
 
 use foldpath_core::Scalar;
 

@@ -1,4 +1,4 @@
-//! Random numbers from a seed, the same on every machine.
+//! Random numbers from a seed, equal on every machine.
 
 use core::convert::Infallible;
 use core::f64::consts::{PI, TAU};
@@ -9,35 +9,35 @@ use rand_pcg::Pcg64;
 
 /// A seeded generator.
 ///
-/// It is a [`Rng`] too, so that code under test can draw from it.
+/// It also implements [`Rng`], so that code under test can draw from it.
 #[derive(Clone, Debug)]
 pub struct Random(Pcg64);
 
 impl Random {
-    /// The generator of that seed.
+    /// Creates the generator of this seed, with stream 0.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self::stream(seed, 0)
     }
 
-    /// The generator of that seed whose numbers come from another sequence for each `stream`. The
-    /// stream of [`Random::new`] is 0.
+    /// Creates the generator of this seed. Each `stream` gives another sequence of numbers; the stream of
+    /// [`Random::new`] is 0.
     #[must_use]
     pub fn stream(seed: u64, stream: u64) -> Self {
         Self(Pcg64::new(u128::from(seed), u128::from(stream)))
     }
 
-    /// A number between `low` and `high`, both possible.
+    /// Returns a number from `low` to `high`, both possible.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(self.0.next_u32()) / f64::from(u32::MAX)
     }
 
-    /// A number between `low` and `high`, evenly distributed in the logarithm; both are above 0.
+    /// Returns a number from `low` to `high` whose logarithm is uniform; both must be above 0.
     pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
 
-    /// A whole number from 0 below `count`.
+    /// Returns a whole number from 0 to `count - 1`.
     ///
     /// # Panics
     ///
@@ -46,7 +46,7 @@ impl Random {
         self.0.next_u32() as usize % count
     }
 
-    /// A whole number from `low` to `high`, both possible.
+    /// Returns a whole number from `low` to `high`, both possible.
     ///
     /// # Panics
     ///
@@ -55,23 +55,23 @@ impl Random {
         low + self.below(high - low + 1)
     }
 
-    /// True in `part` of all cases, which is from 0 to 1.
+    /// Returns `true` with the probability `part`, from 0 to 1.
     pub fn chance(&mut self, part: f64) -> bool {
         self.uniform(0.0, 1.0) < part
     }
 
-    /// 1 or -1.
+    /// Returns 1 or -1.
     pub fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
-    /// A normally distributed number of mean 0 and deviation 1 (G. Box, M. Muller).
+    /// Returns a normally distributed number of mean 0 and standard deviation 1 (G. Box, M. Muller).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform(f64::MIN_POSITIVE, 1.0).ln()).sqrt();
         radius * self.uniform(0.0, TAU).cos()
     }
 
-    /// The numbers from 0 below `count` in random order (R. Fisher, F. Yates).
+    /// Returns the numbers from 0 to `count - 1` in random order (R. Fisher, F. Yates).
     pub fn permutation(&mut self, count: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..count).collect();
         for last in (1..count).rev() {
@@ -80,7 +80,7 @@ impl Random {
         order
     }
 
-    /// `count` fold angles in radians, anywhere in a full turn.
+    /// Returns `count` fold angles, uniform over a full turn, radians.
     pub fn angles<T: Scalar>(&mut self, count: usize) -> Vec<T> {
         (0..count).map(|_| T::lit(self.uniform(-PI, PI))).collect()
     }

@@ -8,17 +8,17 @@ use crate::{Random, cast};
 /// Stars that own their memory.
 #[derive(Clone, Debug)]
 pub struct Stars<T> {
-    /// The spokes of all stars, one star after the other.
+    /// Spokes of all stars, one star after the other.
     pub spokes: Vec<Spoke<T>>,
-    /// One index into `spokes` for each star: that behind its last spoke.
+    /// For each star the index into `spokes` behind its last spoke.
     pub ends: Vec<u32>,
-    /// The number of groups, whose fold angles are the unknowns.
+    /// Number of groups, whose fold angles are the unknowns.
     pub unknowns: usize,
 }
 
 impl<T: Scalar> Stars<T> {
-    /// Builds stars, each from a list of spokes: a spoke's plane angle in degrees, its group, and
-    /// whether it folds against its group.
+    /// Builds stars. Each is a list of spokes: plane angle in degrees, group, and `true` if the spoke folds against its
+    /// group.
     ///
     /// # Panics
     ///
@@ -45,12 +45,11 @@ impl<T: Scalar> Stars<T> {
         all
     }
 
-    /// Draws one star for each of `degrees`, which are counts of spokes; directions, signs and
-    /// groups are random.
+    /// Draws one star for each of `degrees`, the numbers of spokes. Directions, signs and groups are random.
     ///
     /// # Panics
     ///
-    /// Panics if there is a spoke but no unknown, or if there are more of either than a u32 counts.
+    /// Panics if there is a spoke but no unknown, or if either number exceeds `u32::MAX`.
     pub fn random(rng: &mut Random, unknowns: usize, degrees: &[usize]) -> Self {
         let stars: Vec<Vec<_>> = degrees
             .iter()
@@ -70,19 +69,19 @@ impl<T: Scalar> Stars<T> {
         )
     }
 
-    /// Returns the stars as core takes them.
+    /// Returns the stars as core's view.
     ///
     /// # Panics
     ///
-    /// Panics if core refuses them, because a spoke has no group or a direction is no unit vector.
+    /// Panics if core refuses the stars because a spoke has no group or a direction is not a unit vector.
     #[must_use]
     pub fn view(&self) -> StarsView<'_, T> {
         StarsView::new(&self.spokes, &self.ends, self.unknowns).unwrap()
     }
 }
 
-/// Returns ‖L − I‖ (Frobenius) of the rotation part of a star's closure, from the report's 4x4
-/// matrices; `unknowns` are the fold angles of its groups in radians.
+/// Returns ‖L − I‖ (Frobenius norm) of the rotation part of a star's closure, by the report's 4x4 matrices. `unknowns`
+/// are the fold angles of its groups, radians.
 #[must_use]
 pub fn foldability_error<T: Scalar>(star: StarView<'_, T>, unknowns: &[T]) -> f64 {
     let matrix = local_foldability_matrix(star, [T::zero(); 2], unknowns);
@@ -94,11 +93,10 @@ pub fn foldability_error<T: Scalar>(star: StarView<'_, T>, unknowns: &[T]) -> f6
     places.map(|place| entry(place).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns a Miura vertex: group 0 are the zigzag creases (major), group 1 the straight ones
-/// (minor).
+/// Returns a Miura vertex. Group 0 are the zigzag creases (major), group 1 the straight creases (minor).
 ///
-/// Of its four kinds in the pattern, `mirrored` ones point the zigzag the other way and `negated`
-/// ones swap mountains and valleys.
+/// The pattern has four kinds of vertices: in `mirrored` ones the zigzag points the other way, and in `negated` ones
+/// mountains and valleys are swapped.
 #[must_use]
 pub fn miura<T: Scalar>(sector_degrees: f64, mirrored: bool, negated: bool) -> Stars<T> {
     let sector = if mirrored {
@@ -117,15 +115,14 @@ pub fn miura<T: Scalar>(sector_degrees: f64, mirrored: bool, negated: bool) -> S
     )
 }
 
-/// Returns the fold angles of the groups of [`miura`], which are [major, minor] in radians, by the
-/// closed form.
+/// Returns the fold angles of the groups of [`miura`], [major, minor] in radians, by the closed form.
 #[must_use]
 pub fn miura_angles(sector_degrees: f64, major: f64) -> [f64; 2] {
     [major, miura_straight(sector_degrees.to_radians(), major)]
 }
 
-/// Returns the two stars of the report's waterbomb: its centre and its corner. The groups are
-/// middle lines, cross lines, diagonals and boundary lines.
+/// Returns the two stars of the report's waterbomb: its centre and its corner. Groups, in this order: middle lines,
+/// cross lines, diagonals, boundary lines.
 #[must_use]
 pub fn waterbomb<T: Scalar>() -> Stars<T> {
     const M: u32 = 0;
@@ -152,8 +149,8 @@ pub fn waterbomb<T: Scalar>() -> Stars<T> {
     Stars::new(4, &[&centre, &corner])
 }
 
-/// Returns the fold angles of the groups of [`waterbomb`] in radians, by the closed form; `t` in
-/// 0..1 is the tangent of half the angle of the middle lines.
+/// Returns the fold angles of the groups of [`waterbomb`], radians, by the closed form. `t` in 0..1 is the tangent of
+/// half the angle of the middle lines.
 #[must_use]
 pub fn waterbomb_angles(t: f64) -> [f64; 4] {
     let Waterbomb {

@@ -1,4 +1,4 @@
-//! Plans that are judged at their knots alone, against the oracle there.
+//! Plans that are judged at their knots alone: does the oracle agree with them at the knots?
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
@@ -9,7 +9,7 @@ use foldpath::planner::{Goal, Judged, Outcome, PlanOptions, Symmetry, Vertices, 
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Vector2;
 
-/// Of the oracle, on sheets of hundreds of faces.
+/// Rounding error of the oracle on sheets of hundreds of faces.
 const ROUNDING: f64 = 1e-10;
 
 fn options(symmetry: Symmetry, vertices: Vertices, keep_vertices: bool) -> PlanOptions {
@@ -76,7 +76,7 @@ fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
                         ("gap", sheet.gap(&poses), knot.gap),
                         ("deformation", sheet.deformation(&placed), knot.deformation),
                     ] {
-                        // The oracle folds from another face.
+                        // The oracle folds from another face, and so along another spanning tree.
                         let most = 10.0 * said + ROUNDING;
                         assert!(found <= most, "{what}: {name} {found:e} {said:e}");
                     }
@@ -87,7 +87,7 @@ fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
     }
 }
 
-/// The tube of twelve squares closes at b - m = 60.07 degrees: what turns farther crosses there.
+/// The tube of twelve squares closes near b - m = 60°. Beyond that its faces cross.
 #[test]
 fn a_path_ends_before_the_first_knot_that_crosses() {
     let sheet = Waterbomb {
@@ -118,7 +118,7 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
     assert!((along_lattice.1 - among_all.1).abs() < 1e-9);
 }
 
-/// A strip of so many faces that the motion between knots is not swept without a lattice.
+/// The strip has no lattice and so many faces that its motion between knots is not swept.
 #[test]
 fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
     let count = 4002_usize;

@@ -1,4 +1,5 @@
-//! A path is driven, not looked at: `check` judges it between its knots, where the knots alone would pass.
+//! Does `check` find what is wrong between knots although every knot is good? The motion is driven through all of its
+//! configurations, so that good knots are not enough.
 
 use foldpath::certificate::SegmentCertifier;
 use foldpath::check::{CheckOptions, Verdict, check};
@@ -15,7 +16,7 @@ fn verdict(path: &Value, options: &CheckOptions) -> Verdict {
     check(&path_file(&path.to_string()).unwrap(), options)
 }
 
-/// What is wrong with the whole motion, the knots alone being good.
+/// Returns the verdict on the whole motion. Asserts that the knots alone are good.
 #[track_caller]
 fn failures(path: &Value) -> Verdict {
     let knots_alone = CheckOptions::knots_alone(CheckOptions::default().bound);
@@ -23,7 +24,7 @@ fn failures(path: &Value) -> Verdict {
     verdict(path, &CheckOptions::default())
 }
 
-/// The path of a pattern with rates.
+/// Returns the planned path of a pattern, with rates.
 fn planned(name: &str) -> Value {
     let options = PlanOptions {
         interpolation: Some(Interpolation::Hermite),
@@ -37,7 +38,7 @@ fn frames(path: &mut Value) -> &mut Vec<Value> {
     path["file_frames"].as_array_mut().unwrap()
 }
 
-/// The same knots with another motion between them. Weights differ from knot to knot, and change.
+/// Replaces the kind of motion between the knots. Weights differ from knot to knot, and have rates.
 fn interpolated(mut path: Value, kind: &str) -> Value {
     path["foldpath:interpolation"] = json!(kind);
     if kind == "homogeneous" {
@@ -51,7 +52,7 @@ fn interpolated(mut path: Value, kind: &str) -> Value {
     path
 }
 
-/// Only every n-th knot of a path, and the last.
+/// Keeps every n-th knot of a path, and the last one.
 fn thinned(mut path: Value, n: usize) -> Value {
     let knots = frames(&mut path);
     let last = knots.len() - 1;
@@ -61,8 +62,8 @@ fn thinned(mut path: Value, n: usize) -> Value {
     path
 }
 
-/// The certificate of a segment is never below what is met at 1,000 places in it, by the formulas of the
-/// format and products of rotations, and not far above.
+/// The certificate of a segment is never below the residual at 1,000 points of it, by the format's formulas and
+/// products of rotations, and not far above it.
 #[test]
 fn certificates_hold_what_is_sampled() {
     let bound = 10.0;
@@ -113,8 +114,8 @@ fn certificates_hold_what_is_sampled() {
     }
 }
 
-/// The planner's certificate and this one bound the same, on two ways: neither is below what the other one
-/// samples, and both are near it.
+/// The planner's certificate and that of `check` bound the residual in two different ways. Neither is below the samples
+/// of the other, and both are near them.
 #[test]
 fn both_certificates_agree() {
     for name in [
@@ -137,7 +138,7 @@ fn both_certificates_agree() {
                 let creases = path.pattern.creases().iter().zip(groups.memberships());
                 let curve = |(&edge, part): (_, &Membership)| {
                     let curve = path.curve(segment, edge).unwrap();
-                    // A group turns the way of its letter.
+                    // The curve of a crease is that of its group, with the sign of its assignment.
                     match curve {
                         _ if !part.negative => curve,
                         Curve::Angle(angle) => Curve::Angle(angle.map(|b| -b)),
@@ -160,7 +161,7 @@ fn both_certificates_agree() {
     }
 }
 
-/// The largest closure residual that a segment may have.
+/// Returns the bound on the closure residual of the whole motion, and the largest number of samples of a segment.
 fn certified(path: &Value) -> (f64, usize) {
     let verdict = verdict(path, &CheckOptions::default());
     assert_eq!(verdict.failures, [""; 0]);
@@ -168,7 +169,8 @@ fn certified(path: &Value) -> (f64, usize) {
     (verdict.closure_bound(), samples.max().unwrap())
 }
 
-/// The knots of one segment from flat, at whose end the edges have these angles and rates (degrees).
+/// Makes a path of one segment from flat. `start` and `end` hold rates at the start, and angles and rates at the end,
+/// in degrees and per second.
 fn one_segment(mut path: Value, kind: &str, start: &[f64], end: [&[f64]; 2]) -> Value {
     path["foldpath:interpolation"] = json!(kind);
     path["file_frames"] = json!([[&vec![0.0; start.len()][..], start], end].map(
@@ -184,8 +186,7 @@ fn one_segment(mut path: Value, kind: &str, start: &[f64], end: [&[f64]; 2]) -> 
     path
 }
 
-/// Motions that are exact in half angles are one segment from flat to far, certified to a hundredth of a
-/// billionth.
+/// Motions that are exact in half angles take one segment from flat to large angles, certified to 2e-11.
 #[test]
 fn exact_motions_are_certified_in_one_segment() {
     let degrees = |tangents: &[f64]| -> Vec<f64> {
@@ -205,12 +206,12 @@ fn exact_motions_are_certified_in_one_segment() {
         let tangent = |angle: &f64| (angle.to_radians() / 2.0).tan();
         let (tangents, [start, end]): (Vec<f64>, [Vec<f64>; 2]) = if name.starts_with("miura") {
             let sharp = worst(goal.iter().map(|angle| tangent(angle).abs()));
-            // All tangents grow in proportion, to 175 degrees.
+            // All tangents grow in proportion, up to 175 degrees.
             let far = tangent(&175.0) / sharp;
             let tangents: Vec<f64> = goal.iter().map(|angle| far * tangent(angle)).collect();
             (tangents.clone(), [tangents.clone(), tangents])
         } else {
-            // t to 0.7: the boundary lines' tangents are 3t + 4t³, the others' in proportion to t.
+            // t goes to 0.7. The tangents of the boundary lines are 3t + 4t³; the others are proportional to t.
             let t = 0.7;
             let closed = Waterbomb::at(t);
             let kinds: Vec<f64> = (sheet.edges.iter().zip(&goal))
@@ -247,7 +248,7 @@ fn exact_motions_are_certified_in_one_segment() {
     }
 }
 
-/// From flat to flat-folded, c = 1 - s and n = k s.
+/// The segment c = 1 - s, n = k s goes from flat to flat-folded.
 #[test]
 fn the_whole_miura_is_one_homogeneous_segment() {
     let path = planned("miura-5x5");
@@ -274,7 +275,7 @@ fn the_whole_miura_is_one_homogeneous_segment() {
             .map(|&k| if k.abs() > 0.0 { f(k) } else { 0.0 })
             .collect::<Vec<f64>>()
     };
-    // (c, n) is (1, 0) and (0, k), and changes by (-1, k).
+    // (c, n) goes from (1, 0) to (0, k), at the rate (-1, k).
     let start = each(&|k| (2.0 * k).to_degrees());
     let [angles, rates] = [
         each(&|k| 180.0 * k.signum()),
@@ -303,8 +304,8 @@ fn the_whole_miura_is_one_homogeneous_segment() {
     assert!(samples <= 512, "{samples}");
 }
 
-/// Rates that are not those of the motion, and straight lines through few knots, tear the sheet between
-/// knots at which nothing is wrong.
+/// Rates that are not those of the motion, and straight lines through few knots, tear the sheet between knots that are
+/// good themselves.
 #[test]
 fn sheets_that_open_between_knots_are_refused() {
     for name in ["miura-5x5", "waterbomb-4x6"] {
@@ -327,7 +328,7 @@ fn sheets_that_open_between_knots_are_refused() {
                 "{:?}",
                 verdict.failures
             );
-            // The place named is open by the number named.
+            // The residual at the place that the verdict names is the residual that it names.
             let (motion, sheet) = (Motion::of(&path).unwrap(), Sheet::of(&path).unwrap());
             let segments = verdict.segments.iter().enumerate();
             let (index, worst) = segments
@@ -342,7 +343,7 @@ fn sheets_that_open_between_knots_are_refused() {
     }
 }
 
-/// What the holonomy of the whole sheet may add up to is reported, and holds what is measured.
+/// The reported bound, from the holonomy of the whole sheet, is not below the measured deformation.
 #[test]
 fn deformation_is_certified_for_the_whole_motion() {
     for name in ["miura-11x11", "waterbomb-8x10", "yoshimura-12x12"] {
@@ -373,7 +374,7 @@ fn deformation_is_certified_for_the_whole_motion() {
     }
 }
 
-/// A bound between what is sampled and what is certified: the path may well hold, but nobody knows.
+/// If the bound lies between the sampled and the certified deformation, the path may hold, but this is not proved.
 #[test]
 fn paths_that_only_seem_to_hold_are_not_certified() {
     let path = planned("miura-11x11");
@@ -404,7 +405,7 @@ fn hinges_turn_no_way_of_their_own_between_knots() {
         angles: vec![angle, -angle],
         rates: vec![rate, -rate],
     };
-    // There and back by a quarter of the rate.
+    // The hinge swings out by a quarter of the rate, and back.
     let swing = |angle, rate| {
         strip.path(
             "hermite",
@@ -430,8 +431,8 @@ fn hinges_turn_no_way_of_their_own_between_knots() {
     );
 }
 
-/// Faces that meet between knots and part again: at knots nothing is to be seen. The faces named cross from
-/// the place named on, and none before.
+/// Faces that meet between knots and part again are not seen at the knots. The faces that the verdict names cross from
+/// the place that it names on, and no faces cross before.
 #[test]
 fn faces_that_pass_through_each_other_between_knots_are_found() {
     let there_and_back = |angle: f64, rate: f64| {
@@ -441,7 +442,7 @@ fn faces_that_pass_through_each_other_between_knots_are_found() {
             rates: vec![rate; 2],
         })
     };
-    // A third knot, so that the segment counts.
+    // A third knot makes the segment with the crossing the second one.
     let still = |knots: [HandKnot; 2]| {
         let [first, last] = knots;
         let start = HandKnot {
@@ -500,7 +501,7 @@ fn faces_that_pass_through_each_other_between_knots_are_found() {
         let crossings =
             |s| sheet.crossings(&sheet.positions(&sheet.fold(&motion.angles(meets, s))));
         let named = crossing.crossing.faces.map(|face| face.index());
-        // Where they first do they are hardly more than in contact.
+        // At the first crossing the faces are hardly more than in contact.
         let found = crossings(crossing.at + 0.005);
         assert!(found.contains(&named), "{what}: {named:?} {found:?}");
         let before = (0..20).map(|k| crossing.at * f64::from(k) / 20.0);

@@ -1,5 +1,5 @@
-//! Starts near the flat sheet, where many branches meet: whoever leaves flat must end on the branch of
-//! the letters, or say that it did not.
+//! Which branch does the planner take out of the flat sheet, where many branches meet? It must end on the branch of the
+//! assignments, or say that it did not.
 
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
@@ -8,27 +8,28 @@ use foldpath_tests::closed_form::miura_straight;
 use foldpath_tests::{Random, worst};
 
 const SECTOR: f64 = core::f64::consts::FRAC_PI_3;
-/// Radians: how far from the closed form a configuration that closes to rounding may be. Near flat the
-/// closure conditions are of second order: an error of 1e-14 in them is one of 1e-10 at 1e-4 rad.
+/// Largest distance of a configuration that closes to rounding from the closed form, radians. Near flat the closure
+/// conditions are of second order: an error of 1e-14 in them is an error of 1e-10 in the angles at 1e-4 rad.
 const SAME: f64 = 1e-7;
-/// Radians: below this a closure residual of 1e-14 does not tell the branches apart.
+/// Angle below which a closure residual of 1e-14 does not tell the branches apart, radians.
 const FLAT: f64 = 1e-5;
-/// Closure residual of what has landed.
+/// Largest closure residual of a configuration that counts as closed.
 const CLOSED: f64 = 1e-12;
-/// Rows and columns of the sheets.
+/// Numbers of rows and of columns of the sheets.
 const SIZES: [usize; 4] = [3, 5, 11, 24];
-/// Starts on each sheet.
+/// Number of starts on each sheet.
 const STARTS: u64 = 200;
 
-/// Where a start went.
+/// The configuration that a start leads to.
 struct Landing {
     /// Fold angles of the creases, radians.
     angles: Vec<f64>,
-    /// Whether it claims to be on the branch of the letters.
+    /// `true` if the planner claims that it is on the branch of the assignments.
     claimed: bool,
 }
 
-/// Leaves the flat sheet from `start`, fold angles of the creases in radians; `None` if nothing closes.
+/// Leaves the flat sheet from `start`, fold angles of the creases in radians. Returns `None` if the result does not
+/// close.
 fn land(pattern: &CreasePattern, start: &[f64]) -> Option<Landing> {
     let departure = leave_flat(pattern, start);
     (departure.closure <= CLOSED).then_some(Landing {
@@ -37,7 +38,7 @@ fn land(pattern: &CreasePattern, start: &[f64]) -> Option<Landing> {
     })
 }
 
-/// Whether every crease turns the way of its letter.
+/// Returns `true` if every crease turns the way of its assignment.
 fn as_lettered(pattern: &CreasePattern, angles: &[f64]) -> bool {
     let signs = pattern
         .creases()
@@ -46,17 +47,17 @@ fn as_lettered(pattern: &CreasePattern, angles: &[f64]) -> bool {
     signs.zip(angles).all(|(sign, angle)| sign * angle > 0.0)
 }
 
-/// Whether a configuration is back in the flat sheet.
+/// Returns `true` if a configuration is the flat sheet.
 fn is_flat(angles: &[f64]) -> bool {
     worst(angles.iter().map(|a| a.abs())) <= FLAT
 }
 
-/// A Miura sheet whose motion is known.
+/// A Miura sheet, whose motion is known in closed form.
 struct Sheet {
     pattern: CreasePattern,
-    /// For each crease whether it is a straight one.
+    /// For each crease `true` if it is a straight one.
     straight: Vec<bool>,
-    /// Signs by the letters.
+    /// Signs of the creases' assignments.
     signs: Vec<f64>,
 }
 
@@ -81,7 +82,7 @@ impl Sheet {
         }
     }
 
-    /// The motion of the letters where the zigzag creases have turned by `zigzag`.
+    /// Returns the configuration on the branch of the assignments, by the fold angle of the zigzag creases.
     fn motion(&self, zigzag: f64) -> Vec<f64> {
         let straight = miura_straight(SECTOR, zigzag);
         let size = |&is_straight: &bool| if is_straight { straight } else { zigzag };
@@ -89,15 +90,15 @@ impl Sheet {
         sizes.zip(&self.signs).map(|(size, s)| size * s).collect()
     }
 
-    /// Largest difference from the motion of the letters, taken where the first zigzag crease is.
+    /// Returns the largest difference from the branch of the assignments at the angle of the first zigzag crease.
     fn off_motion(&self, angles: &[f64]) -> f64 {
         let leader = self.straight.iter().position(|straight| !straight);
         let motion = self.motion(angles[leader.unwrap()].abs());
         worst(angles.iter().zip(motion).map(|(a, b)| (a - b).abs()))
     }
 
-    /// A start: `scale` radians along the motion of the letters as it leaves flat, and `noise` times
-    /// as much in a random direction; `scale` is the largest angle of the first part.
+    /// Draws a start: a step along the branch of the assignments as it leaves flat, whose largest angle is `scale`
+    /// radians, plus `noise` times as long a step in a random direction.
     fn start(&self, random: &mut Random, scale: f64, noise: f64) -> Vec<f64> {
         let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         let along = self.motion(1e-6);
@@ -110,22 +111,22 @@ impl Sheet {
     }
 }
 
-/// What became of the starts.
+/// Numbers of starts by where they led.
 #[derive(Debug, Default)]
 struct Count {
-    /// On the motion of the letters.
+    /// On the branch of the assignments.
     lettered: usize,
     /// On another branch.
     other: usize,
     /// Back in the flat sheet.
     flat: usize,
-    /// Nowhere closed.
+    /// Not closed.
     unclosed: usize,
-    /// Of the starts without any noise, those that are not on the motion of the letters.
+    /// Starts without noise that are not on the branch of the assignments.
     clean_lost: usize,
 }
 
-/// Lands from seeded starts, a tenth without noise, the others with up to `noisiest` times the signal.
+/// Lands from seeded starts: a tenth without noise, the others with up to `noisiest` times the signal.
 fn count(size: usize, noisiest: f64) -> Count {
     let sheet = Sheet::new(size);
     let mut count = Count::default();
@@ -144,7 +145,7 @@ fn count(size: usize, noisiest: f64) -> Count {
             count.clean_lost += usize::from(clean);
             continue;
         };
-        // Classified here by letters and by the closed form, whatever is claimed.
+        // Classifies the result by its signs and by the closed form, whatever the planner claims.
         let what = format!("{size} x {size}, seed {seed}, scale {scale}, noise {noise}");
         let flat = is_flat(&landing.angles);
         let signs = as_lettered(&sheet.pattern, &landing.angles);
@@ -163,8 +164,8 @@ fn count(size: usize, noisiest: f64) -> Count {
     count
 }
 
-/// Signs as lettered name one branch on a Miura sheet, its closed form. With noise up to the size of the
-/// signal every start lands there; with more, some may land elsewhere, but none silently.
+/// The signs of a Miura sheet's assignments belong to one branch, its closed form. With noise up to the size of the
+/// signal every start lands on that branch. With more noise a start may land elsewhere, but the planner says so.
 #[test]
 fn whoever_leaves_flat_lands_as_lettered_or_says_so() {
     for noisiest in [1.0, 3.0] {

@@ -1,6 +1,7 @@
-//! The page of `foldpath view` in a real browser without a network.
+//! Does the page of `foldpath view` work in a real browser without a network?
 //!
-//! Needs Chromium: `tests/run` installs it; `CHROME` names another one than `/usr/bin/chromium`.
+//! Needs Chromium, which `tests/run` installs. The environment variable `CHROME` names another program than
+//! `/usr/bin/chromium`.
 
 use core::time::Duration;
 use std::{
@@ -31,10 +32,10 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// How long a busy machine may take for anything.
+/// Longest time that a busy machine may take for anything.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What the page shows of a path: planned, written and read again.
+/// Returns the page's data for a planned path, which is written and read again.
 fn scene(planned: &Planned) -> Scene {
     Scene::of_path(&path_file(&planned.text()).unwrap())
 }
@@ -103,7 +104,7 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
     view.assert_quiet();
 }
 
-/// The page folds the sheet by itself: angles between knots are the oracle's, shapes at knots the file's.
+/// The page folds the sheet itself. Its angles between knots equal the oracle's, its shapes at knots the file's.
 #[test]
 fn panels_are_where_the_path_has_them() {
     for interpolation in [
@@ -162,7 +163,7 @@ fn a_path_of_angles_alone_and_without_groups_folds_as_well() {
 #[test]
 fn keys_and_buttons_drive_576_faces() {
     let scene = scene(&planned("miura-24x24"));
-    // Rhombi with sides of 1: those that share no vertex have a row of others between them.
+    // The faces are rhombi with sides of 1. Faces that share no vertex are separated by a row of faces.
     let clearance = scene.shapes[0].clearance.unwrap();
     assert!((clearance - 60_f64.to_radians().sin()).abs() < 1e-12);
 
@@ -221,7 +222,7 @@ fn keys_and_buttons_drive_576_faces() {
     let position = view.run("foldpath.position()").as_f64().unwrap();
     assert!((0.4..0.5).contains(&position), "{position}");
 
-    // Four seconds and more for the path; a tenth of them at twice the speed is a fifth of the way.
+    // The path takes at least four seconds. A tenth of its time at double speed is a fifth of the way.
     let part = 0.1 * view.run("SECONDS").as_f64().unwrap();
     view.run("speed.value = 2");
     for (repeat, from, expected) in [
@@ -276,7 +277,7 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
         assert_eq!(view.drawn(), plain);
     }
 
-    // What the first hinge of each group does at the goal, straight from the scene.
+    // Compares the text on the first hinge of each group at the goal with the scene.
     view.run("foldpath.setPosition(1)");
     let last_row = scene.motion.angles.len() - scene.motion.groups;
     for group in 0..scene.motion.groups {
@@ -292,7 +293,7 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
         assert!(text.contains(&range.join(" to ")), "{range:?} in {text}");
     }
 
-    // Beside the sheet is no hinge.
+    // There is no hinge beside the sheet.
     view.click_at(5.0, 300.0);
     assert_eq!(view.run("foldpath.view.selected"), json!(-1));
     assert_eq!(view.run("element('hinge').hidden"), json!(true));
@@ -319,7 +320,7 @@ fn the_picture_is_saved_as_an_image() {
     assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
 }
 
-/// Rays from the hinges of a tube to the eye: where no face is in the way, and nowhere else, is a hinge picked.
+/// Traces rays from the hinges of a tube to the eye. A hinge can be picked exactly if no face is in the way.
 #[test]
 fn hinges_behind_faces_are_not_picked() {
     let scene = scene(&planned("waterbomb-12x22"));
@@ -337,7 +338,7 @@ fn hinges_behind_faces_are_not_picked() {
         let triangles = scene.faces.iter().flatten();
         let others = triangles.filter(|t| !ends.iter().all(|end| t.contains(end)));
         let before = others.map(|t| along_ray(middle, eye, t.map(at)));
-        // Of hinges with a face right before them, and no other, nothing is asked.
+        // Nothing is asserted of a hinge whose only obstructions lie right in front of it.
         let distances: Vec<f64> = before.flatten().collect();
         let script =
             format!("(([x, y]) => foldpath.hingeAt(x, y))(foldpath.middleOf({edge})) === {edge}");
@@ -353,7 +354,7 @@ fn hinges_behind_faces_are_not_picked() {
     view.assert_quiet();
 }
 
-/// How far from a point on the way to the eye a triangle is, if it is in the way.
+/// Returns the distance from a point to a triangle along the ray to the eye; `None` if the ray misses the triangle.
 fn along_ray(from: Vector3<f64>, eye: Vector3<f64>, corners: [Vector3<f64>; 3]) -> Option<f64> {
     let way = eye - from;
     let [a, b, c] = corners;
@@ -463,10 +464,10 @@ fn browser_without_webgl_is_told_and_still_gets_curves() {
     view.assert_quiet();
 }
 
-/// A page open in a browser of its own.
+/// A page that is open in a browser of its own.
 struct View {
     tab: Arc<Tab>,
-    /// What a page that works by itself never causes: errors, messages and requests.
+    /// Errors, messages and requests, none of which a page causes that works by itself.
     complaints: Arc<Mutex<Vec<String>>>,
     _browser: Browser,
     _directory: TempDir,
@@ -533,7 +534,7 @@ impl View {
         view
     }
 
-    /// Value of a JavaScript expression.
+    /// Evaluates a JavaScript expression and returns its value.
     fn run(&self, script: &str) -> Value {
         let result = self.tab.evaluate(script, false).unwrap();
         result.value.unwrap_or_default()
@@ -544,7 +545,7 @@ impl View {
         text.as_str().unwrap_or_default().to_owned()
     }
 
-    /// The picture as one number.
+    /// Returns the picture as one number.
     fn drawn(&self) -> Value {
         self.run("foldpath.drawn()")
     }
@@ -562,7 +563,7 @@ impl View {
         pressed.unwrap();
     }
 
-    /// Clicks at these pixels of the canvas.
+    /// Clicks at this pixel of the canvas.
     fn click_at(&self, x: f64, y: f64) {
         let script = "(r => JSON.stringify([r.left, r.top]))(canvas.getBoundingClientRect())";
         let corner: [f64; 2] = serde_json::from_str(self.run(script).as_str().unwrap()).unwrap();
@@ -578,7 +579,7 @@ impl View {
         self.click_at(x, y);
     }
 
-    /// A list of coordinates on the page.
+    /// Returns a list of coordinates on the page.
     fn points(&self, script: &str) -> Vec<Vector3<f64>> {
         let text = self.run(&format!("JSON.stringify({script})"));
         let numbers: Vec<f64> = serde_json::from_str(text.as_str().unwrap()).unwrap();
@@ -586,8 +587,8 @@ impl View {
         points.collect()
     }
 
-    /// The sheet on the page has the expected shape at a time, wherever it lies: distances and volumes
-    /// between vertices drawn at random are the same, to 1e-6 of its size.
+    /// Asserts that the sheet on the page has the expected shape at a time, in whatever position: distances and volumes
+    /// between random vertices are equal, to 1e-6 of its size.
     fn assert_shape(&self, time: f64, expected: &[Vector3<f64>]) {
         self.run(&format!("foldpath.setTime({time})"));
         let found = self.points("foldpath.vertices()");
@@ -639,13 +640,13 @@ impl View {
         }
     }
 
-    /// PNG of the sheet.
+    /// Returns a PNG of the sheet.
     fn canvas(&self) -> Vec<u8> {
         let canvas = self.tab.find_element("canvas").unwrap();
         canvas.capture_screenshot(Png).unwrap()
     }
 
-    /// PNG of the page.
+    /// Returns a PNG of the page.
     fn screenshot(&self) -> Vec<u8> {
         self.tab.capture_screenshot(Png, None, None, true).unwrap()
     }

@@ -1,7 +1,7 @@
-//! Short campaigns. Plans: whatever becomes of a sheet, nothing panics, every answer that is not a path says
-//! why, and `check` and the oracle agree with every path. Stars: closure is what 4x4 matrices have, and no solver
-//! says wrongly that it closed. Paths: what is spoilt is refused or does no harm. `tests/campaign/run` is the long
-//! form.
+//! Short campaigns, and regression tests of what campaigns have found. Plans: nothing panics, every answer without a
+//! path gives a reason, and `check` and the oracle agree with every path. Stars: closure equals the product of 4x4
+//! matrices, and no solver is wrong when it says that it converged. Paths: a spoilt path is refused or does no harm.
+//! `tests/campaign/run` is the long form.
 
 use core::time::Duration;
 
@@ -14,10 +14,10 @@ use foldpath_tests::campaign::{Family, Report, paths, run, stars};
 use foldpath_tests::meshes::{self, variant};
 use foldpath_tests::{Animation, Planned, Random, judge, path_file};
 
-/// Sheets of each family.
+/// Number of sheets of each family.
 const EACH: u64 = 20;
 
-/// The plan of a sheet to its own goal.
+/// Plans a sheet to its own goal.
 fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {
     let file = PatternFile {
         title: String::new(),
@@ -46,15 +46,15 @@ fn a_campaign_finds_no_wrong_path() {
         if family.real {
             continue;
         }
-        // Every goal that could be reached is.
+        // Every goal that can be reached is reached.
         let plans = tally.creases.len();
         assert_eq!(tally.planned + tally.crossed_goals, plans, "{name}");
         assert_eq!(tally.inexact, [0; 0], "{name}");
     }
 }
 
-/// Dual equations whose factor leaves much of what no unknown changes: what their steps promise says little of what they
-/// leave. Found by the campaign.
+/// Dual equations whose factorisation leaves large components that no unknown changes. The residual that the linear
+/// model predicts for their steps then says little of the true residual. Found by the campaign.
 #[test]
 fn what_closes_for_certain_does_where_conditions_depend_on_each_other() {
     for seed in [33_180, 78_275, 252_260, 355_315] {
@@ -67,7 +67,7 @@ fn random_stars_close_or_say_that_they_do_not() {
     let stars = stars::run(1, 2000);
     println!("{stars}");
     assert_eq!(stars.failures, []);
-    // Neither all close, from anywhere and within any limits, nor none.
+    // The starts and limits are random, so that some problems must converge and some must not.
     for solver in ["LM dense f64", "LM dual f32", "gradient f64"] {
         let closed = stars.outcomes[&(solver, "Converged".to_string())];
         let problems = stars.problems;
@@ -83,14 +83,14 @@ fn spoilt_paths_are_refused_or_do_no_harm() {
     let paths = paths::run(1, 300);
     println!("{paths}");
     assert_eq!(paths.failures, []);
-    // Those that were left good, at least.
+    // At least the paths that were not spoilt must hold.
     assert!(paths.hold * 12 > paths.executions, "{paths}");
     assert!(paths.followed * 12 > paths.executions, "{paths}");
     assert!(paths.read < paths.executions, "{paths}");
     assert!(paths.hold < paths.read, "{paths}");
 }
 
-/// The judge of campaigns agrees with a good path, and with none whose middle knot is off by a little.
+/// The judge of campaigns accepts a good path, and rejects it if its middle knot is changed by a little.
 #[test]
 fn a_spoilt_path_finds_no_agreement() {
     const LITTLE: f64 = 1e-6;
@@ -99,7 +99,7 @@ fn a_spoilt_path_finds_no_agreement() {
         let drawing = family.sheet(1);
         let pattern = CreasePattern::new(drawing.clone()).unwrap();
         if pattern.real_vertices().next().is_none() {
-            // Any angles are as good.
+            // Without a closure condition all angles are equally good.
             continue;
         }
         let goal = Goal::of_pattern(&pattern).unwrap();
@@ -126,8 +126,8 @@ fn a_spoilt_path_finds_no_agreement() {
     }
 }
 
-/// A vertex whose goal crosses by 3e-4 median edges, on a motion that may tear it by as much between its knots: at the
-/// last knot it is not torn, and the crossing is one. Found by the campaign.
+/// A vertex whose goal crosses by 3e-4 median edges. Its motion may be torn by as much between knots, but at the last
+/// knot it is not torn, so that the crossing is real. Found by the campaign.
 #[test]
 fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let vertex = Family::ALL.iter().find(|family| family.name == "vertex");
@@ -151,8 +151,8 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     );
 }
 
-/// The report's Quad may tear by more than the bound at its goal, though by some trees of faces less is measured: it is
-/// planned however it is drawn, or never. Found by the campaign.
+/// The report's Quad may be torn by more than the bound at its goal, although along some spanning trees less is
+/// measured. The plan must not depend on the drawing. Found by the campaign.
 #[test]
 fn no_plan_depends_on_how_the_sheet_is_drawn() {
     let quad = Quad {
@@ -169,7 +169,7 @@ fn no_plan_depends_on_how_the_sheet_is_drawn() {
     }
 }
 
-/// A vertex with long creases and short ones: folded from some faces a long one is torn, between knots. Found by the
+/// A vertex with long and short creases. Folded from some faces it is torn at a long crease between knots. Found by the
 /// campaign.
 #[test]
 fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
@@ -190,8 +190,8 @@ fn the_bound_on_gaps_holds_whichever_face_a_sheet_is_folded_from() {
     assert!(widest <= options.bound, "{widest:e}");
 }
 
-/// Sheets of a hundred vertices and more with rounded coordinates: what these fail to close by could add up to more than the
-/// bound, and does not.
+/// Sheets of a hundred vertices and more with rounded coordinates. In the worst case their closure residuals could add
+/// up to more than the bound, but they do not.
 #[test]
 fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
     let wide = Family::ALL.iter().find(|family| family.name == "wide");
@@ -214,7 +214,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
             check(&path_file(&planned.text()).unwrap(), &options)
         };
         assert_eq!(verdict(options.bound).failures, [""; 0], "{seed}");
-        // What is measured is not passed over.
+        // The measured gap counts: a bound below it is refused.
         assert!(
             !verdict(plan.rigidity.gap / 2.0).failures.is_empty(),
             "{seed}"
@@ -224,7 +224,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
     }
 }
 
-/// A sheet that is torn by nearly what the bound allows at its goal: between waypoints it may be by no more than the bound.
+/// At its goal the sheet is torn by nearly the bound. Between waypoints it may not be torn by more than the bound.
 #[test]
 fn a_sheet_is_planned_that_is_torn_by_nearly_the_bound() {
     let wide = Family::ALL.iter().find(|family| family.name == "wide");
@@ -239,7 +239,8 @@ fn a_sheet_is_planned_that_is_torn_by_nearly_the_bound() {
     assert!(certified <= options.bound, "{certified:e}");
 }
 
-/// A square whose layers turn nearly alike: looked at one by one, they were not decided. Found by the campaign.
+/// A square whose layers turn nearly alike. A sweep that followed the pairs of faces one by one did not decide it.
+/// Found by the campaign.
 #[test]
 fn a_square_is_swept_whose_layers_turn_nearly_alike() {
     let drawing = meshes::simple_folds(&mut Random::new(100));
@@ -248,7 +249,7 @@ fn a_square_is_swept_whose_layers_turn_nearly_alike() {
     assert!(planned.plan.notes.is_empty(), "{:?}", planned.plan.notes);
 }
 
-/// Squares whose lines cannot fold all at once, and hardly any of them on its own. Found by the campaign.
+/// Squares whose lines cannot fold all at once, and of whose creases hardly any can fold alone. Found by the campaign.
 #[test]
 fn squares_are_folded_line_by_line() {
     for seed in [43, 111] {
@@ -259,8 +260,8 @@ fn squares_are_folded_line_by_line() {
     }
 }
 
-/// Such squares with coordinates as files have them, where no line is quite straight: they fold as they were meant to, and
-/// what is torn is of the size of what was rounded. Folded all at once, they cross as before.
+/// The squares of the test before with rounded coordinates, so that no line is quite straight. They fold as they did
+/// before rounding, with a tear of the size of the rounding. Folded all at once they cross, as before.
 #[test]
 fn squares_are_folded_as_they_were_before_rounding() {
     for (seed, unit) in [43, 111]
@@ -279,7 +280,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let (plan, text) = (&planned.plan, planned.text());
             let what = format!("{seed} {unit:e}: {plan:?}");
             assert_eq!(plan.outcome, Outcome::Planned, "{what}");
-            // What was rounded, over the shortest edge, over some lines and faces.
+            // The rounding error over the shortest edge, times a few lines and faces.
             assert!(plan.rigidity.gap <= 100.0 * unit, "{what}");
             let certified = plan.certified_deformation.unwrap();
             assert!(certified <= 1000.0 * unit, "{what}");
@@ -302,8 +303,8 @@ fn squares_are_folded_as_they_were_before_rounding() {
     }
 }
 
-/// Such squares whose folds miss the rim of the layers below by about what the sheet is torn by, and one that is torn by
-/// sixteen times more where it is folded from another face. Found among 3,000 of them, and by the campaign.
+/// Rounded squares whose folds miss the rim of the layers below by about the tear, and one square whose tear is sixteen
+/// times larger if it is folded from another face. Found among 3,000 squares, and by the campaign.
 #[test]
 fn what_rounding_leaves_of_a_square_is_no_crossing() {
     let options = PlanOptions::default();
@@ -319,8 +320,8 @@ fn what_rounding_leaves_of_a_square_is_no_crossing() {
     }
 }
 
-/// Squares whose lines bend by more than their goal fails to close by: only taken for straight do they fold one after the
-/// other.
+/// Squares whose lines bend by more than the closure error of their goal. They fold one line after the other only if
+/// the lines are taken as straight.
 #[test]
 fn lines_are_straight_that_bend_by_more_than_the_goal_tells() {
     for seed in [171, 228, 1226] {
@@ -330,8 +331,9 @@ fn lines_are_straight_that_bend_by_more_than_the_goal_tells() {
     }
 }
 
-/// Goals that cross, and ways to them that close where they were looked at but turn too sharply to be proved between: the
-/// answer is that of the same sheet drawn otherwise, and the path ends where it is proved. Found by the campaign.
+/// Goals that cross, with paths to them that close at every sample but turn too sharply to be certified between the
+/// samples. The answer must not depend on the drawing, and the path ends where its certificate ends. Found by the
+/// campaign.
 #[test]
 fn an_unproved_path_ends_where_it_is_proved() {
     let options = PlanOptions::default();

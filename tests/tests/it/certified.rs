@@ -1,5 +1,5 @@
-//! What a plan certifies for its whole motion, against the motion that its file describes, sampled by the
-//! oracle: the patterns of `patterns/`, at three bounds.
+//! Is any sample of a motion worse than its plan certifies? The oracle samples the motions that the path files
+//! describe: the patterns of `patterns/`, at three bounds.
 
 use std::collections::HashSet;
 
@@ -21,17 +21,17 @@ const PATTERNS: [&str; 11] = [
     "waterbomb-12x22",
     "yoshimura-12x12",
 ];
-/// Places a segment at which closure is taken.
+/// Number of points of a segment at which closure is evaluated.
 const CLOSURES: u32 = 1000;
-/// Faces folded a segment, at most, for deformation and gap.
+/// Largest number of faces that are folded for deformation and gap of a segment.
 const FOLDED: usize = 2000;
-/// Deformation that is certified where the bound allows more.
+/// Largest deformation that is certified if the bound allows more.
 const CERTIFIED: f64 = 1e-3;
-/// Of the oracle, on sheets of hundreds of faces.
+/// Rounding error of the oracle on sheets of hundreds of faces.
 const ROUNDING: f64 = 1e-10;
 
-/// Interior vertices of which no two are alike: the same plane angles, to rounding, and creases that turn
-/// by the same angles, bit by bit, at some places of each segment.
+/// Returns interior vertices, without duplicates. Duplicates have equal plane angles, to rounding, and creases that
+/// turn by the same angles, bit by bit, at some points of each segment.
 fn distinct_stars(sheet: &Sheet, motion: &Motion) -> Vec<(usize, Vec<usize>)> {
     let places = (0..motion.segments()).flat_map(|segment| [0.0, 0.3, 1.0].map(|s| (segment, s)));
     let shapes: Vec<Vec<f64>> = places.map(|(k, s)| motion.angles(k, s)).collect();
@@ -50,12 +50,12 @@ fn distinct_stars(sheet: &Sheet, motion: &Motion) -> Vec<(usize, Vec<usize>)> {
     stars
 }
 
-/// So many places inside a segment, evenly.
+/// Returns `count` fractions of a segment, evenly spaced inside it.
 fn places(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| f64::from(k) / f64::from(count + 1))
 }
 
-/// Largest closure residual between knots.
+/// Returns the largest closure residual between knots.
 fn most_open(sheet: &Sheet, motion: &Motion, stars: &[(usize, Vec<usize>)]) -> f64 {
     let of_segment = |segment| {
         let angles = places(CLOSURES).map(move |s| motion.angles(segment, s));
@@ -64,7 +64,7 @@ fn most_open(sheet: &Sheet, motion: &Motion, stars: &[(usize, Vec<usize>)]) -> f
     worst((0..motion.segments()).map(of_segment))
 }
 
-/// Largest deformation or gap between knots.
+/// Returns the largest deformation or gap between knots.
 fn most_torn(sheet: &Sheet, motion: &Motion) -> f64 {
     let folded = u32::try_from((FOLDED / sheet.faces.len()).clamp(1, 50)).unwrap();
     let of_segment = |segment| {
@@ -115,7 +115,7 @@ fn no_sample_is_worse_than_certified() {
     }
 }
 
-/// With every other knot left out, the same samples are worse than what was certified with all of them.
+/// With every other knot left out, the samples are worse than the certificate of the path with all knots.
 #[test]
 fn samples_see_a_motion_with_too_few_knots() {
     let options = PlanOptions {

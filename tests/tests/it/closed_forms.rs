@@ -1,5 +1,4 @@
-//! Planned motions against the closed forms of their families: at every knot, along the rates, and
-//! between the knots.
+//! Do planned motions follow the closed forms of their families? Compares knots, rates and the motion between knots.
 
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, VertexId};
@@ -8,14 +7,14 @@ use foldpath_core::{Curve, Interpolation, Node};
 use foldpath_tests::closed_form::{self, miura_straight, yoshimura_diagonal};
 use foldpath_tests::worst;
 
-/// A motion of which all is known.
+/// A motion that is known in closed form.
 struct Motion {
     name: String,
     drawing: Drawing,
-    /// Size of the fold angle of the crease between two points where the leading creases have the
-    /// given one, radians.
+    /// Returns the absolute fold angle of the crease between two points, by the absolute angle of the leading creases,
+    /// radians.
     closed: Box<dyn Fn([[f64; 2]; 2], f64) -> f64>,
-    /// Whether the crease between two points leads.
+    /// Returns `true` if the crease between two points is a leading one.
     leads: fn([[f64; 2]; 2]) -> bool,
 }
 
@@ -27,7 +26,7 @@ fn upright([[x, _], [other_x, _]]: [[f64; 2]; 2]) -> bool {
     (other_x - x).abs() < 1e-9
 }
 
-/// The zigzag creases lead to `goal`; angles in degrees.
+/// Returns a Miura sheet whose zigzag creases lead, to `goal`; angles in degrees.
 fn miura(sector_angle: f64, goal: f64) -> Motion {
     let miura = Miura {
         rows: 3,
@@ -44,7 +43,7 @@ fn miura(sector_angle: f64, goal: f64) -> Motion {
     }
 }
 
-/// The middle lines lead; the boundary lines' goal in degrees.
+/// Returns a waterbomb whose middle lines lead; `goal` is that of the boundary lines, degrees.
 fn waterbomb(goal: f64) -> Motion {
     let waterbomb = Waterbomb {
         rows: 4,
@@ -66,7 +65,7 @@ fn waterbomb(goal: f64) -> Motion {
     }
 }
 
-/// The straight creases lead to `goal`; angles in degrees.
+/// Returns a Yoshimura sheet whose straight creases lead, to `goal`; angles in degrees.
 fn yoshimura(gamma: f64, goal: f64) -> Motion {
     let yoshimura = Yoshimura {
         rows: 4,
@@ -88,7 +87,7 @@ struct Planned {
     path: Path,
     leader: usize,
     ends: Vec<[[f64; 2]; 2]>,
-    /// By the letters: valley 1, mountain -1.
+    /// Signs of the assignments: valley 1, mountain -1.
     signs: Vec<f64>,
     motion: Motion,
 }
@@ -121,7 +120,7 @@ impl Planned {
         }
     }
 
-    /// Angles of all creases for those of the groups, or rates for rates.
+    /// Returns the angles of all creases by those of the groups, or their rates by the groups' rates.
     fn creases(&self, groups: &[f64]) -> Vec<f64> {
         let memberships = self.path.memberships.iter();
         memberships
@@ -129,7 +128,7 @@ impl Planned {
             .collect()
     }
 
-    /// Angles of all creases where the leaders have turned by `lead`.
+    /// Returns the closed form's angles of all creases by the angle of the leading creases.
     fn closed(&self, lead: f64) -> Vec<f64> {
         let creases = self.ends.iter().zip(&self.signs);
         creases
@@ -137,7 +136,7 @@ impl Planned {
             .collect()
     }
 
-    /// Largest difference from the closed form.
+    /// Returns the largest difference from the closed form.
     fn error(&self, groups: &[f64]) -> f64 {
         let creases = self.creases(groups);
         let closed = self.closed(creases[self.leader].abs());
@@ -149,8 +148,8 @@ impl Planned {
         )
     }
 
-    /// Largest difference of the rates from the tangent of the closed form, both scaled to the
-    /// leaders' rate.
+    /// Returns the largest difference of the rates from the tangent of the closed form, both divided by the leaders'
+    /// rate.
     fn rate_error(&self, groups: &[f64], rates: &[f64]) -> f64 {
         const H: f64 = 1e-6;
         let lead = self.creases(groups)[self.leader].abs();
@@ -166,8 +165,8 @@ impl Planned {
         worst(errors)
     }
 
-    /// The same motion with a knot more in the middle of each segment: there the leaders move as before,
-    /// and all others go with them as the closed form has it.
+    /// Returns this motion with one more knot in the middle of each segment. The leaders move as before; the closed
+    /// form gives the angles of the other creases.
     fn refined(mut self) -> Self {
         const H: f64 = 1e-6;
         let leader = self.path.memberships[self.leader];
@@ -203,7 +202,7 @@ impl Planned {
         self
     }
 
-    /// Largest difference from the closed form at a hundred points of each segment.
+    /// Returns the largest difference from the closed form at 99 points of each segment.
     fn error_between_knots(&self) -> f64 {
         let curves = self.path.curves();
         let points = curves.iter().flat_map(|segment| {
@@ -219,7 +218,7 @@ impl Planned {
     }
 }
 
-/// Sector angles and goals of the zigzag creases, degrees.
+/// Returns Miura sheets of several sector angles and goals of the zigzag creases, degrees.
 fn miuras() -> impl Iterator<Item = Motion> {
     let goals = [90.0, 150.0, 170.0, 179.9];
     let sectors = [30.0, 45.0, 60.0, 75.0, 85.0];
@@ -228,7 +227,7 @@ fn miuras() -> impl Iterator<Item = Motion> {
         .flat_map(move |sector| goals.map(|goal| miura(sector, goal)))
 }
 
-/// The others; Yoshimura sheets of steeper diagonals or farther goals meet themselves.
+/// Returns waterbombs and Yoshimura sheets. Yoshimura sheets with steeper diagonals or farther goals meet themselves.
 fn others() -> impl Iterator<Item = Motion> {
     let waterbombs = [30.0, 90.0, 120.0, 170.0].map(waterbomb);
     let yoshimuras = [
@@ -260,8 +259,8 @@ fn knots_lie_on_the_closed_form() {
     }
 }
 
-/// To the error of finite differences; at flat, where the closure conditions name no motion, to that
-/// of a secant.
+/// The rates are right up to the error of finite differences. At flat, where the closure conditions fix no direction,
+/// they are right up to the error of a secant.
 #[test]
 fn rates_lie_along_the_closed_form() {
     for motion in miuras().chain(others()) {
@@ -292,7 +291,7 @@ fn hermite_interpolation_is_of_fourth_order() {
     }
 }
 
-/// Tangents of half angles keep their ratio: few knots, and no error between them.
+/// Tangents of half angles keep their ratio, so that interpolation in half angles is exact.
 #[test]
 fn half_angles_are_exact_for_miuras() {
     for motion in miuras() {

@@ -1,5 +1,5 @@
-//! What the controller needs: memory, instructions, and time to stop. One command prints it all:
-//! `cargo test -p foldpath-tests --test it controller_figures -- --nocapture --test-threads 1`.
+//! The controller's needs in figures: memory, instructions, and time to stop. One command prints all: `cargo test -p
+//! foldpath-tests --test it controller_figures -- --nocapture --test-threads 1`.
 
 use std::fs;
 
@@ -10,14 +10,14 @@ use foldpath_core::follower::{Reason, State};
 use foldpath_core::wire::driver::Persistence;
 use foldpath_firmware_sim::faults::Faults;
 
-/// Instructions in a second of the clock of the emulated board, at one in each of its cycles.
+/// Instructions in a second of the emulated board's clock, one in each of its cycles.
 const PACE: u64 = 25_000_000;
-/// The stack, and what it is painted with.
+/// Address of the stack, its size in bytes, and the word with which it is painted.
 const STACK: usize = 0x2000_0000;
 const STACK_SIZE: usize = 16 * 1024;
 const PAINT: u32 = 0xcccc_cccc;
 
-/// What a real part would have to offer.
+/// The flash and RAM that a real part has to offer.
 #[test]
 fn the_image_is_small() {
     let bytes = fs::read(image("foldpath-controller")).unwrap();
@@ -28,7 +28,7 @@ fn the_image_is_small() {
     assert!((1..=8 * 1024).contains(&ram));
 }
 
-/// A tick of 1,104 hinges is done when the next one is due.
+/// A tick of 1,104 hinges is finished before the next tick is due.
 #[test]
 fn work_is_done_in_time() {
     let output = board_output();
@@ -72,7 +72,8 @@ fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
         world.until(|world| world.time() > told);
         let after = world.sight.unwrap();
         assert_eq!((after.state, after.rate.to_bits()), (State::Holding, 0));
-        // At full speed the path is a clock. It stood still since the last tick, up to a millisecond ago.
+        // At full speed the place on the path tells the time. The place is that of the last tick, at most a millisecond
+        // ago.
         let gone = fold.time(after.place) - fold.time(before.place);
         #[allow(clippy::cast_possible_truncation, reason = "below a second")]
         let still = i64::try_from(before.time).unwrap() + (1e6 * gone) as i64;

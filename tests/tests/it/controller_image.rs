@@ -1,6 +1,6 @@
-//! The controller's image in an emulator, and what goes wrong round it, five seeds each. The world judges all that
-//! the board tells: nothing is commanded that was not sent, nothing beyond the limits, nothing that tears the sheet.
-//! Times are the board's own.
+//! Does the controller's image keep the sheet whole whatever goes wrong round it? It runs in an emulator, with five
+//! seeds for every fault. The world judges everything that the board tells: it commands nothing that was not sent,
+//! nothing beyond the limits and nothing that tears the sheet. All times are times of the board.
 
 use std::sync::LazyLock;
 use std::thread;
@@ -19,13 +19,13 @@ use rand_core::Rng;
 
 const AN386: &str = "mps2-an386";
 const SEEDS: u64 = 5;
-/// Microseconds after which a sheet whose host is silent rests: 500 ms until it is missed and 250 ms of braking, and what
-/// is left for frames under way, and for ticks of more than 10 ms, which count for no more.
+/// Microseconds after which a sheet whose host is silent is at rest: 500 ms until the silence is noticed, 250 ms of
+/// braking, and the rest for frames on their way and for late ticks, of which only 10 ms count.
 const HELD: u64 = 1_250_000;
 
 static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
 
-/// Runs a test with each seed, at the same time. One test after the other: more boards than these would wait for each
+/// Runs a test with all seeds at the same time. Tests take turns, because more boards at once would wait for each
 /// other.
 fn seeds(test: impl Fn(u64) + Sync) {
     LazyLock::force(&FOLD);
@@ -39,7 +39,7 @@ fn seeds(test: impl Fn(u64) + Sync) {
     });
 }
 
-/// A board, and a host on a line without faults that has begun to greet.
+/// Starts a board, and a host on a line without faults that has begun to greet.
 fn world(seed: u64, persistence: Persistence) -> World<'static> {
     let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
     world.greet(persistence);
@@ -53,7 +53,7 @@ fn a_whole_fold_comes_back_bit_for_bit() {
         let mut world = World::new(&FOLD, machine, Faults::default(), seed);
         world.greet(Persistence::None);
         world.finish();
-        // Every 20 ms of two seconds.
+        // Telemetry comes every 20 ms for two seconds.
         assert!(world.sights > 90, "{}", world.sights);
     });
 }
@@ -76,8 +76,8 @@ fn a_host_that_is_silent_for_two_seconds_finds_the_sheet_holding_and_goes_on() {
     });
 }
 
-/// One that is gone does not take what is sent to it either: the line fills and blocks, and the board goes on all the
-/// same, without a reset by its watchdog, which bites after two seconds.
+/// The host is gone and does not read either, so that the line fills and blocks. The board goes on, without a reset by
+/// its watchdog, which would bite after two seconds.
 #[test]
 fn a_host_that_is_gone_leaves_the_sheet_at_rest_for_another() {
     seeds(|seed| {
@@ -100,7 +100,7 @@ fn a_host_that_is_gone_leaves_the_sheet_at_rest_for_another() {
     });
 }
 
-/// Its answers are stuck: it learns of no room, and says again and again what was not acknowledged.
+/// The host hears no answer. It learns of no room, and repeats whatever was not acknowledged.
 #[test]
 fn a_host_that_does_not_read_blocks_nothing() {
     seeds(|seed| {
@@ -118,14 +118,14 @@ fn a_host_that_does_not_read_blocks_nothing() {
     });
 }
 
-/// Four times in each fold, twenty in all.
+/// The stop line is drawn four times in each fold, twenty times in all.
 #[test]
 fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
     seeds(|seed| {
         let mut world = World::new(&FOLD, AN386, Faults::default(), seed);
         let mut rng = rng(600 + seed);
         for _ in 0..4 {
-            // A host may ask for going on after what was before it.
+            // A host may resume after what held an earlier session.
             world.greet(Persistence::Resume);
             world.run_into(50_000 + rng.next_u64() % 400_000);
             world.board.draw_stop();
@@ -144,7 +144,7 @@ fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
     });
 }
 
-/// The supply leaves the drives less than a fifth of their speed, of which the path asks a quarter.
+/// The supply leaves the drives less than a fifth of their speed; the path needs a quarter.
 #[test]
 fn a_dip_of_the_supply_slows_the_sheet_and_nobody_has_to_ask() {
     let plant = usize::try_from(address(&["mps2", "PLANT"])).unwrap();
@@ -161,7 +161,7 @@ fn a_dip_of_the_supply_slows_the_sheet_and_nobody_has_to_ask() {
         let gone = FOLD.time(after.place) - FOLD.time(before.place);
         let passed = 1e-6 * (after.time - before.time) as f64;
         assert!(gone < 0.7 * passed, "{gone} {passed}");
-        // The hinges are behind their commands, and by no more than what holds those, and braking.
+        // The hinges lag behind their commands by at most the lag that holds the motion, plus the braking.
         world.freeze();
         let words = world.board.memory(plant, 16);
         let (words, _) = words.as_chunks::<4>();
@@ -199,7 +199,7 @@ fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
         assert!(world.host().reasons.contains(&Reason::Lag(hinge)));
         assert!(world.host().reasons.contains(&Reason::Stalled(hinge)));
         assert_eq!(world.failure(0), None);
-        // Freed, it turns to where the others are.
+        // The hinge is freed and turns to the angle of the others.
         world.board.bench("f");
         world.hosts[0].awake = false;
         world.greet(Persistence::Always);
@@ -208,7 +208,7 @@ fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
     });
 }
 
-/// Half of the seeds have drawn the stop line before, which the reset does not let go.
+/// Half of the seeds draw the stop line first, and the reset must not release it.
 #[test]
 fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
     seeds(|seed| {
@@ -248,7 +248,7 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
     });
 }
 
-/// Whatever lies on the stack is moved down to its guard, so that the next call or interrupt grows into it.
+/// Moves the content of the stack down to its guard, so that the next call or interrupt grows into the guard.
 #[test]
 fn a_stack_that_grows_into_its_guard_resets_the_board_and_the_fold_goes_on() {
     seeds(|seed| {
@@ -259,7 +259,7 @@ fn a_stack_that_grows_into_its_guard_resets_the_board_and_the_fold_goes_on() {
         let left = u32::try_from(rng(1400 + seed).next_u64() % 128).unwrap();
         let start = world.board.micros();
         world.board.deepen_stack(left);
-        // The watchdog would take a second, and does so below.
+        // The watchdog would take a second, as the test below shows.
         let after = world.until_reset(start);
         assert!(after < 500_000, "{after}");
         resumes(&mut world, before);
@@ -282,7 +282,7 @@ fn a_main_loop_that_hangs_resets_the_board_and_the_fold_goes_on() {
     });
 }
 
-/// Waits until the host finds its board reset; another one goes on from the last executed setpoint.
+/// Waits until the host notices the reset. Another host then goes on from the setpoint that was executed last.
 fn resumes(world: &mut World<'_>, before: Sight) {
     world.until(|world| world.failure(0).is_some());
     assert_eq!(world.failure(0), Some(Failure::Lost));
@@ -329,7 +329,7 @@ fn a_host_of_another_version_is_told_and_moves_nothing() {
             schema,
         };
         assert_eq!(frame::open(&answer), Some((0, mismatch)));
-        // It has no session: what it says next is not known.
+        // The host has no session, so that its next command is not accepted.
         let start = ToDevice::Command {
             number: 1,
             command: Command::Start,
@@ -360,7 +360,7 @@ fn frames_of_a_session_that_is_over_do_nothing() {
     });
 }
 
-/// A million in all: half of them before a host comes, half of them between its frames.
+/// A million bytes in all seeds together: half of them before a host comes, half of them between its frames.
 #[test]
 fn two_hundred_thousand_random_bytes_do_nothing() {
     seeds(|seed| {
@@ -418,7 +418,7 @@ fn noise_changes_nothing_but_the_time() {
     });
 }
 
-/// What was told last, of a sheet at rest in this state.
+/// Returns the last telemetry. Asserts that it tells of a sheet at rest in this state.
 #[track_caller]
 fn rests(world: &World<'_>, state: State) -> Sight {
     let sight = world.sight.unwrap();
@@ -426,7 +426,7 @@ fn rests(world: &World<'_>, state: State) -> Sight {
     sight
 }
 
-/// The reason that was told last.
+/// Returns the reason that was reported last.
 fn reason(world: &World<'_>) -> Reason {
     world.report.map_or(Reason::None, |report| report.reason)
 }

@@ -1,5 +1,5 @@
-//! `foldpath stream --to qemu` as a library: a planned path on the controller's image, whose emulator never outlives its
-//! host.
+//! Does `foldpath stream --to qemu` work as a library? Streams a planned path to the controller's image. The emulator
+//! must never outlive its host.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ use foldpath_tests::Planned;
 #[path = "../../../host/cli/tests/it/session.rs"]
 mod session;
 
-/// The bytes of the `.traj` file of a planned Miura fold.
+/// Returns the bytes of the `.traj` file of a planned Miura fold.
 fn planned() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("path.fold");
@@ -28,7 +28,7 @@ fn planned() -> Vec<u8> {
     TrajFile::of(&path, &file).unwrap().bytes
 }
 
-/// A session, in which all that is told has to be on the path, bit by bit.
+/// Runs a session. Asserts that all telemetry lies on the path, bit by bit.
 fn session(
     link: &mut impl Link,
     bytes: &[u8],
@@ -54,7 +54,7 @@ fn session(
     (summary, heard)
 }
 
-/// Identifiers of the processes that are children of this one and run QEMU.
+/// Returns the identifiers of this process's children that run QEMU.
 fn emulators() -> Vec<String> {
     let children = fs::read_dir("/proc/self/task").unwrap().flat_map(|thread| {
         let children = thread.unwrap().path().join("children");
@@ -70,7 +70,7 @@ fn emulators() -> Vec<String> {
     children.filter(runs_qemu).collect()
 }
 
-/// One test, so that no other has emulators.
+/// This is a single test so that no other test has emulators at the same time.
 #[test]
 fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     let (bytes, image) = (planned(), image("foldpath-controller"));
@@ -132,7 +132,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     assert!(panics.is_err());
     assert!(emulators().is_empty());
 
-    // What is no image runs, and says nothing.
+    // A file that is not an image runs, and says nothing.
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other");
     fs::write(&other, [0; 64]).unwrap();

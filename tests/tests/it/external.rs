@@ -1,5 +1,5 @@
-//! Real patterns that nobody here wrote, where they are at hand: in the folder that the environment
-//! variable FOLDPATH_EXTERNAL_PATTERNS names.
+//! Real patterns by other authors. They are tested if the environment variable FOLDPATH_EXTERNAL_PATTERNS names a
+//! folder of them.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::unfold::{self, UnfoldOptions, Unfolding, unfold};
 use foldpath_tests::{Animation, Planned, worst};
 
-/// The folder, or `None` with a word that the test skips.
+/// Returns the folder; prints that the test is skipped and returns `None` if there is none.
 fn folder() -> Option<PathBuf> {
     let folder = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS").map(PathBuf::from);
     if folder.is_none() {
@@ -20,8 +20,8 @@ fn folder() -> Option<PathBuf> {
     folder
 }
 
-/// Vertices, edges, faces, creases and interior vertices of every FOLD file that is a flat sheet. Counted from the
-/// lists of the files by another program; where a file lists no faces, Euler's formula has their number.
+/// Numbers of vertices, edges, faces, creases and interior vertices of every FOLD file that is a flat sheet. Another
+/// program counted them from the lists of the files; for a file without faces, Euler's formula gives their number.
 #[test]
 fn fold_files_are_read_whole() {
     let Some(folder) = folder() else { return };
@@ -56,8 +56,8 @@ fn fold_files_are_read_whole() {
     }
 }
 
-/// The report authors' own patterns reach their goals, or for the tube and the Yoshimura, whose goals
-/// close only to 1e-3 and 1e-5, the nearest that closes; in no more knots than their own paths have.
+/// The report authors' patterns reach their goals. The goals of the tube and the Yoshimura close only to 1e-3 and 1e-5;
+/// their plans reach the nearest configuration that closes. No path has more knots than the authors' own.
 #[test]
 fn the_report_authors_patterns_are_planned() {
     let Some(folder) = folder() else { return };
@@ -86,8 +86,8 @@ fn the_report_authors_patterns_are_planned() {
     }
 }
 
-/// FOLD files of other programs: a Miura folds from its letters, a sheet with undriven hinges folds, and a
-/// locally but not globally foldable twist is refused with the vertex that stands in the way.
+/// FOLD files of other programs: a Miura folds by its assignments, a sheet with undriven hinges folds, and a twist that
+/// is foldable locally but not globally is refused, with the vertex that stands in the way.
 #[test]
 fn files_of_other_programs_get_their_answers() {
     let Some(folder) = folder() else { return };
@@ -113,16 +113,16 @@ fn files_of_other_programs_get_their_answers() {
     assert!(error.to_string().contains("edges_vertices"), "{error}");
 }
 
-/// A folded shape and what it unfolds to.
+/// Reads a folded shape and unfolds it.
 fn unfolded(file: &Path) -> (ShapeFile, Unfolding) {
     let file = read_shape(file, None).unwrap();
     let unfolding = unfold(&file.shape, &UnfoldOptions::default()).unwrap();
     (file, unfolding)
 }
 
-/// The rigidly folded square twist, with coordinates of six digits, folds back to itself; a box folded of a
-/// square, whose layers touch and whose vertices coincide, unfolds to that square with all its letters kept,
-/// and no motion from flat has these signs.
+/// The rigidly folded square twist, whose coordinates have six digits, folds back to itself. A box folded of a square,
+/// with touching layers and coincident vertices, unfolds to that square with all its assignments. No motion from flat
+/// has the signs of the box.
 #[test]
 fn folded_shapes_unfold_and_fold_again() {
     let Some(folder) = folder() else { return };
@@ -140,7 +140,7 @@ fn folded_shapes_unfold_and_fold_again() {
     };
     let planned = Planned::of(PatternFile { title, pattern }, &options);
     assert_eq!(planned.plan.outcome, Outcome::Planned);
-    // Where the oracle folds the goal to.
+    // The goal, folded by the oracle.
     let path = Animation::parse(&planned.text()).unwrap();
     let goal = path.frames.last().unwrap();
     let folded = path.sheet.positions(&path.sheet.fold(&goal.angles));
@@ -170,7 +170,7 @@ fn folded_shapes_unfold_and_fold_again() {
         "{reason}"
     );
 
-    // The report's Yoshimura, as its authors folded it; their waterbomb is no folded sheet.
+    // The report's Yoshimura as its authors folded it; their waterbomb is not a folded sheet.
     let (_, yoshimura) = unfolded(&folder.join("report-authors/yoshimura_12_12.fold"));
     assert_eq!(yoshimura.outcome, unfold::Outcome::Unfolded);
     assert!(yoshimura.deviation.unwrap() < 1e-4);

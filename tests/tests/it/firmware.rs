@@ -1,5 +1,5 @@
-//! The controller's image: it has neither an allocator nor a panic, and computes on its board, in
-//! an emulator, what the host computes, bit for bit.
+//! Is the controller's image without an allocator and without panics, and does its board, in an emulator, compute the
+//! bits that the host computes?
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use foldpath_firmware_sim::probe;
 
 use crate::image::{PROBE, board_output, build, image, symbols};
 
-/// The images.
+/// Names of the images.
 const IMAGES: [&str; 2] = [PROBE, "foldpath-controller"];
 
 fn host_output() -> String {
@@ -16,7 +16,7 @@ fn host_output() -> String {
     output
 }
 
-/// The numbers after "`fold` `what`" in each such line.
+/// Returns the numbers behind "`fold` `what`" in each line that begins with these words.
 fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = Vec<f64>> + 'a {
     let prefix = format!("{fold} {what} ");
     let lines = output.lines().filter_map(move |l| l.strip_prefix(&prefix));
@@ -28,8 +28,8 @@ fn numbers<'a>(output: &'a str, fold: &str, what: &str) -> impl Iterator<Item = 
     })
 }
 
-/// Looks at an unoptimised image: link-time optimisation inlines an allocator until nothing of its
-/// name is left. Unoptimised code still has its panics, which the controller's image does not link with.
+/// Looks at an unoptimised image, because link-time optimisation may inline an allocator until its name is gone.
+/// Unoptimised code still has panics; the controller's image does not link with them.
 #[test]
 fn nothing_reaches_an_allocator() {
     let settings = [
@@ -48,8 +48,8 @@ fn nothing_reaches_an_allocator() {
     }
 }
 
-/// The linker drops the panic handler, with its message, when nothing reaches it. That of the controller's image has
-/// none, but calls what is not there, so that the image would not even link.
+/// The linker drops the panic handler, with its message, if nothing reaches it. The handler of the controller's image
+/// has no message, but calls a function that does not exist, so that an image with a panic would not link.
 #[test]
 fn nothing_in_the_image_panics() {
     let panics = ["panicking", "rust_begin_unwind", "slice_index_fail"];
@@ -84,8 +84,8 @@ fn the_probe_follows_the_closed_forms() {
     follows(&output, "waterbomb", waterbomb);
 }
 
-/// Asserts that the knots of `fold` lie on its closed form, a function of the first angle, up to at
-/// least 99 degrees, and that it stays closed between them.
+/// Asserts that the knots of `fold` lie on its closed form, a function of the first angle, up to at least 99 degrees,
+/// and that the fold stays closed between them.
 fn follows(output: &str, fold: &str, closed_form: impl Fn(f64) -> Vec<f64>) {
     let knots: Vec<_> = numbers(output, fold, "knot").collect();
     assert_eq!(knots.len(), usize::from(probe::STEPS) + 1);
@@ -111,7 +111,7 @@ fn follows(output: &str, fold: &str, closed_form: impl Fn(f64) -> Vec<f64>) {
     }
 }
 
-/// Largest difference of two entries.
+/// Returns the largest difference of two entries.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter()

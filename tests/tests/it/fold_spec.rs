@@ -1,4 +1,4 @@
-//! What foldpath writes is FOLD 1.2, as a judge has it that knows the specification and none of our code.
+//! Does foldpath write valid FOLD 1.2? The judge knows the specification and none of the project's code.
 
 use foldpath::formats::fold::{PathWriter, pattern_text, read_pattern};
 use foldpath::generate::{
@@ -142,7 +142,7 @@ fn every_planned_path_is_valid_with_positions_or_without() {
     }
 }
 
-/// Cuts inside the sheet become two borders, and a vertex becomes several.
+/// Cuts inside the sheet become two borders, and a vertex on a cut becomes several vertices.
 #[test]
 fn the_path_of_a_cut_sheet_is_valid() {
     let sheet = json!({
@@ -171,7 +171,7 @@ fn the_path_of_a_cut_sheet_is_valid() {
     assert_eq!(violations(&path), NONE);
 }
 
-/// The judge sees what is wrong: each edit of a valid path breaks one rule.
+/// The judge finds errors: each edit of a valid path breaks one rule.
 #[test]
 fn a_file_that_breaks_a_rule_is_refused() {
     let planned = Planned::new("miura-3x3", &PlanOptions::default());

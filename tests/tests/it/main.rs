@@ -1,4 +1,4 @@
-//! Tests that cross crates, one module for each matter.
+//! Tests that cross crates, with one module for each subject.
 
 mod at_knots;
 mod between_knots;

@@ -1,15 +1,15 @@
-//! The generated sheets are what they say: closed, along the whole motion where that is known.
+//! Do the generated sheets close at their goals, and along the whole motion if it is known?
 
 use foldpath::pattern::{CreasePattern, Letter};
 use foldpath_tests::campaign::Family;
 use foldpath_tests::{Closure, Random, meshes};
 
-/// Closure residual of goals in closed form and of those solved for.
+/// Largest closure residual of goals, in closed form or solved for.
 const CLOSED: f64 = 1e-12;
 
 #[test]
 fn goals_close_and_letters_are_their_signs() {
-    // Files are as their authors left them.
+    // Patterns of files are as their authors left them.
     for family in Family::ALL.iter().filter(|family| !family.real) {
         for seed in 0..20 {
             let drawing = family.sheet(seed);
@@ -35,7 +35,7 @@ fn goals_close_and_letters_are_their_signs() {
     }
 }
 
-/// The tangents of all half angles, scaled alike, close from flat to the goal and beyond.
+/// Tangents of all half angles, scaled by one factor, close from flat to the goal and beyond.
 #[test]
 fn flat_foldable_meshes_close_along_the_whole_motion() {
     for seed in 0..20 {
@@ -54,7 +54,7 @@ fn flat_foldable_meshes_close_along_the_whole_motion() {
     }
 }
 
-/// One seed, one sheet; another seed, another sheet.
+/// Equal seeds give equal sheets, and different seeds different ones.
 #[test]
 fn seeds_make_sheets() {
     for family in Family::ALL {

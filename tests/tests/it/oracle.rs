@@ -1,4 +1,4 @@
-//! The oracle itself can say no: good paths spoilt by hand, measured by it.
+//! Does the oracle reject bad paths? Good paths are spoilt by hand and measured by the oracle.
 
 use core::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use foldpath::planner::PlanOptions;
 use foldpath_tests::{Animation, Frame, Planned, Random, Sheet};
 use serde_json::json;
 
-/// What the oracle measures of a knot: closure, gap, deformation, unflatness, error of fold angles.
+/// Returns the oracle's measures of a knot: closure, gap, deformation, unflatness and error of fold angles.
 fn measure(sheet: &Sheet, frame: &Frame) -> [f64; 5] {
     [
         sheet.closure(&frame.angles),
@@ -56,7 +56,7 @@ fn each_measure_sees_what_is_its_to_see() {
     }
 }
 
-/// Two flaps, 2 long, on a panel 1 wide meet where cos(180 - rho) = 1/4.
+/// Two flaps 2 long, on a panel 1 wide, meet at cos(180° - ρ) = 1/4.
 #[test]
 fn flaps_cross_just_beyond_where_they_meet() {
     let strip = json!({
@@ -77,9 +77,9 @@ fn flaps_cross_just_beyond_where_they_meet() {
     assert_eq!(crossings(PI), [[0; 2]; 0], "layers in contact");
 }
 
-/// Layers of a map of 3x3 panels that is measured, turned together: those that share nothing lie in each other by what
-/// the sheet is torn, where it is folded from some faces. Its outer columns, two long, cross over the middle one in
-/// earnest.
+/// Layers of a measured map of 3x3 panels, turned together. Layers that share no vertex overlap by the tear if the
+/// sheet is folded from some faces; this is no crossing. The outer columns, which are two long, really cross if they
+/// are folded over the middle one.
 #[test]
 fn what_crosses_as_folded_from_some_faces_is_a_tear() {
     let places = || (0..4).flat_map(|row| (0..4).map(move |column| [row, column]));

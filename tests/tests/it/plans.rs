@@ -1,5 +1,5 @@
-//! Every pattern of `patterns/`, planned, written and judged by an oracle that shares no code with
-//! the planner, by `check`, and against the report's counts.
+//! Are the plans of all patterns of `patterns/` right? Every path is written, then judged by an oracle that shares no
+//! code with the planner, by `check`, and by the report's counts.
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::formats::fold::read_pattern;
@@ -9,7 +9,7 @@ use foldpath_tests::closed_form::Waterbomb;
 use foldpath_tests::{Animation, Frame, Planned, goal_angles, path_file, pattern_file, worst};
 use nalgebra::Vector4;
 
-/// What the report counts.
+/// The report's counts of a pattern.
 struct Counts {
     creases: usize,
     real_vertices: usize,
@@ -17,7 +17,7 @@ struct Counts {
     essential_vertices: usize,
 }
 
-/// m rows and n columns of parallelograms.
+/// Returns the counts of m rows and n columns of parallelograms.
 fn miura(m: usize, n: usize) -> Counts {
     Counts {
         creases: (m - 1) * n + m * (n - 1),
@@ -36,8 +36,8 @@ fn waterbomb(creases: usize, real_vertices: usize) -> Counts {
     }
 }
 
-/// m rows and n columns of cells with a diagonal each. Degree-2 vertices, halfway along the straight
-/// creases, count as a condition of their own, as on the waterbomb.
+/// Returns the counts of m rows and n columns of cells with a diagonal each. Vertices of degree 2, halfway along the
+/// straight creases, count as a closure condition of their own, as on the waterbomb.
 fn yoshimura(m: usize, n: usize) -> Counts {
     Counts {
         creases: m * (n - 1) + m * n,
@@ -47,7 +47,8 @@ fn yoshimura(m: usize, n: usize) -> Counts {
     }
 }
 
-/// m rows and n columns of twists: four sides each, and pleats of two creases on each side of a tile.
+/// Returns the counts of m rows and n columns of twists: four sides each, and pleats of two creases on each side of a
+/// tile.
 fn square_twist(m: usize, n: usize, groups: usize, essential_vertices: usize) -> Counts {
     Counts {
         creases: 4 * m * n + 2 * (m * (n + 1) + n * (m + 1)),
@@ -60,13 +61,14 @@ fn square_twist(m: usize, n: usize, groups: usize, essential_vertices: usize) ->
 const RIGID: f64 = 1e-9;
 const CLOSED: f64 = 1e-10;
 const GOAL_DEGREES: f64 = 1e-6;
-/// What is certified of the motion between knots: half of what `check` asks for by default.
+/// Largest certified value for the motion between knots: half of the default bound of `check`.
 const CERTIFIED: f64 = 5e-4;
-/// Knots of the longest of these motions; before knots were certified between, each had one every 10 degrees.
+/// Largest number of knots of these motions. Before the motion between knots was certified, there was a knot every 10
+/// degrees.
 const FEW: usize = 20;
-/// Part of its speed limit that a hinge may come to somewhere and must come to.
+/// Smallest and largest value of a motion's highest speed, over the speed limit.
 const SPEED: [f64; 2] = [0.97, 1.0 + 1e-6];
-/// Angles measured on positions that are rigid to 1e-9, radians.
+/// Tolerance of angles measured on positions that are rigid to 1e-9, radians.
 const SAME_ANGLE: f64 = 1e-8;
 
 #[test]
@@ -107,7 +109,7 @@ fn count(planned: &Planned, counts: &Counts) {
     assert_eq!(plan.essential_vertices, counts.essential_vertices);
 }
 
-/// The numbers that the planner reports.
+/// Checks the numbers that the planner reports.
 fn believe(plan: &Plan) {
     assert_eq!(plan.outcome, Outcome::Planned, "{:?}", plan.reason);
     assert!(plan.rigidity.deformation <= RIGID);
@@ -118,7 +120,7 @@ fn believe(plan: &Plan) {
     assert!(plan.goal_error.to_degrees() <= GOAL_DEGREES);
 }
 
-/// The same numbers, measured by the oracle on what was written.
+/// Checks the numbers that the oracle measures on the written path.
 fn judge(path: &Animation, goal: &[f64]) {
     let sheet = &path.sheet;
     for (index, frame) in path.frames.iter().enumerate() {
@@ -170,7 +172,7 @@ fn judge(path: &Animation, goal: &[f64]) {
     }
 }
 
-/// Largest speed of a hinge, radians per second, by differences of sampled angles.
+/// Returns the largest speed of a hinge, radians per second, by differences of sampled angles.
 fn fastest(path: &Animation) -> f64 {
     const PLACES: u32 = 200;
     let of_segment = |(segment, pair): (usize, &[Frame])| {
@@ -188,7 +190,7 @@ fn fastest(path: &Animation) -> f64 {
     worst(path.frames.windows(2).enumerate().map(of_segment))
 }
 
-/// `check` finds the knots rigid to rounding, and nothing between them that is worse than certified.
+/// Asserts that `check` finds the knots rigid to rounding, and nothing worse than certified between them.
 fn check_agrees(plan: &Plan, text: &str) {
     let file = path_file(text).unwrap();
     let knots = check(&file, &CheckOptions::knots_alone(RIGID));
@@ -210,12 +212,11 @@ fn the_waterbomb_has_758_edges_with_its_virtual_ones() {
     assert_eq!(pattern.creases().len() + pattern.virtual_edges(), 758);
 }
 
-/// A tube of 12 squares closes where b - m = 720/12 degrees: there its sides touch, and beyond they
-/// cross.
+/// A tube of 12 squares closes at b - m = 720/12 degrees. Its sides touch in this configuration and cross beyond it.
 #[test]
 fn the_waterbomb_tube_meets_itself_where_it_closes() {
     let name = "waterbomb-12x22-crossing";
-    // Half angles in proportion to one of them are this motion without error.
+    // Interpolation in half angles, proportional to one of them, gives this motion without error.
     let exact = PlanOptions {
         interpolation: Some(Interpolation::HalfAngle),
         pace: Timing::Sparse,
@@ -233,7 +234,8 @@ fn the_waterbomb_tube_meets_itself_where_it_closes() {
     let path = Animation::parse(&text).unwrap();
     let sheet = &path.sheet;
 
-    // The faces named, by the planner and by `check`, cross just beyond where `check` says; none do before.
+    // The faces that the planner and `check` name cross just beyond the place that `check` names; no faces cross before
+    // it.
     let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
     let found = verdict.crossings[0];
     let segment = found.between_knots[0];
@@ -250,7 +252,7 @@ fn the_waterbomb_tube_meets_itself_where_it_closes() {
     }
     assert_eq!(crossings(&shape(found.at - 1e-3)), none);
 
-    // In the closed form the sheet is free just before that place and crosses just beyond.
+    // In the closed form the sheet is free just before that place and crosses just beyond it.
     let boundary = worst(shape(found.at));
     let crosses = |t: f64| {
         let closed = Waterbomb::at(t);
@@ -272,7 +274,7 @@ fn the_waterbomb_tube_meets_itself_where_it_closes() {
     let early = (boundary - first.boundary).to_degrees();
     assert!(early.abs() <= 0.05, "{early} degrees of b beyond");
 
-    // The plan reaches as much of the way, in the angles of the four groups, as the closed form allows.
+    // The plan reaches the fraction of the path, in the angles of the four groups, that the closed form allows.
     let way = |to: f64| {
         let at = |k: u32| {
             let w = Waterbomb::at(to * f64::from(k) / 1000.0);

@@ -1,5 +1,5 @@
-//! Path reuse is real: the motion of a sheet is planned in a few groups at a few vertices whatever
-//! its size, and is the motion that planning every crease finds.
+//! Is path reuse real? The motion of a sheet of any size must be planned in a few groups at a few vertices, and must be
+//! the motion that planning every crease finds.
 
 use foldpath::planner::{Outcome, PlanOptions, Symmetry};
 use foldpath_tests::closed_form::miura_straight;
@@ -11,7 +11,7 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
     let small = plan("miura-3x3");
     for name in ["miura-5x5", "miura-11x11", "miura-24x24"] {
         let large = plan(name);
-        // The mean of many equal goal angles may be off in its last digits: one more step closes it.
+        // The mean of many equal goal angles may be off in its last digits, which one more step corrects.
         let more = large.iterations.abs_diff(small.iterations);
         assert!(more <= 1, "{name}: {} iterations", large.iterations);
         let more = large.evaluations.abs_diff(small.evaluations);
@@ -20,12 +20,12 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
         let knots = large.path.knots.iter().zip(&small.path.knots);
         let angles = knots.flat_map(|(large, small)| large.angles.iter().zip(&small.angles));
         let error = worst(angles.map(|(large, small)| (large - small).abs()));
-        // Rounding may move a knot along the motion, never a step's worth.
+        // Rounding may move a knot along the motion, but never by a whole step.
         assert!(error <= 1e-6, "{name}: {error:e}");
     }
 }
 
-/// Every crease an unknown of its own: a Miura fold has one motion, so both plans find it.
+/// Every crease is an unknown of its own. A Miura fold has only one motion, so that both plans must find it.
 #[test]
 fn planning_every_crease_finds_the_motion_of_the_groups() {
     let every_crease = PlanOptions {

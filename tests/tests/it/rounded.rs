@@ -1,5 +1,5 @@
-//! Patterns as other programs write them: turned, and with coordinates rounded to some digits. No
-//! configuration of such a sheet closes exactly.
+//! Patterns as other programs write them: rotated, with rounded coordinates. No configuration of such a sheet but the
+//! flat one closes exactly.
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::formats::fold::{PatternFile, read_pattern};
@@ -8,13 +8,13 @@ use foldpath::planner::{CHOSEN_REACH, Judged, Outcome, Plan, PlanOptions};
 use foldpath_tests::{Motion, Planned, Random, Sheet, path_file, pattern_file, worst};
 use nalgebra::{Rotation2, Vector2};
 
-/// The pattern turned by 0.3 rad, its coordinates rounded to multiples of `unit`.
+/// Returns the pattern rotated by 0.3 rad, its coordinates rounded to multiples of `unit`.
 fn rounded(name: &str, unit: f64) -> Option<PatternFile> {
     let turn = Rotation2::new(0.3);
     redrawn(name, |p| (turn * p).map(|c| (c / unit).round() * unit))
 }
 
-/// The pattern with its vertices elsewhere; `None` if that is none.
+/// Returns the pattern with moved vertices; `None` if the result is not a pattern.
 fn redrawn(name: &str, place: impl FnMut(&Vector2<f64>) -> Vector2<f64>) -> Option<PatternFile> {
     let PatternFile { title, pattern } = read_pattern(&pattern_file(name)).unwrap();
     let edges = pattern.edges().iter().map(|edge| DrawnEdge {
@@ -46,7 +46,7 @@ fn rounding_keeps_the_groups_and_costs_its_own_size() {
             let what = format!("{name} {unit:e}: {:?} {:?}", plan.reason, plan.rigidity);
             assert_eq!(plan.outcome, Outcome::Planned, "{what}");
             assert_eq!(plan.groups, groups, "{what}");
-            // A direction is off by the unit, and 24 cells in a row add up.
+            // A direction is off by the unit, and the errors of 24 cells in a row add up.
             let allowed = 1e3 * unit + 1e-12;
             assert!(plan.rigidity.deformation <= allowed, "{what}");
             assert!(plan.rigidity.gap <= allowed, "{what}");
@@ -55,7 +55,7 @@ fn rounding_keeps_the_groups_and_costs_its_own_size() {
     }
 }
 
-/// Coarser, the sheet may be rigid. What must not happen is a plan to somewhere else.
+/// With coarser rounding the sheet may be rigid, but a plan must never lead to another goal.
 #[test]
 fn coarse_rounding_never_passes_for_another_goal() {
     for name in [
@@ -79,7 +79,7 @@ fn coarse_rounding_never_passes_for_another_goal() {
     }
 }
 
-/// The plan of a rounded sheet, and its path as written.
+/// Returns the plan of a rounded sheet, and its path as written.
 fn planned(name: &str, unit: f64, options: &PlanOptions) -> (Plan, Sheet, Motion) {
     let planned = Planned::of(rounded(name, unit).unwrap(), options);
     let outcome = planned.plan.outcome;
@@ -94,7 +94,7 @@ fn planned(name: &str, unit: f64, options: &PlanOptions) -> (Plan, Sheet, Motion
     (planned.plan, sheet, Motion::of(&file).unwrap())
 }
 
-/// Some vertices of a coarsely rounded sheet close worse than the one that stands for them.
+/// On a coarsely rounded sheet some vertices close worse than the essential vertex that represents them.
 #[test]
 fn the_certified_closure_holds_of_every_vertex() {
     for name in ["miura-11x11", "waterbomb-8x10"] {
@@ -123,7 +123,7 @@ fn the_certified_closure_holds_of_every_vertex() {
     }
 }
 
-/// Where knots keep no vertices, what they deform is bounded and not measured.
+/// If knots keep no vertices, their deformation is bounded instead of measured.
 #[test]
 fn the_bounds_at_knots_hold_of_a_sheet_that_closes_roughly() {
     for name in ["miura-11x11", "waterbomb-8x10"] {
@@ -145,7 +145,7 @@ fn the_bounds_at_knots_hold_of_a_sheet_that_closes_roughly() {
         let bounds = [plan.rigidity.deformation, plan.rigidity.gap];
         println!("{name}: {torn:?} of {bounds:?}");
         for (torn, bound) in torn.into_iter().zip(bounds) {
-            // Far above rounding, so that a bound of nought is seen.
+            // The tear is far above rounding, so that a bound of zero would fail.
             assert!(
                 torn > 1e-9 && torn <= bound,
                 "{name}: {torn:e} of {bound:e}"
@@ -154,8 +154,8 @@ fn the_bounds_at_knots_hold_of_a_sheet_that_closes_roughly() {
     }
 }
 
-/// Vertices of what is measured are off by so much any way. Near flat such a sheet turns the way of its letters only where
-/// it closes worse. Found by trying.
+/// The vertices of a measured sheet are off by up to a given distance in any direction. Near flat such a sheet can
+/// follow the signs of its assignments only with a larger closure residual. Found by experiment.
 #[test]
 fn paths_of_measured_sheets_hold() {
     let names = [

@@ -1,11 +1,12 @@
-//! What the search for crossings skips changes how much it looks at, never its verdict.
+//! Does skipping pairs of faces leave the verdict of the search for crossings unchanged? It must only change the amount
+//! of work.
 
 use std::path::{Path, PathBuf};
 
 use foldpath::formats::fold::read_pattern;
 use foldpath::planner::{Goal, Plan, PlanOptions, Skips, plan};
 
-/// Faces up to which a pattern is tried with each switch alone.
+/// Largest number of faces of patterns that are tried with each switch alone.
 const SMALL: usize = 60;
 
 fn patterns() -> impl Iterator<Item = PathBuf> {
@@ -29,7 +30,7 @@ const NONE: Skips = Skips {
     edges: false,
 };
 
-/// Compares the plans of a file with the switches and with everything skipped that can be.
+/// Compares the plans of a file under these switches with its plan under all switches.
 fn compare(file: &Path, switches: &[Skips]) {
     let pattern = read_pattern(file).unwrap().pattern;
     let goal = Goal::of_pattern(&pattern).unwrap();
@@ -47,7 +48,7 @@ fn compare(file: &Path, switches: &[Skips]) {
         assert_eq!(some.outcome.name(), all.outcome.name(), "{name}");
         assert!((some.reached - all.reached).abs() < 1e-4, "{name}");
         let clearance = |plan: &Plan| plan.clearance.map(|clearance| clearance.distance);
-        // More looks may see faces nearer to each other.
+        // More queries may find faces that are nearer to each other.
         match (clearance(&all), clearance(&some)) {
             (Some(all), Some(some)) => assert!(some <= all + 1e-9, "{name}: {some} {all}"),
             (all, some) => assert_eq!(all, some, "{name}"),

@@ -1,4 +1,4 @@
-//! Sheets on which a measure taken carelessly says that all is well.
+//! Sheets on which a careless measure reports that all is well.
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
@@ -9,7 +9,7 @@ use foldpath::planner::{Outcome, PlanOptions, Symmetry};
 use foldpath_tests::Planned;
 use nalgebra::Vector2;
 
-/// A drawing whose inner edges are those with an angle, in degrees; the sign gives the letter.
+/// Returns a drawing as a pattern. Edges with an angle, in degrees, are creases; the sign gives the assignment.
 fn pattern(vertices: &[[f64; 2]], edges: &[([usize; 2], Option<f64>)]) -> CreasePattern {
     let letter = |angle: Option<f64>| match angle {
         None => Letter::Boundary,
@@ -34,7 +34,7 @@ fn plan(pattern: CreasePattern, options: &PlanOptions) -> foldpath::planner::Pla
     Planned::of(PatternFile { title, pattern }, options).plan
 }
 
-/// A strip of panels between the places `x`, folded by `angles`.
+/// Returns a strip of panels between the x coordinates `x`, folded by `angles`, degrees.
 fn strip(x: &[f64], angles: &[f64]) -> CreasePattern {
     let vertices: Vec<[f64; 2]> = x.iter().flat_map(|&x| [[x, 0.0], [x, 1.0]]).collect();
     let last = x.len() - 1;
@@ -46,8 +46,8 @@ fn strip(x: &[f64], angles: &[f64]) -> CreasePattern {
     pattern(&vertices, &edges)
 }
 
-/// The last panel comes back through the sheet exactly at a crease between two coplanar panels: it
-/// crosses neither of them.
+/// The last panel comes back through the sheet exactly at a crease between two coplanar panels, so that it crosses
+/// neither panel alone.
 #[test]
 fn a_panel_that_passes_through_a_crease_is_a_crossing() {
     let pattern = strip(&[-1.0, 0.0, 1.0, 2.0, 3.0, 5.0], &[0.0, 90.0, 90.0, 90.0]);
@@ -59,12 +59,12 @@ fn a_panel_that_passes_through_a_crease_is_a_crossing() {
     assert!(crossing([0.0, 90.0, 90.0, 90.0]).is_some());
     assert!(crossing([0.0, 90.0, 90.0, 90.1]).is_some());
     assert!(crossing([0.0, 90.0, 90.0, 20.0]).is_none());
-    // Standing on the crease from above, and lying on both panels, is contact.
+    // A panel that stands on the crease from above, or lies on both panels, is in contact.
     assert!(crossing([0.0, 90.0, 90.0, 0.0]).is_none());
 }
 
-/// Round a hole, two creases in one line must turn alike. Positions do not show it: both ends of each
-/// stay where they are however it turns.
+/// Round a hole, two creases in one line must turn by equal angles. Positions do not show an error: turning a crease
+/// moves neither of its ends.
 #[test]
 fn creases_round_a_hole_that_contradict_each_other_are_not_planned() {
     let vertices = [
@@ -99,7 +99,7 @@ fn creases_round_a_hole_that_contradict_each_other_are_not_planned() {
         Outcome::GoalNotClosed,
         "{contradicted:?}"
     );
-    // A goal that contradicts itself by little is moved to the nearest that does not: their mean.
+    // A goal with a small contradiction is moved to the nearest consistent goal: the mean of the two angles.
     let nearly = plan(with(40.0, 41.0), &options);
     assert_eq!(nearly.outcome, Outcome::Planned, "{nearly:?}");
     assert!(
@@ -109,7 +109,7 @@ fn creases_round_a_hole_that_contradict_each_other_are_not_planned() {
     assert!(nearly.max_closure < 1e-12);
 }
 
-/// A Miura vertex with one angle not named: the others say what it is.
+/// A Miura vertex with one angle not given: the other angles determine it.
 #[test]
 fn a_free_hinge_goes_where_the_others_take_it() {
     let miura = Miura {
@@ -136,7 +136,7 @@ fn a_free_hinge_goes_where_the_others_take_it() {
     }
 }
 
-/// A goal that closes as it stands is the goal, however nearly symmetric it is.
+/// A goal that closes stays the goal, even if it is nearly symmetric.
 #[test]
 fn an_exact_goal_is_not_moved_to_a_symmetric_one() {
     let degree = 12_u32;
@@ -150,7 +150,7 @@ fn an_exact_goal_is_not_moved_to_a_symmetric_one() {
     let mut edges: Vec<_> = (0..degree).map(rim).collect();
     let angle = |k: u32| if k.is_multiple_of(2) { 30.0 } else { -20.0 };
     edges.extend((0..degree).map(|k| ([k as usize, degree as usize], Some(angle(k)))));
-    // Closed without symmetry first: then its own angles are a goal that closes, nearly symmetric.
+    // Closes the goal without symmetry first. Its own angles then close and are nearly symmetric.
     let free = PlanOptions {
         symmetry: Symmetry::Off,
         ..PlanOptions::default()

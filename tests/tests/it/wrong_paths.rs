@@ -1,5 +1,4 @@
-//! Good paths spoilt in every way that comes to mind: `check` has to say what is wrong. And paths
-//! that only look odd, which hold.
+//! Does `check` say what is wrong with a path? Good paths are spoilt in many ways. Paths that only look odd must hold.
 
 use core::f64::consts::PI;
 
@@ -15,7 +14,7 @@ use serde_json::{Value, json};
 
 const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 
-/// The planned path of a pattern.
+/// Returns the planned path of a pattern.
 fn good(name: &str) -> Value {
     let options = PlanOptions {
         interpolation: Some(Interpolation::Hermite),
@@ -26,7 +25,7 @@ fn good(name: &str) -> Value {
     serde_json::from_str(&planned.text()).unwrap()
 }
 
-/// What is wrong with a path; nothing if it holds.
+/// Returns the failures of a path; none if it holds.
 fn failures(path: &Value) -> Vec<String> {
     match path_file(&path.to_string()) {
         Ok(path) => check(&path, &CheckOptions::default()).failures,
@@ -34,7 +33,7 @@ fn failures(path: &Value) -> Vec<String> {
     }
 }
 
-/// A knot on the way, neither flat nor the goal.
+/// Returns the middle knot, which is neither flat nor the goal.
 fn frame(path: &mut Value) -> &mut Value {
     let knots = path["file_frames"].as_array().unwrap().len();
     &mut path["file_frames"][knots / 2]
@@ -50,7 +49,7 @@ fn each_number(list: &mut Value, change: impl Fn(f64) -> f64) {
     }
 }
 
-/// The first edge of that letter.
+/// Returns the first edge with this assignment.
 fn edge(path: &Value, letter: &str) -> usize {
     let letters = path["edges_assignment"].as_array().unwrap();
     letters.iter().position(|l| l == letter).unwrap()
@@ -64,7 +63,7 @@ fn place(frame: &mut Value, to: impl Fn(Vector3<f64>) -> Vector3<f64>) {
     }
 }
 
-/// The unit normal of face 0 in a frame, and its first corner.
+/// Returns the first corner of face 0 in a frame, and the unit normal of that face.
 fn corner_and_normal(path: &Value, frame: &Value) -> (usize, Vector3<f64>) {
     let corner = |k: usize| path["faces_vertices"][0][k].as_u64().unwrap();
     let corner = |k| usize::try_from(corner(k)).unwrap();
@@ -86,7 +85,7 @@ fn each_rate(path: &mut Value, change: impl Fn(f64) -> f64) {
 
 type Spoil = fn(&mut Value);
 
-/// Ways to spoil a path, each with words that say so.
+/// Ways to spoil a path, each with words of the failure that must be reported.
 const SPOILT: &[(&str, Spoil, &str)] = &[
     (
         "one angle off by a degree",
@@ -372,7 +371,7 @@ fn good_paths_hold() {
     }
 }
 
-/// Where the sheet lies in space is not the path's concern.
+/// A path says nothing of the position of the sheet in space.
 #[test]
 fn paths_moved_in_space_hold() {
     let turn = Rotation3::new(Vector3::new(1.0, -2.0, 0.5));
@@ -401,7 +400,7 @@ fn crossing_faces_are_rejected() {
     );
 }
 
-/// A path in which the hinges turn to `goals` (degrees) together, in straight lines.
+/// Returns a path in which the hinges turn to `goals` (degrees) together, in straight lines.
 fn hand_made(sheet: &HandMade, goals: [f64; 2]) -> Value {
     let knot = |k: u32| HandKnot {
         time: f64::from(k),
@@ -454,7 +453,7 @@ fn flaps_cross_just_beyond_where_they_meet() {
     }
 }
 
-/// Flat-folded, all layers lie in one plane: contact, no crossing.
+/// Flat-folded, all layers lie in one plane: this is contact, not a crossing.
 #[test]
 fn layers_in_contact_hold() {
     for sector_angle in [45.0_f64, 60.0, 80.0] {
@@ -492,8 +491,8 @@ fn layers_in_contact_hold() {
     }
 }
 
-/// A box whose lid goes a little too far in: 3e-4 into its floor. That the file has vertices elsewhere by nearly as much is
-/// no reason why faces should be: such a strip is never torn.
+/// A box whose lid goes too far in, 3e-4 into its floor. Vertices that the file displaces by nearly as much do not
+/// excuse the crossing, because such a strip is never torn.
 #[test]
 fn positions_that_are_off_hide_no_crossing() {
     let strip = HandMade::panels(&[0.0, 2.0, 3.0, 5.0, 6.5]);
@@ -526,8 +525,9 @@ fn positions_that_are_off_hide_no_crossing() {
     }
 }
 
-/// A strip that gets narrower, rolled up: from its narrow end each panel comes to lie on the one before; from its wide end
-/// the first lies on the second and sticks out over the third, which would have to leave through it.
+/// A strip of panels that become narrower, rolled up. From its narrow end each panel comes to lie on the panel before.
+/// From its wide end the first panel lies on the second and sticks out over the third, which would have to leave
+/// through it.
 #[test]
 fn layers_that_leave_through_each_other_are_rejected() {
     let strip = HandMade::panels(&[0.0, 1.0, 1.95, 2.85, 3.7]);
@@ -555,7 +555,7 @@ fn layers_that_leave_through_each_other_are_rejected() {
             crossed.is_none(),
             "{order:?}: {failures:?}"
         );
-        // And so the oracle finds, shapes before and after knots looked at.
+        // The oracle agrees, from shapes at knots and shortly before and after them.
         let (sheet, motion) = (Sheet::of(&path).unwrap(), Motion::of(&path).unwrap());
         let places = (0..3).flat_map(|segment| [0.0, 0.01, 0.99].map(|s| (segment, s)));
         let shapes = places.map(|(segment, s)| sheet.fold(&motion.angles(segment, s)));

@@ -1,4 +1,4 @@
-//! One execution: a controller, and a host that talks sense for a while and then anything.
+//! One execution of the fuzzer: a controller, and a host that follows the protocol for a while and then sends anything.
 
 use foldpath_core::follower::{Place, State};
 use foldpath_core::trajectory::TrajectoryView;
@@ -17,7 +17,7 @@ use super::stream::checksum;
 use super::subject::Subject;
 use crate::path::{CLOSURE, LIMITS, Path, below};
 
-/// What a million executions came to.
+/// Totals over many executions.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) frames: u64,
@@ -39,7 +39,7 @@ impl Tally {
     }
 }
 
-/// Numbers that are hard to bear.
+/// Numbers that are hard to handle.
 const HARD: [f32; 22] = [
     0.0,
     -0.0,
@@ -71,23 +71,23 @@ struct Execution<'a> {
     path: &'a Path,
     sequence: u16,
     command: u8,
-    /// Whether the sheet is that of Miura's fold; else it has no vertices.
+    /// `true` for the sheet of Miura's fold; any other sheet has no vertices.
     miura: bool,
     kind: Interpolation,
     groups: usize,
     limits: GroupLimits,
-    /// Where its path begins.
+    /// Number of the first knot of the path.
     first: u32,
-    /// Whether it takes longer than numbers can say.
+    /// `true` if the duration of the path overflows `f32`.
     endless: bool,
-    /// Whether nothing is wrong for now.
+    /// `true` while the host makes no mistake on purpose.
     calm: bool,
-    /// The last pieces that were sent.
+    /// The frames that were sent last.
     sent: Vec<Vec<u8>>,
     tally: Tally,
 }
 
-/// Runs an execution of these seeds.
+/// Runs execution `number` of this seed.
 pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
     let mut rng = Random::stream(number, seed);
     let kinds = [
@@ -136,7 +136,7 @@ impl Execution<'_> {
         self.below(count) == 0
     }
 
-    /// From 0 to 1.
+    /// Returns a random number from 0 to 1.
     fn part(&mut self) -> f32 {
         f32::from(u16::try_from(self.rng.next_u32() >> 16).unwrap()) / 65535.0
     }
@@ -209,7 +209,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Bytes go to the device in a burst.
+    /// Sends bytes to the device, without a tick between them.
     fn send(&mut self, bytes: &[u8]) {
         self.subject.now += 1;
         for byte in bytes {
@@ -222,7 +222,7 @@ impl Execution<'_> {
         }
     }
 
-    /// A frame of this message in this session, as it is on the line.
+    /// Returns the frame of this message in this session, encoded for the line.
     fn sealed(session: u32, message: &ToDevice<'_>) -> Vec<u8> {
         let (mut buffer, mut bytes) = ([0; 512], Vec::new());
         let sealed = frame::seal(session, message, &mut buffer).unwrap();
@@ -245,7 +245,7 @@ impl Execution<'_> {
         self.send(&bytes);
     }
 
-    /// Greets, and takes what is offered.
+    /// Greets the device, and enters the session that the device offers.
     fn hello(&mut self, version: u16, schema: u32) {
         let id = self.rng.next_u32() << 8;
         let hello = ToDevice::Hello {
@@ -280,7 +280,8 @@ impl Execution<'_> {
         self.say(&ToDevice::Item { sequence, item });
     }
 
-    /// Sends the whole sheet, good but for one time in sixteen.
+    /// Sends all items of a sheet: of Miura's fold, or of groups without vertices and at times with random limits. The
+    /// place at which the path begins may be invalid.
     fn sheet(&mut self) {
         if self.miura {
             (self.subject.miura, self.subject.pristine) = (true, true);
@@ -357,7 +358,7 @@ impl Execution<'_> {
         }
     }
 
-    /// A place at a knot or behind it: where the sheet stands, or anywhere.
+    /// Returns a place at a knot or behind it: the place where the sheet stands, or any.
     fn place(&mut self, knot: u32) -> Place<f32> {
         let stood = self.subject.device.follower().place();
         match self.below(8) {
@@ -374,7 +375,7 @@ impl Execution<'_> {
         }
     }
 
-    /// The next setpoint, good unless `bad`.
+    /// Sends the next setpoint, which is valid unless `bad`.
     fn setpoint(&mut self, bad: bool) {
         let (mut number, mut time, mut last, mut nodes) = self.proposal();
         if bad {
@@ -382,7 +383,7 @@ impl Execution<'_> {
             for _ in 0..=self.below(2) {
                 let (place, value) = (self.below(nodes.len().max(1)), self.number());
                 match self.below(9) {
-                    // Hardly bad, so that it may pass.
+                    // Changes the setpoint so little that it may pass.
                     6 => time -= 0.02 * self.part(),
                     7 | 8 => {
                         let off = [1e-4, 0.05, 0.5, 3.0][self.below(4)] * (self.part() - 0.5);
@@ -417,7 +418,8 @@ impl Execution<'_> {
         self.tally.setpoints += u64::from(self.subject.taken.len() > before);
     }
 
-    /// Number, time, whether it is the last, and nodes of a good setpoint behind those that were taken.
+    /// Returns a good setpoint behind those that were taken: its number, its time, `true` if it is the last, and its
+    /// nodes.
     fn proposal(&mut self) -> (u32, f32, bool, Vec<f32>) {
         let before = self.subject.taken.back().cloned();
         let number = before
@@ -500,7 +502,7 @@ impl Execution<'_> {
         });
     }
 
-    /// Pieces of a sheet that is not there, too many, cut off or wild.
+    /// Sends a piece of a sheet at random: of no sheet, surplus, cut off or with wild numbers.
     fn piece(&mut self) {
         let length = self.below(130);
         let mut bytes: Vec<u8> = (0..length / 4)
@@ -525,7 +527,7 @@ impl Execution<'_> {
         self.item(item);
     }
 
-    /// Something that was sent, with bytes changed, added, lost or cut off on the way.
+    /// Sends an earlier frame with bytes changed, added, lost or cut off.
     fn mutated(&mut self) {
         let mut bytes = self.any_sent();
         for _ in 0..=self.below(3) {
@@ -548,7 +550,7 @@ impl Execution<'_> {
         self.send(&bytes);
     }
 
-    /// A frame with a right checksum and a changed message.
+    /// Sends an earlier frame with a changed message and the right checksum.
     fn resealed(&mut self) {
         let stuffed = self.any_sent();
         let mut deframer = cobs::Deframer::<256>::default();
@@ -589,7 +591,7 @@ impl Execution<'_> {
         self.send(&bytes);
     }
 
-    /// Something that was sent comes again.
+    /// Repeats an earlier frame.
     fn again(&mut self) {
         let bytes = self.any_sent();
         self.send(&bytes);
@@ -616,7 +618,7 @@ impl Execution<'_> {
         self.subject.measure(hinge, off);
     }
 
-    /// A hinge stays where it is for longer than it may, while the host is there.
+    /// Lets a hinge lag for longer than it may, while the host is heard.
     fn stall(&mut self) {
         self.subject.measure(0, 1.0);
         for _ in 0..12 {
@@ -627,7 +629,7 @@ impl Execution<'_> {
         }
     }
 
-    /// The host is there, and sends what there is room for.
+    /// Lets the host be heard and send setpoints as far as there is room.
     fn steady(&mut self) {
         for _ in 0..self.below(8) {
             self.setpoint(false);
@@ -637,7 +639,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Mostly steady ticks with a host that is heard.
+    /// Makes ticks, most of them at a steady pace, and lets the device answer.
     fn ticks(&mut self) {
         let (count, long) = (1 + self.below(40), self.one_in(8));
         for _ in 0..count {

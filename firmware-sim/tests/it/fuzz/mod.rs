@@ -1,4 +1,5 @@
-//! A controller that is told anything: `examples/fuzz.rs` runs as many executions as are asked for, this a few.
+//! Does a controller execute only what was sent, whatever it is told? This test runs a few executions;
+//! `examples/fuzz.rs` runs as many as are asked for.
 
 mod execution;
 mod stream;
@@ -16,7 +17,7 @@ fn whatever_comes_nothing_is_executed_that_was_not_sent() {
         tally.add(execution::run(&path, 0, number));
     }
     println!("{tally:?}");
-    // Most of what is tried lies behind a path that moves.
+    // Most faults can only be found behind a path that moves.
     assert!(
         tally.moved > EXECUTIONS / 4 && tally.faulted > 0 && tally.done > 0,
         "{tally:?}"
@@ -24,5 +25,6 @@ fn whatever_comes_nothing_is_executed_that_was_not_sent() {
 }
 
 const EXECUTIONS: u64 = 10_000;
-/// Executions that have found something: rates of a segment without time, a step shorter than what was carried.
+/// Executions that have found a fault: rates of a segment without duration, and a step shorter than the carry of the
+/// compensated sum.
 const FOUND: [u64; 2] = [741_034, 786_375];

@@ -1,14 +1,14 @@
-//! Frames and messages as `PROTOCOL.md` has them, read by none of the code that is judged. What is read here may be
-//! more than a controller takes, never less.
+//! Frames and messages as `PROTOCOL.md` describes them, decoded without any code that is judged. This decoder may
+//! accept more than a controller takes, but never less.
 
-/// What a frame asks for.
+/// Content of a frame, as far as the model needs it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Message {
     Hello,
     Sheet,
     Piece,
     Setpoint(Sent),
-    /// Its number, and what is to be done.
+    /// Number of the command, and the command.
     Command(u8, u32),
     Alive,
     Nothing,
@@ -22,11 +22,11 @@ pub(crate) struct Sent {
     pub(crate) nodes: Vec<f32>,
 }
 
-/// A frame with a right checksum.
+/// A frame with the right checksum.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame {
     pub(crate) session: u32,
-    /// Of an item.
+    /// Sequence number, if the message is an item.
     pub(crate) sequence: u32,
     pub(crate) message: Message,
 }
@@ -36,7 +36,7 @@ pub(crate) struct Frame {
 pub(crate) struct Stream(Vec<u8>);
 
 impl Stream {
-    /// The frame that a byte ends; `Err` for what is none. A lone zero is nothing.
+    /// Takes a byte and returns the frame that it ends; `Err` if the bytes are no valid frame. A lone zero is nothing.
     pub(crate) fn push(&mut self, byte: u8) -> Option<Result<Frame, ()>> {
         if byte != 0 {
             self.0.push(byte);
@@ -64,7 +64,7 @@ fn unstuffed(mut rest: &[u8]) -> Option<Vec<u8>> {
     (bytes.len() <= 256).then_some(bytes)
 }
 
-/// CRC-32 (ISO-HDLC), bit by bit.
+/// Computes the CRC-32 (ISO-HDLC) bit by bit.
 pub(crate) fn checksum(bytes: &[u8]) -> u32 {
     let mut register = u32::MAX;
     for byte in bytes {

@@ -1,4 +1,5 @@
-//! A controller, and after each byte, tick and level what it may have done.
+//! A controller under test. Every byte, tick and level of the stop line is followed by a check of what the controller
+//! has done.
 
 use std::collections::VecDeque;
 
@@ -13,10 +14,10 @@ use foldpath_firmware_sim::controller::Settings;
 use super::stream::{Frame, Message, Sent, Stream};
 use crate::path::{CLOSURE, Device, Path};
 
-/// Setpoints for which a device has room.
+/// Number of setpoints for which a device has room.
 const QUEUE: usize = 16;
 
-/// What can be seen of a follower.
+/// Visible state of a follower; floating-point numbers as bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Look {
     state: State,
@@ -31,37 +32,43 @@ struct Look {
 pub(crate) struct Subject<'a> {
     pub(crate) device: Device,
     pub(crate) now: u64,
-    /// What the device said of itself.
+    /// Session that the device told last.
     pub(crate) session: u32,
+    /// Last report of that session.
     pub(crate) report: Option<Report>,
-    /// A session that it has offered.
+    /// Session that the device has offered.
     pub(crate) offered: Option<u32>,
-    /// Setpoints that were taken, from that of the place on.
+    /// Setpoints that were taken, from the one at or before the place on.
     pub(crate) taken: VecDeque<Sent>,
     pub(crate) kind: Interpolation,
     pub(crate) limits: Vec<GroupLimits>,
-    /// Whether the sheet is that of Miura's fold, and all of the path too.
+    /// `true` if the sheet is that of Miura's fold.
     pub(crate) miura: bool,
+    /// `true` if the sheet is that of Miura's fold, and every setpoint was sent unchanged.
     pub(crate) pristine: bool,
-    /// Knots that were passed.
+    /// Number of knots that were passed.
     pub(crate) passed: u64,
-    /// Whether nobody takes what the device says, and whether what comes may be old.
+    /// `true` while nobody takes the device's bytes.
     pub(crate) deaf: bool,
+    /// `true` if the answers that come may be old.
     behind: bool,
     path: &'a Path,
-    /// The level of the stop line, and whether nobody has asked to go on since it was drawn.
+    /// Level of the stop line.
     level: bool,
+    /// `true` if nobody has asked to resume since the stop line was drawn.
     drawn: bool,
-    /// When the host was last heard.
+    /// Time when the host was last heard, microseconds.
     heard: u64,
     boots: u32,
     items: Stream,
     answers: Deframer<256>,
-    /// Items that were taken in the session, and those that it has granted in all.
+    /// Number of items that the session has granted in all.
     granted: Option<u64>,
-    /// The session of the last report, and how many there were.
+    /// Session of the last report.
     open: Option<u32>,
+    /// Number of reports.
     reports: u64,
+    /// Number of items that were acknowledged in the session.
     acknowledged: u64,
     last_tick: u64,
 }
@@ -136,21 +143,21 @@ impl<'a> Subject<'a> {
         look
     }
 
-    /// A byte of the host comes.
+    /// Hands the device a byte of the host, and checks what the byte has done.
     pub(crate) fn byte(&mut self, byte: u8) {
         let frame = self.items.push(byte);
-        // Within a frame one byte in eight is looked at.
+        // Looking is slow, so that within a frame only one byte in eight is checked.
         let looks = frame.is_some() || self.now.is_multiple_of(8);
         let before = looks.then(|| self.look());
         self.device.byte(byte, self.now);
         match frame {
             Some(Ok(frame)) => self.obeyed(before.unwrap(), frame),
-            // What is no frame does nothing.
+            // Bytes that are no frame change nothing.
             _ => assert_eq!(before.map(|_| self.look()), before),
         }
     }
 
-    /// A frame has done no more than it may.
+    /// Checks that a frame has done no more than it may.
     fn obeyed(&mut self, before: Look, frame: Frame) {
         let follower = self.device.follower();
         let (room, next) = (follower.room(), follower.next());
@@ -197,7 +204,7 @@ impl<'a> Subject<'a> {
             && !(self.deaf || behind || opened)
             && before != after
         {
-            // The one behind the last, once.
+            // A new command is numbered one more than the command before.
             assert_eq!(number, last.wrapping_add(1));
         }
         self.heard = self.now;
@@ -215,13 +222,13 @@ impl<'a> Subject<'a> {
         }
         let report = self.report.filter(|_| room < before.room && !self.deaf);
         if let Some(report) = report {
-            // It was the item that was expected, in the session that is open.
+            // The item was the one that was expected, in the open session.
             assert_eq!(self.session, frame.session);
             assert_eq!(u32::from(report.next.wrapping_sub(1)), frame.sequence);
         }
     }
 
-    /// The level of the stop line.
+    /// Sets the level of the stop line, and checks its effect.
     pub(crate) fn stop(&mut self, drawn: bool) {
         let before = self.look();
         self.device.stop(drawn);
@@ -243,7 +250,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Time passes.
+    /// Lets time pass until `now`, and checks the tick.
     pub(crate) fn tick(&mut self, now: u64) {
         let before = self.look();
         self.now = self.now.max(now);
@@ -279,23 +286,23 @@ impl<'a> Subject<'a> {
         self.last_tick = self.last_tick.max(now);
     }
 
-    /// The clock changes no faster than by 4 a second, and rests where nothing is left.
+    /// Checks that the rate of the clock changes by at most 4 a second, and is 0 if no path is left.
     fn rates(&self, before: &Look, after: &Look, passed: u64) {
-        // Far from 0 the end of a long segment is rounded.
+        // On other paths, far from time 0, the end of a long segment is rounded.
         if after.state == State::Faulted || !self.pristine {
             return;
         }
         let [from, to] = [before.rate, after.rate].map(f32::from_bits);
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
         let most = 4e-6 * passed as f32;
-        // What is left near the end is rounded, of which the rate there is the root.
+        // Near the end the path time left is rounded, and the rate grows as its square root.
         let dry = self.device.follower().left() <= 0.0;
         let most = most + if dry || from < 0.01 { 1e-3 } else { 1e-5 };
         assert!((to - from).abs() <= most, "{from} to {to}");
         assert!(!dry || to <= 1e-3, "{to} with nothing left");
     }
 
-    /// Where a path begins, no group jumps by more than it may.
+    /// Checks that no group jumps by more than it may when a path begins.
     fn jumps(&self, before: &Look) {
         let angles = self.device.follower().angles().iter().zip(&before.angles);
         for (angle, before) in angles {
@@ -304,7 +311,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// What is commanded is what was sent, and within its limits.
+    /// Checks that the commanded angles are the ones that were sent, and within their limits.
     fn executes(&self) {
         let follower = self.device.follower();
         let (place, angles) = (follower.place(), follower.angles());
@@ -330,7 +337,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The angle of a group at a place of the path that was taken; nothing where half angles are interpolated.
+    /// Returns the angle of a group at a place of the path that was taken, from the sent setpoints; `None` between
+    /// knots if half angles are interpolated.
     fn sent(&self, place: Place<f32>, group: usize) -> Option<f64> {
         let width = self.kind.width();
         let node = |sent: &Sent| {
@@ -362,7 +370,8 @@ impl<'a> Subject<'a> {
         Some(angle.clamp(limits.lower.into(), limits.upper.into()))
     }
 
-    /// No group is faster than it may be. Half angles are looked at in places when they are taken, not all along.
+    /// Checks that no group is faster than it may be. Acceptance samples the speed of half-angle segments instead of
+    /// bounding it, so that they are left out.
     fn moves(&self, before: &Look, passed: u64) {
         if !matches!(self.kind, Interpolation::Linear | Interpolation::Hermite) {
             return;
@@ -390,7 +399,7 @@ impl<'a> Subject<'a> {
         while !self.deaf
             && let Some(byte) = self.device.take()
         {
-            // What found no room does now.
+            // An answer that found no room before may find room now.
             self.device.poll(self.now);
             let Some(frame) = self.answers.push(byte) else {
                 continue;
@@ -415,7 +424,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// What is told from now on is of this session.
+    /// Begins the accounts of this session.
     pub(crate) fn enter(&mut self, session: u32) {
         (self.session, self.report) = (session, None);
         (self.granted, self.acknowledged) = (None, 0);
@@ -433,11 +442,11 @@ impl<'a> Subject<'a> {
         self.acknowledged += u64::from(came);
         let room = report.limit.wrapping_sub(report.next);
         assert!(usize::from(room) <= QUEUE, "{report:?}");
-        // None for a path that is to wait for that of an earlier session.
+        // No room is granted to a path that has to wait for the path of an earlier session.
         let other = self.acknowledged == 0 && self.device.follower().rate() > 0.0;
         assert!(!other || self.behind || room == 0, "{report:?}");
         let granted = self.acknowledged + u64::from(room);
-        // Room never shrinks, and a host that keeps to it is never refused for it.
+        // The credit never shrinks, and a host that keeps to it is never refused for lack of room.
         if let Some(before) = self.granted {
             assert!(granted >= before, "{before} {report:?} {:?}", self.report);
         }
@@ -446,7 +455,7 @@ impl<'a> Subject<'a> {
         self.report = Some(report);
     }
 
-    /// A hinge is measured, so far from its command.
+    /// Measures a hinge at `off` radians from its command.
     pub(crate) fn measure(&mut self, hinge: u32, off: f32) {
         let member = self.device.sheet().hinges().nth(hinge as usize);
         if let Some(member) = member
@@ -458,7 +467,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The board is reset; it keeps the place and the angles.
+    /// Resets the board, which keeps the place and the angles.
     pub(crate) fn reset(&mut self) {
         let follower = self.device.follower();
         let (angles, place) = (follower.angles().to_vec(), follower.place());
@@ -479,7 +488,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// What PROTOCOL.md allows a frame.
+/// Returns `true` if `PROTOCOL.md` allows a frame to change the state in this way.
 fn frame_allows(message: &Message, from: &Look, to: &Look) -> bool {
     use State::{Done, Faulted, Holding, Idle, Ready, Running};
     let stays = from.state == to.state;
@@ -502,7 +511,7 @@ fn frame_allows(message: &Message, from: &Look, to: &Look) -> bool {
     }
 }
 
-/// What PROTOCOL.md allows a tick.
+/// Returns `true` if `PROTOCOL.md` allows a tick to change the state in this way.
 fn tick_allows(from: &Look, to: &Look) -> bool {
     use State::{Done, Faulted, Holding, Running};
     let waited = matches!(from.reason, Reason::Underrun | Reason::Lag(_));

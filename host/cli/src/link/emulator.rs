@@ -1,4 +1,4 @@
-//! A controller in QEMU.
+//! Runs a controller in QEMU.
 
 use core::time::Duration;
 use std::env;
@@ -15,7 +15,7 @@ use super::Wire;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 const NAME: &str = "foldpath-controller";
-/// What builds the image.
+/// Arguments of the cargo command that builds the image.
 const BUILD: [&str; 10] = [
     "build",
     "--locked",
@@ -28,20 +28,21 @@ const BUILD: [&str; 10] = [
     "--bin",
     NAME,
 ];
-/// Settings for the host that are none for the board.
+/// Environment variables with settings for the host that must not affect the build for the board.
 const FOR_THE_HOST: [&str; 4] = [
     "CARGO_BUILD_TARGET",
     "CARGO_ENCODED_RUSTFLAGS",
     "RUSTC_WRAPPER",
     "RUSTFLAGS",
 ];
-/// Time for the emulator to open its lines.
+/// Longest time that the emulator may take to open its lines.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// The controller's image of this workspace, built if there is none; cargo tells its progress on stderr.
+/// Returns the controller's image of this workspace, and builds the image if it is missing. Cargo prints its progress
+/// on stderr.
 ///
 /// # Errors
-/// What is missing: outside a workspace, the command that builds it.
+/// If the image cannot be built. Outside the workspace, the text names the command that builds it.
 pub fn default_image() -> Result<PathBuf, String> {
     let command = format!("cargo {}", BUILD.join(" "));
     let here = env::current_dir().map_err(|error| error.to_string())?;
@@ -78,7 +79,7 @@ pub fn default_image() -> Result<PathBuf, String> {
     }
 }
 
-/// An emulated board that runs an image. It ends with this value.
+/// An emulated board that runs an image. The emulator ends when this value is dropped.
 #[derive(Debug)]
 pub struct Emulator {
     line: Wire<TcpStream>,
@@ -87,12 +88,12 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts `qemu-system-arm` with the image, its first serial line for messages, its second for the stop line.
+    /// Starts `qemu-system-arm` with the image. The first serial line carries messages, the second is the stop line.
     ///
     /// # Errors
     /// If there is no QEMU or no image, or the emulator ends at once.
     pub fn start(image: &Path) -> io::Result<Self> {
-        // QEMU would say no more than that it cannot load it.
+        // An image that cannot be read fails here, because QEMU would say only that it cannot load the image.
         std::fs::File::open(image)?;
         let listeners = [listen()?, listen()?];
         let mut command = Command::new("qemu-system-arm");
@@ -109,7 +110,8 @@ impl Emulator {
         command.stdin(Stdio::null()).stdout(Stdio::null());
         #[cfg(unix)]
         {
-            // Ctrl-C is for the host, which has to brake first.
+            // In a process group of its own the emulator gets no Ctrl-C. Ctrl-C is for the host, which has to brake
+            // first.
             use std::os::unix::process::CommandExt;
             command.process_group(0);
         }
@@ -129,12 +131,12 @@ fn listen() -> io::Result<TcpListener> {
     Ok(listener)
 }
 
-/// A process that is ended with this value.
+/// A process that is killed when this value is dropped.
 #[derive(Debug)]
 struct Process(Child);
 
 impl Process {
-    /// Its end of a line.
+    /// Waits until the process connects to `listener`, and returns the connection.
     fn accept(&mut self, listener: &TcpListener) -> io::Result<TcpStream> {
         let start = Instant::now();
         loop {

@@ -1,4 +1,4 @@
-//! Lines to controllers that need a system: TCP, serial devices, and a controller in QEMU.
+//! Lines to controllers that need an operating system: TCP, serial devices, and a controller in QEMU.
 
 mod emulator;
 mod wire;

@@ -1,4 +1,4 @@
-//! Controllers behind TCP or a serial device.
+//! Lines to controllers behind TCP or a serial device.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -9,7 +9,7 @@ use std::time::Instant;
 use foldpath::stream::Link;
 use serialport::SerialPort;
 
-/// A controller behind a stream of bytes that never waits.
+/// Line to a controller over a stream of bytes whose reads and writes do not block.
 #[derive(Debug)]
 pub struct Wire<S> {
     stream: S,
@@ -33,7 +33,7 @@ impl Wire<TcpStream> {
     /// Connects to `HOST:PORT`, or to a port of this machine.
     ///
     /// # Errors
-    /// If nobody answers there.
+    /// If nobody answers at the address.
     pub fn connect(address: &str) -> io::Result<Self> {
         let stream = match address.parse::<u16>() {
             Ok(port) => TcpStream::connect(("127.0.0.1", port))?,
@@ -42,7 +42,7 @@ impl Wire<TcpStream> {
         Self::over(stream)
     }
 
-    /// Over a connection that there is.
+    /// Makes a line of an open connection.
     ///
     /// # Errors
     /// If the system refuses.
@@ -54,7 +54,7 @@ impl Wire<TcpStream> {
 }
 
 impl Wire<Box<dyn SerialPort>> {
-    /// Opens a serial device at so many baud, eight bits, no parity, one stop bit.
+    /// Opens a serial device at a speed in baud, with eight data bits, no parity and one stop bit.
     ///
     /// # Errors
     /// If there is no such device, or the system refuses.
@@ -65,7 +65,7 @@ impl Wire<Box<dyn SerialPort>> {
 }
 
 impl<S: Read + Write> Wire<S> {
-    /// Hands over as much as the system takes.
+    /// Hands over as many of the outgoing bytes as the system takes.
     fn flush(&mut self) -> io::Result<()> {
         while !self.outgoing.is_empty() {
             match self.stream.write(&self.outgoing) {
@@ -78,7 +78,7 @@ impl<S: Read + Write> Wire<S> {
     }
 }
 
-/// Whether there is only nothing to do now.
+/// Returns `true` if the error says only that nothing can be read or written at the moment.
 fn is_pause(error: &io::Error) -> bool {
     use ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | Interrupted | TimedOut)

@@ -1,10 +1,10 @@
-//! The JSON objects that the commands print: exactly the keys of the contract, of the right kinds.
+//! Checks that the JSON objects of the commands have exactly the keys of the contract, with values of the right kinds.
 
 use crate::common::{PATTERNS, folder_with_path};
 use serde_json::{Value, json};
 
-/// Whether `value` is of the kind that `shape` says: a name (several with `|` between), a list of
-/// entries of one kind or with one kind each, or an object with exactly these keys (`*`: any).
+/// Returns `true` if `value` is of the kind that `shape` states: a name (or several, separated by `|`), a list whose
+/// entries all have one kind or each have their own, or an object with exactly these keys (`*` stands for any key).
 fn fits(value: &Value, shape: &Value) -> bool {
     match (shape, value) {
         (Value::String(kinds), _) => kinds.split('|').any(|kind| match kind {

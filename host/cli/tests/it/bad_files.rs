@@ -1,5 +1,5 @@
-//! Malformed files and parameters: status 2 and a message with the file, the place and what was
-//! expected there. Cases are tables of text: what is wrong `=>` what is said.
+//! Tests malformed files and parameters: the status is 2, and a message names the file, the place and what was expected
+//! there. Cases are tables of text: edits or a command, `=>`, and the message.
 
 use crate::common::{folder, folder_with_path, pattern};
 use foldpath_test_support::{Folder, edited};
@@ -10,7 +10,7 @@ const PLAN: [&str; 1] = ["plan bad.fold -o out.fold"];
 const GOAL: [&str; 1] = ["plan miura.fold --goal bad.fold -o out.fold"];
 const PATH: [&str; 2] = ["check bad.fold", "view bad.fold -o out.html"];
 
-/// Cases and messages of a table; a message goes on in the next line after a backslash.
+/// Returns the cases and messages of a table. After a backslash a message continues in the next line.
 fn cases(table: &str) -> Vec<(String, String)> {
     let mut table = table.split("\\\n").map(str::trim_start);
     let first = table.next().unwrap();
@@ -22,14 +22,14 @@ fn cases(table: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// What is wrong with the answer to a command that must be refused with this message.
+/// Returns a report if a command is not refused with this message.
 fn not_refused(folder: &Folder, command: &str, message: &str) -> Option<String> {
     let answer = folder.run(command);
     let good = answer.status == Some(2) && answer.stdout.is_empty() && answer.tells(message);
     (!good).then(|| format!("\n{command}\n  expected {message}\n  found    {answer:?}\n"))
 }
 
-/// Runs `commands` on `document` with the edits of each case of the table.
+/// Asserts that `commands` refuse `document` with the edits of each case of the table.
 #[track_caller]
 fn assert_edits_refused(document: &Value, commands: &[&str], table: &str) {
     let folder = folder_with_path();
@@ -50,7 +50,7 @@ fn assert_edits_refused(document: &Value, commands: &[&str], table: &str) {
     );
 }
 
-/// Runs the command of each case of the table.
+/// Asserts that the command of each case of the table is refused.
 #[track_caller]
 fn assert_commands_refused(table: &str) {
     let folder = folder_with_path();
@@ -235,7 +235,7 @@ fn frames_that_cannot_be_read() {
     );
 }
 
-/// Where the goal comes from a frame, that frame is the place to look at.
+/// If the goal comes from a frame, the message names that frame.
 #[test]
 fn goal_frames_that_do_not_fit() {
     assert_edits_refused(
@@ -281,8 +281,8 @@ fn goal_files_without_a_goal() {
     );
 }
 
-/// What is refused as the pattern's own goal is refused in a goal file: no hinge turns by more than
-/// half a turn, nor against its letter.
+/// A goal file is refused for the same reasons as the pattern's own goal: no hinge turns by more than half a turn, or
+/// against its letter.
 #[test]
 fn goal_files_that_no_hinge_can_follow() {
     assert_edits_refused(
@@ -328,7 +328,7 @@ fn frames_that_are_no_knots() {
     );
 }
 
-/// What each interpolation needs of every knot.
+/// Each interpolation needs certain data at every knot.
 #[test]
 fn motions_that_lack_something() {
     let mut path = path();
@@ -420,7 +420,7 @@ fn parameters_out_of_range() {
     );
 }
 
-/// The options of `plan` are named as they are typed.
+/// Messages name the options of `plan` as users type them.
 #[test]
 fn plan_options_out_of_range() {
     assert_commands_refused(
@@ -433,7 +433,7 @@ fn plan_options_out_of_range() {
     );
 }
 
-/// A line drawn twice before one that ends nowhere: found by fuzzing.
+/// A line is drawn twice before a line that ends at a missing vertex. Fuzzing found this case.
 #[test]
 fn lines_that_end_nowhere_are_not_repaired() {
     let folder = folder();

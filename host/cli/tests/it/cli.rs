@@ -1,4 +1,4 @@
-//! The `foldpath` command: what the commands do, and how runs end.
+//! Tests the results of the commands, and how runs end.
 
 use std::fs::{self, File};
 
@@ -151,7 +151,7 @@ fn a_crossing_is_found_where_the_faces_meet() {
     assert_eq!(blind["collision"]["pairs"], 0);
     let check = folder.run("check path.fold --json").with_status(1).json();
     let first = &check["crossings"][0];
-    // Many pairs meet there at once: which of them is named is judged where the oracle is.
+    // Many pairs of faces meet at once. The tests with the oracle judge which of them is named.
     let [from, to] = [0, 1].map(|k| &first["between_knots"][k]);
     assert!(
         reason.contains(&format!("(between knots {from} and {to}: ")),
@@ -159,7 +159,7 @@ fn a_crossing_is_found_where_the_faces_meet() {
     );
     let at = first["at"].as_f64().unwrap();
     assert!(at > 0.0 && at < 1.0, "{first}");
-    // The path up to there is free.
+    // The path up to this knot has no crossings.
     let mut path = folder.read_json("path.fold");
     let frames = path["file_frames"].as_array_mut().unwrap();
     frames.truncate(usize::try_from(from.as_u64().unwrap()).unwrap() + 1);
@@ -263,8 +263,8 @@ fn an_answer_that_does_not_fit_on_the_disk_is_an_error() {
     );
 }
 
-/// As with a redirection: what stands behind the name gets the result, and the name stays. A result
-/// sent to /dev/null must not replace the device by a file.
+/// As with a redirection, the file or pipe behind the name gets the result, and the name stays. A result sent to
+/// /dev/null must not replace the device by a file.
 #[test]
 #[cfg(unix)]
 fn links_and_pipes_are_written_to_not_replaced() {
@@ -283,7 +283,8 @@ fn links_and_pipes_are_written_to_not_replaced() {
         .status()
         .unwrap();
     assert!(made.success());
-    // Open for both, so that the writer finds a reader; what is written fits in the pipe's buffer.
+    // The pipe is open for reading and writing, so that the writer finds a reader. The output fits in the pipe's
+    // buffer.
     let _reader = File::options().read(true).write(true).open(&pipe).unwrap();
     folder.done("generate miura --rows 3 --cols 3 -o pipe.fold");
     assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());

@@ -1,4 +1,4 @@
-//! Sheets with cuts, with holes, and several in one file.
+//! Tests sheets with cuts, sheets with holes, and several sheets in one file.
 
 use crate::common::{folder, pattern};
 use foldpath::check::{CheckOptions, check};
@@ -22,7 +22,7 @@ const SHEET: Miura = Miura {
     fold: 0.9,
 };
 
-/// The 5x5 Miura fold without the faces of these (column, row).
+/// Returns the 5x5 Miura fold without these faces, given by column and row.
 fn without(faces: &[(usize, usize)]) -> Drawing {
     let mut drawing = SHEET.drawing().unwrap();
     let whole = CreasePattern::new(drawing.clone()).unwrap();
@@ -36,7 +36,7 @@ fn without(faces: &[(usize, usize)]) -> Drawing {
     drawing
 }
 
-/// The 5x5 Miura fold, cut along the edges between these neighbours (column, row).
+/// Returns the 5x5 Miura fold, cut along the edges of this chain of vertices, given by column and row.
 fn cut(way: &[(usize, usize)]) -> Drawing {
     let mut drawing = SHEET.drawing().unwrap();
     for pair in way.windows(2) {
@@ -49,7 +49,7 @@ fn cut(way: &[(usize, usize)]) -> Drawing {
 }
 
 const MIDDLE: [(usize, usize); 1] = [(2, 2)];
-/// Faces whose absence leaves a ring, one face wide, whose every vertex is on a border.
+/// Faces whose removal leaves a ring that is one face wide. All vertices of the ring are on a border.
 const INSIDE: [(usize, usize); 9] = [
     (1, 1),
     (2, 1),
@@ -63,7 +63,7 @@ const INSIDE: [(usize, usize); 9] = [
 ];
 const SLIT: [(usize, usize); 3] = [(1, 2), (2, 2), (3, 2)];
 
-/// Real vertices and holes.
+/// Returns the numbers of real vertices and of holes.
 fn counts(drawing: Drawing) -> (usize, usize) {
     let pattern = CreasePattern::new(drawing).unwrap();
     (pattern.real_vertices().count(), pattern.holes().len())
@@ -77,7 +77,7 @@ fn document(drawing: &Drawing) -> Value {
     document
 }
 
-/// The largest of the numbers `key` of every knot.
+/// Returns the largest of the numbers `key` at all knots.
 fn worst(path: &Value, key: &str) -> f64 {
     let frames = path["file_frames"].as_array().unwrap().iter();
     frames
@@ -85,7 +85,7 @@ fn worst(path: &Value, key: &str) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Plans, checks and shows a document; what the three said.
+/// Plans, checks and shows a document. Returns the answers of `plan` and `check`, and the folder.
 #[track_caller]
 fn planned(document: &Value, options: &str) -> (Value, Value, Folder) {
     let folder = folder();
@@ -99,8 +99,7 @@ fn planned(document: &Value, options: &str) -> (Value, Value, Folder) {
     (plan, check, folder)
 }
 
-/// A cut from the border to a vertex: on both sides there is a border then, and the vertex at the border
-/// is there twice.
+/// A cut from the border to a vertex makes a border on both of its sides, and doubles the vertex at the border.
 #[test]
 fn a_cut_parts_the_sheet_and_what_is_added_comes_last() {
     for letter in ["B", "C"] {
@@ -130,17 +129,17 @@ fn holes_are_found() {
     assert_eq!(counts(without(&MIDDLE)), (12, 1));
     assert_eq!(counts(without(&INSIDE)), (0, 1));
     assert_eq!(counts(without(&[(1, 1), (3, 3)])), (8, 2));
-    // A bay is no hole, nor is a cut from the border.
+    // A bay is no hole, and a cut from the border is no hole either.
     assert_eq!(counts(without(&[(0, 2)])), (14, 0));
     assert_eq!(counts(cut(&[(0, 2), (1, 2), (2, 2)])), (14, 0));
     assert_eq!(counts(cut(&SLIT)), (13, 1));
     assert_eq!(counts(cut(&[(2, 1), (2, 2), (3, 2), (3, 3)])), (12, 1));
-    // Faces of the 3x3 block in the middle that meet in its corner alone: one hole of two faces.
+    // Two faces of the 3x3 block in the middle that meet only in a corner make one hole.
     assert_eq!(counts(without(&[(1, 1), (2, 2)])), (9, 1));
 }
 
-/// The report's own sheet, with a hole or a slit in it: the same motion to the same goal, whatever is
-/// assumed about symmetry.
+/// The report's own sheet with a hole or a slit has the same motion to the same goal, whatever is assumed about
+/// symmetry.
 #[test]
 fn sheets_with_holes_reach_the_miura_goal() {
     for (drawing, vertices, unknowns) in [
@@ -158,7 +157,7 @@ fn sheets_with_holes_reach_the_miura_goal() {
             }
             assert!(plan["goal_error"].as_f64().unwrap() < 1e-9, "{plan}");
             let path = folder.read_json("path.fold");
-            // Rigid at the knots; between them, nothing that is found is worse than certified.
+            // The sheet is rigid at the knots. Between them, no gap is larger than certified.
             let certified = plan["certified_deformation"].as_f64().unwrap();
             assert!(certified <= 5e-4, "{options}: {certified:e}");
             for (gap, most) in [
@@ -181,8 +180,8 @@ fn sheets_with_holes_reach_the_miura_goal() {
     }
 }
 
-/// Levenberg-Marquardt from a goal that is off by up to a twentieth of a radian everywhere: how it ends,
-/// and by how much the sheet is torn there as the folding map has it.
+/// Runs Levenberg-Marquardt from the goal with each angle changed by up to a twentieth of a radian. Returns the
+/// outcome, and the gap of the folding map at the solution.
 fn solved(pattern: &CreasePattern, with_loops: bool) -> (Outcome, f64) {
     let groups = CreaseGroups::trivial(pattern);
     let stars = ReducedStars::all(pattern, &groups);
@@ -216,8 +215,8 @@ fn solved(pattern: &CreasePattern, with_loops: bool) -> (Outcome, f64) {
     (report.outcome, map.rigidity(pattern, &tree).gap)
 }
 
-/// A ring has no condition but that of its hole. One hinge that goes another way between knots opens it; the
-/// bound on how far is never below what core's residual is at 1,000 places, and near it.
+/// A ring has no closure condition but that of its hole. A hinge that moves differently between knots opens the hole.
+/// The bound on the closure is not below core's residual at 1,000 places, and at most three times that.
 #[test]
 fn a_hole_that_opens_between_knots_is_named() {
     let (_, _, folder) = planned(&document(&without(&INSIDE)), "--interpolation hermite");
@@ -263,7 +262,7 @@ fn a_hole_that_opens_between_knots_is_named() {
     );
 }
 
-/// Stars alone leave the sheet torn round the hole; with the loop it lands on a closed configuration.
+/// With the stars alone the solver leaves the sheet torn round the hole. With the loop it finds a closed configuration.
 #[test]
 fn a_perturbed_goal_closes_round_the_hole() {
     for drawing in [without(&INSIDE), cut(&SLIT), without(&[(1, 1), (2, 2)])] {
@@ -277,7 +276,7 @@ fn a_perturbed_goal_closes_round_the_hole() {
     }
 }
 
-/// A cut along one edge inside the sheet leaves both ends to both faces: a hinge.
+/// After a cut along one edge inside the sheet, both faces still share both ends of the edge: it is a hinge.
 #[test]
 fn a_cut_along_one_edge_inside_is_a_free_hinge() {
     let pattern = CreasePattern::new(cut(&SLIT[..2])).unwrap();
@@ -289,7 +288,7 @@ fn a_cut_along_one_edge_inside_is_a_free_hinge() {
     assert_eq!(plan["creases"], 40);
 }
 
-/// A goal file has the edges of the drawing; a path has the second sides of cuts too. Both are goals.
+/// A goal file has the edges of the drawing; a path also has the second sides of cuts. Both can be goals.
 #[test]
 fn goal_files_of_a_cut_sheet() {
     let drawing = cut(&SLIT);
@@ -302,7 +301,7 @@ fn goal_files_of_a_cut_sheet() {
     }
 }
 
-/// A cut sheet that is written, and read as the pattern that it is, is the same sheet.
+/// A cut sheet that is written and read back is the same sheet.
 #[test]
 fn a_written_cut_is_read_back() {
     for way in [
@@ -322,7 +321,7 @@ fn a_written_cut_is_read_back() {
     }
 }
 
-/// Vertices may share a place where faces say what hangs together, but no two faces may.
+/// Vertices may share a place if the file names faces, which say what is connected. Two faces may not share a place.
 #[test]
 fn faces_in_the_same_place_are_refused() {
     let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Vector2::from);
@@ -351,8 +350,8 @@ fn faces_in_the_same_place_are_refused() {
     assert!(matches!(error, PatternError::OnEdge { .. }), "{error}");
 }
 
-/// The two sides of a cut touch all along a fold that takes them together: from flat on, and as soon
-/// as anything can be seen, that is no crossing.
+/// The two sides of a cut touch all along a motion that moves them together. This is no crossing, from the flat sheet
+/// on and also at the smallest fold angles.
 #[test]
 fn the_sides_of_a_cut_touch_and_do_not_cross() {
     for way in [
@@ -384,8 +383,8 @@ fn the_sides_of_a_cut_touch_and_do_not_cross() {
     }
 }
 
-/// Two flaps on neighbouring sides of a square that meet in a cut along the diagonal: folded the same
-/// way they pass through each other, one up and one down they do not.
+/// Two flaps on neighbouring sides of a square meet in a cut along the diagonal. They pass through each other if both
+/// fold the same way, but not if one folds up and the other down.
 #[test]
 fn flaps_on_the_two_sides_of_a_cut_can_cross() {
     let flaps = |second: f64| {
@@ -422,13 +421,14 @@ fn flaps_on_the_two_sides_of_a_cut_can_cross() {
     folder.write("sheet.fold", &flaps(90.0).to_string());
     let plan = folder.run("plan sheet.fold --json").with_status(1).json();
     assert_eq!(plan["outcome"], "crossing", "{plan}");
-    // At the fold angle θ each reaches sin θ (1 - cos θ) beyond the other; a millionth of an edge counts.
+    // At the fold angle θ each flap reaches sin θ (1 - cos θ) beyond the other. A depth of a millionth of an edge
+    // counts.
     let angle = plan["reached"].as_f64().unwrap() * core::f64::consts::FRAC_PI_2;
     let depth = angle.sin() * (1.0 - angle.cos());
     assert!((depth - 1e-6).abs() < 1e-9, "{depth:e}");
 }
 
-/// Faces that meet in a point alone are parted there, and it is said.
+/// Faces that meet only in a point are parted there, and a note says so.
 #[test]
 fn faces_that_meet_in_a_point_alone_are_parted() {
     let document = document(&without(&[(1, 1), (2, 2)]));
@@ -442,7 +442,7 @@ fn faces_that_meet_in_a_point_alone_are_parted() {
     );
 }
 
-/// Halves that a cut parts touch all along it, and are not looked at for crossings.
+/// The two halves of a sheet that is cut through touch all along the cut, and are not tested for crossings.
 #[test]
 fn halves_of_a_sheet_touch_and_fold() {
     let document = json!({
@@ -460,14 +460,14 @@ fn halves_of_a_sheet_touch_and_fold() {
     folder.done("check path.fold");
 }
 
-/// That `info` names this among its assumptions.
+/// Asserts that `info` names this among its assumptions.
 #[track_caller]
 fn assert_said(info: &Value, said: &str) {
     let assumptions = info["assumptions"].as_array().unwrap();
     assert!(assumptions.contains(&json!(said)), "{info}");
 }
 
-/// The document and, to its right, itself again: one drawing of two sheets.
+/// Returns one drawing of two sheets: the document, and a copy of it to its right.
 fn side_by_side(document: &Value) -> Value {
     let mut both = document.clone();
     let count = document["vertices_coords"].as_array().unwrap().len();
@@ -510,7 +510,7 @@ fn two_sheets_in_one_file_fold_side_by_side() {
         for command in ["plan sheet.fold", "check path.fold"] {
             assert!(folder.done(command).stderr.contains(said), "{command}");
         }
-        // The face in the middle of each stays where it is drawn.
+        // The face in the middle of each sheet stays where it is drawn.
         let path = folder.read_json("path.fold");
         let last = &path["file_frames"].as_array().unwrap().last().unwrap()["vertices_coords"];
         for vertex in [5, 21] {

@@ -1,4 +1,4 @@
-//! Crease patterns as they are drawn: SVG with Origami Simulator's colours, and CP.
+//! Tests crease patterns that are drawings: SVG files with Origami Simulator's colours, and CP files.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -9,12 +9,12 @@ use foldpath::pattern::{CreasePattern, Letter};
 use foldpath_test_support::numbers;
 use serde_json::{Value, json};
 
-/// An SVG drawing of 10 by 10 with these elements.
+/// Returns an SVG drawing of 10 by 10 with these elements.
 fn svg(elements: &str) -> String {
     format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 10\">\n{elements}</svg>")
 }
 
-/// A square sheet of SVG with a crease from top to bottom of these attributes.
+/// Returns an SVG drawing of a square sheet with a crease from top to bottom that has these attributes.
 fn creased(attributes: &str) -> String {
     svg(&format!(
         "<rect x=\"0\" y=\"0\" width=\"4\" height=\"4\" fill=\"none\" stroke=\"#000\"/>\n\
@@ -22,7 +22,7 @@ fn creased(attributes: &str) -> String {
     ))
 }
 
-/// A CP file: the border of a square from 0 to 4, and these lines.
+/// Returns a CP file with the border of a square from 0 to 4, and these lines.
 fn cp(lines: &str) -> String {
     format!("1 0 0 4 0\n1 4 0 4 4\n1 4 4 0 4\n1 0 4 0 0\n{lines}")
 }
@@ -35,7 +35,7 @@ fn read(name: &str, text: &str) -> CreasePattern {
     file.pattern
 }
 
-/// Vertices, edges and faces.
+/// Returns the numbers of vertices, edges and faces.
 fn counts(pattern: &CreasePattern) -> [usize; 3] {
     [
         pattern.vertices().len(),
@@ -44,7 +44,7 @@ fn counts(pattern: &CreasePattern) -> [usize; 3] {
     ]
 }
 
-/// Letters and goal angles (degrees) of the edges between two faces.
+/// Returns the letters and goal angles (degrees) of the edges between two faces.
 fn inner(pattern: &CreasePattern) -> Vec<(char, Option<f64>)> {
     let edges = pattern.edges().iter();
     let inner = edges.filter(|edge| edge.inner_faces().is_some());
@@ -140,7 +140,7 @@ fn styles_and_transforms_are_resolved() {
     }
 }
 
-/// The same square with one crease in other words of SVG, and what is said of them.
+/// One square with one crease in many elements of SVG, and the notes about them.
 #[test]
 fn svg_in_other_words_is_the_same_drawing() {
     let plain = read("plain.svg", &creased("stroke=\"red\""));
@@ -173,12 +173,12 @@ fn svg_in_other_words_is_the_same_drawing() {
                 .into(),
             vec![],
         ),
-        // A view of its own, and relative units.
+        // An inner `svg` element with a view of its own and relative units.
         (
             format!("<svg viewBox=\"0 0 10 10\" width=\"100%\" height=\"10px\">{border}{crease}</svg>"),
             vec![],
         ),
-        // An ellipse that only fills, text, a clip path that hides the crease, and what is not shown.
+        // An ellipse that is only filled, text, a clip path that hides the crease, and elements that are not shown.
         (
             format!(
                 "{border}<clipPath id=\"k\"><rect width=\"1\" height=\"1\"/></clipPath><g clip-path=\"url(#k)\">\
@@ -188,7 +188,7 @@ fn svg_in_other_words_is_the_same_drawing() {
             ),
             vec![left_out, clipped],
         ),
-        // Ends marked by arrows, which are no lines of the sheet.
+        // Arrows that mark the ends of a line and are no lines of the sheet.
         (
             format!(
                 "<marker id=\"a\"><path d=\"M0 0h1\" stroke=\"red\"/></marker>{border}\
@@ -217,8 +217,7 @@ fn svg_in_other_words_is_the_same_drawing() {
     );
 }
 
-/// What is on the screen is what is folded: up stays up, and the crease from the middle to the lower left
-/// is where it was drawn.
+/// The sheet is folded as the screen shows it: up stays up, so that y, which runs down in drawings, is negated.
 #[test]
 fn y_is_turned_round() {
     let svg = read("up.svg", &creased("stroke=\"red\""));
@@ -233,7 +232,7 @@ fn y_is_turned_round() {
     }
 }
 
-/// Far from the origin single precision leaves few digits, and the tolerance grows with what it loses.
+/// Far from the origin, single precision leaves few digits. The tolerance grows with the digits that are lost.
 #[test]
 fn drawings_far_from_the_origin_are_read() {
     let far = |x: f64, y: f64| format!("{},{}", 1e6 + x, 2e6 + y);
@@ -292,8 +291,8 @@ fn fills_and_hidden_shapes_say_nothing() {
     assert_eq!(counts(&read("fills.svg", &creased(shapes))), [6, 7, 2]);
 }
 
-/// What other programs write: comments, empty lines, ends of lines of two bytes, exponents, commas for points,
-/// and types that are no crease.
+/// CP files as other programs write them: with comments, empty lines, line ends of two bytes, exponents, commas in
+/// place of decimal points, and types that are no crease.
 #[test]
 fn cp_files_of_all_kinds_are_read() {
     let plain = cp("3 2 0 2 4\n");
@@ -322,7 +321,7 @@ fn auxiliary_lines_are_left_out() {
     assert_eq!(pattern.assumptions(), [note]);
 }
 
-/// Each rule of repair, and what it says.
+/// Each rule of repair, and its note.
 #[test]
 fn loose_lines_are_repaired_and_said() {
     let passes = |places: usize| {
@@ -348,13 +347,13 @@ fn loose_lines_are_repaired_and_said() {
             [9, 12, 4],
             vec![crossed.clone(), passes(4)],
         ),
-        // Ends a little beside the border, and a little beside each other.
+        // Ends a little beside the border, and ends a little beside each other.
         (
             "2 2 0.0003 2 2\n2 2.0003 2 2 3.9997\n3 0 2 4 2",
             [9, 12, 4],
             vec![format!("{joined}2, moved by 1.5e-4 at most"), passes(5)],
         ),
-        // The same line twice, and one that overlaps another.
+        // A line drawn twice, and a line that overlaps another.
         ("2 2 0 2 4\n2 2 4 2 0", [6, 7, 2], vec![passes(2), twice(1)]),
         ("2 2 0 2 3\n2 2 1 2 4", [8, 9, 2], vec![passes(4), twice(1)]),
         // Mountain and valley at one place.
@@ -367,7 +366,7 @@ fn loose_lines_are_repaired_and_said() {
                 "of them lettered M and V at one place, the first drawn kept: 1".into(),
             ],
         ),
-        // No length, and ends in the open.
+        // A line without length, and lines that end in the open.
         (
             "2 2 0 2 4\n2 1 1 1 1",
             [6, 7, 2],
@@ -392,13 +391,13 @@ fn loose_lines_are_repaired_and_said() {
                     .into(),
             ],
         ),
-        // Past the border.
+        // A line that goes past the border.
         (
             "2 2 -0.05 2 4",
             [6, 7, 2],
             vec![crossed, passes(1).replace("5.657e-4", "5.692e-4"), open(1)],
         ),
-        // Not quite as far as the corner.
+        // A line that ends just short of the corner.
         (
             "2 0 0 3.992 3.99",
             [4, 5, 2],
@@ -409,7 +408,7 @@ fn loose_lines_are_repaired_and_said() {
         assert_eq!(counts(&pattern), expected, "{lines}");
         assert_eq!(pattern.repairs(), repairs, "{lines}");
     }
-    // The command says them.
+    // The command reports the repairs.
     let folder = folder();
     folder.write("cross.CP", &cp("2 2 0 2 4\n3 0 2 4 2"));
     let info = folder.done("info cross.CP --json").json();
@@ -423,7 +422,7 @@ fn loose_lines_are_repaired_and_said() {
     assert_eq!(folder.done("info cross.CP --quiet").stderr, "");
 }
 
-/// A crease drawn over a border within the sheet is a crease, a cut drawn over a crease a cut.
+/// A crease drawn over a border within the sheet stays a crease. A cut drawn over a crease stays a cut.
 #[test]
 fn the_letter_that_says_more_is_kept() {
     let line =
@@ -554,7 +553,7 @@ fn bad_drawings_are_refused() {
     assert_eq!(answer.stderr, expected);
 }
 
-/// Two sheets beside each other, one of them in a notch of the other, are kept.
+/// Two sheets beside each other, one of them in a notch of the other, are both kept.
 #[test]
 fn sheets_beside_each_other_are_kept() {
     let notched = "1 0 0 4 0\n1 4 0 4 4\n1 4 4 3 4\n1 3 4 3 1\n1 3 1 1 1\n1 1 1 1 4\n1 1 4 0 4\n1 0 4 0 0\n\
@@ -564,7 +563,7 @@ fn sheets_beside_each_other_are_kept() {
     assert_eq!(pattern.repairs(), [""; 0]);
 }
 
-/// The folder of patterns that nobody here wrote, or `None` with a word that the test skips.
+/// Returns the folder of patterns by other authors. Without one, prints that the test is skipped and returns `None`.
 fn external() -> Option<PathBuf> {
     let folder = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS").map(PathBuf::from);
     if folder.is_none() {
@@ -573,8 +572,8 @@ fn external() -> Option<PathBuf> {
     folder
 }
 
-/// Vertices, edges and faces of real drawings. Cuts have an edge on each side. In `birdbase.cp` one
-/// diagonal is not drawn, which is two edges and two faces of the bird base.
+/// Numbers of vertices, edges and faces of real drawings. Cuts have an edge on each side. In `birdbase.cp` one diagonal
+/// is not drawn, which accounts for two edges and two faces of the bird base.
 #[test]
 fn real_drawings_are_read() {
     let Some(folder) = external() else { return };
@@ -605,8 +604,8 @@ fn real_drawings_are_read() {
     }
 }
 
-/// The bird base of two programs: the same lines once the diagonal is drawn that only one of them has. Places
-/// are compared in twentieths of the sheet, as one of the programs has them on a grid.
+/// The bird bases of two programs have the same lines, once the diagonal that only one of them has is drawn. Positions
+/// are compared in twentieths of the sheet, because one of the programs puts them on a grid.
 #[test]
 fn both_bird_bases_are_one() {
     let Some(folder) = external() else { return };
@@ -638,7 +637,7 @@ fn both_bird_bases_are_one() {
     assert!(lines(&drawn).is_subset(&lines(&full)));
 }
 
-/// Every real drawing gets an answer, with a reason where it is not planned; some of them fold.
+/// Every real drawing gets an answer, with a reason if it is not planned. Some of the drawings fold.
 #[test]
 fn real_drawings_are_planned_or_say_why_not() {
     let Some(drawings) = external() else { return };

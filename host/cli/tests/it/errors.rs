@@ -1,4 +1,5 @@
-//! Every error as it is told: the message, the line of the file, the hint. `INSTA_UPDATE=always` takes new texts over.
+//! Compares every error with a snapshot of its text: the message, the line of the file, the hint. `INSTA_UPDATE=always`
+//! accepts new texts.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -13,14 +14,14 @@ use foldpath_core::trajectory::TrajectoryError;
 use foldpath_core::trajectory_file;
 use foldpath_test_support::{Folder, edited};
 
-/// What a command that must be refused says.
+/// Returns the text with which a command is refused.
 fn refused(folder: &Folder, arguments: &str) -> String {
     let answer = folder.run(arguments).with_status(2);
     assert_eq!(answer.stdout, "", "{arguments}");
     format!("$ foldpath {arguments}\n{}\n", answer.stderr.trim_end())
 }
 
-/// What is said of commands, one a line.
+/// Returns the texts with which commands are refused; each line of `commands` is one command.
 fn all_refused(folder: &Folder, commands: &str) -> String {
     let commands = commands
         .lines()
@@ -116,7 +117,7 @@ fn stdout_that_is_full() {
     insta::assert_snapshot!(String::from_utf8(answer.stderr).unwrap());
 }
 
-/// In files of lines, as people write them.
+/// Errors in files of several lines, as people write them.
 #[test]
 fn lines_of_files() {
     let folder = folder_with_path();
@@ -219,7 +220,7 @@ fn wrong_files() {
     insta::assert_snapshot!(said);
 }
 
-/// Drawings that are no crease pattern, and goals that are none, in a file of one long line.
+/// Errors of drawings that are no crease pattern, and of goals that are no goal, in a file of one long line.
 #[test]
 fn patterns_and_goals() {
     let folder = folder();
@@ -276,7 +277,7 @@ fn patterns_and_goals() {
     insta::assert_snapshot!(said);
 }
 
-/// What is wrong with a path.
+/// Errors of paths.
 #[test]
 fn paths() {
     let folder = folder_with_path();
@@ -308,7 +309,7 @@ fn paths() {
     insta::assert_snapshot!(said);
 }
 
-/// Errors of the libraries that no file leads to, or that need bytes changed with their checksum.
+/// Errors of the libraries that no file causes, or that need bytes changed together with their checksum.
 #[test]
 fn errors_of_the_libraries() {
     use trajectory_file::FileError as Traj;
@@ -401,7 +402,7 @@ fn errors_of_the_libraries() {
     insta::assert_snapshot!(said);
 }
 
-/// Variants of errors in a source text with their formats: what `#[error("...")]` says.
+/// Returns the variants of errors in a source text, each with the format of its `#[error("...")]`.
 fn formats(source: &str) -> Vec<(String, String)> {
     let attributes = source.split("#[error(").skip(1);
     attributes
@@ -420,13 +421,13 @@ fn formats(source: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The words of a format between its values.
+/// Returns the words of a format between its values.
 fn words(format: &str) -> Vec<&str> {
     let parts = format.split(['{', '}']).step_by(2).map(str::trim);
     parts.filter(|part| part.len() > 2).collect()
 }
 
-/// Whether a line of the snapshots has all the words in this order.
+/// Returns `true` if a line of the snapshots has all the words in this order.
 fn is_told(snapshots: &str, words: &[&str]) -> bool {
     snapshots.lines().any(|line| {
         let mut rest = Some(line);
@@ -449,7 +450,7 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
     }
 }
 
-/// Errors whose format has no words of its own, and a part of what some snapshot says of them.
+/// Errors whose format has no words of its own, each with a part of its text in some snapshot.
 const WORDLESS: [(&str, &str); 11] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
@@ -470,7 +471,7 @@ const WORDLESS: [(&str, &str); 11] = [
     ("ParameterError", "--rows: expected 1 to 3000, found 0"),
 ];
 
-/// Errors of the command's own modules that no command line leads to: their unit tests have the whole texts.
+/// Errors of the command's own modules that no command line causes. Unit tests have their whole texts.
 const TOLD_IN_UNIT_TESTS: [&str; 2] = ["NoFont", "NoPicture"];
 
 #[test]

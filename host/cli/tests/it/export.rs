@@ -1,4 +1,4 @@
-//! What `foldpath export` makes of a path for renderers and drawing programs.
+//! Tests the files that `foldpath export` writes for renderers and drawing programs.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use gltf::animation::util::ReadOutputs;
 use gltf::mesh::Mode;
 use nalgebra::Vector3;
 
-/// Positions of the vertices in an OBJ file, and its faces, counted from 0.
+/// Returns the positions of the vertices in an OBJ file, and its faces with vertices counted from 0.
 fn obj(text: &str) -> (Vec<Vector3<f64>>, Vec<Vec<u32>>) {
     let of = |kind: &str| {
         let lines = text
@@ -36,7 +36,7 @@ fn obj(text: &str) -> (Vec<Vector3<f64>>, Vec<Vec<u32>>) {
     (places.collect(), faces.collect())
 }
 
-/// Largest difference between the fold angles of a path at a place (radians) and those that a shape shows.
+/// Returns the largest difference (radians) between given fold angles and those measured on a shape.
 fn angle_error(path: &PathFile, angles: &[f64], shape: &[Vector3<f64>]) -> f64 {
     let errors = Dihedral::all(&path.pattern).into_iter().map(|dihedral| {
         let assigned = dihedral.edge.map_or(0.0, |edge| angles[edge.index()]);
@@ -45,7 +45,7 @@ fn angle_error(path: &PathFile, angles: &[f64], shape: &[Vector3<f64>]) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Fold angles of all edges at a time, by the path's own motion.
+/// Returns the fold angles of all edges at a time, by the path's own motion.
 fn angles_at(path: &PathFile, time: f64) -> Vec<f64> {
     let knots = &path.knots;
     let segment = knots
@@ -98,7 +98,7 @@ fn an_obj_sequence_shows_the_path_at_its_knots_or_evenly_in_time() {
     }
 }
 
-/// The `gltf` crate checks references, kinds and required keys when it reads.
+/// The `gltf` crate checks references, kinds and required keys when it reads a file.
 #[test]
 fn a_glb_is_valid_and_plays_the_path() {
     let folder = folder_with_path();
@@ -119,7 +119,7 @@ fn a_glb_is_valid_and_plays_the_path() {
         let modes: Vec<Mode> = primitives.iter().map(gltf::Primitive::mode).collect();
         assert_eq!(modes, [Mode::Triangles, Mode::Triangles, Mode::Lines]);
 
-        // Front and back are the same triangles, the other way round, and each is seen from one side.
+        // Front and back have the same triangles with opposite orientations, and each is seen from one side only.
         let corners = |primitive: &gltf::Primitive<'_>| -> Vec<u32> {
             primitive
                 .reader(buffer)
@@ -181,8 +181,8 @@ fn a_glb_is_valid_and_plays_the_path() {
     }
 }
 
-/// A drawing in letters says all that the pattern does: it is read back with the same edges, letters, goal
-/// angles and crease groups, a round number of times as large.
+/// A drawing by letters has all data of the pattern. Read back, it has the same edges, letters, goal angles and crease
+/// groups, and is larger by a round factor.
 #[test]
 fn a_drawing_by_letters_is_read_back_as_the_pattern() {
     let folder = folder_with_path();
@@ -243,7 +243,7 @@ fn a_drawing_by_letters_is_read_back_as_the_pattern() {
     }
 }
 
-/// A crease that stays flat at the goal is drawn all the same, though nothing is seen of it.
+/// A crease that stays flat at the goal is drawn too, although it is invisible.
 #[test]
 fn a_drawing_keeps_creases_of_angle_0_and_is_opaque_without_angles() {
     let folder = folder();
@@ -287,14 +287,14 @@ fn drawings_by_groups_and_by_deformation_say_what_they_show() {
     };
     assert!(said("path.fold --colour groups").contains("2 crease groups of the path"));
     let text = folder.read("a.svg");
-    // Twelve creases of two colours, half of each group against it, and twelve borders.
+    // Twelve creases have two colours; half of each group turn against the group. There are twelve borders.
     assert_eq!(text.matches("<path d=\"M").count(), 12 + 12 + 2);
     assert_eq!(text.matches("stroke=\"#999999\"").count(), 12);
     assert!(text.contains(">      0: 0.0 to 162.0<"), "{text}");
     assert!(said("miura.fold --colour groups").contains("2 crease groups of the pattern"));
     assert!(folder.read("a.svg").contains(": 0.0 to 162.0<"));
 
-    // One edge at a knot is drawn out by a hundredth: its face is bright, others are dark.
+    // At one knot one corner is moved by a hundredth. The face of this corner is bright, all other faces are dark.
     let mut torn = folder.read_json("path.fold");
     let last = torn["file_frames"].as_array().unwrap().len() - 1;
     let corner = &mut torn["file_frames"][last]["vertices_coords"][0];

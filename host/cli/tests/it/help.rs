@@ -1,4 +1,4 @@
-//! What the program says of itself: help with examples that run, completions and manual pages.
+//! Tests help texts, whose examples run, completion scripts and manual pages.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -6,11 +6,11 @@ use std::process::{Command, Stdio};
 use crate::common::folder;
 use foldpath_test_support::Folder;
 
-/// The names below `Commands:` in a help text, without `help` itself.
+/// Returns the names below `Commands:` in a help text, without `help` itself.
 fn commands_in(help: &str) -> Vec<String> {
     let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let named = lines.take_while(|line| !line.is_empty());
-    // What a command does may go on in lines further in.
+    // The description of a command may continue on lines with more indentation.
     let named = named.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let names = named.filter_map(|line| line.split_whitespace().next());
     names
@@ -19,7 +19,7 @@ fn commands_in(help: &str) -> Vec<String> {
         .collect()
 }
 
-/// All commands with their help texts, those above before those below.
+/// Returns all commands with their help texts, each command before its subcommands.
 fn all_help(folder: &Folder, command: &str) -> Vec<(String, String)> {
     let help = folder.done(&format!("{command} --help")).stdout;
     let below = commands_in(&help);
@@ -30,7 +30,7 @@ fn all_help(folder: &Folder, command: &str) -> Vec<(String, String)> {
     all
 }
 
-/// The command lines of the examples in a help text, without the name of the program.
+/// Returns the command lines of the examples in a help text, without the name of the program.
 fn examples(help: &str) -> Vec<&str> {
     let lines = help.lines().skip_while(|line| *line != "Examples:").skip(1);
     lines
@@ -41,12 +41,12 @@ fn examples(help: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Examples of controllers that no test has, which say so.
+/// Returns `true` if an example needs a controller that no test has. Such an example answers that there is none.
 fn needs_hardware(example: &str) -> bool {
     example.contains("--to serial:")
 }
 
-/// In the order of the help texts, each with what those before have written.
+/// Examples run in the order of the help texts, each with the files that those before have written.
 #[test]
 fn every_command_has_examples_that_run() {
     let folder = folder();
@@ -120,7 +120,7 @@ fn completions_are_scripts_of_their_shells() {
     };
     let checked = bash(&["-n", "bash"]);
     assert!(checked.status.success(), "{checked:?}");
-    // What bash itself completes.
+    // Bash itself completes a command line.
     let complete = "source ./bash; COMP_WORDS=(foldpath plan x.fold --max-s); COMP_CWORD=3; \
                     _foldpath foldpath --max-s x.fold; echo \"${COMPREPLY[@]}\"";
     let completed = bash(&["-c", complete]);

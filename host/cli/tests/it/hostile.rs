@@ -1,4 +1,4 @@
-//! Files made to take all memory or time: refused in words, within two gigabytes of address space.
+//! Tests files made to take all memory or time. They are refused with an error, within two gigabytes of address space.
 #![cfg(unix)]
 
 use std::fs::File;
@@ -8,13 +8,13 @@ use std::process::{Command, Stdio};
 use crate::common::folder;
 use foldpath_test_support::Folder;
 
-/// Kilobytes of address space that the program may have.
+/// Address space that the program may have, kilobytes.
 const MEMORY: usize = 2_000_000;
 
-/// Bytes of the longest files.
+/// Length of the longest files, bytes.
 const LONG: usize = 100_000_000;
 
-/// A file of `repeat(0)`, `repeat(1)` and so on, between two texts, as long as `bytes` says.
+/// Writes a file of `repeat(0)`, `repeat(1)` and so on, between two texts, with at most `bytes` bytes.
 fn write(
     folder: &Folder,
     name: &str,
@@ -36,7 +36,7 @@ fn write(
     out.write_all(behind.as_bytes()).unwrap();
 }
 
-/// Runs `info` with little memory; it must refuse the file with these words, or read it if there are none.
+/// Asserts that `info` refuses the file with these words while it has little memory.
 fn assert_bounded(folder: &Folder, name: &str, words: &str) {
     let program = env!("CARGO_BIN_EXE_foldpath");
     let answer = Command::new("sh")
@@ -55,7 +55,7 @@ fn assert_bounded(folder: &Folder, name: &str, words: &str) {
     std::fs::remove_file(folder.path(name)).unwrap();
 }
 
-/// A number from 0 to 1 for each number, without order.
+/// Returns a pseudorandom number from 0 to 1 for each `k`.
 fn random(k: usize) -> f64 {
     let mixed = u32::try_from(k % (1 << 31))
         .unwrap()
@@ -79,7 +79,7 @@ fn long_fold_files() {
         "numbers.fold",
         "vertices_coords[0]: expected a list, found 0",
     );
-    // Frames, each of which inherits from the one before it.
+    // Each frame inherits from the frame before it.
     let frames = ["{\"file_frames\":[{}", "]}"];
     write(&folder, "frames.fold", frames, LONG / 2, |k| {
         format!(",{{\"frame_parent\":{},\"frame_inherit\":true}}", k + 1)
@@ -91,8 +91,8 @@ fn long_fold_files() {
     );
 }
 
-/// A hundred thousand edges side by side, and a face of as many corners: checks that compare each
-/// with each would take hours.
+/// A hundred thousand edges side by side, and a face with a hundred thousand corners. Checks of all pairs would take
+/// hours.
 #[test]
 fn crowded_fold_files() {
     let folder = folder();
@@ -133,7 +133,7 @@ fn long_cp_files() {
         format!("2 {a} {b} {c} {d}\n")
     });
     assert_bounded(&folder, "hatched.cp", "at most 4194304 lines and crossings");
-    // Lines that never cross, side by side on a thousandth of the sheet; most others are far shorter.
+    // Long lines that never cross lie side by side on a thousandth of the sheet; most other lines are far shorter.
     write(
         &folder,
         "beside.cp",
@@ -155,7 +155,7 @@ fn long_cp_files() {
     assert_bounded(&folder, "points.cp", "at most 4194304 lines");
 }
 
-/// Short drawings that ask for much.
+/// Short drawings that ask for much memory or time.
 #[test]
 fn svg_bombs() {
     let folder = folder();
@@ -277,7 +277,7 @@ fn svg_bombs() {
     );
 }
 
-/// What never ends is not read to its end.
+/// A file that never ends is not read to its end.
 #[test]
 fn endless_files() {
     let folder = folder();

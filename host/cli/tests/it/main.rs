@@ -1,4 +1,4 @@
-//! Tests that run the command, one module for each matter.
+//! Tests that run the command, one module for each subject.
 
 mod answers;
 mod bad_files;

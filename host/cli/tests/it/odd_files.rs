@@ -1,10 +1,10 @@
-//! FOLD files that leave things out, or say them another way, and are read all the same.
+//! Tests FOLD files that leave things out or state them in another way, and are read all the same.
 
 use crate::common::{folder, folder_with_path, pattern};
 use foldpath_test_support::{Folder, edited, numbers};
 use serde_json::{Value, json};
 
-/// What `foldpath info` says of a document, and its notes apart from that.
+/// Returns the answer of `foldpath info` to a document without its notes, and the notes.
 fn info(document: &Value) -> (Value, Value) {
     let folder = folder();
     folder.write("odd.fold", &document.to_string());
@@ -72,7 +72,7 @@ fn what_is_left_out_or_unknown_is_assumed_and_said() {
     assert_eq!(found, (expected, json!([small])));
 }
 
-/// Of the key frame and of all others, each once; not too many of them.
+/// A note names unknown keys of the key frame and of all other frames, each key once and at most eight keys.
 #[test]
 fn keys_that_nobody_knows_are_left_alone_and_said() {
     let (expected, _) = info(&pattern());
@@ -124,8 +124,8 @@ fn flat_edges_are_no_creases() {
     }
 }
 
-/// F and a border do not turn. Hinges without an angle beside others with one are free; where none has one, letters
-/// are the goal.
+/// Edges lettered F and borders do not turn. If some hinges have an angle, the hinges without one are free. If no hinge
+/// has an angle, the letters are the goal.
 #[test]
 fn angles_are_for_hinges_and_hinges_may_have_none() {
     let said = "goal angles of edges that are no hinges left out: 2 (first: edge 0)";
@@ -156,7 +156,7 @@ fn angles_are_for_hinges_and_hinges_may_have_none() {
         );
         let frames = folder.read_json("path.fold")["file_frames"].take();
         let last = numbers(&frames.as_array().unwrap().last().unwrap()["edges_foldAngle"]);
-        // All turn the way of their letters, whether they were asked to or not.
+        // All hinges turn as their letters say, also those without a goal angle.
         for (asked, found) in goals
             .iter()
             .zip(&last)
@@ -193,7 +193,7 @@ fn a_sheet_may_stand_upright() {
     );
 }
 
-/// The goal is that of the last folded frame, wherever the crease pattern stands.
+/// The goal is that of the last folded frame, whichever frame has the crease pattern.
 #[test]
 fn pattern_and_goal_may_stand_in_frames() {
     let folder = folder();
@@ -243,7 +243,7 @@ fn goal_angles_of_fold_1_0_are_read() {
     );
 }
 
-/// Frames inherit from frames, their classes too; the goal is that of the last that is a folded form.
+/// Frames inherit from frames, including their classes. The goal is that of the last frame that is a folded form.
 #[test]
 fn frames_inherit_along_chains() {
     let (expected, _) = info(&pattern());
@@ -274,7 +274,8 @@ fn frames_inherit_along_chains() {
     ]);
     flat["file_frames"] = frames.clone();
     assert_eq!(info(&flat), (expected.clone(), json!([])));
-    // Whatever their order: the second and the fourth are put before those that they inherit from.
+    // The order of the frames does not matter: the second and the fourth frame come before those from which they
+    // inherit.
     let mut mixed = [1, 0, 3, 2].map(|index: usize| frames[index].clone());
     for (frame, parent) in mixed.iter_mut().zip([2, 0, 4, 1]) {
         frame["frame_parent"] = json!(parent);
@@ -283,7 +284,7 @@ fn frames_inherit_along_chains() {
     assert_eq!(info(&flat), (expected, json!([])));
 }
 
-/// Some programs list, for each vertex, those that edges join it to, and no edges.
+/// Some programs list no edges, but for each vertex its neighbours.
 #[test]
 fn edges_may_be_given_by_the_neighbours_of_vertices() {
     let mut lists = pattern();
@@ -308,7 +309,7 @@ fn edges_may_be_given_by_the_neighbours_of_vertices() {
     assert!(notes.as_array().unwrap().contains(&json!(said)), "{notes}");
 }
 
-/// Windows programs may begin a text with a byte order mark.
+/// Programs on Windows may begin a text with a byte order mark.
 #[test]
 fn a_byte_order_mark_is_no_part_of_the_text() {
     let folder = folder();
@@ -316,8 +317,8 @@ fn a_byte_order_mark_is_no_part_of_the_text() {
     assert_eq!(folder.done("info marked.fold --json").json()["faces"], 9);
 }
 
-/// Two lines that cross, one of them drawn twice and one along the border: as in a drawing, the place where they cross is
-/// made a vertex. Where faces say what the sheet is, nothing is mended.
+/// Two lines that cross, one of them drawn twice, and a line along the border. Without faces in the file, the crossing
+/// becomes a vertex, as in a drawing. If the file has faces, nothing is repaired.
 #[test]
 fn lines_without_faces_are_repaired_and_lines_of_faces_refused() {
     let loose = json!({
@@ -345,7 +346,8 @@ fn lines_without_faces_are_repaired_and_lines_of_faces_refused() {
     folder.run("info faces.fold").with_status(2);
 }
 
-/// The pattern without goal angles, and its folded frame: each vertex where the goal of the pattern has it, moved by `place`.
+/// Returns the pattern with a folded frame in place of goal angles, and the goal angles. The frame has each vertex
+/// where the goal of the pattern puts it, moved by `place`.
 fn shown(place: impl Fn([f64; 3]) -> Vec<f64>) -> (Value, Value) {
     let folder = folder();
     folder.write("p.fold", &pattern().to_string());
@@ -409,7 +411,7 @@ fn a_goal_may_be_shown() {
         let notes = folder.done("info shown.fold --json").json()["assumptions"].take();
         let said = json!(["the goal is measured on file_frames[0].vertices_coords"]);
         assert_eq!(notes, said, "{name}");
-        // And so of another file.
+        // The goal may also be shown by another file.
         folder.write("flat.fold", &edited(&shown, "/file_frames =").to_string());
         let other = "plan flat.fold --goal shown.fold -o path.fold --json";
         near(&goal_of(&folder, other), &expected, error);

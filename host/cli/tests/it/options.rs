@@ -1,10 +1,10 @@
-//! Options of the `foldpath` commands: their defaults, and what each changes.
+//! Tests the options of the `foldpath` commands: their defaults and their effects.
 
 use crate::common::{folder, folder_with_path};
 use foldpath_test_support::numbers;
 use serde_json::{Value, json};
 
-/// Fold angles of all edges at the last knot, degrees.
+/// Returns the fold angles of all edges at the last knot, degrees.
 fn last_angles(path: &Value) -> Vec<f64> {
     let frames = path["file_frames"].as_array().unwrap();
     numbers(&frames[frames.len() - 1]["edges_foldAngle"])
@@ -17,7 +17,7 @@ fn furthest(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()))
 }
 
-/// That all of `b` are those of `a` times `factor`.
+/// Asserts that each number of `b` is that of `a` times `factor`.
 #[track_caller]
 fn assert_scaled(a: &[f64], b: &[f64], factor: f64) {
     let scaled: Vec<f64> = a.iter().map(|a| factor * a).collect();
@@ -57,7 +57,7 @@ fn a_check_allows_a_thousandth_unless_told_otherwise() {
     let mut path = folder.read_json("path.fold");
     let file = path.as_object_mut().unwrap();
     file.remove("foldpath:edges_group");
-    // One hinge off at one knot, and nothing in the file that says how it should be.
+    // One hinge is off at one knot, and nothing in the file says what its angle should be.
     let angle = &mut path["file_frames"][3]["edges_foldAngle"][2];
     *angle = json!(angle.as_f64().unwrap() + 0.15);
     let frame = path["file_frames"][3].as_object_mut().unwrap();
@@ -165,7 +165,7 @@ fn frames_of_angles_alone_are_folded_again_where_they_are_read() {
     folder.done("plan miura.fold --frames angles -o angles.fold");
     let mut full = folder.read_json("path.fold");
     for frame in full["file_frames"].as_array_mut().unwrap() {
-        // What is left is no shape in space.
+        // Without vertex positions, the frame has no attribute that calls it a shape in space.
         for key in ["vertices_coords", "frame_attributes"] {
             assert!(frame.as_object_mut().unwrap().remove(key).is_some());
         }
@@ -221,8 +221,8 @@ fn speed_scales_times_and_rates() {
     assert_scaled(&slow.1, &fast.1, 2.0);
 }
 
-/// Largest speed and acceleration of a hinge anywhere between the knots of a path, degrees and seconds: by
-/// differences of the angles that `host/FORMAT.md` gives.
+/// Returns the largest speed and acceleration of a hinge anywhere between the knots of a path, in degrees and seconds.
+/// They are differences of the angles that `host/FORMAT.md` defines.
 fn fastest(path: &Value) -> [f64; 2] {
     const PLACES: u32 = 200;
     let frames = path["file_frames"].as_array().unwrap();
@@ -249,7 +249,8 @@ fn fastest(path: &Value) -> [f64; 2] {
     most
 }
 
-/// Fold angle, degrees, s of the way between two knots of an edge (angle and rate).
+/// Returns the fold angle (degrees) of an edge at the fraction `s` of a segment. Each knot is given by its angle and
+/// rate; the segment takes `span` seconds.
 fn between(path: &Value, [[a, p], [b, q]]: [[f64; 2]; 2], span: f64, s: f64) -> f64 {
     let cubic = |a: f64, p: f64, b: f64, q: f64| {
         (2.0 * s - 3.0) * s * s * (a - b) + a + span * s * (1.0 - s) * ((1.0 - s) * p - s * q)
@@ -266,7 +267,7 @@ fn between(path: &Value, [[a, p], [b, q]]: [[f64; 2]; 2], span: f64, s: f64) -> 
     }
 }
 
-/// No hinge exceeds its limits anywhere on the motion, and somewhere one comes close.
+/// No hinge exceeds its limits anywhere on the motion, and somewhere a hinge comes close to one.
 #[test]
 fn hinges_are_as_fast_as_allowed_and_no_faster() {
     let folder = folder();
@@ -295,7 +296,7 @@ fn hinges_are_as_fast_as_allowed_and_no_faster() {
     }
 }
 
-/// Fewer knots than allowed, or none.
+/// The path has at most the number of knots that is allowed, or there is no path.
 #[test]
 fn a_path_has_no_more_knots_than_allowed() {
     let folder = folder_with_path();
@@ -330,7 +331,7 @@ fn the_goal_is_that_of_the_option() {
     let goal = numbers(&folder.read_json("goal.fold")["edges_foldAngle"]);
     assert!(furthest(&last_angles(&folder.read_json("a.fold")), &goal) < 1e-9);
 
-    // Letters alone ask for equal angles, which do not close: the nearest that do are taken.
+    // Letters alone ask for equal angles, which do not close. The nearest angles that close are taken.
     let plan = folder
         .done("plan miura.fold --fold 0.5 -o a.fold --json")
         .json();
@@ -356,7 +357,7 @@ fn the_goal_is_that_of_the_option() {
         .with_status(2);
 }
 
-/// Edges 2 and 4 of the Miura are V and M.
+/// Edge 2 of the Miura fold is lettered V, edge 4 is lettered M.
 #[test]
 fn limits_that_leave_no_room_are_said() {
     let folder = folder_with_path();
@@ -396,7 +397,7 @@ fn limits_that_leave_no_room_are_said() {
     }
 }
 
-/// A path of one knot, or of all that lead there and back.
+/// The path has one knot, or with `--via` all knots of the way to that configuration and back.
 #[test]
 fn the_flat_sheet_may_be_the_goal() {
     let folder = folder_with_path();
@@ -441,7 +442,7 @@ fn a_timeout_longer_than_any_plan_is_none() {
     }
 }
 
-/// No path is written whose times are too large for a number.
+/// A path whose times are too large for a number is not written.
 #[test]
 fn a_speed_close_to_nothing_is_refused() {
     let folder = folder_with_path();
@@ -450,7 +451,8 @@ fn a_speed_close_to_nothing_is_refused() {
         .with_status(2);
 }
 
-/// Knots are the configurations followed, joined straight; nothing is said of what lies between.
+/// The knots are the configurations that were followed, joined by straight lines. Nothing is claimed about the motion
+/// between them.
 #[test]
 fn judged_at_knots_alone() {
     let folder = folder_with_path();
@@ -458,7 +460,7 @@ fn judged_at_knots_alone() {
     let plan = "plan pattern.fold -o first.fold --json --judge knots";
     let summary = folder.run(plan).with_status(0).json();
     assert_eq!(summary["outcome"], "planned");
-    // So few faces are all looked at.
+    // All of these few faces are tested for crossings.
     let tested = &summary["collision"]["tested"];
     assert!(tested.as_u64().unwrap() > 0, "{tested}");
     assert_eq!(summary["certified_deformation"], Value::Null);

@@ -1,4 +1,4 @@
-//! What `info` says of the future: motions counted by closed forms and by another decomposition.
+//! Tests the predictions of `info`: motions are counted by closed forms and by another decomposition.
 
 use crate::common::{PATTERNS, folder};
 use foldpath::formats::read_pattern;
@@ -8,7 +8,8 @@ use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::{HalfAngle, closure};
 use nalgebra::{DMatrix, Vector2};
 
-/// Creases from the middle of a polygon at these angles in degrees, valleys but for those of `mountains`.
+/// Returns a polygon with creases from its middle at these angles, degrees. All are valleys, except those in
+/// `mountains`.
 fn vertex(angles: &[f64], mountains: &[usize]) -> CreasePattern {
     let n = angles.len();
     let rim = angles
@@ -36,7 +37,7 @@ fn vertex(angles: &[f64], mountains: &[usize]) -> CreasePattern {
     CreasePattern::new(drawing).unwrap()
 }
 
-/// The Jacobian of the closure of all vertices by differences.
+/// Returns the Jacobian of the closure residuals of all vertices, by finite differences.
 fn differences(stars: &ReducedStars, x: &[f64]) -> DMatrix<f64> {
     let residuals = |x: &[f64]| {
         let mut half_angles = vec![HalfAngle::default(); x.len()];
@@ -61,7 +62,7 @@ fn differences(stars: &ReducedStars, x: &[f64]) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Singular values above the error of the differences.
+/// Returns the number of singular values above the error of the finite differences.
 fn rank(matrix: DMatrix<f64>) -> usize {
     let values = matrix.singular_values();
     values
@@ -70,7 +71,7 @@ fn rank(matrix: DMatrix<f64>) -> usize {
         .count()
 }
 
-/// A sheet of one vertex with n creases moves in n - 3 ways.
+/// A sheet with one vertex of n creases has n - 3 degrees of freedom.
 #[test]
 fn vertices_have_three_ways_to_move_less_than_creases() {
     for (angles, mountains) in [
@@ -93,8 +94,8 @@ fn vertices_have_three_ways_to_move_less_than_creases() {
     }
 }
 
-/// The rank is that of a singular value decomposition of differences, and without the hinges that are driven nothing
-/// moves any more.
+/// The number of driven hinges agrees with a singular value decomposition of finite differences. With these hinges
+/// held, nothing moves any more.
 #[test]
 fn driven_hinges_decide_all_others() {
     for (name, ways) in [
@@ -163,7 +164,7 @@ fn first_steps_tell_sheets_apart() {
             "{name}: {step:?}"
         );
     }
-    // All valleys: only straight lines through the whole sheet turn.
+    // All creases are valleys: only straight lines through the whole sheet turn.
     let quad = step("quad-3x3");
     assert!(
         matches!(quad, FirstStep::Leaves { unturned: 1.., .. }),
@@ -171,7 +172,7 @@ fn first_steps_tell_sheets_apart() {
     );
 }
 
-/// The theorems of Kawasaki and Maekawa, on vertices that break one of them.
+/// The theorems of Kawasaki and Maekawa, and an odd number of creases, on vertices that break one of them.
 #[test]
 fn vertices_that_cannot_fold_flat_are_named() {
     let flat = vertex(&[0.0, 60.0, 130.0, 250.0], &[0]);
@@ -181,7 +182,7 @@ fn vertices_that_cannot_fold_flat_are_named() {
         panic!()
     };
     assert_eq!(at.index(), 4);
-    // Sectors of 60, 70, 100 and 130 degrees.
+    // The sectors are 60, 70, 100 and 130 degrees.
     let sums = [160.0, 200.0];
     assert!(
         sums.iter()
@@ -219,7 +220,7 @@ fn info_says_what_will_be() {
     );
     let locked = info(&format!("{PATTERNS}/square-twist-unfoldable.fold"));
     assert!(locked.contains("hardly: no first step"), "{locked}");
-    // A goal that was written in radians.
+    // The angles of this goal are written in radians.
     folder.done("generate miura --rows 3 --cols 3 -o miura.fold");
     let mut document = folder.read_json("miura.fold");
     for angle in document["edges_foldAngle"].as_array_mut().unwrap() {
@@ -235,7 +236,7 @@ fn info_says_what_will_be() {
         );
     }
     assert!(!folder.done("info miura.fold").stderr.contains("radians"));
-    // One vertex of four that keeps none of the theorems; letters alone.
+    // One vertex with four creases that satisfies neither theorem. The file has letters, but no goal angles.
     for letter in ["V", "U"] {
         let text = format!(
             "{{\"vertices_coords\":[[1,0],[0,1],[-1,0.2],[0,-1],[0,0]],\
@@ -251,7 +252,8 @@ fn info_says_what_will_be() {
         };
         assert!(said.contains(expected), "{said}");
     }
-    // No two creases are in line: all turn, with one mountain of two that may be the only one.
+    // No two creases are in line. If the one mountain is one of the two creases that can be the only mountain, all
+    // creases turn.
     let star = folder
         .read("star.fold")
         .replacen("[0,1]", "[0.1,1]", 1)

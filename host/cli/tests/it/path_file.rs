@@ -1,4 +1,4 @@
-//! The path that `foldpath plan` writes: a FOLD animation as the contract has it.
+//! Tests the path file that `foldpath plan` writes, a FOLD animation with the keys of the contract.
 
 use core::array;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ impl Planned {
         self.path["file_frames"].as_array().unwrap()
     }
 
-    /// For each knot its angles, or rates, of all edges.
+    /// Returns for each knot the angles, or rates, of all edges.
     fn knots(&self, key: &str) -> Vec<Vec<f64>> {
         self.frames()
             .iter()
@@ -37,7 +37,7 @@ impl Planned {
     }
 }
 
-/// One path of each family.
+/// Plans one path of each family.
 fn planned() -> [Planned; 3] {
     planned_with("")
 }
@@ -138,7 +138,7 @@ fn frames_have_the_keys_of_the_contract() {
     }
 }
 
-/// The key frame's attribute 2D would be inherited, and says that all z are 0.
+/// The key frame has the attribute `2D`, which says that all z are 0. Folded frames must not inherit it.
 #[test]
 fn folded_frames_do_not_inherit_that_they_are_flat() {
     for planned in planned() {
@@ -236,7 +236,7 @@ fn groups_and_signs_give_all_angles_and_rates() {
     }
 }
 
-/// Trapezes over the rates give the angles back, up to how much the rates bend in a step.
+/// The trapezoidal rule over the rates gives the angles, up to the error of the rule within a step.
 #[test]
 fn rates_are_degrees_per_second() {
     for planned in planned_with("--interpolation hermite --bound 1e-7") {
@@ -285,7 +285,7 @@ fn edges_keep_their_length_in_the_units_of_the_key_frame() {
     }
 }
 
-/// A square with a flap as long as is said, beside the tip of which every error of an angle is large.
+/// A square with flaps of several lengths. At the tip of a long flap, every error of an angle is large.
 #[test]
 fn slender_panels_are_where_their_angles_have_them() {
     let folder = folder();

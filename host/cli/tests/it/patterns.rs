@@ -1,4 +1,4 @@
-//! The files of `patterns/` and their pictures are what the commands of its README write, byte for byte.
+//! Checks that the commands of the README in `patterns/` write its files and pictures, byte for byte.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! What `foldpath plot` draws, and the numbers that it draws.
+//! Tests the pictures of `foldpath plot`, and the numbers that it draws.
 
 use std::fs;
 
@@ -20,7 +20,7 @@ fn at(curve: &[Point], time: f64) -> f64 {
     value
 }
 
-/// The fold angles of a Miura are tied by tan(b/2) = cos(sector) tan(a/2), all along.
+/// The fold angles of a Miura fold satisfy tan(b/2) = cos(sector) tan(a/2) all along the path.
 #[test]
 fn curves_are_those_of_the_motion() {
     let folder = folder_with_path();
@@ -52,7 +52,7 @@ fn curves_are_those_of_the_motion() {
             .filter(|(from, to, _)| *from <= time && time <= *to);
         assert!(bounds.any(|(.., most)| error <= *most), "{time}: {error:e}");
     }
-    // A Miura's panels come ever nearer to each other.
+    // The panels of a Miura fold come ever nearer to each other.
     let least = curves.clearance.last().unwrap().1;
     assert!(
         curves
@@ -69,7 +69,7 @@ fn curves_are_those_of_the_motion() {
     assert_eq!(curves.measured.len(), path.knots.len() * (12 + 9));
 }
 
-/// A vertex at the wrong place bends a panel: the virtual edge in it is seen to fold.
+/// A vertex at the wrong place bends a panel, so that the measured angle of the panel's virtual edge is not 0.
 #[test]
 fn a_bent_panel_shows_in_the_angles_measured() {
     let folder = folder_with_path();
@@ -148,7 +148,7 @@ fn the_picture_has_four_panels_with_units() {
     }
 }
 
-/// Numbers in files are not limited, and nothing of a path need be true.
+/// Numbers in files are not limited, and nothing that a path claims need be true.
 #[test]
 fn absurd_paths_are_drawn_all_the_same() {
     let folder = folder_with_path();
@@ -179,7 +179,7 @@ fn a_png_has_the_pixels_of_the_picture() {
     assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n");
     let word = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!([word(16), word(20)], [1600, 2240]);
-    // White alone would be far smaller.
+    // An empty white picture would be far smaller.
     assert!(bytes.len() > 40_000, "{}", bytes.len());
 }
 

@@ -1,5 +1,5 @@
-//! The ways to a goal: driven creases, phases, limits, bifurcations, the randomised search, and what is said
-//! where none leads there. Planned paths are judged by `check`, which shares no state with the planner.
+//! Tests the ways to a goal: driven creases, phases, limits, bifurcations and the randomised search, and the answer if
+//! no way leads to the goal. Planned paths are judged by `check`, which shares no state with the planner.
 
 use crate::common::folder;
 use foldpath::check::{CheckOptions, check};
@@ -7,14 +7,14 @@ use foldpath::formats::fold::read_path;
 use foldpath_test_support::{Folder, numbers};
 use serde_json::{Value, json};
 
-/// The plan's JSON object, whatever its answer.
+/// Returns the plan's JSON object, whatever its outcome.
 fn plan(folder: &Folder, arguments: &str) -> Value {
     folder
         .run(&format!("plan {arguments} --json --quiet"))
         .json()
 }
 
-/// That a path holds: the whole motion as `check` asks, its knots to rounding.
+/// Asserts that a path holds: its whole motion within the bound of `check`, and its knots to rounding errors.
 #[track_caller]
 fn holds(folder: &Folder, path: &str) {
     folder.done(&format!("check {path}"));
@@ -25,7 +25,7 @@ fn holds(folder: &Folder, path: &str) {
     assert_eq!(knots.failures, [""; 0]);
 }
 
-/// Fold angles of an edge at all knots of the path, degrees.
+/// Returns the fold angles of an edge at all knots of the path, degrees.
 fn angles_of(folder: &Folder, path: &str, edge: usize) -> Vec<f64> {
     let path = folder.read_json(path);
     let frames = path["file_frames"].as_array().unwrap();
@@ -33,7 +33,7 @@ fn angles_of(folder: &Folder, path: &str, edge: usize) -> Vec<f64> {
     frames.iter().map(angle).collect()
 }
 
-/// Knots where phases of a path begin.
+/// Returns the knots at which phases of a path begin.
 fn phases(path: &Value) -> Vec<usize> {
     serde_json::from_value(path["foldpath:phases"].clone()).unwrap()
 }
@@ -44,7 +44,7 @@ fn miura(folder: &Folder, size: usize, fold: f64, name: &str) {
     ));
 }
 
-/// The zigzag crease of the generated sheets that the tests drive, a mountain: edge 4 is the first.
+/// Zigzag crease that the tests drive: edge 4, a mountain, is the first zigzag crease of the generated sheets.
 const ZIGZAG: usize = 4;
 
 #[test]
@@ -60,7 +60,7 @@ fn a_driven_crease_takes_the_others_along_with_and_without_symmetry() {
         holds(&folder, "p.fold");
         let driven = *angles_of(&folder, "p.fold", ZIGZAG).last().unwrap();
         assert!((driven + 100.0).abs() < 1e-9, "{driven}");
-        // The closed form: tan(straight/2) = cos 60 tan(zigzag/2), on the branch of the letters.
+        // The closed form is tan(straight/2) = cos 60 tan(zigzag/2), on the branch of the letters.
         let file = folder.read_json("m.fold");
         let straight = 2.0 * (0.5 * 50_f64.to_radians().tan()).atan().to_degrees();
         for (edge, goal) in numbers(&file["edges_foldAngle"]).into_iter().enumerate() {
@@ -146,7 +146,7 @@ fn limits_hold_at_every_knot_and_a_goal_beyond_them_is_approached() {
         let reached = answer["reached"].as_f64().unwrap();
         assert!(reached > 0.3 && reached < 0.6, "{reached}");
     }
-    // A limit that the goal keeps changes nothing.
+    // A limit that the goal does not exceed changes nothing.
     folder.done("plan m.fold -o free.fold");
     folder.done(&format!(
         "plan m.fold --limit {ZIGZAG}=-170..0 -o limited.fold"
@@ -183,8 +183,8 @@ fn bad_options_are_refused_with_what_was_expected() {
     }
 }
 
-/// One vertex between four squares, like a map: each of its two lines can fold only while the other is
-/// flat, or folded flat.
+/// Returns a sheet of four squares round one vertex, like a map. Each of its two lines can fold only while the other is
+/// flat or folded flat.
 fn map() -> Value {
     json!({
         "vertices_coords": [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [0, 2], [1, 2], [2, 2]],
@@ -215,7 +215,7 @@ fn a_bifurcation_is_crossed() {
     }
 }
 
-/// The pattern with every coordinate off by up to so much, each time otherwise.
+/// Returns the pattern with every coordinate changed by up to `by`, differently for each `time`.
 fn roughened(mut pattern: Value, by: f64, time: u32) -> Value {
     let vertices = pattern["vertices_coords"].as_array_mut().unwrap();
     let coordinates = vertices.iter_mut().flat_map(|p| p.as_array_mut().unwrap());
@@ -226,7 +226,8 @@ fn roughened(mut pattern: Value, by: f64, time: u32) -> Value {
     pattern
 }
 
-/// At a cross that is none, no line can turn without the other, and one way alone: that the letters have it is luck.
+/// If the lines of a cross are not quite straight, neither can turn without the other, and both can turn in one way
+/// alone. The letters agree with that way only by luck.
 #[test]
 fn lines_that_hardly_bend_are_folded_as_straight_ones() {
     let folder = folder();
@@ -244,7 +245,7 @@ fn lines_that_hardly_bend_are_folded_as_straight_ones() {
     }
 }
 
-/// A strip with these widths of its panels and goals of the creases between them, degrees; valleys.
+/// Returns a strip whose panels have these widths. The creases between them are valleys with these goals, degrees.
 fn strip(widths: &[f64], goals: &[f64]) -> Value {
     let ends = widths.iter().scan(0.0, |x, width| {
         *x += width;
@@ -269,8 +270,9 @@ fn strip(widths: &[f64], goals: &[f64]) -> Value {
     })
 }
 
-/// The flaps of a letter, though they are alike; a roll, from its narrow end, as the other would stick out into the way
-/// of the next; a lid, before the flap that goes over it.
+/// Three sheets are folded one part after the other. The two flaps of a letter are alike, but would cross. A roll
+/// begins at its narrow end, because the other end would stick out into the way of the next panel. A lid folds before
+/// the flap that goes over it.
 #[test]
 fn parts_are_folded_one_after_the_other_where_they_would_cross() {
     let folder = folder();
@@ -300,14 +302,14 @@ fn parts_are_folded_one_after_the_other_where_they_would_cross() {
             );
         }
     }
-    // What crosses when it is there is not folded at all.
+    // A sheet whose faces cross at the goal is not folded at all.
     let crossed = strip(&[0.9, 1.0, 0.9], &[178.0, 175.0]);
     folder.write("strip.fold", &crossed.to_string());
     let answer = plan(&folder, "strip.fold");
     assert_eq!(answer["outcome"], "crossing", "{answer}");
 }
 
-/// The flap at the other end turns with either of those that have to turn one after the other.
+/// Two flaps have to turn one after the other. The flap at the other end may turn together with either of them.
 #[test]
 fn parts_that_may_turn_together_do() {
     let folder = folder();
@@ -319,8 +321,8 @@ fn parts_that_may_turn_together_do() {
     assert_eq!(phases(&folder.read_json("p.fold")).len(), 1);
 }
 
-/// The sheet is flat at one end of a step and at its goal at the other, and closes at both; in between not on a straight
-/// line.
+/// One step leads from the flat sheet to the goal. The sheet closes at both ends of the step, but not on the straight
+/// line between them.
 #[test]
 fn a_goal_one_step_away_is_not_gone_to_straight() {
     let folder = folder();
@@ -333,7 +335,7 @@ fn a_goal_one_step_away_is_not_gone_to_straight() {
     );
 }
 
-/// In whatever order a file has its lines: each has one order in which it rolls up.
+/// A strip has one order in which it rolls up. The order is found however the file orders its lines.
 #[test]
 fn a_roll_is_found_however_its_creases_are_numbered() {
     let folder = folder();
@@ -352,7 +354,7 @@ fn a_roll_is_found_however_its_creases_are_numbered() {
     }
 }
 
-/// A map, pleated and rolled up: the roll nearly closes, and would run into itself on the way.
+/// A map, pleated and rolled up. The roll nearly closes, and would run into itself on the way.
 #[test]
 fn lines_of_a_map_are_folded_one_after_the_other_where_they_would_cross() {
     let folder = folder();
@@ -388,7 +390,7 @@ fn lines_of_a_map_are_folded_one_after_the_other_where_they_would_cross() {
     assert!(!phases(&folder.read_json("p.fold")).is_empty());
 }
 
-/// A waterbomb base, folded flat but for 90 degrees along its valleys.
+/// Returns a waterbomb base whose goal is folded flat, except for 90 degrees along its valleys.
 fn waterbomb_base() -> Value {
     let rim = [
         [6, 0],
@@ -464,11 +466,11 @@ fn the_randomised_search_ends_with_its_time() {
     assert!(answer["reason"].is_string());
 }
 
-/// A square twist whose four pleats all turn the same way round: locally flat-foldable, locked.
+/// Returns a square twist whose four pleats all turn the same way round. It is locally flat-foldable, but locked.
 fn locked_twist() -> Value {
     let (mut vertices, mut edges) = (Vec::new(), Vec::new());
     let mut letters = Vec::new();
-    // The square at 20 degrees; from each corner two pleat creases go to the border, along the axes.
+    // The square is turned by 20 degrees. From each corner two pleat creases go to the border, along the axes.
     let (sin, cos) = 20_f64.to_radians().sin_cos();
     for corner in 0..4 {
         let turn = |x: f64, y: f64| match corner {
@@ -551,7 +553,7 @@ fn small_folds_along_letters_are_not_the_flat_sheet() {
     assert!(turned.fold(0.0, f64::max) > 10.0);
 }
 
-/// Many motions lead away from flat: a driven crease follows the way to the sheet's own goal.
+/// Many motions lead away from flat. A driven crease follows the motion to the sheet's own goal.
 #[test]
 fn a_driven_crease_goes_the_way_of_the_sheets_goal_and_no_hinge_against_its_letter() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! `export --to rust`: constants that compile without `std`, and are those of the `.traj` file.
+//! Tests `export --to rust`: its constants compile without `std`, and equal those of the `.traj` file.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::common::{folder, folder_with_path};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_test_support::Folder;
 
-/// Prints what the constants of the library say, as the test does of the file.
+/// Program that prints the constants of the library, as the test prints those of the file.
 const MAIN: &str = r#"
 use foldpath_core::{StarsView, trajectory::TrajectoryView};
 use path::*;
@@ -31,7 +31,7 @@ fn main() {
 }
 "#;
 
-/// What `MAIN` has to print.
+/// Returns the text that `MAIN` has to print.
 fn expected(bytes: &[u8], stars: usize) -> String {
     let file = TrajectoryFile::read(bytes).unwrap();
     let mut text = format!("{:?} {} {stars}\n", file.interpolation(), file.len());
@@ -68,7 +68,7 @@ fn printed(source: &str, folder: &Folder) -> String {
     folder.write("src/main.rs", MAIN);
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["run", "--offline", "--quiet", "--target-dir"]);
-    // Of all runs of this test the same, so that what it needs is built once.
+    // All runs of this test share one folder, so that dependencies are built once.
     cargo.arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("rust_source"));
     cargo.current_dir(folder.path(""));
     let output = cargo.output().unwrap();

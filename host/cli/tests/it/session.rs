@@ -1,10 +1,10 @@
-//! Sessions with controllers, and all that is heard in them.
+//! Runs sessions with controllers and keeps all their telemetry.
 
 use std::io;
 
 use foldpath::stream::{Link, Options, StreamPath, Summary, Telemetry, Watcher, Wish, run};
 
-/// Keeps what it hears.
+/// Watcher that keeps all telemetry.
 struct Ear<'a> {
     heard: Vec<Telemetry>,
     wish: &'a dyn Fn(&[Telemetry]) -> Wish,
@@ -21,7 +21,7 @@ impl Watcher for Ear<'_> {
     }
 }
 
-/// A session with its telemetry.
+/// Runs a session. Returns its summary and its telemetry.
 pub(crate) fn session(
     link: &mut impl Link,
     path: &StreamPath,

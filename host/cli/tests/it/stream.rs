@@ -1,4 +1,4 @@
-//! Streaming to controllers: what they execute is what was planned, whatever the line does; what goes wrong is said.
+//! Tests streaming to controllers: they execute what was planned, whatever the line does, and faults are reported.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::time::Duration;
@@ -26,7 +26,7 @@ use foldpath_firmware_sim::faults::Faults;
 use foldpath_test_support::Folder;
 use serde_json::Value;
 
-/// A folder with `path.traj` of a Miura fold of 24 x 24 faces.
+/// Makes a folder with `path.traj` of a Miura fold of 24 x 24 faces.
 fn miura(options: &str) -> Folder {
     let folder = folder();
     folder.done("generate miura --rows 24 --cols 24 -o miura.fold");
@@ -35,7 +35,7 @@ fn miura(options: &str) -> Folder {
     folder
 }
 
-/// A folder with `path.traj` of a small Miura fold that takes about two seconds.
+/// Makes a folder with `path.traj` of a small Miura fold that takes about two seconds.
 fn small() -> Folder {
     let folder = folder();
     folder.done("generate miura --rows 3 --cols 3 -o miura.fold");
@@ -49,14 +49,14 @@ fn read(folder: &Folder) -> StreamPath {
     StreamPath::read(&bytes, Path::new("path.traj")).unwrap()
 }
 
-/// Spokes of a file, and where each vertex ends.
+/// Returns the spokes of a file, and for each vertex the end of its spokes.
 fn stars(file: &TrajectoryFile<'_>) -> (Vec<Spoke<f32>>, Vec<u32>) {
     let ends = (1..).zip(file.spokes()).filter(|(_, (_, last))| *last);
     let ends = ends.map(|(end, _)| end).collect();
     (file.spokes().map(|(spoke, _)| spoke).collect(), ends)
 }
 
-/// The angles that the follower commands at each millisecond from the start on, all setpoints being there.
+/// Returns the angles that the follower commands at each millisecond from the start on, if it has all setpoints.
 fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
     let file = TrajectoryFile::read(bytes).unwrap();
     let (spokes, ends) = stars(&file);
@@ -92,7 +92,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
     run
 }
 
-/// The angles at a place, by the trajectory that the file holds.
+/// Returns the angles at a place on the trajectory that the file holds.
 fn at(bytes: &[u8], place: Place<f32>) -> Vec<f32> {
     let file = TrajectoryFile::read(bytes).unwrap();
     let stored: Trajectory<f32, 64, 128> = file.trajectory().unwrap();
@@ -114,7 +114,7 @@ fn bits(angles: &[f32]) -> Vec<u32> {
     angles.iter().map(|angle| angle.to_bits()).collect()
 }
 
-/// A row of the log.
+/// Row of the log.
 #[derive(Debug, PartialEq)]
 struct Row {
     micros: u64,
@@ -144,7 +144,7 @@ fn rows(log: &str) -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Asserts that the angles of rows are those of the run at their times.
+/// Asserts that the angles of rows equal those of the run at the same times, bit by bit.
 #[track_caller]
 fn runs_as(rows: &[Row], run: &[[f32; 2]]) {
     let moving = rows
@@ -195,7 +195,7 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
     let rows = rows(&log);
     let run = own_run(&bytes);
     runs_as(&rows, &run);
-    // Telemetry comes every 20 ms, the first of the motion within that.
+    // Telemetry comes every 20 ms, so the first message of the motion comes within 20 ms.
     assert!(
         rows.windows(2)
             .all(|pair| pair[1].micros - pair[0].micros == 20_000)
@@ -212,7 +212,7 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
         rows.windows(2)
             .all(|pair| pair[0].sequence <= pair[1].sequence)
     );
-    // Nothing is late: the path, from rest to rest, and the start of the clock, and the session.
+    // Nothing is late: the duration is that of the path, of the start and end of its clock, and of opening the session.
     let path = f64::from(file.time(file.len() - 1).unwrap());
     let duration = json["duration"].as_f64().unwrap();
     assert!(
@@ -220,7 +220,7 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
         "{duration} of {path}"
     );
 
-    // The report's matrices, in 64 bits.
+    // The closure residual is computed by the report's matrices, in numbers of 64 bits.
     let spokes: Vec<Spoke<f64>> = stars(&file).0.iter().map(widened).collect();
     let residual = |row: &Row| {
         let angles: Vec<f64> = row.angles.iter().copied().map(f64::from).collect();
@@ -250,8 +250,8 @@ fn widened(spoke: &Spoke<f32>) -> Spoke<f64> {
     }
 }
 
-/// Against angle and rate of each of 1104 hinges at each knot, bare, and against their angles fifty times a second, for a
-/// controller that does not know the path between.
+/// The bytes sent are compared with bare angles and rates of 1104 hinges at each knot, and with their angles fifty
+/// times per second, which a controller needs that does not know the path between knots.
 #[test]
 fn two_groups_take_a_hundredth_of_the_bytes_of_their_hinges() {
     for (options, knots) in [
@@ -307,7 +307,7 @@ fn faults_cost_time_alone() {
             );
         }
         assert_eq!(bits(&heard.last().unwrap().angles), bits(&goal), "{seed}");
-        // Where nothing held, each moment is the same too. Some told are overtaken.
+        // If the motion was never held, the times agree too. Some telemetry is overtaken by later messages.
         if heard.iter().all(|told| told.state != State::Holding) {
             unheld += 1;
             let mut rows: Vec<Row> = known().map(row).collect();
@@ -361,23 +361,23 @@ fn the_command_adds_faults_from_a_seed() {
     assert_eq!(deaf["reason"], "the controller is silent");
 }
 
-/// What `stream` says of a small sheet with these drives and this script.
+/// Returns the answer of `stream` for a small sheet with these options for drives and script.
 fn driven(folder: &Folder, options: &str) -> Value {
     let stream = "stream path.traj --to sim --sheet path.fold --json";
     folder.run(&format!("{stream} {options}")).json()
 }
 
-/// The true hinges make the true sheet.
+/// The true angles of the hinges determine the true shape of the sheet.
 #[test]
 fn drives_deform_the_sheet_by_what_they_are_off() {
     let folder = small();
     let number = |json: &Value, key: &str| json[key].as_f64().unwrap();
-    // Where they are commanded they close in numbers of 32 bits.
+    // At the commanded angles the sheet closes to the precision of 32-bit numbers.
     let exact = driven(&folder, "");
     assert_eq!(exact["outcome"], "done");
     assert!(number(&exact, "max_deformation") < 1e-5, "{exact}");
     assert!(number(&exact, "max_gap") < 1e-5, "{exact}");
-    // Hinges that are late alike leave the sheet almost whole, play and noise do not.
+    // Hinges that all lag alike leave the sheet almost rigid; play and noise do not.
     let late = driven(&folder, "--drives lag=0.005");
     let loose = driven(&folder, "--drives play=0.01,noise=0.001,seed=3");
     for json in [&late, &loose] {
@@ -398,7 +398,7 @@ fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
     assert_eq!(json["outcome"], "faulted");
     let reason = json["reason"].as_str().unwrap();
     assert!(reason.contains("hinge 3 "), "{reason}");
-    // The others went on until that was seen.
+    // The other hinges moved on until the controller saw the stall.
     assert!(json["max_gap"].as_f64().unwrap() > 1e-3);
 
     folder.write("jump.txt", "0.8 jump 5 0.5");
@@ -444,10 +444,11 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
         .iter()
         .filter(|rate| **rate > 0.0 && **rate < 1.0)
         .count();
-    // A quarter of a second at 4 a second: twelve told at 20 ms, and as many at the start.
+    // The rate changes by 4 per second, so braking takes a quarter of a second: twelve messages at 20 ms. The start has
+    // twelve messages as well.
     assert!((22..=26).contains(&braking), "{braking}");
 
-    // Without --resume it begins elsewhere.
+    // Without `--resume` the path begins elsewhere.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
     assert!(
@@ -469,7 +470,7 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     for told in heard.iter().filter(|told| !told.angles.is_empty()) {
         assert_eq!(bits(&told.angles), bits(&at(&bytes, told.place)));
     }
-    // There is nothing more to do, and it is done.
+    // Nothing is left to do, so the outcome is done.
     let (summary, _) = session(&mut sim, &path, (4, true), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
 }
@@ -504,11 +505,11 @@ fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
 
 type Device = Controller<4, 64, 64, 16>;
 
-/// A controller behind a stream, which lives on when its host goes. Its clock is that of the world.
+/// A controller behind a stream of bytes. It keeps running when its host disconnects, and its clock is real time.
 struct Served {
     device: Device,
     start: Instant,
-    /// The knot it is at, for the test to see.
+    /// Knot at which the controller is, for the test to read.
     knot: Arc<AtomicU32>,
 }
 
@@ -521,7 +522,7 @@ impl Served {
         }
     }
 
-    /// Serves until the other end goes, or `until` says so.
+    /// Serves until the other end disconnects, or `until` returns `true`.
     fn serve(&mut self, mut line: impl Read + Write, until: impl Fn(&Device) -> bool) {
         let (mut buffer, mut outgoing) = ([0; 256], Vec::new());
         while !until(&self.device) {
@@ -553,7 +554,7 @@ fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), WouldBlock | TimedOut)
 }
 
-/// A controller that serves so many hosts, one after the other, at a port.
+/// Starts a controller that serves `hosts` hosts, one after the other, at a port.
 fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
     let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -604,14 +605,14 @@ fn a_controller_behind_tcp_is_stopped_by_ctrl_c_and_goes_on() {
     assert_eq!(second.last().unwrap().state, "Done");
     assert!(second[0].sequence >= 1);
     assert_eq!(bits(&second[0].angles), bits(&first.last().unwrap().angles));
-    // Bit by bit on the path, and nowhere twice.
+    // The controller is on the path bit by bit, and has executed no part of it twice.
     let device = thread.join().unwrap();
     let goal = at(&bytes, device.follower().place());
     assert_eq!(bits(device.follower().angles()), bits(&goal));
     assert_eq!(device.follower().state(), State::Done);
 }
 
-/// A line that nobody may have opened yet.
+/// A line whose other end may not be open yet: errors only mean that there is nothing to read or write.
 struct Patient<S>(S);
 
 impl<S: Read> Read for Patient<S> {
@@ -725,7 +726,7 @@ fn a_controller_of_another_version_is_no_device() {
     thread.join().unwrap();
 }
 
-/// A path of two groups with a star that they close only where both are flat.
+/// Returns a path of two groups with a star that closes only if both groups are flat.
 fn made(speed: f32, angles: [f32; 2], closure: f32) -> Vec<u8> {
     let spoke = |(group, direction)| Spoke {
         group: GroupId(group),

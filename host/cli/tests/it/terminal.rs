@@ -1,4 +1,4 @@
-//! What a terminal sees: colours, and bars on work over a second. `script` of util-linux makes the terminal.
+//! Tests the output on a terminal: colours, and bars for work over a second. `script` of util-linux makes the terminal.
 #![cfg(target_os = "linux")]
 
 use std::process::{Command, Output, Stdio};
@@ -6,10 +6,10 @@ use std::process::{Command, Output, Stdio};
 use crate::common::folder_with_path;
 use foldpath_test_support::Folder;
 
-/// What begins a colour.
+/// Character with which the code of a colour begins.
 const ESCAPE: char = '\u{1b}';
 
-/// Runs a command line with a terminal for stdout and stderr; what it shows, and its status.
+/// Runs a command line with a terminal for stdout and stderr. Returns the text on the terminal and the exit status.
 fn on_terminal(
     folder: &Folder,
     arguments: &str,
@@ -28,7 +28,7 @@ fn on_terminal(
     (String::from_utf8(stdout).unwrap(), status.code())
 }
 
-/// The text without colours, in lines as files have them.
+/// Returns the text without colours and with the line ends of files.
 fn plain(shown: &str) -> String {
     let mut parts = shown.split(ESCAPE);
     let first = parts.next().unwrap_or_default().to_string();
@@ -62,13 +62,13 @@ fn colours_are_on_a_terminal_alone_and_change_no_text() {
         !shown.contains(ESCAPE) && shown.contains("holds"),
         "{shown:?}"
     );
-    // One object, whatever stdout is.
+    // The answer is one JSON object, whatever stdout is.
     let (shown, _) = on_terminal(&folder, "check path.fold --json", &[]);
     let json: serde_json::Value = serde_json::from_str(&shown).unwrap();
     assert_eq!(json["outcome"], "holds");
 }
 
-/// Tens of thousands of unknowns take as long as they may.
+/// Planning with tens of thousands of unknowns takes all the time that it is given.
 #[test]
 fn a_bar_is_drawn_on_a_terminal_for_work_over_a_second() {
     let folder = folder_with_path();

@@ -1,4 +1,4 @@
-//! Paths as controllers follow them: what `export` writes keeps the limits that the path was planned for.
+//! Tests paths as controllers follow them: exported trajectories keep the limits for which the path was planned.
 
 use crate::common::{PATTERNS, folder, folder_with_path};
 use foldpath::formats::fold::read_pattern;
@@ -11,7 +11,7 @@ use foldpath_core::{HalfAngle, Interpolation, Objective, Scalar, Spoke, StarsVie
 use foldpath_test_support::Folder;
 use serde_json::{Value, json};
 
-/// Radians per second, and per second squared: `--max-speed 30 --max-accel 60`.
+/// Speed (radians per second) and acceleration (radians per second squared) of `--max-speed 30 --max-accel 60`.
 const LIMITS: [f64; 2] = [
     30.0 * core::f64::consts::PI / 180.0,
     core::f64::consts::PI / 3.0,
@@ -25,13 +25,13 @@ struct Exported {
     angles: Vec<f64>,
     rates: Vec<f64>,
     weights: Vec<[f64; 2]>,
-    /// Speed and acceleration that the file allows.
+    /// Speed and acceleration that the file allows, in radians and seconds.
     limits: [f64; 2],
     bytes: usize,
 }
 
 impl Exported {
-    /// Of `out.traj`.
+    /// Reads `out.traj`.
     fn of(folder: &Folder) -> Self {
         let bytes = std::fs::read(folder.path("out.traj")).unwrap();
         let file = TrajectoryFile::read(&bytes).unwrap();
@@ -72,8 +72,8 @@ impl Exported {
         self.times[self.times.len() - 1]
     }
 
-    /// Largest speed and acceleration of 10,000 samples a second, over the limits of the file: by the derivatives of
-    /// the curves, and by differences of angles.
+    /// Returns the largest speed and acceleration of 10,000 samples per second, over the limits of the file: first by
+    /// the derivatives of the curves, then by differences of angles.
     fn used(&self) -> [[f64; 2]; 2] {
         let view = self.view();
         let step = 1e-4;
@@ -106,7 +106,7 @@ impl Exported {
         used
     }
 
-    /// Asserts that limits are kept, and that the motion begins and ends at rest.
+    /// Asserts that the motion keeps its limits, comes near one of them, and begins and ends at rest.
     #[track_caller]
     fn keeps_limits(&self, name: &str) {
         let [derivatives, differences] = self.used();
@@ -132,7 +132,7 @@ impl Exported {
     }
 }
 
-/// A strip of unit squares, folded between one and the next by these angles, degrees.
+/// Returns a strip of unit squares with hinges between them that fold by these angles, degrees.
 fn strip(goal: &[f64]) -> Value {
     let last = goal.len() + 1;
     let vertices: Vec<Value> = (0..=last)
@@ -157,7 +157,7 @@ fn strip(goal: &[f64]) -> Value {
     })
 }
 
-/// Plans a pattern within the limits and exports its path.
+/// Plans a pattern within `LIMITS` and exports its path.
 fn exported(pattern: &Value, options: &str) -> Exported {
     let folder = folder();
     folder.write("pattern.fold", &pattern.to_string());
@@ -173,7 +173,7 @@ fn generated(family: &str) -> Exported {
     exported(&folder.read_json("pattern.fold"), "")
 }
 
-/// Seconds for a hinge to turn by an angle from rest to rest.
+/// Returns the shortest time (seconds) in which a hinge turns by an angle (radians) from rest to rest.
 fn fastest(angle: f64) -> f64 {
     let [speed, acceleration] = LIMITS;
     if angle > speed * speed / acceleration {
@@ -183,7 +183,7 @@ fn fastest(angle: f64) -> f64 {
     }
 }
 
-/// Asserts a duration: never below the least, and at most 5 % above.
+/// Asserts that a trajectory takes no less time than `least`, and at most 5 % more.
 #[track_caller]
 fn takes(exported: &Exported, least: f64, name: &str) {
     let duration = exported.duration();
@@ -222,12 +222,12 @@ fn sheets_keep_the_limits() {
     }
 }
 
-/// 24x24 panels with 1104 hinges: mostly one byte a hinge.
+/// The file of 24x24 panels with 1104 hinges has mostly one byte for each hinge.
 #[test]
 fn a_large_sheet_is_a_small_file() {
     let exported = generated("miura --rows 24 --cols 24");
     let numbers = 4 * (1 + 2 * exported.groups) * exported.times.len();
-    // One vertex of degree four stands for all.
+    // One vertex of degree four stands for all vertices.
     let vertices = 1 + 4 * 9 + 4;
     let head = 4 + 1 + 1 + 1 + 16 * exported.groups + 2 + 1104 + vertices + 1;
     println!("{} bytes, {} knots", exported.bytes, exported.times.len());
@@ -267,7 +267,7 @@ fn the_table_has_a_row_a_knot() {
     }
 }
 
-/// A path without groups or limits, of the hand of another program.
+/// A path without groups and limits, as another program may write it.
 #[test]
 fn without_groups_every_hinge_is_one_and_limits_are_the_largest_found() {
     let folder = folder_with_path();
@@ -288,12 +288,13 @@ fn without_groups_every_hinge_is_one_and_limits_are_the_largest_found() {
     );
     let exported = Exported::of(&folder);
     let [speed, acceleration] = exported.limits;
-    // Planned for 45 degrees per second.
+    // The path was planned for 45 degrees per second.
     assert!((speed.to_degrees() - 45.0).abs() < 1e-3);
     assert!(acceleration.is_finite());
 }
 
-/// ρ = t² in 200 segments: one acceleration throughout, which rounding an angle passes.
+/// The motion ρ = t² in 200 segments has the same acceleration everywhere, equal to the limit. Rounding an angle would
+/// exceed the limit.
 #[test]
 fn rounding_passes_no_limit() {
     let folder = folder();
@@ -318,8 +319,8 @@ fn rounding_passes_no_limit() {
     let [used, _] = exported.used();
     assert!(used.iter().all(|used| *used <= 1.0), "{used:?}");
     let stretch = exported.duration() / 9.0;
-    // Times near 8 s are rounded by 5e-7 s and angles near 1 by 6e-8, at both ends of each segment: with
-    // 0.3 rad/s and 0.045 s that is 4 % of an acceleration of 0.035 rad/s².
+    // At both ends of each segment, rounding changes times near 8 s by 5e-7 s and angles near 1 by 6e-8. At 0.3 rad/s
+    // and 0.045 s this is 4 % of an acceleration of 0.035 rad/s².
     assert!((1.0..1.02).contains(&stretch), "{stretch}");
 }
 
@@ -373,8 +374,8 @@ fn what_cannot_be_exported_is_said() {
     );
 }
 
-/// Follows an exported path as a controller does, in `f32` and with every real vertex of the sheet checked, each of
-/// which may be open by what the file says; returns that and the most that one was.
+/// Follows an exported path as a controller does, in `f32`. Every real vertex of the sheet is checked against the
+/// closure tolerance of the file. Returns the largest closure residual of a vertex, and that tolerance.
 fn followed(name: &str, interpolation: &str) -> [f32; 2] {
     let folder = folder();
     let pattern = format!("{}/{name}.fold", PATTERNS);

@@ -1,5 +1,5 @@
-//! Shapes back to crease patterns: round trips through folding, closed shapes, shapes that no sheet folds to,
-//! and files that are none.
+//! Tests unfolding of shapes to crease patterns: round trips through folding, closed shapes, shapes to which no sheet
+//! folds, and files that have no shape.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,7 +15,7 @@ use foldpath_test_support::numbers;
 use nalgebra::{Rotation3, Vector2, Vector3};
 use serde_json::{Value, json};
 
-/// Configurations of each family.
+/// Number of configurations of each family.
 const CONFIGURATIONS: u8 = 30;
 
 fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -25,15 +25,16 @@ fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     )
 }
 
-/// Largest distance between points, after one set is laid on the other.
+/// Returns the largest distance between corresponding points, after rigid registration of one set with the other.
 fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     assert_eq!(a.len(), b.len());
     worst(laid_on(a, b).iter().zip(b).map(|(a, b)| (a - b).norm()))
 }
 
-/// The same of flat sheets, which may not be turned over.
+/// Returns the largest distance between corresponding points of flat sheets, after rigid registration. The registration
+/// may not turn a sheet over.
 fn apart_flat(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> f64 {
-    // A point above the middle tells the upper side.
+    // Points above the sheet mark its upper side.
     let raised = |points: &[Vector2<f64>]| {
         let mut points: Vec<_> = points.iter().map(|p| p.push(0.0)).collect();
         let size = worst(points.iter().map(|p| (p - points[0]).norm()));
@@ -44,7 +45,7 @@ fn apart_flat(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> f64 {
     apart(&raised(a), &raised(b))
 }
 
-/// A sheet folded to its own goal, turned and moved anyhow, without letters.
+/// Returns a sheet folded to its own goal, in some other position and orientation, without letters.
 fn folded(drawing: &Drawing) -> FoldedShape {
     let pattern = CreasePattern::new(drawing.clone()).unwrap();
     let tree = SpanningTree::from_central_face(&pattern);
@@ -87,7 +88,7 @@ fn unfolded(shape: &FoldedShape) -> (Drawing, Unfolding) {
     (drawing, unfolding)
 }
 
-/// Largest difference between the fold angles of two drawings of the same sheet, edge by edge.
+/// Returns the largest difference between the fold angles of two drawings of the same sheet, edge by edge.
 fn angles_apart(a: &Drawing, b: &Drawing) -> f64 {
     let key = |ends: [usize; 2]| [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let of = |edge: &foldpath::pattern::DrawnEdge| {
@@ -126,8 +127,8 @@ fn families(part: f64) -> [(&'static str, Drawing); 3] {
     ]
 }
 
-/// From the shape alone, without letters, all the way to the end that folds no further; Miura's is flat, so
-/// that there letters tell the signs.
+/// The sheet is found from the shape alone, without letters, at configurations up to the end of the motion. The end of
+/// the Miura fold is flat, so that the signs come from letters.
 #[test]
 fn a_folded_sheet_comes_back_from_anywhere_on_its_way() {
     for step in 1..=CONFIGURATIONS {
@@ -158,7 +159,7 @@ fn a_folded_sheet_comes_back_from_anywhere_on_its_way() {
     }
 }
 
-/// Folded flat, the shape has no side from which a fold could be told a valley.
+/// A shape that is folded flat has no side from which a fold is seen to be a valley.
 #[test]
 fn half_turns_without_letters_are_valleys_and_said_so() {
     let (_, drawing) = families(1.0).into_iter().nth(1).unwrap();
@@ -184,7 +185,8 @@ fn half_turns_without_letters_are_valleys_and_said_so() {
     assert!(said, "{:?}", unfolding.notes);
 }
 
-/// Letters of a program whose faces run clockwise: the sheet is turned over, so that they stay true.
+/// The letters are those of a program whose faces run clockwise. The sheet is turned over, so that the letters stay
+/// true.
 #[test]
 fn letters_of_the_other_side_turn_the_sheet_over() {
     let (_, drawing) = families(0.5).into_iter().next().unwrap();
@@ -198,7 +200,7 @@ fn letters_of_the_other_side_turn_the_sheet_over() {
         "{:?}",
         unfolding.notes
     );
-    // Faces that run anyhow are turned to the side of most of them.
+    // Faces of mixed orientation are turned to the side of most of them.
     shape.edges.clear();
     for face in 0..shape.faces.len() {
         if face % 3 > 0 {
@@ -209,8 +211,8 @@ fn letters_of_the_other_side_turn_the_sheet_over() {
     assert!(angles_apart(&back, &drawing) < 1e-9);
 }
 
-/// The frames of a planned path, each as the one knot it is, then the pattern of the last planned again: the
-/// goal is the shape that it was made of.
+/// Each frame of a planned path unfolds to the pattern with the angles of that knot. Then the pattern of the last frame
+/// is planned again, and its goal is the shape of which it was made.
 #[test]
 fn knots_of_a_planned_path_unfold_and_fold_again() {
     for family in [
@@ -244,7 +246,7 @@ fn knots_of_a_planned_path_unfold_and_fold_again() {
             let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs().to_radians());
             assert!(worst(off) < 1e-9, "{family} {index}: {a:?} {b:?}");
         }
-        // Without a frame, the last.
+        // Without `--frame` the last frame is unfolded.
         folder.done("unfold path.fold -o back.fold");
         folder.done("plan back.fold -o again.fold");
         let again = folder.read_json("again.fold");
@@ -257,7 +259,7 @@ fn knots_of_a_planned_path_unfold_and_fold_again() {
     }
 }
 
-/// Points of a list of 2 or 3 coordinates each.
+/// Returns the points of a list with 2 or 3 coordinates for each point.
 fn points(list: &Value) -> Vec<Vector3<f64>> {
     let point = |entry: &Value| {
         let numbers = numbers(entry);
@@ -326,7 +328,7 @@ fn a_closed_cube_is_cut_to_a_net() {
     let counts = [unfolding.vertices, unfolding.creases, unfolding.cuts];
     assert_eq!(counts, [14, 5, 7]);
     assert!((area(&net) - 6.0).abs() < 1e-12);
-    // Seen from outside, all edges are mountains.
+    // All edges are mountains, seen from outside.
     let goals: Vec<f64> = net.edges.iter().filter_map(|edge| edge.goal).collect();
     assert!(
         goals.iter().all(|goal| (goal + FRAC_PI_2).abs() < 1e-12),
@@ -344,7 +346,7 @@ fn a_closed_cube_is_cut_to_a_net() {
     );
 }
 
-/// The hull of 12 points on three golden rectangles: 20 triangles, of which 5 meet at each vertex.
+/// Returns the hull of 12 points on three golden rectangles: 20 triangles, of which 5 meet at each vertex.
 fn icosahedron() -> FoldedShape {
     let golden = f64::midpoint(1.0, 5_f64.sqrt());
     let corners = |k: usize| {
@@ -373,7 +375,8 @@ fn icosahedron() -> FoldedShape {
     }
 }
 
-/// Unit cubes in an L, which has a corner that goes in: its squares lie three and more in a plane.
+/// Returns unit cubes in the form of an L. The L has an inward corner, and three or more of its squares lie in one
+/// plane.
 fn ell() -> FoldedShape {
     let solid =
         |x: i32, y: i32, z: i32| z == 0 && [(0, 0), (1, 0), (2, 0), (0, 1)].contains(&(x, y));
@@ -403,7 +406,7 @@ fn ell() -> FoldedShape {
     shape
 }
 
-/// A net of a solid with v vertices of which none is flat has v - 1 cuts.
+/// A net of a solid with v vertices, none of them flat, has v - 1 cuts.
 #[test]
 fn closed_solids_are_cut_along_trees() {
     let (net, unfolding) = unfolded(&icosahedron());
@@ -430,7 +433,7 @@ fn closed_solids_are_cut_along_trees() {
     assert!(valleys.count() <= 1);
 }
 
-/// Coordinates of seven digits: letters stay, and so does the whole of the sheet.
+/// Coordinates are rounded to seven decimals. The letters are kept, and the sheet stays in one piece.
 #[test]
 fn noise_neither_cuts_a_sheet_nor_bends_what_is_flat() {
     for (name, drawing) in families(0.8) {
@@ -456,7 +459,7 @@ fn noise_neither_cuts_a_sheet_nor_bends_what_is_flat() {
     }
 }
 
-/// Sides of a prism without lids: developable everywhere, but no plane holds it. One cut opens it.
+/// The sides of a prism without lids are developable everywhere, but cannot lie in a plane. One cut opens each row.
 #[test]
 fn a_tube_is_cut_open_once_a_row() {
     let (sides, rows) = (7, 3);
@@ -478,7 +481,7 @@ fn a_tube_is_cut_open_once_a_row() {
     assert_eq!(unfolding.cuts, rows);
     assert_eq!(unfolding.vertices, (sides + 1) * (rows + 1));
     assert!(unfolding.max_angle_defect < 1e-12);
-    // As wide as the prism is round, and as high.
+    // The strip is as wide as the circumference of the prism, and as high as the prism.
     let side = 2.0 * (PI / sides as f64).sin();
     assert!((area(&strip) - side * (sides * rows) as f64).abs() < 1e-12);
     let bends: Vec<f64> = strip.edges.iter().filter_map(|edge| edge.goal).collect();
@@ -495,7 +498,7 @@ fn a_tube_is_cut_open_once_a_row() {
     assert_eq!(flat.count(), (rows - 1) * sides);
 }
 
-/// What goes round in a ring but lies in a plane is not cut.
+/// A ring that lies in a plane is not cut.
 #[test]
 fn a_flat_ring_keeps_its_hole() {
     let square = |r: f64| [[-r, -r, 0.3], [r, -r, 0.3], [r, r, 0.3], [-r, r, 0.3]];
@@ -512,7 +515,7 @@ fn a_flat_ring_keeps_its_hole() {
     assert!((area(&ring) - 12.0).abs() < 1e-12);
 }
 
-/// A pyramid over a polygon, open below: at its tip n triangles of base 2 sin(π/n) and sides √(1 + h²).
+/// Returns a pyramid over a polygon, open below. At its tip meet n triangles with base 2 sin(π/n) and sides √(1 + h²).
 fn pyramid(sides: usize, height: f64) -> FoldedShape {
     let corner = |k: usize| {
         let angle = TAU * k as f64 / sides as f64;
@@ -544,7 +547,7 @@ fn a_vertex_that_no_sheet_has_is_refused_with_its_defect() {
         "{reason}"
     );
     assert!(refused.drawing.is_none() && refused.max_closure.is_none());
-    // What counts as none is an option: a pyramid that is all but flat.
+    // An option sets the largest defect that counts as none. This pyramid is almost flat.
     let low = pyramid(5, 1e-3);
     for (max_defect, outcome) in [(1e-6, Outcome::NotDevelopable), (1e-4, Outcome::Unfolded)] {
         let options = UnfoldOptions {
@@ -555,7 +558,7 @@ fn a_vertex_that_no_sheet_has_is_refused_with_its_defect() {
     }
 }
 
-/// Two turns of a staircase: a strip of triangles, which unfolds to a ring that goes round twice.
+/// Returns a spiral staircase, a strip of triangles. Two turns of it unfold to a ring that goes round twice.
 fn staircase(steps: usize) -> FoldedShape {
     let place = |k: usize| {
         let (step, outer) = (k / 2, k % 2 == 1);
@@ -592,7 +595,7 @@ fn a_spiral_that_lies_on_itself_is_no_crease_pattern() {
         .split(|c: char| !c.is_ascii_digit())
         .filter_map(|word| word.parse().ok())
         .collect();
-    // They lie about a turn apart.
+    // The faces that the reason names lie about a turn apart.
     assert!(named[0].abs_diff(named[1]) > 15, "{reason}");
     assert!(twice.drawing.is_none());
 }
@@ -610,7 +613,7 @@ fn parts_come_side_by_side_and_points_are_parted() {
         "{:?}",
         unfolding.notes
     );
-    // Two faces that meet in vertex 6 alone.
+    // Two faces meet only in vertex 6.
     let mut point = cube();
     point.faces = vec![vec![0, 3, 2, 1], vec![1, 2, 6, 5], vec![4, 5, 6, 7]];
     let (drawing, _) = unfolded(&point);
@@ -693,7 +696,7 @@ fn shapes_that_are_no_surface_are_refused() {
     assert_eq!(error(&FoldedShape::default()), ShapeError::NoFaces);
 }
 
-/// An OBJ file of a shape, with quirks that such files have.
+/// Returns an OBJ file of a shape, with quirks that such files have.
 fn obj(shape: &FoldedShape) -> String {
     let mut text = String::from("# by hand\nmtllib a.mtl\no thing\nvn 0 0 1\nvt 0 0\n");
     for v in &shape.vertices {
@@ -711,7 +714,7 @@ fn obj(shape: &FoldedShape) -> String {
     text
 }
 
-/// STL of a shape of quadrilaterals, cut into triangles.
+/// Cuts the quadrilaterals of a shape into triangles, as an STL file needs them.
 fn triangles(shape: &FoldedShape) -> Vec<[Vector3<f64>; 3]> {
     let triangles = shape
         .faces
@@ -763,7 +766,7 @@ fn the_cube_is_the_same_from_every_format() {
         "faces_vertices": cube().faces,
     });
     folder.write("cube.fold", &fold.to_string());
-    // Corners of faces that share none are joined by their places.
+    // Faces that share no vertices are joined at corners with the same position.
     let mut soup = String::new();
     for (index, corners) in triangles.iter().enumerate() {
         for p in corners {
@@ -797,8 +800,8 @@ fn the_cube_is_the_same_from_every_format() {
             "{name}: {}",
             answer.stderr
         );
-        // The pattern is one that the other commands read, and its goal is the cube: no two corners that were
-        // one are apart.
+        // Other commands can read the pattern, and its goal is the cube: corners that were one vertex of the cube are
+        // not apart.
         let planned = folder.done("plan net.fold -o path.fold");
         assert!(
             planned.stdout.contains("planned"),
@@ -821,14 +824,15 @@ fn the_cube_is_the_same_from_every_format() {
     }
 }
 
-/// What Freeform Origami writes: each side of a face, boundary 0, diagonal 1, valley 2, mountain 3.
+/// OBJ file as Freeform Origami writes it, with a comment for each side of a face. Its types are 0 for boundary, 1 for
+/// diagonal, 2 for valley and 3 for mountain.
 const CREASES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 4\nf 2 3 4\n\
     #e 1 2 0 0 0\n#e 2 4 3 -180 0\n#e 4 1 0 0 0\n#e 2 3 0 0 0\n#e 3 4 0 0 0\n#e 4 2 3 -180 0\n#e 1 3 1 0 0\n";
 
 #[test]
 fn creases_in_comments_of_an_obj_file_are_read() {
     let folder = folder();
-    // Folded flat along the diagonal: corner 3 lies on corner 1.
+    // The sheet is folded flat along the diagonal, so corner 3 lies on corner 1.
     folder.write("folded.obj", &CREASES.replace("v 1 1 0", "v 0 0 0"));
     let answer = folder.done("unfold folded.obj -o flat.fold");
     assert_eq!(answer.stderr, "");
@@ -839,7 +843,7 @@ fn creases_in_comments_of_an_obj_file_are_read() {
     assert_eq!(mountain, [1]);
     assert_eq!(flat["edges_foldAngle"][1], -180.0);
     assert_eq!(flat["vertices_coords"].as_array().unwrap().len(), 4);
-    // The flat sheet itself is a crease pattern.
+    // The flat sheet is itself a crease pattern.
     folder.write("flat.obj", CREASES);
     let info = folder.done("info flat.obj --json").json();
     assert_eq!(
@@ -855,7 +859,7 @@ fn creases_in_comments_of_an_obj_file_are_read() {
         .unwrap()
         .clone();
     assert!(numbers(&end["edges_foldAngle"]).contains(&-180.0));
-    // Without comments all is free, and with the shape in space it is none.
+    // Without comments every crease is free. A shape that is not flat is no crease pattern.
     let plain: String = CREASES
         .lines()
         .filter(|line| !line.starts_with('#'))
@@ -1035,7 +1039,7 @@ fn bad_files_are_refused_with_the_place() {
         let answer = folder.run(arguments).with_status(2);
         assert!(answer.tells(message), "{}", answer.stderr);
     }
-    // The answer no leaves no file either.
+    // If the answer is no, no file is written either.
     folder.write("pyramid.obj", &obj(&pyramid(4, 1.0)));
     let json = folder
         .run("unfold pyramid.obj -o out.fold --json")
@@ -1048,7 +1052,7 @@ fn bad_files_are_refused_with_the_place() {
     assert_eq!(folder.names(), ["a.fold", "a.obj", "a.stl", "pyramid.obj"]);
 }
 
-/// Files cut off and bytes changed anywhere: an answer or an error, never a panic.
+/// Files that are cut off or have changed bytes lead to an answer or an error, never to a panic.
 #[test]
 fn no_file_makes_it_panic() {
     let folder = tempfile::tempdir().unwrap();
@@ -1060,7 +1064,7 @@ fn no_file_makes_it_panic() {
     ];
     let mut seed = 1_u64;
     let mut random = move |below: usize| {
-        // G. Marsaglia, xorshift.
+        // The generator is xorshift of G. Marsaglia.
         seed ^= seed << 13;
         seed ^= seed >> 7;
         seed ^= seed << 17;

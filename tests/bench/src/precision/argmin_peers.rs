@@ -1,4 +1,4 @@
-//! Crate `argmin`: L-BFGS, Gauss-Newton, and a trust region with Gauss-Newton's Hessian.
+//! Peers of crate `argmin`: L-BFGS, Gauss-Newton, and a trust region with the Gauss-Newton Hessian.
 
 use core::cell::RefCell;
 use core::time::Duration;
@@ -18,10 +18,10 @@ use peer_nalgebra::{DMatrix, DVector};
 use super::evaluator::{Evaluator, Stopped};
 use super::method::{Run, Solver};
 
-/// Steps that L-BFGS remembers.
+/// Number of steps that L-BFGS remembers.
 const MEMORY: usize = 10;
 
-/// One evaluator behind all that argmin asks for, shared so that it can be read after a run that was stopped.
+/// One evaluator for all functions that argmin needs. It is shared so that it can be read after a run was stopped.
 #[derive(Clone)]
 struct Problem<'a> {
     evaluator: Rc<RefCell<Evaluator<'a>>>,
@@ -118,7 +118,7 @@ impl<R: Fn(Problem<'_>, Vector)> Solver for Peer<'_, R> {
     }
 }
 
-/// Runs until the evaluator stops it, or it stops itself.
+/// Runs until the evaluator stops the solver, or the solver stops by itself.
 fn execute<'a, S, G, J, H, R>(problem: Problem<'a>, solver: S, x: Vector)
 where
     IterState<Vector, G, J, H, R, f64>: argmin::core::State<Param = Vector, Float = f64>,
@@ -128,11 +128,11 @@ where
     let executor = Executor::new(problem, solver);
     let executor = executor
         .configure(|state: IterState<Vector, G, J, H, R, f64>| state.param(x).max_iters(u64::MAX));
-    // An error is how it is stopped, or how a solver gives up.
+    // An error means that the evaluator stopped the run, or that the solver gave up.
     let _ = executor.ctrlc(false).run();
 }
 
-/// L-BFGS, its own stopping tests off.
+/// Returns L-BFGS with its own stopping tests switched off.
 pub(super) fn lbfgs(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     let run = |problem: Problem<'_>, x| {
         let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
@@ -143,7 +143,7 @@ pub(super) fn lbfgs(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     Box::new(Peer { stars, run })
 }
 
-/// Gauss-Newton, which inverts JᵀJ.
+/// Returns Gauss-Newton, which inverts JᵀJ.
 pub(super) fn gauss_newton(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     let run = |problem: Problem<'_>, x| {
         let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE);
@@ -152,7 +152,7 @@ pub(super) fn gauss_newton(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     Box::new(Peer { stars, run })
 }
 
-/// The trust region with at most as many conjugate gradients a step as there are unknowns.
+/// Returns the trust region. Each step takes at most as many conjugate-gradient iterations as there are unknowns.
 pub(super) fn trust_region(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     let iterations = stars.unknowns() as u64;
     let run = move |problem: Problem<'_>, x| {

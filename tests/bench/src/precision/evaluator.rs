@@ -1,7 +1,7 @@
-//! The one objective of all peers: ½‖r‖² over all stars, its residuals and its derivatives.
+//! The objective that all peers minimise: ½‖r‖² over all stars, with its residuals and its derivatives.
 //!
 //! A peer is stopped at the first configuration whose closure is within the tolerance, or when its time is over,
-//! whatever its own stopping tests say: no peer pays for a step that it does not need.
+//! whatever its own stopping tests say. No peer pays for a step that it does not need.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -9,16 +9,16 @@ use std::time::Instant;
 use foldpath_core::{HalfAngle, StarsView, closure};
 use nalgebra::Vector3;
 
-/// Radians between two evaluations of a forward difference: the square root of the precision.
+/// Step of a forward difference, radians: the square root of the machine precision.
 const DIFFERENCE: f64 = 1.5e-8;
-/// Spokes evaluated between two looks at the clock.
+/// Number of spokes that are evaluated between two readings of the clock.
 const SPOKES_PER_LOOK: usize = 2_000;
 
-/// Stopped: within the tolerance or out of time.
+/// Error value that stops a peer: closure is within the tolerance, or time is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stopped;
 
-/// Evaluates the objective, counts, and keeps the best configuration seen.
+/// Evaluates the objective, counts evaluations, and keeps the best configuration.
 #[derive(Debug)]
 pub(super) struct Evaluator<'a> {
     stars: StarsView<'a, f64>,
@@ -28,20 +28,20 @@ pub(super) struct Evaluator<'a> {
     square_of_tolerance: f64,
     deadline: Instant,
     evaluations_per_look: u32,
-    /// Evaluations since the last look at the clock.
+    /// Number of evaluations since the last reading of the clock.
     unlooked: u32,
     stopped: bool,
     best_square: f64,
-    /// The configuration with the smallest closure seen.
+    /// Configuration with the smallest closure residual so far.
     pub(super) best: Vec<f64>,
-    /// Evaluations without derivatives.
+    /// Number of evaluations without derivatives.
     pub(super) values: u64,
-    /// Evaluations of a gradient or a Jacobian.
+    /// Number of evaluations of a gradient or a Jacobian.
     pub(super) derivatives: u64,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Its time runs from [`start`](Self::start) on.
+    /// Creates an evaluator; its time runs from [`start`](Self::start) on.
     pub(super) fn new(stars: StarsView<'a, f64>, tolerance: f64) -> Self {
         let n = stars.unknowns();
         let spokes: usize = stars.iter().map(|star| star.spokes.len()).sum();
@@ -62,19 +62,19 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Starts the clock.
+    /// Starts the clock, and returns the time of the start.
     pub(super) fn start(&mut self, limit: Duration) -> Instant {
         let now = Instant::now();
         self.deadline = now + limit;
         now
     }
 
-    /// Number of residuals.
+    /// Returns the number of residuals.
     pub(super) fn rows(&self) -> usize {
         3 * self.stars.len()
     }
 
-    /// The objective.
+    /// Returns the objective.
     pub(super) fn value(&mut self, x: &[f64]) -> Result<f64, Stopped> {
         self.values += 1;
         let (sum, largest) = self.squares(x);
@@ -82,7 +82,7 @@ impl<'a> Evaluator<'a> {
         Ok(0.5 * sum)
     }
 
-    /// The objective and its gradient.
+    /// Writes the gradient to `gradient` and returns the objective.
     pub(super) fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> Result<f64, Stopped> {
         self.derivatives += 1;
         gradient.fill(0.0);
@@ -103,7 +103,8 @@ impl<'a> Evaluator<'a> {
         Ok(0.5 * sum)
     }
 
-    /// The objective and its gradient by forward differences, as one who has no derivative takes it.
+    /// Writes the gradient by forward differences to `gradient` and returns the objective, as for a user without
+    /// derivatives.
     pub(super) fn differences(&mut self, x: &[f64], gradient: &mut [f64]) -> Result<f64, Stopped> {
         let value = self.value(x)?;
         let mut probe = core::mem::take(&mut self.probe);
@@ -127,7 +128,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// All residuals.
+    /// Writes all residuals to `out`.
     pub(super) fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Stopped> {
         self.values += 1;
         closure::half_angles(x, &mut self.half);
@@ -140,8 +141,8 @@ impl<'a> Evaluator<'a> {
         self.see(x, largest)
     }
 
-    /// The derivatives of all residuals, each handed to `add` with its row and unknown; those of two spokes of
-    /// one unknown have to be added.
+    /// Hands the derivatives of all residuals to `add`, each with its row and unknown. If two spokes share an unknown,
+    /// their entries have to be added.
     pub(super) fn jacobian(&mut self, x: &[f64], mut add: impl FnMut(usize, usize, f64)) {
         self.derivatives += 1;
         closure::half_angles(x, &mut self.half);
@@ -158,7 +159,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Sum and largest of the stars' squared residuals.
+    /// Returns the sum and the largest of the stars' squared residuals.
     fn squares(&mut self, x: &[f64]) -> (f64, f64) {
         closure::half_angles(x, &mut self.half);
         let squares = self.stars.iter().map(|star| {
@@ -192,7 +193,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// The larger square; infinite if either is no number, which must not pass for closed.
+/// Returns the larger square; infinite if either is not finite, so that it never counts as closed.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_finite() && b.is_finite() {
         a.max(b)

@@ -1,16 +1,16 @@
-//! Every method on every problem at every tolerance.
+//! Runs every method on every problem at every tolerance.
 
 use core::time::Duration;
 use std::time::Instant;
 
 use super::{Method, Problem, Run};
 
-/// How much is measured.
+/// Amount of work of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Starts of each problem.
+    /// Number of starts of each problem.
     pub starts: usize,
-    /// Each start is run at most so many times.
+    /// Largest number of runs of each start.
     pub rounds: usize,
     /// Time that one method has for all starts at one tolerance.
     pub budget: Duration,
@@ -18,37 +18,38 @@ pub struct Effort {
     pub limit: Duration,
 }
 
-/// What a method came to on a problem at a tolerance.
+/// Result of a method on a problem at a tolerance.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Index of the problem.
     pub problem: usize,
     /// The method.
     pub method: Method,
-    /// Closure residual asked for.
+    /// Tolerance of the closure residual.
     pub tolerance: f64,
-    /// Runs.
+    /// Number of runs.
     pub runs: usize,
-    /// Runs that did not reach it.
+    /// Number of runs that did not reach the tolerance.
     pub failures: usize,
-    /// Median over all runs, a failure being the longest; `None` where half of them fail.
+    /// Median time of all runs, with an infinite time for a failure; `None` if half of the runs fail.
     pub seconds: Option<f64>,
-    /// Median closure of all runs.
+    /// Median closure residual of all runs.
     pub closure: f64,
-    /// Median evaluations without derivatives.
+    /// Median number of evaluations without derivatives.
     pub values: u64,
-    /// Median evaluations with derivatives.
+    /// Median number of evaluations with derivatives.
     pub derivatives: u64,
 }
 
-/// 1e-1 to 1e-13.
+/// Returns the tolerances, 1e-1 to 1e-13.
 #[must_use]
 pub fn tolerances() -> Vec<f64> {
     (1..=13).map(|power| 10_f64.powi(-power)).collect()
 }
 
-/// Runs all methods. A method that fails at a tolerance at half of the starts is not asked for a finer one, which
-/// it would reach later still. Methods take turns at each tolerance, so that all of them meet the same noise.
+/// Runs all methods on all problems. A method that fails at half of the starts is not run at finer tolerances, which
+/// would take it even longer. Methods take turns at each tolerance, so that all of them meet the same noise of the
+/// machine.
 #[must_use]
 pub fn measure(problems: &[Problem], effort: &Effort) -> Vec<Cell> {
     let mut cells = Vec::new();
@@ -120,7 +121,7 @@ impl Cell {
     }
 }
 
-/// The upper median.
+/// Returns the upper median.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

@@ -1,4 +1,4 @@
-//! The solvers that are compared, ours and peers.
+//! The solvers that are compared: foldpath's own and peers.
 
 use core::time::Duration;
 
@@ -9,39 +9,41 @@ use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 /// A solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// foldpath's Levenberg-Marquardt in f64, which with sparse matrices makes several steps with a factor.
+    /// foldpath's Levenberg-Marquardt in f64. With sparse matrices it reuses a factorisation for several steps (chord
+    /// method).
     LmF64,
-    /// The same that makes steps far from closing roughly, with sparse matrices, too.
+    /// foldpath's Levenberg-Marquardt in f64 that, with sparse matrices, also solves inexactly, by conjugate gradients,
+    /// for steps far from closure.
     RoughLmF64,
-    /// The same in f32, as the controller has it.
+    /// foldpath's Levenberg-Marquardt in f32, as on the controller.
     LmF32,
     /// foldpath's gradient solver in f64.
     GradientF64,
-    /// The same in f32.
+    /// foldpath's gradient solver in f32.
     GradientF32,
-    /// Samples nearer and nearer round the best one, the report's search without a goal.
+    /// Random samples round the best one, from a radius that shrinks: the report's search without a goal.
     RandomSearch,
-    /// Crate `levenberg-marquardt`: MINPACK's, dense QR with pivoting.
+    /// Crate `levenberg-marquardt`: MINPACK's method, with a dense pivoted QR factorisation.
     Minpack,
     /// Crate `argmin`: L-BFGS with the line search of Moré and Thuente.
     ArgminLbfgs,
     /// Crate `argmin`: Gauss-Newton.
     ArgminGaussNewton,
-    /// Crate `argmin`: trust region, Gauss-Newton's Hessian, conjugate gradients by Steihaug.
+    /// Crate `argmin`: trust region with the Gauss-Newton Hessian and Steihaug's conjugate gradients.
     ArgminTrustRegion,
-    /// NLopt, without derivatives.
+    /// NLopt's COBYLA, without derivatives.
     Cobyla,
-    /// NLopt, without derivatives.
+    /// NLopt's Nelder-Mead, without derivatives.
     NelderMead,
-    /// NLopt, without derivatives.
+    /// NLopt's BOBYQA, without derivatives.
     Bobyqa,
-    /// NLopt with forward differences.
+    /// NLopt's SLSQP, with forward differences.
     SlsqpDifferences,
-    /// NLopt with forward differences.
+    /// NLopt's L-BFGS, with forward differences.
     LbfgsDifferences,
-    /// NLopt given foldpath's gradient.
+    /// NLopt's SLSQP, with foldpath's gradient.
     SlsqpGradient,
-    /// NLopt given foldpath's gradient.
+    /// NLopt's L-BFGS, with foldpath's gradient.
     LbfgsGradient,
 }
 
@@ -51,27 +53,27 @@ use Method::{
     SlsqpDifferences, SlsqpGradient,
 };
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Time of the call alone: memory and settings were made before.
+    /// Time of the call alone; memory and settings were prepared before.
     pub time: Duration,
     /// The best configuration.
     pub x: Vec<f64>,
-    /// Evaluations without derivatives.
+    /// Number of evaluations without derivatives.
     pub values: u64,
-    /// Evaluations with derivatives.
+    /// Number of evaluations with derivatives.
     pub derivatives: u64,
 }
 
 /// A solver with all memory for one problem.
 pub trait Solver {
-    /// Moves `start` to closure within the tolerance, if it can within the time.
+    /// Moves `start` to closure within the tolerance, if the solver can within the time.
     fn run(&mut self, start: &[f64], tolerance: f64, limit: Duration) -> Run;
 }
 
 impl Method {
-    /// All of them, ours first.
+    /// All methods, foldpath's first.
     pub const ALL: [Self; 17] = [
         LmF64,
         RoughLmF64,
@@ -92,7 +94,7 @@ impl Method {
         LbfgsGradient,
     ];
 
-    /// Its name in tables.
+    /// Returns the name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -116,26 +118,26 @@ impl Method {
         }
     }
 
-    /// Whether it is foldpath's own; the random search is nobody's.
+    /// Returns `true` for foldpath's own solvers; the random search counts as a peer.
     #[must_use]
     pub fn is_ours(self) -> bool {
         matches!(self, LmF64 | RoughLmF64 | LmF32 | GradientF64 | GradientF32)
     }
 
-    /// Unknowns beyond which it is not tried: it works on dense matrices, and where one of its iterations takes
-    /// minutes nothing can stop it in time.
+    /// Returns the largest number of unknowns at which the method is tried. A method with dense matrices may take
+    /// minutes for one iteration, which nothing can stop in time.
     #[must_use]
     pub fn most_unknowns(self) -> usize {
         match self {
             Cobyla | SlsqpDifferences | SlsqpGradient => 250,
-            // On the controller, with its few groups, there is dense linear algebra alone.
+            // On the controller, with its few groups, all linear algebra is dense.
             LmF32 => 250,
             Minpack | ArgminGaussNewton | ArgminTrustRegion | Bobyqa => 1_200,
             _ => usize::MAX,
         }
     }
 
-    /// The solver with memory for a problem.
+    /// Returns the solver with memory for a problem.
     #[must_use]
     pub fn solver<'a>(self, problem: &'a Problem) -> Box<dyn Solver + 'a> {
         let stars = problem.stars();

@@ -1,4 +1,4 @@
-//! Crate `levenberg-marquardt`: MINPACK's Levenberg-Marquardt on dense matrices.
+//! The peer of crate `levenberg-marquardt`: MINPACK's Levenberg-Marquardt on dense matrices.
 
 use core::cell::RefCell;
 use core::time::Duration;
@@ -12,7 +12,7 @@ use super::method::{Run, Solver};
 
 struct Peer<'a>(StarsView<'a, f64>);
 
-/// With its own stopping tests at the precision, and patience without end.
+/// Returns the solver, with its own stopping tests at the machine precision and without a limit of iterations.
 pub(super) fn solver(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     Box::new(Peer(stars))
 }
@@ -20,7 +20,7 @@ pub(super) fn solver(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
 struct Residuals<'a> {
     evaluator: RefCell<Evaluator<'a>>,
     x: DVector<f64>,
-    /// MINPACK asks for as many residuals as unknowns at least: those missing are 0.
+    /// Number of residuals. MINPACK needs at least as many residuals as unknowns; missing ones are 0.
     rows: usize,
 }
 

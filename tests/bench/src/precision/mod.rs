@@ -1,9 +1,9 @@
 //! Run time against error, of projections to closure and of whole paths.
 //!
-//! A *projection* moves a configuration a seeded step off a closed one back to closure. foldpath's solvers and
-//! general ones, as a user would reach for them, get the same starts and the same objective, ½‖r‖² over the same
-//! stars; all of them stop at the first configuration whose largest ‖r(v)‖ is within the tolerance. What peers
-//! evaluate, they evaluate by foldpath's own kernels.
+//! A *projection* moves a configuration, which is a seeded step off a closed one, back to closure. foldpath's solvers
+//! and general-purpose peers get the same starts and the same objective, ½‖r‖² over the same stars. All of them stop at
+//! the first configuration whose largest ‖r(v)‖ is within the tolerance. Peers evaluate residuals and derivatives by
+//! foldpath's own kernels.
 
 mod argmin_peers;
 mod evaluator;

@@ -1,4 +1,4 @@
-//! NLopt's local algorithms on the objective.
+//! Peers of NLopt: its local algorithms on the objective.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -9,9 +9,9 @@ use nlopt::{Algorithm, Nlopt, Target};
 use super::evaluator::Evaluator;
 use super::method::{Run, Solver};
 
-/// Radians: the first step of what goes without derivatives, about half the way to go.
+/// First step of algorithms without derivatives, radians: about half the distance to a solution.
 const FIRST_STEP: f64 = 0.1;
-/// Returned instead of the objective, which is never below 0, to stop.
+/// Value that is returned instead of the objective to stop NLopt; the objective is never below 0.
 const STOP: f64 = -1.0;
 
 struct Peer<'a> {
@@ -20,7 +20,7 @@ struct Peer<'a> {
     analytic: bool,
 }
 
-/// NLopt with an algorithm; those that ask for a gradient get the analytic one, or forward differences.
+/// Returns one of NLopt's algorithms. An algorithm that uses a gradient gets the analytic one, or forward differences.
 pub(super) fn solver(
     stars: StarsView<'_, f64>,
     algorithm: Algorithm,
@@ -61,7 +61,7 @@ impl Solver for Peer<'_> {
             "NLopt takes the settings"
         );
         let began = Instant::now();
-        // However it ended: the evaluator knows the best configuration.
+        // However NLopt has ended, the evaluator has the best configuration.
         let _ = nlopt.optimize(&mut x);
         let time = began.elapsed();
         let done = nlopt.recover_user_data();

@@ -1,4 +1,4 @@
-//! foldpath's solvers with memory from the heap, as the planner calls them, and the random search.
+//! foldpath's solvers with memory on the heap, as the planner calls them, and the random search.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -18,15 +18,16 @@ use rand_pcg::Pcg64;
 use super::evaluator::Evaluator;
 use super::method::{Run, Solver};
 
-/// Unknowns up to which the planner takes dense matrices.
+/// Largest number of unknowns for which the planner uses dense matrices.
 const DENSE: usize = 40;
-/// Steps of the gradient solver between two looks at the clock, as in the planner.
+/// Iterations of the gradient solver between two readings of the clock, as in the planner.
 const SLICE: u32 = 500;
-/// Samples in a row without success after which they are taken nearer by, and by how much: the planner's.
+/// Failures in a row after which the radius of samples shrinks (`PATIENCE`), and factors of the radius after failures
+/// and after a success. Same values as in the planner.
 const PATIENCE: u32 = 5;
 const NARROWER: f64 = 0.6;
 const WIDER: f64 = 1.3;
-/// Radians: how far samples are at first, and at least.
+/// First and least radius of samples, radians.
 const FIRST_RADIUS: f64 = 0.1;
 const LEAST_RADIUS: f64 = 1e-17;
 
@@ -63,7 +64,7 @@ impl<T: Scalar> Memory<T> {
         }
     }
 
-    /// The problem, and the workspace.
+    /// Returns the problem and the workspace.
     fn problem(&mut self) -> (ClosureProblem<'_, T>, &mut [T]) {
         let stars = StarsView::new(&self.spokes, &self.ends, self.unknowns).expect("stars");
         let problem = ClosureProblem::new(stars, &mut self.half, &mut self.columns);
@@ -74,13 +75,13 @@ impl<T: Scalar> Memory<T> {
 fn options<T: Scalar>(tolerance: f64) -> Options<T> {
     Options {
         tolerance: T::lit(tolerance),
-        // Below the tolerance: it is on or off with it.
+        // The solver must not accept a residual above the tolerance.
         acceptable: T::zero(),
         ..Options::default()
     }
 }
 
-/// Levenberg-Marquardt with the linear algebra that the planner takes for so many unknowns.
+/// Levenberg-Marquardt with the linear algebra that the planner uses for this number of unknowns.
 struct Lm<T> {
     memory: Memory<T>,
     equations: Equations<T>,
@@ -89,7 +90,7 @@ struct Lm<T> {
 
 enum Equations<T> {
     Dense(Vec<T>),
-    /// In f64 alone.
+    /// Sparse equations, which exist in f64 only.
     Sparse(Box<SparseNormalEquations>),
 }
 
@@ -104,9 +105,9 @@ impl<T: Scalar> Lm<T> {
     }
 }
 
-/// Solves in some precision.
+/// A solver in some precision.
 trait Solve<T> {
-    /// Moves `x` to closure in about so much time; what it did, and the time without the making of views.
+    /// Moves `x` to closure in about the time `limit`. Returns the report, and the time without the creation of views.
     fn solve(
         &mut self,
         x: &mut [T],
@@ -175,7 +176,7 @@ fn solve_dense<T: Scalar>(
     solve_with(memory, &mut equations, x, options)
 }
 
-/// A hundred iterations are its own limit.
+/// Solves without a check of the time, because the solver stops after a hundred iterations.
 fn solve_with<T: Scalar>(
     memory: &mut Memory<T>,
     equations: &mut impl NormalEquations<T>,
@@ -218,18 +219,18 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
     }
 }
 
-/// Moves `x` to closure to rounding, as far as possible; whether that is reached.
+/// Moves `x` to closure, as far as rounding allows. Returns `true` if `x` then closes.
 pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
     let mut solver = Lm::<f64>::new(stars, Steps::Exact);
     let (report, _) = solver.solve(x, &Options::default(), Duration::MAX);
     report.outcome == Outcome::Converged
 }
 
-/// Largest closure residual at `start`, and after each iteration of Levenberg-Marquardt in f64 from there, down to
-/// rounding.
+/// Returns the largest closure residual at `start`, and after each iteration of Levenberg-Marquardt in f64 from there,
+/// down to rounding.
 ///
 /// # Panics
-/// If it takes more than 2^32 iterations.
+/// If the solver takes more than 2^32 iterations.
 #[must_use]
 pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
     let mut solver = Lm::<f64>::new(stars, Steps::Exact);
@@ -272,26 +273,26 @@ fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(solver: S) -> Box<dyn Solver + 'a> {
     Box::new(InPrecision { solver, x })
 }
 
-/// Levenberg-Marquardt in f64, its steps made so where rows are kept.
+/// Returns Levenberg-Marquardt in f64; `steps` says how sparse equations reuse a factorisation.
 pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, steps: Steps) -> Box<dyn Solver> {
     boxed::<f64, _>(Lm::<f64>::new(stars, steps))
 }
 
-/// Levenberg-Marquardt in f32, dense as on the controller.
+/// Returns Levenberg-Marquardt in f32, with dense matrices as on the controller.
 pub(super) fn levenberg_marquardt_f32(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
     boxed::<f32, _>(Lm::<f32>::dense(stars))
 }
 
-/// The gradient solver in either precision.
+/// Returns the gradient solver in either precision.
 pub(super) fn gradient<T: Scalar>(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
     boxed::<T, _>(GradientSolver(Memory::new(stars)))
 }
 
-/// The planner's randomised search has Levenberg-Marquardt close its samples. This has none: samples round the best
-/// one replace it where they close better, nearer by after failures and farther after successes.
+/// The randomised search without a solver; in the planner Levenberg-Marquardt closes the samples. A sample round the
+/// best configuration replaces it if it closes better. The radius shrinks after failures and grows after a success.
 struct RandomSearch<'a>(StarsView<'a, f64>);
 
-/// The random search.
+/// Returns the random search.
 pub(super) fn random_search(stars: StarsView<'_, f64>) -> Box<dyn Solver + '_> {
     Box::new(RandomSearch(stars))
 }

@@ -1,4 +1,4 @@
-//! Whole paths: what a bound on deformation and gap costs, and what it gets.
+//! Whole paths: the run time that a bound on deformation and gap costs, and the errors that it achieves.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -9,22 +9,22 @@ use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, Search, Solver, Symmet
 use super::Family;
 use super::measure::median;
 
-/// How a path is looked for.
+/// Method by which a path is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Route {
     /// Along the motion, closed by Levenberg-Marquardt.
     Motion,
     /// Along the motion, closed by the gradient solver.
     MotionByGradient,
-    /// By the report's randomised search, samples closed by Levenberg-Marquardt.
+    /// By the report's randomised search, with samples closed by Levenberg-Marquardt.
     Random,
 }
 
 impl Route {
-    /// All of them.
+    /// All routes.
     pub const ALL: [Self; 3] = [Self::Motion, Self::MotionByGradient, Self::Random];
 
-    /// Its name in tables.
+    /// Returns the name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -35,44 +35,44 @@ impl Route {
     }
 }
 
-/// How much is measured.
+/// Amount of work of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct PathEffort {
-    /// Plans at most.
+    /// Largest number of plans.
     pub plans: usize,
-    /// Time for all of them.
+    /// Time for all plans.
     pub budget: Duration,
     /// Time that one plan has.
     pub limit: Duration,
 }
 
-/// What planning came to at a bound.
+/// Result of planning at a bound.
 #[derive(Clone, Debug)]
 pub struct PathCell {
     /// Family and size.
     pub sheet: String,
-    /// Whether crease groups were looked for.
+    /// `true` if crease groups were used.
     pub symmetric: bool,
-    /// How the path was looked for.
+    /// Method by which the path was searched.
     pub route: Route,
     /// Bound on deformation and gap.
     pub bound: f64,
-    /// Plans.
+    /// Number of plans.
     pub plans: usize,
-    /// Median time of a plan.
+    /// Median time of a plan, seconds.
     pub seconds: f64,
     /// The last plan.
     pub plan: Plan,
 }
 
 impl PathCell {
-    /// Whether the path reaches the goal within the bound.
+    /// Returns `true` if the path reaches the goal within the bound.
     #[must_use]
     pub fn is_planned(&self) -> bool {
         self.plan.outcome == Outcome::Planned
     }
 
-    /// Sheet and unknowns in words.
+    /// Returns sheet and kind of unknowns as text.
     #[must_use]
     pub fn name(&self) -> String {
         let kind = if self.symmetric { "groups" } else { "full" };
@@ -80,17 +80,17 @@ impl PathCell {
     }
 }
 
-/// 1e-1 to 1e-12.
+/// Returns the bounds, 1e-1 to 1e-12.
 #[must_use]
 pub fn bounds() -> Vec<f64> {
     (1..=12).map(|power| 10_f64.powi(-power)).collect()
 }
 
-/// Plans the sheets at all bounds, without the search for crossings, whose time does not hang on the bound. A route
-/// that runs out of time at a bound is not asked for a finer one.
+/// Plans the sheets at all bounds, without the search for crossings, whose time does not depend on the bound. A route
+/// that runs out of time at a bound is not run at a finer one.
 ///
 /// # Panics
-/// If a generator of the library does not keep what it promises.
+/// If a generator of the library breaks its contract.
 #[must_use]
 pub fn measure_paths(sheets: &[(Family, usize, usize)], effort: &PathEffort) -> Vec<PathCell> {
     let mut cells = Vec::new();
@@ -143,7 +143,7 @@ fn options(route: Route, symmetric: bool, bound: f64, limit: Duration) -> PlanOp
     }
 }
 
-/// Median time, the last plan and how many there were.
+/// Returns the median time in seconds, the last plan and the number of plans.
 fn plan_often(
     pattern: &CreasePattern,
     goal: &Goal,

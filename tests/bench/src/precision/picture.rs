@@ -1,8 +1,8 @@
-//! Time against error, both logarithmic, one line a method.
+//! Plots of run time against error, both logarithmic, with one line a method.
 
 use plotters::prelude::*;
 
-/// One line: error and seconds.
+/// One line: pairs of error and seconds.
 pub(super) struct Line {
     pub(super) name: String,
     pub(super) thick: bool,
@@ -10,10 +10,10 @@ pub(super) struct Line {
 }
 
 const FONT: &str = "sans-serif";
-/// Errors below rounding are drawn there.
+/// Smaller errors, which are rounding, are drawn at this value.
 const LEAST_ERROR: f64 = 1e-16;
 
-/// The picture as SVG; empty lines are left out.
+/// Returns the plot as SVG, without empty lines.
 pub(super) fn svg(title: &str, error: &str, lines: &[Line]) -> String {
     let mut text = String::new();
     draw(&mut text, title, error, lines).expect("room for a picture");

@@ -1,4 +1,4 @@
-//! What is projected: sheets near a closed configuration, and starts a seeded step off it.
+//! The problems of the projections: sheets near a closed configuration, and starts that are a seeded step off it.
 
 use foldpath::generate::{Miura, Quad, Resch, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing};
@@ -12,21 +12,21 @@ use rand_pcg::Pcg64;
 
 use super::ours::close;
 
-/// Radians by which each unknown is off a closed configuration at most: the step of the report's search.
+/// Largest distance of each unknown of a start from the closed configuration, radians: the step of the report's search.
 pub const STEP: f64 = 0.22;
-/// Closure residual that a start exceeds: at one within the coarsest tolerance there is nothing to do.
+/// Closure residual that every start exceeds. A start within the coarsest tolerance would need no work.
 pub(super) const OPEN: f64 = 0.1;
-/// Draws for each start, after which the step is made longer.
+/// Number of draws for each start after which the step is made longer.
 const DRAWS: usize = 100;
-/// Parts of the goal's angles from which a closed configuration is looked for.
+/// Fractions of the goal's angles at which a closed configuration is searched.
 const PARTS: [f64; 5] = [0.6, 1.0, 0.8, 0.4, 0.2];
-/// Random configurations tried where none of those leads to one.
+/// Number of random configurations that are tried if none of those leads to a closed one.
 const TRIES: u64 = 50;
-/// Radians that some angle of it has to have: the flat sheet, where every condition loses rank, is the last
-/// resort.
+/// Angle that some crease of the closed configuration must reach, radians. The flat sheet, where every condition loses
+/// rank, is the last resort.
 const FOLDED: f64 = 0.3;
-/// Factor by which the angles of a closed configuration near flat are folded further, and the growth of their norm below
-/// which they do not follow any more.
+/// Factor by which the angles of a closed configuration near flat are folded further (`FURTHER`), and growth of their
+/// norm below which the sheet no longer follows (`LEAST_GROWTH`).
 const FURTHER: f64 = 1.3;
 const LEAST_GROWTH: f64 = 1.05;
 
@@ -35,17 +35,18 @@ const LEAST_GROWTH: f64 = 1.05;
 pub struct Problem {
     /// Family and size, such as `miura 3x3`.
     pub sheet: String,
-    /// Whether the unknowns are crease groups, and the conditions those of the essential vertices.
+    /// `true` if the unknowns are crease groups and the conditions those of the essential vertices; otherwise every
+    /// crease is an unknown and every vertex a condition.
     pub symmetric: bool,
     stars: ReducedStars,
     closed: Vec<f64>,
 }
 
 impl Problem {
-    /// The sheet of a family with every crease an unknown of its own, or with its crease groups.
+    /// Creates the problem of a sheet, with its crease groups or with every crease an unknown of its own.
     ///
     /// # Panics
-    /// If a generator of the library does not keep what it promises.
+    /// If a generator of the library breaks its contract.
     #[must_use]
     pub fn new(family: Family, rows: usize, columns: usize, symmetric: bool) -> Self {
         let pattern = CreasePattern::new(family.drawing(rows, columns)).expect("a pattern");
@@ -67,11 +68,11 @@ impl Problem {
         }
     }
 
-    /// The same with every crease an unknown of its own, round the flat sheet: it closes, but every condition loses rank
-    /// there, and what closes nearest to a start may be another configuration.
+    /// Creates the problem with every crease an unknown, round the flat sheet. The flat sheet closes, but every
+    /// condition loses rank there, so that the closed configuration nearest to a start may be another one.
     ///
     /// # Panics
-    /// If a generator of the library does not keep what it promises.
+    /// If a generator of the library breaks its contract.
     #[must_use]
     pub fn round_flat(family: Family, rows: usize, columns: usize) -> Self {
         let mut problem = Self::new(family, rows, columns, false);
@@ -80,33 +81,33 @@ impl Problem {
         problem
     }
 
-    /// Sheet and unknowns in words.
+    /// Returns sheet and kind of unknowns as text.
     #[must_use]
     pub fn name(&self) -> String {
         let kind = if self.symmetric { "groups" } else { "full" };
         format!("{}, {kind}", self.sheet)
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.closed.len()
     }
 
-    /// The conditions.
+    /// Returns the closure conditions.
     #[must_use]
     pub fn stars(&self) -> StarsView<'_, f64> {
         self.stars.view()
     }
 
-    /// Largest angle of the closed configuration, radians: 0 round the flat sheet.
+    /// Returns the largest angle of the closed configuration, radians; 0 round the flat sheet.
     #[must_use]
     pub fn folded(&self) -> f64 {
         max_norm(&self.closed)
     }
 
-    /// Configurations a random step off the closed one, the same for every method, none of them nearly closed: the step
-    /// is twice as long, and again, where it opens too little.
+    /// Returns configurations a random step off the closed one, equal for all methods. None of them nearly closes: the
+    /// step is doubled as often as it opens the sheet too little.
     #[must_use]
     pub fn starts(&self, count: usize) -> Vec<Vec<f64>> {
         let mut rng = Pcg64::new(2015, 2);
@@ -120,14 +121,14 @@ impl Problem {
         open.take(count).collect()
     }
 
-    /// Largest closure residual of a vertex at `x`, in f64.
+    /// Returns the largest closure residual of a vertex at `x`, in f64.
     #[must_use]
     pub fn closure(&self, x: &[f64]) -> f64 {
         largest_residual(self.stars(), x)
     }
 }
 
-/// Largest closure residual; infinite for what is no number.
+/// Returns the largest closure residual; infinite if a residual is not finite.
 fn largest_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
     let mut half = vec![HalfAngle::default(); x.len()];
     closure::half_angles(x, &mut half);
@@ -167,8 +168,8 @@ fn closed_configuration(stars: &ReducedStars, asked: &[f64]) -> Vec<f64> {
     found.unwrap_or(flat)
 }
 
-/// The closed configuration near `x`, folded further step by step as far as it follows. Random angles far from flat lead
-/// to none where there are hundreds of conditions on them.
+/// Returns the closed configuration near `x`, folded further step by step as far as the sheet follows. With hundreds of
+/// conditions, random angles far from flat lead to no closed configuration.
 fn folded_further(stars: &ReducedStars, mut x: Vec<f64>) -> Option<Vec<f64>> {
     let square = |x: &[f64]| x.iter().map(|a| a * a).sum::<f64>();
     if !close(stars.view(), &mut x) {
@@ -191,7 +192,7 @@ fn max_norm(x: &[f64]) -> f64 {
 /// Families of patterns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Miura, sector angle 60 degrees.
+    /// Miura with a sector angle of 60 degrees.
     Miura,
     /// The report's waterbomb.
     Waterbomb,
@@ -204,7 +205,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Its name.
+    /// Returns the name of the family.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -216,10 +217,10 @@ impl Family {
         }
     }
 
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     ///
     /// # Panics
-    /// If the generator does not take the size.
+    /// If the generator refuses the size.
     #[must_use]
     pub fn drawing(self, rows: usize, columns: usize) -> Drawing {
         let drawing = match self {

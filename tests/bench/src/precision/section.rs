@@ -1,4 +1,5 @@
-//! The section of the chapter: measures everything, writes CSV and plots, and returns the Markdown.
+//! Section `work-precision` of BENCHMARKS.md: measures everything, writes CSV files and plots, and returns the
+//! Markdown.
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -12,18 +13,18 @@ use super::{
     tables, tolerances,
 };
 
-/// How much is measured.
+/// Amount of work of the section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Small sheets, seconds: so that the benchmark itself stays alive.
+    /// Small sheets in seconds, so that a test can run the benchmark.
     Short,
-    /// All sheets, minutes.
+    /// All sheets, in minutes.
     Full,
 }
 
 use Family::{Miura, Quad, Resch, Waterbomb, Yoshimura};
 
-/// Sheets of the full form; those first of their family are taken with their crease groups too.
+/// Sheets of the full form. The first sheet of each family is also measured with its crease groups.
 const SHEETS: [(Family, usize, usize); 15] = [
     (Miura, 3, 3),
     (Miura, 11, 11),
@@ -72,7 +73,8 @@ impl Form {
             Self::Full => Effort {
                 starts: 15,
                 rounds: 5,
-                // Enough for every start once on the largest sheet: tolerances are then compared over the same starts.
+                // Enough for one run of every start on the largest sheet, so that tolerances are compared over the same
+                // starts.
                 budget: Duration::from_millis(250),
                 limit: Duration::from_secs(1),
             },
@@ -107,8 +109,8 @@ impl Form {
     }
 }
 
-/// Measures, writes `work-precision*.csv` and `.svg` files into `results`, and returns the Markdown, whose links go
-/// from `link` to there.
+/// Measures, writes `work-precision*.csv` and `.svg` files into `results`, and returns the Markdown, whose links to
+/// these files begin with `link`.
 ///
 /// # Errors
 /// If a file cannot be written.

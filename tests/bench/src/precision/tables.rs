@@ -1,10 +1,10 @@
-//! The Markdown of the section.
+//! The tables of section `work-precision`, as Markdown.
 
 use super::{Cell, Method, PathCell, Problem, Route, measure::median, residuals_by_iteration};
 
-/// Tolerances shown in full; all others are in the CSV.
+/// Exponents of the tolerances in the tables; the CSV file has all tolerances.
 const SHOWN: [i32; 6] = [1, 2, 4, 6, 9, 12];
-/// Iterations shown.
+/// Number of iterations in the table.
 const ITERATIONS: usize = 10;
 
 fn find(cells: &[Cell], problem: usize, method: Method, tolerance: f64) -> Option<&Cell> {
@@ -18,14 +18,14 @@ fn seconds(cells: &[Cell], problem: usize, method: Method, tolerance: f64) -> Op
     find(cells, problem, method, tolerance)?.seconds
 }
 
-/// The fastest peer that reaches the tolerance, and its seconds.
+/// Returns the fastest peer that reaches the tolerance, and its seconds.
 fn best_peer(cells: &[Cell], problem: usize, tolerance: f64) -> Option<(Method, f64)> {
     let peers = Method::ALL.into_iter().filter(|method| !method.is_ours());
     let times = peers.filter_map(|m| Some((m, seconds(cells, problem, m, tolerance)?)));
     times.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Seconds in words.
+/// Formats seconds with a unit.
 pub(super) fn time(seconds: f64) -> String {
     match seconds {
         s if s < 1e-4 => format!("{:.2} µs", 1e6 * s),
@@ -52,7 +52,7 @@ fn head(cells: impl IntoIterator<Item = String>) -> String {
 /// The method of foldpath that peers are compared with.
 const OURS: Method = Method::RoughLmF64;
 
-/// Time of a method, closure reached, and how much time grows with precision.
+/// Returns the table of a method's times, the closure that it reaches, and the growth of its time with precision.
 pub(super) fn times(problems: &[Problem], cells: &[Cell], method: Method) -> String {
     let times = SHOWN.map(|power| format!("to 1e-{power}"));
     let mut table = head(
@@ -88,7 +88,7 @@ pub(super) fn times(problems: &[Problem], cells: &[Cell], method: Method) -> Str
     table
 }
 
-/// Time of the fastest peer over that of foldpath.
+/// Returns the table of the fastest peer's time over foldpath's.
 pub(super) fn ratios(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -> String {
     let columns = tolerances
         .iter()
@@ -123,7 +123,7 @@ pub(super) fn ratios(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
     table
 }
 
-/// Where a peer is not slower, in words.
+/// Lists the problems and tolerances at which a peer is not slower.
 pub(super) fn behind(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -> String {
     let mut places = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
@@ -161,8 +161,8 @@ pub(super) fn behind(problems: &[Problem], cells: &[Cell], tolerances: &[f64]) -
     )
 }
 
-/// In how many of the problems that it was tried on each method reaches a tolerance, and how much slower than
-/// foldpath's it is there in the median.
+/// Returns the table of the number of problems on which each method reaches a tolerance, among those on which it was
+/// tried, and of its median time over foldpath's.
 pub(super) fn reach(problems: &[Problem], cells: &[Cell]) -> String {
     let columns = SHOWN.map(|power| format!("1e-{power}"));
     let mut table = head(["method".into()].into_iter().chain(columns));
@@ -189,7 +189,7 @@ pub(super) fn reach(problems: &[Problem], cells: &[Cell]) -> String {
     table
 }
 
-/// The residual after each iteration, from the first start of each problem.
+/// Returns the table of residuals after each iteration, from the first start of each problem.
 pub(super) fn iterations(problems: &[Problem]) -> String {
     let columns = (0..=ITERATIONS).map(|k| {
         if k == 0 {
@@ -211,7 +211,7 @@ pub(super) fn iterations(problems: &[Problem]) -> String {
     table
 }
 
-/// Paths along the motion at some bounds.
+/// Returns the table of paths along the motion at some bounds.
 pub(super) fn paths(cells: &[PathCell]) -> String {
     let mut table = head(
         [
@@ -250,7 +250,8 @@ pub(super) fn paths(cells: &[PathCell]) -> String {
     table
 }
 
-/// For each sheet and route the finest bound planned within, and the time there over that at 1e-2.
+/// Returns the table of the finest bound planned for each sheet and route, and of the time at that bound over the time
+/// at 1e-2.
 pub(super) fn routes(cells: &[PathCell]) -> String {
     let mut table = head(
         [

@@ -9,12 +9,12 @@ use super::search::{Accept, Settings};
 use super::sheet::{Freedom, Sheet};
 use super::tune::Tuning;
 
-/// How much is measured.
+/// Amount of work of the section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     /// A few rows, in seconds.
     Short,
-    /// Everything, in minutes.
+    /// All rows, in minutes.
     Full,
 }
 
@@ -26,22 +26,22 @@ pub(super) enum Kind {
     Waterbomb,
 }
 
-/// A row.
+/// A row of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub(super) kind: Kind,
-    /// Rows and columns, as the report counts them.
+    /// Numbers of rows and columns, as the report counts them.
     pub(super) size: [usize; 2],
-    /// What is unknown.
+    /// Kind of unknowns and closure conditions.
     pub freedom: Freedom,
-    /// On deformation.
+    /// Bound on deformation.
     pub bound: f64,
-    /// Seconds that the report's method may take.
+    /// Seconds that a run of the report's method may take.
     pub(super) limit: f64,
 }
 
 impl Case {
-    /// Name of the sheet.
+    /// Returns the name of the sheet.
     #[must_use]
     pub fn name(&self) -> String {
         let [rows, columns] = self.size;
@@ -53,13 +53,13 @@ impl Case {
         format!("{rows}x{columns} {kind}")
     }
 
-    /// The sheet.
+    /// Returns the sheet.
     #[must_use]
     pub fn sheet(&self) -> Sheet {
         Sheet::new(drawing(self.kind, self.size), self.freedom)
     }
 
-    /// What the report's method accepts.
+    /// Returns the condition under which the report's method accepts a configuration.
     #[must_use]
     pub fn accept(&self) -> Accept {
         Accept::Deformation(self.bound)
@@ -82,8 +82,8 @@ impl Case {
     }
 }
 
-/// The sheets as the report folds them: Miura with sector angles of 60 degrees to 170 degrees, the waterbomb to
-/// where its boundary lines turn 59 degrees more than its middle lines, and the quadrilaterals that do not fold.
+/// Returns the report's sheets with its goals: the Miura with sector angles of 60 degrees to 170 degrees; the waterbomb
+/// until its boundary lines turn 59 degrees more than its middle lines; and the quadrilaterals, which do not fold.
 pub(super) fn drawing(kind: Kind, [rows, columns]: [usize; 2]) -> Result<Drawing, ParameterError> {
     match kind {
         Kind::Miura => Miura {
@@ -110,12 +110,12 @@ pub(super) fn drawing(kind: Kind, [rows, columns]: [usize; 2]) -> Result<Drawing
 
 /// Seconds that a run of the report's method may take.
 pub(super) const LIMIT: f64 = 60.0;
-/// The same where it is asked for what it hardly can.
+/// Seconds that a run may take on rows that the report's method can hardly solve.
 pub(super) const SHORT_LIMIT: f64 = 10.0;
-/// The bound of Table 2.
+/// Bound on deformation in Table 2.
 const BOUND: f64 = 0.05;
 
-/// Table 1: full DOF, and bounds.
+/// Returns the rows of Table 1: full DOF, several bounds.
 pub(super) fn table_1(extent: Extent) -> Vec<Case> {
     let (kinds, bounds): (&[Kind], &[f64]) = match extent {
         Extent::Short => (&[Kind::Miura], &[0.05]),
@@ -134,7 +134,7 @@ pub(super) fn table_1(extent: Extent) -> Vec<Case> {
     rows.collect()
 }
 
-/// Table 2: symmetry and essential vertices. 11x11 is not in the report's.
+/// Returns the rows of Table 2: symmetry and essential vertices. The size 11x11 is not in the report's table.
 pub(super) fn table_2(extent: Extent) -> Vec<Case> {
     let sheets: &[(Kind, [usize; 2])] = match extent {
         Extent::Short => &[(Kind::Miura, [3, 3]), (Kind::Waterbomb, [4, 6])],
@@ -161,7 +161,7 @@ pub(super) fn table_2(extent: Extent) -> Vec<Case> {
     rows.collect()
 }
 
-/// Paths closed to nine digits.
+/// Returns rows for paths that close to nine digits.
 pub(super) fn accurate(extent: Extent) -> Vec<Case> {
     let full = [
         (Kind::Miura, [3, 3], Freedom::Full),
@@ -183,7 +183,7 @@ pub(super) fn accurate(extent: Extent) -> Vec<Case> {
     full[..count].iter().map(row).collect()
 }
 
-/// Settings of a run that is drawn, not timed.
+/// Returns the settings of a run for a figure, which is not timed.
 pub(super) fn drawn(case: &Case, accept: Accept, trial: &super::tune::Trial) -> Settings {
     Settings {
         algorithm: trial.algorithm,

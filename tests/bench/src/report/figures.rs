@@ -1,4 +1,4 @@
-//! The report's figures 3, 4, 6 and 8: data and pictures, foldpath beside the report's method.
+//! The report's figures 3, 4, 6 and 8: data and plots, foldpath beside the report's method.
 
 use core::fmt::Write as _;
 use std::io::{self, Write};
@@ -16,11 +16,11 @@ use super::sheet::{Freedom, Sheet};
 use super::tables::percent;
 use super::tune::{Trial, tune};
 
-/// Configurations drawn of foldpath's motion.
+/// Number of configurations of foldpath's motion in a figure.
 const PLACES: usize = 61;
-/// Configurations taken between two knots of the report's path.
+/// Number of configurations between two knots of the report's path.
 const BETWEEN: usize = 8;
-/// Creases drawn of a sheet at most: more are not told apart.
+/// Largest number of creases of a sheet in a figure; more could not be told apart.
 const MOST_CREASES: usize = 60;
 
 /// A method's path of a sheet.
@@ -35,13 +35,13 @@ struct Traced {
 struct Sample {
     /// Mean angle over that of the goal.
     progress: f64,
-    /// Of all creases, radians.
+    /// Fold angles of all creases, radians.
     creases: Vec<f64>,
     deformation: f64,
     gap: f64,
-    /// Fold angles assigned and measured, radians.
+    /// Assigned and measured fold angles, radians.
     measured: Vec<[f64; 2]>,
-    /// Whether it is a knot; of foldpath's motion none is told apart.
+    /// `true` for a knot of the report's path; configurations of foldpath's motion are not marked.
     knot: bool,
 }
 
@@ -89,7 +89,8 @@ impl Traced {
         }
     }
 
-    /// The path of the report's method with the tuned algorithm, straight between knots; how it was found.
+    /// Returns the path of the report's method with the tuned algorithm, straight between knots, and the trial of that
+    /// algorithm.
     fn report(case: &Case, accept: Accept, extent: Extent) -> Option<(Self, Trial)> {
         let sheet = case.sheet();
         let trial = tune(&sheet, accept, true, &case.tuning(extent)).best?;
@@ -111,7 +112,7 @@ impl Traced {
         Some((traced, trial))
     }
 
-    /// foldpath's motion.
+    /// Returns foldpath's motion.
     fn foldpath(case: &Case) -> Option<Self> {
         let sheet = case.sheet();
         let options = PlanOptions {
@@ -139,7 +140,7 @@ impl Traced {
         all.fold(0.0, f64::max)
     }
 
-    /// Rows of deformation and gap along the path.
+    /// Writes rows of deformation and gap along the path.
     fn write_errors(&self, name: &str, text: &mut String) {
         for sample in &self.samples {
             let _ = writeln!(
@@ -158,7 +159,7 @@ impl Traced {
 const ERRORS_HEAD: &str = "sheet,method,progress,knot,deformation,gap\n";
 const PROGRESS: &str = "way to the goal, per cent";
 
-/// Measures what the figures show and writes them.
+/// Measures the data of the figures and writes the figures.
 pub(super) fn print(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<()> {
     writeln!(out, "### Figures\n")?;
     figure_3(extent, out, folder)?;
@@ -181,7 +182,7 @@ fn write(
     std::fs::write(folder.join(format!("report-figure-{figure}.svg")), picture)
 }
 
-/// The line of the section that shows a figure.
+/// Writes the lines of the section that show a figure.
 fn show(out: &mut impl Write, figure: u8, text: &str) -> io::Result<()> {
     let file = format!("tests/bench/results/report-figure-{figure}");
     writeln!(
@@ -200,7 +201,7 @@ fn miura(size: usize, freedom: Freedom, bound: f64) -> Case {
     }
 }
 
-/// Deformation along paths of which the report's method asks only that F is below 0.1.
+/// Figure 3: deformation along paths for which the report's method only requires F below 0.1.
 fn figure_3(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<()> {
     let sizes: &[usize] = match extent {
         Extent::Short => &[3],
@@ -239,7 +240,7 @@ fn figure_3(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
     show(out, 3, &text)
 }
 
-/// Assigned and measured fold angles under bounds on deformation.
+/// Figure 4: assigned and measured fold angles under bounds on deformation.
 fn figure_4(out: &mut impl Write, folder: &Path) -> io::Result<()> {
     let mut data = String::from("method,bound,progress,edge,assigned_degrees,measured_degrees\n");
     let mut panels = Vec::new();
@@ -275,7 +276,7 @@ fn figure_4(out: &mut impl Write, folder: &Path) -> io::Result<()> {
                 let count = knots().next().map_or(0, |sample| sample.measured.len());
                 let curves = (0..count).map(|edge| Curve {
                     name: None,
-                    // Virtual edges in a colour of their own: 0 is assigned to them.
+                    // Virtual edges, whose assigned angle is 0, have a colour of their own.
                     colour: usize::from(edge >= count - traced.sheet.pattern.diagonals().len()),
                     points: knots()
                         .map(|s| (100.0 * s.progress, s.measured[edge][which].to_degrees()))
@@ -299,7 +300,7 @@ fn figure_4(out: &mut impl Write, folder: &Path) -> io::Result<()> {
     show(out, 4, &text)
 }
 
-/// Trajectories of all creases, each on its own, on a small and on a large sheet.
+/// Figure 6: trajectories of all creases, each an unknown of its own, on a small and on a large sheet.
 fn figure_6(out: &mut impl Write, folder: &Path) -> io::Result<()> {
     let mut data = String::from("sheet,method,progress,crease,degrees\n");
     let mut panels = Vec::new();
@@ -378,7 +379,7 @@ fn degrees(angle: f64) -> String {
     }
 }
 
-/// Degrees: farthest apart that two creases of a crease group are at one configuration.
+/// Returns the largest difference of two creases of a crease group in one configuration, degrees.
 fn spread(traced: &Traced) -> f64 {
     let groups = foldpath::symmetry::CreaseGroups::find(&traced.sheet.pattern);
     let mut worst = 0.0_f64;
@@ -399,7 +400,7 @@ fn spread(traced: &Traced) -> f64 {
     worst.to_degrees()
 }
 
-/// The path of the essential Quad reused on a large one.
+/// Figure 8: the path of the essential Quad, reused on a large sheet.
 fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<()> {
     let quad = |size| Case {
         kind: Kind::Quad,
@@ -470,8 +471,8 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
     show(out, 8, &text)
 }
 
-/// A path with crease groups on a larger sheet: of each of its groups the angle of the group whose goal is
-/// the same.
+/// Reuses a path with crease groups on a larger sheet: each group of the larger sheet takes the angles of the group
+/// with the nearest goal.
 fn reuse(small: &Case, path: &Traced, large: &Case) -> Traced {
     let (from, to) = (small.sheet(), large.sheet());
     let source = |goal: f64| {

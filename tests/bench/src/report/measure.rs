@@ -1,11 +1,11 @@
-//! What paths are measured by: at their knots and between, and once by other means than the planners'.
+//! Measures of paths: deformation and gap at knots and between them, and once by other formulas than the planners'.
 
 use foldpath::folding::{FoldingMap, Rigidity, SpanningTree};
 use foldpath::pattern::CreasePattern;
 use foldpath_core::Membership;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-/// Worst deformation and gap at some configurations.
+/// Largest deformation and gap at some configurations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
     /// Largest relative change of length of an edge or virtual edge.
@@ -14,10 +14,10 @@ pub struct Deviation {
     pub gap: f64,
 }
 
-/// Places between two knots.
+/// Number of steps from a knot to the next.
 const PLACES: usize = 8;
 
-/// Worst deviation at configurations of the groups.
+/// Returns the largest deviation at these configurations of the groups.
 #[must_use]
 pub fn between_knots<'c>(
     pattern: &CreasePattern,
@@ -37,7 +37,7 @@ pub fn between_knots<'c>(
     }
 }
 
-/// Configurations between knots that straight lines join, knots left out.
+/// Returns configurations on the straight lines between knots, without the knots.
 #[must_use]
 pub fn straight_between(knots: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let places = |pair: &[Vec<f64>]| {
@@ -50,7 +50,7 @@ pub fn straight_between(knots: &[Vec<f64>]) -> Vec<Vec<f64>> {
     knots.windows(2).flat_map(places).collect()
 }
 
-/// The same for a path whose motion is known.
+/// Returns configurations between the knots of a path whose motion is known.
 pub(super) fn motion_between(path: &foldpath::planner::Path) -> Vec<Vec<f64>> {
     let curves = path.curves();
     let places = curves.iter().flat_map(|segment| {
@@ -69,9 +69,9 @@ fn part(place: usize) -> f64 {
     place as f64 / PLACES as f64
 }
 
-/// Deviation with every crease at its fold angle (radians), by the report's own formulas: of each face the
-/// product of 4x4 folding matrices A B C B⁻¹ A⁻¹ on its way through the tree, and all pairs of faces at each
-/// vertex. Slow, and shares nothing with [`FoldingMap`] but the tree, and which face places a vertex.
+/// Returns the deviation with every crease at its fold angle (radians), by the report's own formulas: the product of
+/// 4x4 folding matrices A B C B⁻¹ A⁻¹ along the tree for each face, and all pairs of faces at each vertex. Slow. Shares
+/// nothing with [`FoldingMap`] but the tree, and the choice of the face that places a vertex.
 #[must_use]
 pub fn fold_by_matrices(
     pattern: &CreasePattern,
@@ -110,7 +110,8 @@ pub fn fold_by_matrices(
     deviation
 }
 
-/// A B C B⁻¹ A⁻¹: a turn by `fold` about the line through a point of the sheet with the plane angle `alpha`.
+/// Returns A B C B⁻¹ A⁻¹: a rotation by `fold` about the line through a point of the sheet with the plane angle
+/// `alpha`.
 fn about_line(point: Vector3<f64>, alpha: f64, fold: f64) -> Matrix4<f64> {
     let a = Matrix4::new_translation(&point);
     let a_back = Matrix4::new_translation(&-point);

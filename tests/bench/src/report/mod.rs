@@ -1,10 +1,10 @@
-//! The method of the technical report that foldpath starts from, and its tables and figures.
+//! The method of the technical report from which foldpath starts, and the report's tables and figures.
 //!
-//! [XiLien2015](foldpath#references), section 4, finds a path by an adaptive randomised search: a random
-//! configuration round the current one, biased to the goal, is pushed towards closure by NLopt on
-//! F(C) = max ‖L(v) − I‖, and accepted if the sheet deforms within the bound, meets itself nowhere, and is
-//! nearer to the goal. [`search()`] is that, on foldpath's folding map and collision scene; [`tune`] looks
-//! for the algorithm and the number of evaluations that are best for a row of a table, as the report does.
+//! [XiLien2015](foldpath#references), section 4, finds a path by an adaptive randomised search. A random configuration
+//! round the current one, biased to the goal, is pushed towards closure by NLopt on F(C) = max ‖L(v) − I‖. It is
+//! accepted if the sheet deforms within the bound, does not cross itself, and is nearer to the goal. [`search()`]
+//! implements this on foldpath's folding map and collision scene. [`tune`] looks for the algorithm and the number of
+//! evaluations that are best for a row of a table, as the report does.
 //!
 //! [`print()`] writes the report's tables and figures with foldpath's answers beside them.
 
@@ -29,7 +29,7 @@ pub use search::{Accept, Algorithm, End, Run, Settings, search};
 pub use sheet::{Freedom, Sheet};
 pub use tune::{Tuned, Tuning, tune};
 
-/// Measures everything and writes the section as Markdown, and data and plots to a folder.
+/// Measures everything, writes the section as Markdown, and writes data and plots to a folder.
 ///
 /// # Errors
 /// If something cannot be written.

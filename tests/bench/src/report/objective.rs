@@ -1,7 +1,7 @@
-//! The report's objective, and its derivative by differences.
+//! The report's objective, and its derivatives by forward differences.
 //!
-//! Implements Eq. (2) of [XiLien2015](foldpath#references): F(C) = max ‖L(v) − I‖ with the Frobenius norm.
-//! With the unit quaternion (w, v) of L that is 2√2 |v|.
+//! Implements Eq. (2) of [XiLien2015](foldpath#references): F(C) = max ‖L(v) − I‖ with the Frobenius norm. In terms of
+//! the unit quaternion (w, v) of L the norm is 2√2 |v|.
 
 use core::f64::consts::SQRT_2;
 
@@ -10,32 +10,34 @@ use foldpath_core::{HalfAngle, StarView, closure};
 
 use foldpath_core::Spoke;
 
-/// Radians: step of differences, the root of the precision.
+/// Step of forward differences, radians: the square root of the machine precision.
 const STEP: f64 = 1.5e-8;
 
-/// F at one configuration after another. Allocates nothing once it is made.
+/// Evaluates F at one configuration after another. Allocates memory only when it is created.
 #[derive(Clone, Debug)]
 pub struct ClosureObjective {
-    /// The stars' spokes, one star behind the other, and where each ends.
+    /// Spokes of all stars, one star after the other.
     spokes: Vec<Spoke<f64>>,
+    /// End of each star in `spokes`.
     ends: Vec<u32>,
     half_angles: Vec<HalfAngle<f64>>,
-    /// For each unknown the stars that it is in, and where each list ends.
+    /// For each unknown the stars in which it occurs, one list after the other.
     touched: Vec<u32>,
+    /// End of each unknown's list in `touched`.
     touched_ends: Vec<u32>,
-    /// |v|² of each star.
+    /// v|² of each star.
     squares: Vec<f64>,
-    /// The stars of the largest squares, the largest first.
+    /// Stars with the largest squares, the largest first.
     top: [u32; TOP],
-    /// Values asked for; of one with its derivative as much as it costs without sparing.
+    /// Number of values. A value with its derivatives counts as many as it would cost without reuse.
     pub evaluations: u64,
 }
 
-/// A crease has two ends: of three stars one is beyond its reach.
+/// A crease occurs in at most two stars, so that one of the three largest stars does not change with it.
 const TOP: usize = 3;
 
 impl ClosureObjective {
-    /// Of stars.
+    /// Creates the objective of these stars.
     #[must_use]
     pub fn new(stars: &ReducedStars) -> Self {
         let view = stars.view();
@@ -67,7 +69,7 @@ impl ClosureObjective {
         objective
     }
 
-    /// F at the unknowns `x` (radians). Cost: O(spokes).
+    /// Returns F at the unknowns `x` (radians). Cost: O(spokes).
     #[must_use]
     pub fn value(&mut self, x: &[f64]) -> f64 {
         self.evaluations += 1;
@@ -81,9 +83,9 @@ impl ClosureObjective {
         norm(largest)
     }
 
-    /// F, and its forward differences in `gradient`: the same numbers as of one value more for each unknown,
-    /// but only stars that an unknown is in are taken again. Cost: O(spokes x degree) where every crease is
-    /// its own.
+    /// Returns F, and writes its forward differences to `gradient`. The numbers are those of one more value for each
+    /// unknown, but only the stars in which an unknown occurs are evaluated again. Cost: O(spokes x degree) if every
+    /// crease is an unknown.
     #[must_use]
     pub fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let value = self.value(x);
@@ -105,7 +107,7 @@ impl ClosureObjective {
         value
     }
 
-    /// |v|² of a star.
+    /// Returns |v|² of a star.
     #[inline]
     fn square(&self, star: usize) -> f64 {
         let start = if star == 0 { 0 } else { self.ends[star - 1] };
@@ -127,7 +129,7 @@ impl ClosureObjective {
         }
     }
 
-    /// The largest square of a star that is not in that part of the list.
+    /// Returns the largest square of a star that is not in this part of `touched`.
     fn largest_beyond(&self, touched: core::ops::Range<usize>) -> f64 {
         let touched = &self.touched[touched];
         let beyond = |star: &u32| !touched.contains(star);
@@ -139,7 +141,7 @@ impl ClosureObjective {
         if touched.len() == self.squares.len() {
             return 0.0;
         }
-        // The list is in order.
+        // The list is sorted.
         let mut largest = 0.0_f64;
         let mut inside = touched.iter().peekable();
         for (star, &square) in (0_u32..).zip(&self.squares) {
@@ -151,7 +153,7 @@ impl ClosureObjective {
     }
 }
 
-/// ‖L − I‖ by |v|².
+/// Returns ‖L − I‖ from |v|².
 fn norm(square: f64) -> f64 {
     2.0 * SQRT_2 * square.sqrt()
 }

@@ -1,4 +1,4 @@
-//! foldpath's answer to a row.
+//! foldpath's answer to a row of the report's tables.
 
 use std::time::Instant;
 
@@ -7,28 +7,29 @@ use foldpath::planner::{Judged, Path, Plan, PlanOptions, plan};
 use super::search::STEP;
 use super::sheet::Sheet;
 
-/// A plan, and how long it takes.
+/// A plan, and its time.
 pub(super) struct Ours {
     pub(super) plan: Plan,
-    /// Seconds, median of all runs, from pattern and goal to the answer.
+    /// Median of the seconds of all runs, from pattern and goal to the answer.
     pub(super) seconds: f64,
-    /// Part of it that is looking for crossings.
+    /// Fraction of that time in the search for crossings.
     pub(super) collision: f64,
-    /// Seconds of it that are finding tree, groups and stars, which the report's method is given.
+    /// Seconds in finding tree, groups and stars, which are given to the report's method.
     pub(super) given: f64,
-    /// Seconds of a plan that is judged at its knots alone, as the report's method judges, with steps as long as
-    /// its, less those of what that is given.
+    /// Seconds of a plan that is judged at its knots alone, as by the report's method, with steps of the same length,
+    /// without the time for what is given to that method.
     pub(super) at_knots: f64,
-    /// How many knots that plan has.
+    /// Number of knots of that plan.
     pub(super) alone: usize,
 }
 
-/// Seconds that runs are repeated for, how often at least and at most, and from when on not at all.
+/// Seconds for which runs are repeated, least and largest number of runs, and seconds of a run from which on there is
+/// no repetition.
 const REPEATED: f64 = 0.5;
 const REPEATS: [usize; 2] = [3, 1001];
 const LONG: f64 = 2.0;
 
-/// Plans within the bound.
+/// Plans within the bound, several times.
 pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
     let options = PlanOptions {
         bound,
@@ -66,7 +67,7 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
     }
 }
 
-/// Runs as often as makes sense: the median of the seconds, those of the last run, and what that found.
+/// Repeats a run. Returns the median of the seconds, the seconds of the last run, and the result of the last run.
 fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> (f64, f64, T) {
     let whole = Instant::now();
     let mut all = Vec::new();
@@ -82,7 +83,7 @@ fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> (f64, f64, T) {
     }
 }
 
-/// So many configurations of a path, evenly over its segments' parameters, ends included.
+/// Returns `count` configurations of a path, evenly spaced over the parameters of its segments, ends included.
 pub(super) fn places(path: &Path, count: usize) -> Vec<Vec<f64>> {
     let curves = path.curves();
     if curves.is_empty() {

@@ -1,28 +1,28 @@
-//! Pictures of curves in panels.
+//! Plots of curves in panels.
 
 use core::ops::Range;
 
 use plotters::prelude::*;
 
-/// A number against another.
+/// A pair of coordinates.
 pub(super) type Point = (f64, f64);
 
 /// A curve of a panel.
 pub(super) struct Curve {
-    /// In the legend; those without a name are not there.
+    /// Name in the legend; a curve without a name is not in the legend.
     pub(super) name: Option<String>,
-    /// Which colour.
+    /// Index of the colour.
     pub(super) colour: usize,
     pub(super) points: Vec<Point>,
 }
 
-/// A panel of a picture.
+/// A panel of a plot.
 pub(super) struct Panel {
     pub(super) title: String,
-    /// What is across, and what is up.
+    /// Labels of the horizontal and of the vertical axis.
     pub(super) labels: [&'static str; 2],
     pub(super) curves: Vec<Curve>,
-    /// Whether powers of ten are up.
+    /// `true` if the vertical axis is logarithmic.
     pub(super) powers: bool,
 }
 
@@ -34,16 +34,16 @@ const COLOURS: [RGBColor; 4] = [
     RGBColor(0x1b, 0x8a, 0x5a),
     RGBColor(0x8a, 0x3f, 0xa0),
 ];
-/// Numbers below this are drawn there, where powers of ten are.
+/// On a logarithmic axis smaller numbers are drawn at this value.
 const LEAST: f64 = 1e-17;
 
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-/// The panels in rows of so many, as an SVG.
+/// Returns the panels in rows of `columns`, as SVG.
 pub(super) fn svg(panels: &[Panel], columns: usize) -> String {
     let mut text = String::new();
     let rows = panels.len().div_ceil(columns);
-    // Memory refuses nothing.
+    // Writing to memory cannot fail.
     let _complete = draw(panels, [rows, columns], &mut text);
     text
 }
@@ -115,7 +115,7 @@ fn draw(panels: &[Panel], [rows, columns]: [usize; 2], text: &mut String) -> Dra
     root.present()
 }
 
-/// A range that holds all numbers, and never empty.
+/// Returns a range that holds all finite numbers and is never empty.
 fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     let finite = numbers.filter(|x| x.is_finite());
     let [low, high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {

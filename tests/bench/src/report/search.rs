@@ -1,10 +1,10 @@
 //! The adaptive randomised search of [XiLien2015](foldpath#references), section 4, with NLopt.
 //!
-//! As fast as it could be made: stars as products of quaternions, differences that take only the stars
-//! again that change, foldpath's folding map, and its collision scene, a hierarchy of boxes refitted from
-//! one configuration to the next. The report says neither how samples are biased nor how the search adapts:
-//! here a part of a step goes straight to the goal, the rest anywhere; after failures in a row samples are
-//! taken nearer by. Within a step of the goal the goal itself is tried.
+//! It is as fast as it could be made: stars are products of quaternions, forward differences evaluate only the stars
+//! that change, the folding map is foldpath's, and so is the collision scene, whose bounding-box hierarchy is refitted
+//! from one configuration to the next. The report says neither how samples are biased nor how the search adapts. Here a
+//! fraction of each step goes straight to the goal and the rest in a random direction. Several failures in a row shrink
+//! the radius of samples. Within one step of the goal the goal itself is tried.
 
 use core::f64::consts::PI;
 use core::time::Duration;
@@ -22,20 +22,20 @@ use super::sheet::Sheet;
 /// NLopt's algorithms that are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
-    /// Linear approximations, no derivative.
+    /// Linear approximations, no derivatives.
     Cobyla,
-    /// The simplex of Nelder and Mead, no derivative.
+    /// The simplex of Nelder and Mead, no derivatives.
     NelderMead,
-    /// Quadratic models, no derivative.
+    /// Quadratic models, no derivatives.
     Bobyqa,
-    /// Sequential quadratic programming, with differences.
+    /// Sequential quadratic programming, with forward differences.
     Slsqp,
-    /// Limited-memory quasi-Newton, with differences.
+    /// Limited-memory quasi-Newton, with forward differences.
     Lbfgs,
 }
 
 impl Algorithm {
-    /// All of them.
+    /// All algorithms.
     pub const ALL: [Self; 5] = [
         Self::Slsqp,
         Self::Lbfgs,
@@ -44,7 +44,7 @@ impl Algorithm {
         Self::Cobyla,
     ];
 
-    /// Its name.
+    /// Returns the name of the algorithm.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,17 +67,17 @@ impl Algorithm {
     }
 }
 
-/// When a configuration is rigid enough.
+/// Condition under which a configuration is rigid enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accept {
-    /// Its deformation is at most this: the report's bounded search.
+    /// The deformation is at most this: the report's bounded search.
     Deformation(f64),
-    /// F(C) is below this, whatever it deforms: what the report's Figure 3 is made with.
+    /// F(C) is below this, whatever the deformation: the search of the report's Figure 3.
     Objective(f64),
 }
 
 impl Accept {
-    /// F at which pushing on is of no use.
+    /// Returns the value of F below which minimisation may stop.
     fn enough(self) -> f64 {
         match self {
             Self::Deformation(bound) => 0.1 * bound,
@@ -86,68 +86,69 @@ impl Accept {
     }
 }
 
-/// How to search.
+/// Settings of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// NLopt's algorithm.
     pub algorithm: Algorithm,
-    /// MI: evaluations of F that NLopt may take for a configuration.
+    /// MI: largest number of evaluations of F that NLopt may take for a configuration.
     pub max_evaluations: u32,
-    /// Which configurations are accepted.
+    /// Condition under which a configuration is accepted.
     pub accept: Accept,
-    /// Whether configurations in which faces pass through each other are refused.
+    /// `true` if configurations in which faces pass through each other are refused.
     pub collision: bool,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// Time after which the search gives up.
     pub limit: Duration,
 }
 
-/// How a search ended.
+/// End of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// At the goal.
+    /// The goal was reached.
     Reached,
     /// The goal itself deforms too much.
     GoalDeforms,
     /// At the goal faces pass through each other.
     GoalCrosses,
-    /// No sample was accepted for long.
+    /// Too many samples in a row were refused.
     Stuck,
-    /// Out of time.
+    /// The time is over.
     Timeout,
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// How it ended.
+    /// End of the search.
     pub end: End,
-    /// Configurations of the unknowns (radians), from flat, as far as it came.
+    /// Configurations of the unknowns (radians) from flat as far as the search came.
     pub knots: Vec<Vec<f64>>,
-    /// Part of the way to the goal.
+    /// Fraction of the distance to the goal that was reached.
     pub reached: f64,
     /// Time in all.
     pub time: Duration,
-    /// Of it, looking for crossings.
+    /// Time in the search for crossings.
     pub collision: Duration,
-    /// Samples taken.
+    /// Number of samples.
     pub samples: u64,
 }
 
-/// Radians: largest step of a hinge from a configuration to a sample.
+/// Largest step of a hinge from a configuration to a sample, radians.
 pub(super) const STEP: f64 = 0.22;
-/// Least part of a step that goes straight to the goal.
+/// Least fraction of a step that goes straight to the goal.
 const BIAS: f64 = 0.5;
-/// Radians: first step of algorithms without derivatives.
+/// First step of algorithms without derivatives, radians.
 const FIRST_STEP: f64 = 0.05;
-/// Relative change of the unknowns at which NLopt may stop: it gains nothing more.
+/// Relative change of the unknowns at which NLopt may stop, because it gains nothing more.
 const STALLED: f64 = 1e-12;
-/// Failures in a row after which samples are taken nearer by, by which factor, and how soon farther again.
+/// Failures in a row after which the radius of samples shrinks (`PATIENCE`), factor by which it shrinks, and factor by
+/// which it grows after a success.
 const PATIENCE: u32 = 5;
 const NARROWER: f64 = 0.6;
 const WIDER: f64 = 1.3;
-/// Radians: below, the search begins again with the largest step.
+/// Radius below which the search begins again with the largest one, radians.
 const NARROWEST: f64 = 1e-3 * STEP;
 /// Failures in a row after which the search is stuck.
 const MOST_FAILURES: u32 = 1000;
@@ -155,7 +156,7 @@ const MOST_FAILURES: u32 = 1000;
 /// Searches a path from flat to the goal of the sheet.
 ///
 /// # Panics
-/// If NLopt refuses what it is set up with: a mistake here.
+/// If NLopt refuses its settings, which would be a mistake here.
 #[must_use]
 pub fn search(sheet: &Sheet, settings: &Settings) -> Run {
     let start = Instant::now();
@@ -192,7 +193,7 @@ pub fn search(sheet: &Sheet, settings: &Settings) -> Run {
         pusher.set_maxtime(left.as_secs_f64()).expect("a time");
         let value = match pusher.optimize(&mut sample) {
             Ok((_, value)) => Some(value),
-            // As near as rounding allows, or as the algorithm could come.
+            // NLopt has stopped at rounding, or as near as the algorithm comes.
             Err((FailState::RoundoffLimited | FailState::Failure, value)) => Some(value),
             Err((state, _)) => panic!("NLopt: {state:?}"),
         };
@@ -228,7 +229,7 @@ pub fn search(sheet: &Sheet, settings: &Settings) -> Run {
     }
 }
 
-/// NLopt, set up for the sheet.
+/// Returns NLopt, set up for the sheet.
 fn pusher(
     sheet: &Sheet,
     settings: &Settings,
@@ -258,7 +259,7 @@ fn pusher(
     pusher
 }
 
-/// Whether a configuration may be a knot.
+/// Verdict on a configuration: it may be a knot, it deforms too much, or faces cross.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Good,
@@ -271,7 +272,7 @@ struct Judge<'a> {
     sheet: &'a Sheet,
     accept: Accept,
     map: FoldingMap,
-    /// Ends and squares of lengths of edges and virtual edges.
+    /// Ends and squared lengths of edges and virtual edges.
     struts: Vec<([usize; 2], f64)>,
     scene: Option<CollisionScene>,
     objective: Option<ClosureObjective>,
@@ -298,7 +299,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether a configuration is rigid enough and free of crossings; `value` is F there, if it is known.
+    /// Judges rigidity and crossings of a configuration; `value` is F at the configuration, if it is known.
     fn judge(&mut self, angles: &[f64], value: Option<f64>) -> Verdict {
         if let (Accept::Objective(bound), Some(objective)) = (self.accept, &mut self.objective) {
             let value = value.unwrap_or_else(|| objective.value(angles));
@@ -328,7 +329,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Largest relative change of a length; `None` where it is no number.
+    /// Returns the largest relative change of a length; `None` if a length is NaN.
     fn deformation(&self) -> Option<f64> {
         let vertices = self.map.vertices();
         let (mut least, mut greatest) = (1.0_f64, 1.0_f64);
@@ -349,7 +350,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// From 0 to 1.
+/// Returns a random number from 0 to 1.
 fn uniform(rng: &mut impl Rng) -> f64 {
     f64::from(rng.next_u32()) / f64::from(u32::MAX)
 }

@@ -1,4 +1,4 @@
-//! A sheet with the unknowns and closure conditions that a search works on.
+//! A sheet with the unknowns and closure conditions of a search.
 
 use foldpath::folding::SpanningTree;
 use foldpath::generate::ParameterError;
@@ -6,10 +6,10 @@ use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, PlanOptions, Symmetry, Vertices};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 
-/// What is unknown and what has to close: the columns SYM and EV of the report's Table 2.
+/// Kind of unknowns and closure conditions: the columns SYM and EV of the report's Table 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
-    /// Every crease on its own, all real vertices: x/x.
+    /// Every crease an unknown, all real vertices: x/x.
     Full,
     /// Crease groups, all real vertices: o/x.
     Groups,
@@ -18,7 +18,7 @@ pub enum Freedom {
 }
 
 impl Freedom {
-    /// As in the report's table.
+    /// Returns the marks in the report's table.
     #[must_use]
     pub fn marks(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl Freedom {
         }
     }
 
-    /// The same for foldpath.
+    /// Returns the options that give foldpath the same unknowns and conditions.
     #[must_use]
     pub fn options(self) -> PlanOptions {
         PlanOptions {
@@ -47,30 +47,30 @@ impl Freedom {
     }
 }
 
-/// A pattern, its goal, and what the search has to know beforehand. The report is given the crease groups.
+/// A pattern, its goal, and what the search must know in advance. The report is given the crease groups.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// The crease pattern.
     pub pattern: CreasePattern,
-    /// Where it is to go.
+    /// The goal.
     pub goal: Goal,
-    /// The tree along which it is folded.
+    /// The spanning tree along which the sheet is folded.
     pub tree: SpanningTree,
     /// The unknowns.
     pub groups: CreaseGroups,
-    /// The conditions.
+    /// The closure conditions.
     pub stars: ReducedStars,
     /// Angle of each unknown at the goal, radians.
     pub goal_angles: Vec<f64>,
-    /// What is unknown and what has to close.
+    /// Kind of unknowns and closure conditions.
     pub freedom: Freedom,
 }
 
 impl Sheet {
-    /// A generated sheet.
+    /// Creates the sheet of a generated drawing.
     ///
     /// # Panics
-    /// If the parameters are none of a sheet, or its goal leaves a crease free: the benchmark's mistake.
+    /// If the parameters are invalid, or if the goal leaves a crease free: mistakes of the benchmark.
     #[must_use]
     pub fn new(drawing: Result<Drawing, ParameterError>, freedom: Freedom) -> Self {
         let pattern = CreasePattern::new(drawing.expect("parameters")).expect("a pattern");

@@ -13,15 +13,15 @@ use super::search::{End, Run};
 use super::sheet::Sheet;
 use super::tune::{Trial, Tuned, tune};
 
-/// A row, measured.
+/// The measurements of a row.
 struct Row {
     case: Case,
     unknowns: usize,
     tuned: Tuned,
-    /// At the knots of the report's path, and between.
+    /// Deviation at the knots of the report's path, and between them.
     theirs: Option<[Deviation; 2]>,
     ours: Ours,
-    /// At the knots of foldpath's path, and between.
+    /// Deviation at the knots of foldpath's path, and between them.
     ours_measured: [Deviation; 2],
 }
 
@@ -130,13 +130,13 @@ impl Row {
         Some(self.tuned.best.as_ref()?.median()?.time.as_secs_f64())
     }
 
-    /// The part of the report's time in which it looks for crossings.
+    /// Returns the fraction of the report's time in the search for crossings.
     fn their_collision(&self) -> Option<f64> {
         let run = self.tuned.best.as_ref()?.median()?;
         Some(run.collision.as_secs_f64() / run.time.as_secs_f64())
     }
 
-    /// How far the report's method came where it failed, and why.
+    /// Describes how far the report's method came if it failed, and the reason.
     fn failure(&self) -> String {
         let runs = self.tuned.trials.iter();
         let runs = runs.flat_map(|trial| trial.runs.iter().map(move |run| (trial, run)));
@@ -165,7 +165,7 @@ impl Row {
         self.ours.plan.outcome == Outcome::Planned
     }
 
-    /// The report's time over foldpath's.
+    /// Returns the report's time over foldpath's, as text.
     fn ratio(&self, ours: f64) -> String {
         match self.their_seconds() {
             _ if !self.is_planned() => "".into(),
@@ -260,7 +260,7 @@ fn deviation(knots: usize, [at, between]: [Deviation; 2]) -> String {
     )
 }
 
-/// In per cent, or as a power of ten where that is little.
+/// Formats per cent, or a power of ten for small numbers.
 pub(super) fn percent(part: f64) -> String {
     if part >= 9.5e-4 {
         let digits = usize::from(part < 0.0995);

@@ -1,69 +1,71 @@
-//! The best algorithm, and the number of evaluations it may take, for a sheet and a bound.
+//! Finds the algorithm, and the largest number of evaluations for a configuration, that are fastest for a sheet and a
+//! bound.
 //!
-//! The report sets the number to the least with which more than 90 % of its runs succeed. Here it is the
-//! fastest of a short ladder with which at least 90 % do, which can only be better for the report's method.
+//! The report takes the least number of evaluations with which more than 90 % of its runs succeed. This tuning takes
+//! the fastest number of a short ladder with which at least 90 % succeed, which can only favour the report's method.
 
 use core::time::Duration;
 
 use super::search::{Accept, Algorithm, End, Run, Settings, search};
 use super::sheet::Sheet;
 
-/// How to tune.
+/// Options of tuning.
 #[derive(Clone, Copy, Debug)]
 pub struct Tuning {
     /// Numbers of evaluations to try: MI.
     pub ladder: &'static [u32],
-    /// Runs that success is counted over.
+    /// Number of runs over which success is counted.
     pub seeds: u64,
     /// Time after which a run has failed.
     pub limit: Duration,
 }
 
-/// An algorithm with a number of evaluations, and how it did.
+/// An algorithm with a number of evaluations, and its runs.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The algorithm.
     pub algorithm: Algorithm,
-    /// Evaluations it may take for a configuration.
+    /// Largest number of evaluations for a configuration.
     pub max_evaluations: u32,
-    /// Its runs, one for each seed. Fewer than asked for where it could not become the best.
+    /// Runs, one for each seed; fewer if the trial could not become the best.
     pub runs: Vec<Run>,
 }
 
-/// What tuning found.
+/// Result of tuning.
 #[derive(Clone, Debug)]
 pub struct Tuned {
-    /// The best, with all its runs; of those that fail too often the one that fails least. `None` if no
-    /// run succeeded.
+    /// The best trial, with all its runs. If every trial fails too often, the one that fails least. `None` if no run
+    /// succeeded.
     pub best: Option<Trial>,
-    /// All that were tried.
+    /// All trials.
     pub trials: Vec<Trial>,
 }
 
-/// Part of the runs that has to succeed.
+/// Fraction of the runs that has to succeed.
 const SUCCESS: f64 = 0.9;
-/// Seconds of the first look at each, and of longer ones at those that came farthest.
+/// Seconds of the first run of each trial, and of longer runs of the trials that came farthest.
 const LOOKS: [f64; 3] = [0.25, 1.0, 5.0];
-/// Part of them that is looked at longer.
+/// One in this many trials gets a longer run.
 const KEPT: usize = 3;
-/// NLopt looks at the clock between evaluations only. An algorithm that took so many times a look's time, as the
-/// linear algebra of a step in 1104 unknowns does, is not looked at again.
+/// Multiple of a run's time limit beyond which an algorithm is not tried again. NLopt reads the clock only between
+/// evaluations, and the linear algebra of one step in 1104 unknowns may take that long.
 const TOO_SLOW: u32 = 8;
-/// The first run of what is compared in full may take this much longer than the fastest.
+/// Largest time of a trial's first run, over the fastest, with which the trial is compared in full.
 const SLOWER: f64 = 5.0;
-/// Time over that of the best so far, with fewer evaluations, below which another is better: noise aside.
+/// A trial replaces the best so far, which has fewer evaluations, if its time is below this multiple, so that noise
+/// does not decide.
 const SURELY: f64 = 0.95;
-/// A run has failed after this many times the best median.
+/// Multiple of the best median after which a run has failed.
 const PATIENCE: f64 = 20.0;
-/// Seconds: slower than this, fewer seeds are taken.
+/// Seconds of the fastest run (`SLOW`) above which fewer seeds are taken, and their number.
 const SLOW: f64 = 5.0;
 const FEW_SEEDS: u64 = 3;
-/// Seconds: runs shorter than this are repeated for so long, at most so often, and their median taken.
+/// Seconds for which shorter runs are repeated, and largest number of runs; the median counts.
 const REPEATED: f64 = 0.02;
 const MOST_REPEATS: usize = 51;
 
 impl Trial {
-    /// Part of the runs that reached the goal.
+    /// Returns the fraction of the runs that reached the goal.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "small counts")]
     pub fn success(&self) -> f64 {
@@ -71,7 +73,7 @@ impl Trial {
         reached.count() as f64 / self.runs.len().max(1) as f64
     }
 
-    /// The successful run of median time.
+    /// Returns the successful run of median time.
     #[must_use]
     pub fn median(&self) -> Option<&Run> {
         let reached = self.runs.iter().filter(|run| run.end == End::Reached);
@@ -90,8 +92,8 @@ impl Trial {
     }
 }
 
-/// Looks for the best. Each is looked at shortly, then those that came farthest for longer, until one
-/// succeeds; those not much slower than it are compared in full.
+/// Finds the best trial. Every trial gets a short run, then those that came farthest get longer ones, until one
+/// succeeds. Trials not much slower than the fastest are compared in full.
 #[must_use]
 pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> Tuned {
     let settings = |algorithm, max_evaluations, seed, limit| Settings {
@@ -112,7 +114,7 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
     }
     let whole = tuning.limit.as_secs_f64();
     let mut open: Vec<usize> = (0..trials.len()).collect();
-    // Algorithms of which one step takes far longer than a look.
+    // Algorithms of which one step takes far longer than the time limit.
     let mut too_slow = Vec::new();
     for look in LOOKS.into_iter().chain([whole]) {
         let limit = Duration::from_secs_f64(look.min(whole));
@@ -129,7 +131,7 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
             if first.end == End::Timeout && first.time > TOO_SLOW * limit {
                 too_slow.push(trial.algorithm.name());
             }
-            // One failure in ten is allowed, and may be the first.
+            // One failure in ten is allowed, and it may be the first run.
             trial.runs = if first.end == End::Stuck && first.time < limit / 2 {
                 vec![first, run(1)]
             } else {
@@ -162,7 +164,7 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
     } else {
         tuning.seeds
     };
-    // Fewer evaluations first: what stops before the maximum does the same with any.
+    // Fewer evaluations come first: an algorithm that stops before the maximum does the same with any larger one.
     order.sort_unstable();
     let mut best: Option<usize> = None;
     for index in order {
@@ -205,7 +207,7 @@ pub fn tune(sheet: &Sheet, accept: Accept, collision: bool, tuning: &Tuning) -> 
     }
 }
 
-/// A run; a short one as often as needed for its median time to be sure.
+/// Runs a search. Repeats a short run until its median time is reliable, and returns the run of median time.
 fn repeated(sheet: &Sheet, settings: &Settings) -> Run {
     let first = search(sheet, settings);
     let often = REPEATED / first.time.as_secs_f64().max(1e-9);

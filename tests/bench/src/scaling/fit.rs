@@ -1,6 +1,6 @@
-//! Powers fitted to measurements.
+//! Fits powers to measurements.
 
-/// Least-squares line of ln y over ln x: slope and height at 0.
+/// Returns slope and intercept of the least-squares line of ln y over ln x.
 #[must_use]
 pub(super) fn exponent(points: &[(f64, f64)]) -> (f64, f64) {
     let sum = |term: fn(f64, f64) -> f64| -> f64 {

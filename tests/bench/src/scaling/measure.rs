@@ -1,4 +1,4 @@
-//! One measurement in a process of its own, so that its peak of memory is its own too.
+//! One measurement in a process of its own, because peak memory is measured for a whole process.
 
 use core::time::Duration;
 use std::process::{Command, ExitCode, Stdio};
@@ -12,11 +12,11 @@ use serde_json::{Value, json};
 /// First argument of a process that measures.
 const MEASURE: &str = "measure";
 
-/// What is planned.
+/// The plan that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// A Miura sheet of so many faces along each side, from flat to 170 degrees, certified and free of crossings over
-    /// the whole motion.
+    /// A Miura sheet with this many faces along each side, from flat to 170 degrees, certified and free of crossings
+    /// over the whole motion.
     Symmetric(usize),
     /// A Miura sheet to 150 degrees with every crease an unknown of its own, without collision.
     Full(usize),
@@ -25,7 +25,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// The name of the sheet.
+    /// Returns the name of the sheet.
     #[must_use]
     pub fn sheet(self) -> String {
         match self {
@@ -85,29 +85,29 @@ impl Work {
         PlanOptions {
             symmetry: Symmetry::Off,
             collision: false,
-            // Thirty configurations of the Miura sheets: at most 6.3 degrees between two.
+            // Thirty configurations of the Miura sheets, at most 6.3 degrees apart.
             max_step: 6.3_f64.to_radians(),
             ..defaults
         }
     }
 }
 
-/// What a measurement found; times in seconds, of plans without reading and writing.
+/// Result of a measurement. Times are in seconds, of plans without reading and writing.
 #[derive(Clone, Debug)]
 pub struct Measured(Value);
 
 impl Measured {
-    /// One of its numbers.
+    /// Returns one of its numbers.
     ///
     /// # Panics
-    /// If there is none of that name.
+    /// If there is no number of this name.
     #[must_use]
     pub fn number(&self, key: &str) -> f64 {
         let number = self.0.get(key).and_then(Value::as_f64);
         number.unwrap_or_else(|| panic!("no number {key}"))
     }
 
-    /// Peak of memory beyond what the process had before, bytes; NaN where the system does not tell.
+    /// Returns the growth of peak memory during the measurement, bytes; NaN if the system does not tell it.
     #[must_use]
     pub fn memory(&self) -> f64 {
         self.0
@@ -117,7 +117,7 @@ impl Measured {
     }
 }
 
-/// Measures in a new process; `runs` plans, of which medians are taken.
+/// Measures in a new process. `runs`: number of plans, of which medians are taken.
 ///
 /// # Panics
 /// If this program cannot be started again, or does not plan the sheet.
@@ -137,7 +137,7 @@ pub fn measure(work: Work, runs: usize) -> Measured {
     Measured(serde_json::from_slice(&output.stdout).expect("a measurement"))
 }
 
-/// Measures if this process was started to.
+/// Measures if this process was started for a measurement, and returns its exit status.
 #[must_use]
 pub fn as_measurement() -> Option<ExitCode> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -200,7 +200,7 @@ fn here(work: Work, runs: usize) -> Value {
     })
 }
 
-/// Largest memory of this process so far, bytes, as Linux tells.
+/// Returns the peak memory of this process so far, bytes, as Linux tells it.
 fn peak() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

@@ -12,16 +12,16 @@ use measure::{Measured, Work, measure};
 
 /// A finished section and its files.
 pub struct Section {
-    /// Markdown.
+    /// Markdown of the section.
     pub text: String,
-    /// Names of files and what is in them.
+    /// Names and contents of the files.
     pub files: Vec<(&'static str, String)>,
 }
 
-/// Hinges from which on the exponents are fitted: below, what a plan costs whatever its size counts too.
+/// Number of hinges from which on exponents are fitted. Below it the constant cost of a plan matters too.
 const LARGE: f64 = 1_000.0;
 
-/// Runs the section, in seconds if `short`.
+/// Runs the section; if `short`, in seconds.
 #[must_use]
 pub fn section(short: bool) -> Section {
     let (symmetric, full): (&[_], &[_]) = if short {
@@ -123,7 +123,7 @@ fn mebibytes(bytes: f64) -> String {
     format!("{:.1} MiB", bytes / f64::from(1 << 20))
 }
 
-/// How time and memory grow, in words.
+/// Describes how time and memory grow.
 fn growth(points: &[Measured], what: &str) -> String {
     let large = points.iter().filter(|p| p.number("hinges") >= LARGE);
     let points = |y: fn(&Measured) -> f64| -> Vec<_> {

@@ -1,4 +1,4 @@
-//! Time and memory against hinges, both logarithmic.
+//! Plot of time and memory against hinges, both logarithmic.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -8,7 +8,7 @@ use super::measure::Measured;
 type Problem = DrawingAreaErrorKind<std::io::Error>;
 type Points = Vec<(f64, f64)>;
 
-/// Two panels, each with both series.
+/// Returns two panels, one for time and one for memory, each with both series, as SVG.
 #[must_use]
 pub(super) fn picture(groups: &[Measured], each: &[Measured]) -> String {
     let mut svg = String::new();

@@ -1,11 +1,11 @@
-//! Numbers of 192 bits, for references.
+//! Numbers of 192 bits, for reference values.
 
 use core::cell::RefCell;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use astro_float_num::{BigFloat, Consts, RoundingMode, Sign, WORD_BIT_SIZE};
 
-/// Bits of a mantissa: sums that cancel 64 bits keep 128.
+/// Bits of a mantissa: sums in which 64 bits cancel keep 128.
 const BITS: usize = 192;
 const ROUND: RoundingMode = RoundingMode::ToEven;
 
@@ -13,7 +13,7 @@ const ROUND: RoundingMode = RoundingMode::ToEven;
 #[derive(Clone, Debug)]
 pub struct Big(BigFloat);
 
-/// Calls an elementary function, which needs constants that are kept.
+/// Calls an elementary function with the cached constants that it needs.
 fn with_constants<R>(f: impl FnOnce(&mut Consts) -> R) -> R {
     thread_local! {
         static CONSTANTS: RefCell<Option<Consts>> = const { RefCell::new(None) };
@@ -24,25 +24,25 @@ fn with_constants<R>(f: impl FnOnce(&mut Consts) -> R) -> R {
 }
 
 impl Big {
-    /// The number, exactly.
+    /// Converts a number, exactly.
     #[must_use]
     pub fn new(value: f64) -> Self {
         Self(BigFloat::from_f64(value, BITS))
     }
 
-    /// π.
+    /// Returns π.
     #[must_use]
     pub fn pi() -> Self {
         Self(with_constants(|constants| constants.pi(BITS, ROUND)))
     }
 
-    /// An angle of so many degrees in radians.
+    /// Converts degrees to radians.
     #[must_use]
     pub fn degrees(degrees: &Self) -> Self {
         &(degrees * &Self::pi()) / &Self::new(180.0)
     }
 
-    /// Sine and cosine.
+    /// Returns sine and cosine.
     #[must_use]
     pub fn sin_cos(&self) -> [Self; 2] {
         with_constants(|constants| {
@@ -53,14 +53,14 @@ impl Big {
         })
     }
 
-    /// Tangent.
+    /// Returns the tangent.
     #[must_use]
     pub fn tan(&self) -> Self {
         let [sin, cos] = self.sin_cos();
         &sin / &cos
     }
 
-    /// Arc tangent.
+    /// Returns the arc tangent.
     #[must_use]
     pub fn atan(&self) -> Self {
         Self(with_constants(|constants| {
@@ -68,13 +68,13 @@ impl Big {
         }))
     }
 
-    /// Square root.
+    /// Returns the square root.
     #[must_use]
     pub fn sqrt(&self) -> Self {
         Self(self.0.sqrt(BITS, ROUND))
     }
 
-    /// Absolute value.
+    /// Returns the absolute value.
     #[must_use]
     pub fn abs(&self) -> Self {
         if self.is_negative() {
@@ -84,23 +84,23 @@ impl Big {
         }
     }
 
-    /// Whether it is below 0.
+    /// Returns `true` if the number is below 0.
     #[must_use]
     pub fn is_negative(&self) -> bool {
         self.0.is_negative()
     }
 
-    /// The number rounded, but for the last bit or two.
+    /// Returns the number rounded to `f64`, with an error of at most a bit or two.
     #[must_use]
     pub fn to_f64(&self) -> f64 {
-        // The mantissa is a fraction from one half to 1, its first word the last of the list.
+        // The mantissa is a fraction from one half to 1. Its first word is the last of the list.
         let Some((words, _, sign, exponent, _)) = self.0.as_raw_parts() else {
             return f64::NAN;
         };
         let word = f64::from(exponent_of(WORD_BIT_SIZE)).exp2();
         #[allow(clippy::cast_precision_loss, reason = "rounding is what is asked for")]
         let fraction = words.iter().fold(0.0, |sum, &w| (sum + w as f64) / word);
-        // In two steps: the power itself may be beyond all numbers.
+        // Multiplies in two steps, because the power of two alone may overflow.
         let half = exponent / 2;
         let size = fraction * f64::from(half).exp2() * f64::from(exponent - half).exp2();
         if sign == Sign::Neg { -size } else { size }

@@ -1,40 +1,40 @@
-//! The `foldpath` command as a user runs it: a program that is started.
+//! The `foldpath` command as a user runs it: as a program of its own.
 
 use core::time::Duration;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// What its complaints begin with.
+/// First word of the command's error messages.
 const NAME: &str = "foldpath:";
 
-/// What the command answered.
+/// Answer of the command.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
-    /// Exit status; `None` if it was ended.
+    /// Exit status; `None` if the command was stopped.
     pub status: Option<i32>,
     /// The JSON object on stdout, if there is one.
     pub json: Option<serde_json::Value>,
-    /// The line on stderr that tells what is wrong.
+    /// The error message on stderr.
     pub complaint: String,
-    /// What it noted on stderr.
+    /// Notes on stderr.
     pub notes: Vec<String>,
 }
 
 impl Answer {
-    /// A number of the answer.
+    /// Returns a number of the answer.
     #[must_use]
     pub fn number(&self, key: &str) -> Option<f64> {
         self.json.as_ref()?.get(key)?.as_f64()
     }
 
-    /// A text of the answer.
+    /// Returns a text of the answer.
     #[must_use]
     pub fn text(&self, key: &str) -> Option<&str> {
         self.json.as_ref()?.get(key)?.as_str()
     }
 
-    /// Outcome and reason, or what was wrong.
+    /// Returns outcome and reason, or the error message.
     #[must_use]
     pub fn told(&self) -> String {
         match (self.text("outcome"), self.text("reason")) {
@@ -46,10 +46,10 @@ impl Answer {
     }
 }
 
-/// Runs `program`, which is the command, in a folder, at most for so many seconds.
+/// Runs `program`, which is the command, in a folder, for at most `seconds`.
 ///
 /// # Panics
-/// If it cannot be started.
+/// If the program cannot be started.
 #[must_use]
 pub fn run(program: &Path, folder: &Path, arguments: &[&str], seconds: u64) -> Answer {
     let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));

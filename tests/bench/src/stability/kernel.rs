@@ -1,4 +1,4 @@
-//! Core's closure and solvers at one vertex, against the reference.
+//! Errors of core's closure and solvers at one vertex, against the reference.
 
 use core::fmt::Write;
 
@@ -14,30 +14,30 @@ use rand_pcg::Pcg64;
 use super::big::Big;
 use super::reference::{self, length, minus};
 
-/// So many degrees in radians.
+/// Converts degrees to radians.
 #[must_use]
 pub fn degrees(degrees: f64) -> Big {
     Big::degrees(&Big::new(degrees))
 }
 
-/// A star of which each spoke is of one unknown.
+/// A star; each spoke belongs to one unknown.
 pub struct Star<T> {
     spokes: Vec<Spoke<T>>,
     unknowns: usize,
 }
 
-/// How far core is from the truth.
+/// Core's residual, and its error.
 #[derive(Clone, Copy, Debug, Default)]
 struct Off {
     /// Length of core's closure residual.
     residual: f64,
-    /// Length of its difference from the true one of the same numbers.
+    /// Length of the difference between core's residual and the exact residual of the same numbers.
     error: f64,
 }
 
 impl<T: Scalar> Star<T> {
-    /// A star with creases at these plane angles (radians), each with the number of its unknown and whether it
-    /// turns against it.
+    /// Creates a star with creases at these plane angles (radians). Each crease has the number of its unknown, and
+    /// `true` if it turns against the unknown.
     fn new(creases: &[(Big, u32, bool)]) -> Self {
         let spokes = creases.iter().map(|(angle, group, negative)| {
             let [sin, cos] = angle.sin_cos();
@@ -54,7 +54,7 @@ impl<T: Scalar> Star<T> {
         }
     }
 
-    /// A Miura's vertex: unknown 0 are its zigzag creases, 1 its straight ones.
+    /// Creates a Miura vertex. Unknown 0 are its zigzag creases, unknown 1 its straight ones.
     #[must_use]
     pub fn miura(sector: &Big) -> Self {
         let zero = Big::new(0.0);
@@ -66,7 +66,7 @@ impl<T: Scalar> Star<T> {
         ])
     }
 
-    /// Core's residual at the angles, and how far it is from the true one.
+    /// Returns core's residual at the angles, and its error.
     fn off(&self, angles: &[T]) -> Off {
         let ends = [u32::try_from(self.spokes.len()).unwrap_or(u32::MAX)];
         let stars = StarsView::new(&self.spokes, &ends, self.unknowns).expect("a good star");
@@ -114,11 +114,11 @@ impl<T: Scalar> Star<T> {
         .outcome
     }
 
-    /// Both angles of a Miura's vertex, the zigzag's as given, the straight's solved for from nearby.
+    /// Returns both angles of a Miura vertex: the zigzag angle as given, and the straight one, solved for from nearby.
     #[must_use]
     pub fn closed(&self, zigzag: &Big) -> [T; 2] {
         let zigzag = T::lit(zigzag.to_f64());
-        // Largest numbers of the type that are no more than half a turn.
+        // `T::PI` is the largest number of the type that is no more than half a turn.
         let zigzag = zigzag.min(T::PI);
         let mut x = [zigzag, zigzag];
         let limits = [(zigzag, zigzag), (T::zero(), T::PI)];
@@ -127,8 +127,8 @@ impl<T: Scalar> Star<T> {
     }
 }
 
-/// Of a Miura's vertex: how far the closed form, rounded, is from closing, core's residual from the truth and the
-/// solved angle from the closed form.
+/// Returns for a Miura vertex: core's residual of the rounded closed form, the error of this residual, and the absolute
+/// and relative difference of the solved angle from the closed form.
 fn miura<T: Scalar>(sector: &Big, zigzag: &Big) -> [f64; 4] {
     let star = Star::<T>::miura(sector);
     let zigzag = T::lit(zigzag.to_f64()).min(T::PI);
@@ -139,7 +139,7 @@ fn miura<T: Scalar>(sector: &Big, zigzag: &Big) -> [f64; 4] {
     [residual, error, off.to_f64(), (&off / &exact).to_f64()]
 }
 
-/// A table row of both precisions.
+/// Writes a table row for both precisions.
 fn row(table: &mut String, csv: &mut String, name: &str, sector: &Big, zigzag: &Big) {
     let both = [miura::<f64>(sector, zigzag), miura::<f32>(sector, zigzag)];
     let cells = both.iter().flatten().map(|x| format!("{x:.1e}"));
@@ -156,7 +156,7 @@ fn row(table: &mut String, csv: &mut String, name: &str, sector: &Big, zigzag: &
 const HEAD: &str = "f64: residual | off the truth | solved angle off | relative | f32: residual | off the truth | \
                     solved angle off | relative |\n|---|---|---|---|---|---|---|---|---|\n";
 
-/// The table of fold angles at a sector angle of 60 degrees.
+/// Returns the table of fold angles at a sector angle of 60 degrees.
 #[must_use]
 pub fn fold_angles(csv: &mut String) -> String {
     let mut table = format!("| zigzag fold angle | {HEAD}");
@@ -193,7 +193,7 @@ pub fn fold_angles(csv: &mut String) -> String {
     table
 }
 
-/// The table of sector angles at a zigzag fold angle of 150 degrees.
+/// Returns the table of sector angles at a zigzag fold angle of 150 degrees.
 #[must_use]
 pub fn sectors(csv: &mut String) -> String {
     let mut table = format!("| sector angle | {HEAD}");
@@ -205,8 +205,8 @@ pub fn sectors(csv: &mut String) -> String {
     table
 }
 
-/// The worst of random stars of a degree: error of the residual; then of those that core closed, the true residual
-/// and the part of them.
+/// Returns the worst of random stars of a degree: the largest error of a residual; then, among the stars that core
+/// closed, the largest exact residual, and the fraction of these stars.
 fn random<T: Scalar>(degree: u32, count: u32) -> [f64; 3] {
     let mut rng = Pcg64::seed_from_u64(u64::from(degree));
     let mut uniform = || f64::from(rng.next_u32()) / f64::from(u32::MAX);
@@ -233,7 +233,7 @@ fn random<T: Scalar>(degree: u32, count: u32) -> [f64; 3] {
     [error, open, f64::from(closed) / f64::from(count)]
 }
 
-/// The table of degrees.
+/// Returns the table of degrees.
 #[must_use]
 pub fn vertex_degrees(count: u32, csv: &mut String) -> String {
     let mut table = String::from(

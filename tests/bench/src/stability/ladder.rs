@@ -1,5 +1,5 @@
-//! Sheets that grow more extreme step by step, through the real command: what the first to break is, where, and
-//! what is said of it.
+//! Sheets that grow more extreme step by step, through the real command: which step breaks first, and what does the
+//! user learn of it?
 
 use core::fmt::Write;
 use std::path::Path;
@@ -13,9 +13,10 @@ use super::reference::Folded;
 
 /// Faces along a side of the sheets.
 const SIZE: usize = 8;
-/// Faces above which the reference is not asked: it takes a kilobyte and a tenth of a millisecond for each.
+/// Number of faces above which the reference is not used: it takes a kilobyte and a tenth of a millisecond for each
+/// face.
 const REFERENCE: usize = 2_000;
-/// Knots of a path that the reference folds, evenly, the last among them.
+/// Largest number of knots of a path that the reference folds, evenly spaced, with the last one among them.
 const KNOTS: usize = 40;
 /// Seconds that a command may take.
 const PATIENCE: u64 = 180;
@@ -23,14 +24,14 @@ const PATIENCE: u64 = 180;
 /// One step of a ladder.
 pub struct Rung {
     label: String,
-    /// Whether the range asked for has it.
+    /// `true` if the step is in the range that was asked for.
     asked: bool,
     drawing: Drawing,
     /// Further arguments of `plan`.
     options: &'static [&'static str],
 }
 
-/// A direction in which sheets grow extreme.
+/// A direction in which sheets become more extreme.
 pub struct Ladder {
     name: &'static str,
     asked: &'static str,
@@ -59,7 +60,7 @@ impl Ladder {
     }
 }
 
-/// The ladders, with sheets of these sizes; in a short form with fewer steps.
+/// Returns the ladders, with sheets of these sizes; if `short`, with fewer steps.
 #[must_use]
 pub fn ladders(sizes: &[usize], short: bool) -> Vec<Ladder> {
     let even = || Mesh::even(SIZE);
@@ -173,35 +174,36 @@ fn whole(value: f64) -> usize {
     whole
 }
 
-/// What came of a rung.
+/// Result of a rung.
 pub struct Result {
-    /// Its label.
+    /// Label of the rung.
     pub label: String,
-    /// Whether the range asked for has it.
+    /// `true` if the rung is in the range that was asked for.
     pub asked: bool,
-    /// What `plan` answered.
+    /// Answer of `plan`.
     pub plan: Answer,
-    /// What `check` answered of the path, if there is one.
+    /// Answer of `check` on the path, if there is a path.
     pub check: Option<Answer>,
-    /// Deformation and gap that the reference finds at the knots.
+    /// Deformation and gap of the knots by the reference.
     pub truth: Option<[f64; 2]>,
 }
 
 impl Result {
-    /// The bound on deformation and gap that `plan` certified.
+    /// Returns the bound on deformation and gap that `plan` certified.
     #[must_use]
     pub fn certified(&self) -> Option<f64> {
         self.plan.number("certified_deformation")
     }
 
-    /// Whether `plan` and `check` both answered yes.
+    /// Returns `true` if `plan` and `check` both answered yes.
     #[must_use]
     pub fn holds(&self) -> bool {
         let yes = |answer: &Answer| answer.status == Some(0);
         yes(&self.plan) && self.check.as_ref().is_none_or(yes)
     }
 
-    /// A wrong answer: a bound certified that the reference finds broken, a yes beyond the bound, or a panic.
+    /// Returns `true` for a wrong answer: a certified bound that the reference finds broken, a yes beyond the bound, or
+    /// a panic.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
         let lies = self.truth.is_some_and(|truth| {
@@ -213,7 +215,7 @@ impl Result {
         lies || !fine(self.plan.status) || self.check.as_ref().is_some_and(|c| !fine(c.status))
     }
 
-    /// What a user is told.
+    /// Returns what a user is told.
     #[must_use]
     pub fn told(&self) -> String {
         match &self.check {
@@ -225,13 +227,13 @@ impl Result {
     }
 }
 
-/// The bound of `plan` where none is given.
+/// Bound of `plan` if none is given.
 const PLAN_BOUND: f64 = 0.01;
 
 /// Plans and checks a rung by `command` in a folder.
 ///
 /// # Panics
-/// If that cannot be written to, or the command not started.
+/// If the folder cannot be written to, or the command cannot be started.
 #[must_use]
 pub fn climb(command: &Path, rung: &Rung, folder: &Path) -> Result {
     let [pattern, path] = ["pattern.fold", "path.fold"];
@@ -254,7 +256,7 @@ pub fn climb(command: &Path, rung: &Rung, folder: &Path) -> Result {
     }
 }
 
-/// Deformation and gap at the knots of a path, by the reference.
+/// Returns deformation and gap at the knots of a path, by the reference.
 fn truth(path: &Path) -> Option<[f64; 2]> {
     let bytes = std::fs::read(path).ok()?;
     let file = parse_path(path, &bytes).ok()?;
@@ -271,8 +273,8 @@ fn truth(path: &Path) -> Option<[f64; 2]> {
     each.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])
 }
 
-/// Climbs all ladders by `command`, in a short form only as far as they hold: the table, each rung as a line of CSV, and what was
-/// answered wrongly.
+/// Climbs all ladders by `command`; if `short`, only as far as they hold. Returns the table and the wrong answers, and
+/// writes each rung as a line of CSV.
 ///
 /// # Panics
 /// If there is no folder for files, or the command cannot be started.

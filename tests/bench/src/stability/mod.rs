@@ -1,5 +1,5 @@
-//! Section `stability`: how large errors become where sheets are extreme, against numbers of 192 bits, and what
-//! breaks first.
+//! Section `stability`: how large are errors on extreme sheets, against numbers of 192 bits, and which sheets break
+//! first?
 
 pub mod big;
 pub mod command;
@@ -13,22 +13,23 @@ pub mod trees;
 use core::fmt::Write;
 use std::path::Path;
 
-/// A finished section, its files, and what was answered wrongly.
+/// A finished section, its files, and the wrong answers.
 pub struct Section {
-    /// Markdown.
+    /// Markdown of the section.
     pub text: String,
-    /// Names of files and what is in them.
+    /// Names and contents of the files.
     pub files: Vec<(&'static str, String)>,
     /// Wrong answers; there should be none.
     pub wrong: Vec<String>,
 }
 
-/// Sheet of the motion that is promised, faces along a side.
+/// Size of the sheet whose motion is promised, faces along a side.
 const PROMISED: usize = 24;
-/// Deformation promised of it through 0..179.99 degrees, in `f64` and in `f32`.
+/// Deformation that is promised for it through 0..179.99 degrees, in `f64` and in `f32`.
 pub const PROMISE: [f64; 2] = [1e-11, 2e-4];
 
-/// The worst of the promised sheet through its motion, at so many angles.
+/// Returns the worst errors of the promised sheet through its motion, over an even grid of angles with `count` steps
+/// and some extreme angles.
 #[must_use]
 pub fn promised(count: u32) -> sheets::Motion {
     let sheet = sheets::Sheet::new(PROMISED);
@@ -37,7 +38,7 @@ pub fn promised(count: u32) -> sheets::Motion {
     sheets::motion(&sheet, &zigzags)
 }
 
-/// Runs the section, in seconds if `short`. The program `command` is the `foldpath` command.
+/// Runs the section; if `short`, in seconds. The program `command` is the `foldpath` command.
 #[must_use]
 pub fn section(command: &Path, short: bool) -> Section {
     let (sizes, stars, angles): (&[usize], _, _) = if short {

@@ -1,4 +1,4 @@
-//! Sheets that are as extreme as one asks for, and whose exact motion is known.
+//! Sheets that can be made arbitrarily extreme, and whose exact motion is known.
 
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 use super::big::Big;
 use super::reference::straight;
 
-/// A Miura sheet whose rows and columns have any width: every vertex still has the same star, so that the motion is
-/// that of the even sheet.
+/// A Miura sheet with rows and columns of any width. Every vertex still has the same star, so that the motion is that
+/// of the even sheet.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     /// Lengths of the zigzag creases, row by row.
@@ -20,12 +20,12 @@ pub struct Mesh {
     pub zigzag: f64,
     /// The unit of length.
     pub scale: f64,
-    /// Where the first vertex lies, along both axes, in the sheet's own units.
+    /// Position of the first vertex along both axes, in the sheet's own units.
     pub shift: f64,
 }
 
 impl Mesh {
-    /// `size` x `size` unit faces with a sector angle of 60 degrees, folded to 150 degrees.
+    /// Creates a sheet of `size` x `size` unit faces with a sector angle of 60 degrees, folded to 150 degrees.
     #[must_use]
     pub fn even(size: usize) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Mesh {
         }
     }
 
-    /// Lengths from 1 to `ratio` in equal ratios.
+    /// Sets lengths that grow from 1 to `ratio` by a constant factor.
     #[must_use]
     pub fn with_ratio(mut self, ratio: f64) -> Self {
         #[allow(clippy::cast_precision_loss, reason = "a few rows")]
@@ -51,13 +51,13 @@ impl Mesh {
         self
     }
 
-    /// Fold angle of the straight creases at the goal, radians.
+    /// Returns the fold angle of the straight creases at the goal, radians.
     #[must_use]
     pub fn straight(&self) -> f64 {
         straight(&Big::new(self.sector), &Big::new(self.zigzag)).to_f64()
     }
 
-    /// The pattern with its goal.
+    /// Returns the pattern with its goal.
     #[must_use]
     pub fn drawing(&self) -> Drawing {
         let (sin, cos) = self.sector.sin_cos();
@@ -114,7 +114,7 @@ impl Mesh {
     }
 }
 
-/// A disc of panels round one vertex, with creases at even angles and mountains and valleys by turns.
+/// Returns a disc of panels round one vertex, with creases at even angles, alternately mountain and valley.
 #[must_use]
 pub fn disc(degree: usize) -> Drawing {
     #[allow(clippy::cast_precision_loss, reason = "a few hundred creases")]

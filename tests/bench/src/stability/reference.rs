@@ -1,4 +1,4 @@
-//! What is true, by other formulas than the code that is judged: 3x3 matrices of 192-bit numbers.
+//! Exact values by other formulas than the code that is judged: 3x3 matrices of 192-bit numbers.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use super::big::Big;
 
 /// A vector.
 pub type Vector = [Big; 3];
-/// Rows of a matrix.
+/// A matrix as its rows.
 type Matrix = [Vector; 3];
 
 fn dot(a: &Vector, b: &Vector) -> Big {
@@ -16,7 +16,7 @@ fn dot(a: &Vector, b: &Vector) -> Big {
     &(&x + &y) + &z
 }
 
-/// Component by component.
+/// Returns the difference of two vectors.
 #[must_use]
 pub fn minus(a: &Vector, b: &Vector) -> Vector {
     [0, 1, 2].map(|k| &a[k] - &b[k])
@@ -26,7 +26,7 @@ fn plus(a: &Vector, b: &Vector) -> Vector {
     [0, 1, 2].map(|k| &a[k] + &b[k])
 }
 
-/// Length.
+/// Returns the length of a vector.
 #[must_use]
 pub fn length(v: &Vector) -> Big {
     dot(v, v).sqrt()
@@ -45,7 +45,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
     [0, 1, 2].map(|i| [0, 1, 2].map(|k| dot(&a[i], &columns[k])))
 }
 
-/// The matrix of a turn by an angle about a unit vector of the sheet's plane (Rodrigues).
+/// Returns the matrix of a rotation about a unit vector of the sheet's plane (Rodrigues).
 fn turn([x, y]: &[Big; 2], [sin, cos]: &[Big; 2]) -> Matrix {
     let versine = &Big::new(1.0) - cos;
     let [xx, xy, yy] = [(x, x), (x, y), (y, y)].map(|(a, b)| &(a * b) * &versine);
@@ -63,9 +63,9 @@ fn unit(direction: [Big; 2]) -> [Big; 2] {
     [x / &size, y / &size]
 }
 
-/// The closure residual of a star: directions (made unit vectors) and fold angles (radians), in order.
+/// Returns the closure residual of a star: directions, which are normalised, and fold angles (radians), in order.
 ///
-/// 2 sgn(w) v of the rotation L, from the matrix: w = √(1 + tr L)/2, 4 w v the skew part.
+/// The residual is 2 sgn(w) v of the rotation L. The matrix gives w = √(1 + tr L)/2, and 4 w v is its skew part.
 #[must_use]
 pub fn residual(spokes: &[([f64; 2], f64)]) -> Vector {
     let turns = spokes.iter().map(|(direction, angle)| {
@@ -77,8 +77,8 @@ pub fn residual(spokes: &[([f64; 2], f64)]) -> Vector {
     [(2, 1), (0, 2), (1, 0)].map(|(i, k)| &(&l[i][k] - &l[k][i]) / &twice_w)
 }
 
-/// Fold angle of a Miura's straight creases, by the closed form, in radians as both others. A zigzag angle that was
-/// rounded to more than half a turn gives a little more than half a turn too.
+/// Returns the fold angle of a Miura's straight creases, by the closed form. All angles are in radians. A zigzag angle
+/// that was rounded to more than half a turn gives a little more than half a turn.
 #[must_use]
 pub fn straight(sector: &Big, zigzag: &Big) -> Big {
     let two = Big::new(2.0);
@@ -93,7 +93,7 @@ pub fn straight(sector: &Big, zigzag: &Big) -> Big {
     &two * &half
 }
 
-/// Sines and cosines of angles, each worked out once.
+/// A cache of the sines and cosines of angles.
 struct Turns(HashMap<u64, [Big; 2]>);
 
 impl Turns {
@@ -105,13 +105,13 @@ impl Turns {
 
 /// A folded sheet.
 pub struct Folded {
-    /// For each face its corners.
+    /// Corners of each face.
     corners: Vec<Vec<Vector>>,
 }
 
 impl Folded {
-    /// Folds the sheet of a pattern, its coordinates as they are, by the fold angles (radians) of its creases; `None`
-    /// if it is not in one part.
+    /// Folds the sheet of a pattern, with its coordinates as they are, by the fold angles (radians) of its creases;
+    /// `None` if the sheet is not connected.
     #[must_use]
     pub fn new(pattern: &CreasePattern, angles: &[f64]) -> Option<Self> {
         let mut turns = Turns(HashMap::new());
@@ -130,7 +130,7 @@ impl Folded {
                     continue;
                 }
                 let edge = pattern.edge(edge);
-                // A valley lifts what is to the left of the way along it.
+                // A valley lifts the face to the left of the direction along the edge.
                 let left = edge.faces[0] == Some(FaceId::new(face.index()));
                 let [from, to] = if left { [0, 1] } else { [1, 0] }.map(|k| edge.ends[k].index());
                 let (pivot, along) = (place(from), minus(&place(to), &place(from)));
@@ -154,7 +154,7 @@ impl Folded {
         })
     }
 
-    /// Where the faces have a vertex.
+    /// Returns the positions of a vertex by all faces round it.
     fn places(&self, pattern: &CreasePattern, vertex: usize) -> Vec<&Vector> {
         let faces = pattern.corners()[vertex].iter();
         let place = |face: &FaceId| {
@@ -165,14 +165,14 @@ impl Folded {
         faces.map(place).collect()
     }
 
-    /// Where the first of its faces has a vertex.
+    /// Returns the position of a vertex by the first of its faces.
     #[must_use]
     pub fn vertex(&self, pattern: &CreasePattern, vertex: usize) -> &Vector {
         self.places(pattern, vertex)[0]
     }
 
-    /// Deformation and gap: the largest relative change of the length of an edge or diagonal over all pairs of
-    /// places that its ends have, and the largest distance of two places of a vertex over the median edge.
+    /// Returns deformation and gap: the largest relative change of the length of an edge or diagonal, and the largest
+    /// distance of two positions of a vertex over the median edge.
     #[must_use]
     pub fn rigidity(&self, pattern: &CreasePattern) -> [f64; 2] {
         let (mut deformation, mut gap) = (0.0_f64, 0.0_f64);
@@ -205,7 +205,7 @@ mod tests {
     use super::*;
     use foldpath::generate::Miura;
 
-    /// The closed form closes to 128 bits, and a turn of one crease is what is left by it alone.
+    /// The closed form closes to 128 bits. If a single crease turns, the residual is that of its rotation.
     #[test]
     fn residuals_are_those_of_the_closed_form_and_of_a_single_turn() {
         let pattern = sheet();
@@ -213,7 +213,7 @@ mod tests {
         let sector = Big::new(60_f64.to_radians());
         let folded = Folded::new(&pattern, &angles(&pattern, &zigzag, &sector)).unwrap();
         let [deformation, gap] = folded.rigidity(&pattern);
-        // The angles are rounded to 53 bits, the sheet's coordinates too.
+        // The angles are rounded to 53 bits, and so are the sheet's coordinates.
         assert!(
             deformation < 1e-14 && gap < 1e-14 && gap > 0.0,
             "{deformation} {gap}"
@@ -225,7 +225,7 @@ mod tests {
         assert!(off < 1e-15, "{off}");
     }
 
-    /// A sheet torn on purpose is torn.
+    /// A sheet that is torn on purpose has a gap.
     #[test]
     fn a_torn_sheet_has_a_gap() {
         let pattern = sheet();

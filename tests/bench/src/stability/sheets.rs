@@ -1,5 +1,5 @@
-//! What the folding map makes of whole Miura sheets: sizes, spanning trees, precisions, and one sheet through its
-//! whole motion.
+//! Errors of the folding map on whole Miura sheets: several sizes, spanning trees and precisions, and one sheet through
+//! its whole motion.
 
 use core::fmt::Write;
 
@@ -13,7 +13,7 @@ use super::patterns::Mesh;
 use super::reference::{self, minus};
 use super::trees::{Kind, Tree, worst};
 
-/// A Miura sheet of 60 degrees, and which of its creases are straight.
+/// A Miura sheet of 60 degrees, with its straight creases marked.
 pub struct Sheet {
     /// Faces along each side.
     pub size: usize,
@@ -23,7 +23,7 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// `size` x `size` unit faces.
+    /// Creates a sheet of `size` x `size` unit faces.
     ///
     /// # Panics
     /// Never.
@@ -43,7 +43,7 @@ impl Sheet {
         }
     }
 
-    /// Fold angles of all creases where zigzag and straight ones have these.
+    /// Returns the fold angles of all creases by the angles of zigzag and straight ones.
     pub fn angles<T: Scalar>(&self, [zigzag, straight]: [T; 2]) -> Vec<T> {
         let creases = self.pattern.creases().iter().zip(&self.level);
         let angle = |(&edge, &level): (_, &bool)| {
@@ -53,11 +53,11 @@ impl Sheet {
         creases.map(angle).collect()
     }
 
-    /// Distances from corner to opposite corner where the zigzag creases have an angle, by the closed form: the
-    /// sheet repeats itself, so that two steps of a small one, folded by the reference, give them.
+    /// Returns the distances between opposite corners at a zigzag angle, by the closed form. The sheet repeats itself,
+    /// so that two steps of a small sheet, folded by the reference, give the distances.
     fn diagonals(&self, zigzag: &Big) -> [Big; 2] {
         let small = Self::new(2);
-        // The closed form to 192 bits, as far as the angles can be given to the reference: as they are.
+        // The straight angle of the closed form is rounded to `f64`, because the reference takes such angles.
         let straight = reference::straight(&sector(), zigzag).to_f64();
         let angles = small.angles([zigzag.to_f64(), straight]);
         let folded = reference::Folded::new(&small.pattern, &angles).expect("a sheet in one part");
@@ -81,21 +81,21 @@ fn sector() -> Big {
     Big::new(60_f64.to_radians())
 }
 
-/// What one way of folding makes of a sheet.
+/// Errors of one way of folding a sheet.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
     /// Deformation.
     pub deformation: f64,
     /// Gap, in median edges.
     pub gap: f64,
-    /// Relative error of the distance of opposite corners.
+    /// Relative error of the distance between opposite corners.
     pub corners: f64,
 }
 
-/// Errors of one tree in one precision, with the angles of the closed form rounded to `A` and the folding in `T`.
+/// Returns the errors of one tree, with the angles of the closed form rounded to `A` and the folding in `T`.
 #[must_use]
 pub fn errors<A: Scalar, T: Scalar>(sheet: &Sheet, tree: &Tree, zigzag: &Big) -> Errors {
-    // The exact angle is the one that the narrow type has.
+    // The exact zigzag angle is the one that the type `A` represents.
     let zigzag = Big::new(A::lit(zigzag.to_f64()).to_f64());
     let straight = reference::straight(&sector(), &zigzag).to_f64();
     let rounded = [zigzag.to_f64(), straight].map(|angle| T::lit(A::lit(angle).to_f64()));
@@ -117,7 +117,7 @@ pub fn errors<A: Scalar, T: Scalar>(sheet: &Sheet, tree: &Tree, zigzag: &Big) ->
     }
 }
 
-/// The table of sizes and trees.
+/// Returns the table of sizes and trees.
 #[must_use]
 pub fn sizes(sizes: &[usize], csv: &mut String) -> String {
     let mut table = String::from(
@@ -166,20 +166,20 @@ pub fn sizes(sizes: &[usize], csv: &mut String) -> String {
     table
 }
 
-/// The worst deformation and gap of a sheet over a motion.
+/// Largest deformation and gap of a sheet over a motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
-    /// Of the library's folding map, with angles solved by core in `f64`.
+    /// Errors of the library's folding map, with angles solved by core in `f64`.
     pub double: [f64; 2],
-    /// What the library says that rounding may make of it.
+    /// Bound on rounding errors that the library gives for it.
     pub allowed: [f64; 2],
-    /// Of the same map in `f32`, with angles solved by core in `f32`.
+    /// Errors of the folding map in `f32`, with angles solved by core in `f32`.
     pub single: [f64; 2],
-    /// Of the library's map in `f64` with the angles solved in `f32`, as a controller has them.
+    /// Errors of the library's folding map in `f64`, with angles solved in `f32`, as on a controller.
     pub mixed: [f64; 2],
 }
 
-/// Folds a sheet through zigzag angles (degrees) that core solves the straight angle for.
+/// Folds a sheet through zigzag angles (degrees); core solves for the straight angle.
 #[must_use]
 pub fn motion(sheet: &Sheet, zigzags: &[f64]) -> Motion {
     let tree = SpanningTree::from_central_face(&sheet.pattern);

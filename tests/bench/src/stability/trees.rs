@@ -9,14 +9,14 @@ use nalgebra::{Vector2, Vector3};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// How a spanning tree of the faces is made.
+/// Kind of a spanning tree of the faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The library's: breadth first from a central face.
+    /// The library's tree: breadth first from a central face.
     Central,
     /// Breadth first from the first face, which is in a corner.
     Corner,
-    /// From the first face by any edge that leads on, seeded.
+    /// From the first face, each time across a random edge to a new face; seeded.
     Random,
     /// Depth first from the first face: nearly one strip of all faces.
     DepthFirst,
@@ -26,7 +26,7 @@ impl Kind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Central, Self::Corner, Self::Random, Self::DepthFirst];
 
-    /// Its name.
+    /// Returns the name of the kind.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Kind {
     }
 }
 
-/// A face, the one it is reached from, and the hinge between.
+/// A face, the face from which it is reached, and the hinge between them.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     face: usize,
@@ -56,7 +56,7 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// The tree of that kind of a sheet in one part.
+    /// Creates the tree of this kind for a connected sheet.
     #[must_use]
     pub fn new(pattern: &CreasePattern, kind: Kind) -> Self {
         if kind == Kind::Central {
@@ -77,7 +77,7 @@ impl Tree {
         let mut rng = Pcg64::seed_from_u64(1);
         let mut done = vec![false; pattern.faces().len()];
         done[0] = true;
-        // Edges from a face that was reached, with the face beyond.
+        // Edges of the faces that were reached, each with the face beyond.
         let mut open: VecDeque<_> = ways(pattern, 0).collect();
         let mut steps = Vec::with_capacity(done.len());
         loop {
@@ -101,7 +101,7 @@ impl Tree {
         }
     }
 
-    /// Number of faces on the longest way from the root.
+    /// Returns the number of faces on the longest path from the root.
     #[must_use]
     pub fn depth(&self) -> usize {
         let mut depths = vec![0; self.steps.len() + 1];
@@ -111,8 +111,8 @@ impl Tree {
         depths.into_iter().max().unwrap_or_default()
     }
 
-    /// Folds the sheet by the half angles of its creases, all in the precision of `T`: for each face where its
-    /// corners go. Written as the library's folding map is.
+    /// Folds the sheet by the half angles of its creases, all in the precision of `T`, and returns the positions of all
+    /// corners. Written as the library's folding map is.
     #[must_use]
     pub fn fold<T: Scalar>(&self, pattern: &CreasePattern, angles: &[T]) -> Folded {
         let halves: Vec<_> = angles.iter().map(|&angle| HalfAngle::of(angle)).collect();
@@ -144,11 +144,11 @@ impl Tree {
     }
 }
 
-/// The steps across the edges of a face.
+/// Returns the steps across the edges of a face.
 fn ways(pattern: &CreasePattern, parent: usize) -> impl Iterator<Item = Step> {
     pattern.neighbours()[parent].iter().map(move |&(face, id)| {
         let edge = pattern.edge(id);
-        // A positive turn about the edge's direction lifts its left side.
+        // A positive rotation about the edge's direction lifts its left side.
         let start = edge.ends[usize::from(edge.faces[0] != Some(face))];
         Step {
             face: face.index(),
@@ -160,20 +160,20 @@ fn ways(pattern: &CreasePattern, parent: usize) -> impl Iterator<Item = Step> {
     })
 }
 
-/// Where the faces round each vertex have it.
+/// Positions of each vertex by all faces round it.
 #[derive(Clone, Debug)]
 pub struct Folded {
     places: Vec<Vec<Vector3<f64>>>,
 }
 
 impl Folded {
-    /// Where the first of its faces has a vertex.
+    /// Returns the position of a vertex by the first of its faces.
     #[must_use]
     pub fn vertex(&self, vertex: usize) -> Vector3<f64> {
         self.places[vertex][0]
     }
 
-    /// Deformation, and gap over the median edge; NaN if a place is none.
+    /// Returns deformation, and gap over the median edge; NaN if a position is not finite.
     #[must_use]
     pub fn rigidity(&self, pattern: &CreasePattern) -> [f64; 2] {
         let gaps = self.places.iter().flat_map(|places| {
@@ -188,7 +188,7 @@ impl Folded {
     }
 }
 
-/// The largest, 0 for none; NaN if one is.
+/// Returns the largest value, 0 for none; NaN if a value is NaN.
 pub fn worst(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(
         0.0,

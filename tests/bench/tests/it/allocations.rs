@@ -1,8 +1,8 @@
-//! No kernel allocates in its loop: once its memory is there, a thousand calls ask for none.
+//! Does any kernel allocate in its loop? Once its memory is there, a thousand calls must not allocate.
 //!
 //! Covered: closure and Jacobian, both solvers in both precisions (Levenberg-Marquardt over dense and over sparse
-//! equations, converging and to its last iteration), projection on motions, folding map, deformation, gap, and a
-//! scene asked again and again for crossings and clearance. Not covered: what a plan does once for each sheet or
+//! equations, to convergence and to its last iteration), projection on motions, folding map, deformation, gap, and
+//! repeated queries of a scene for crossings and clearance. Not covered: work that a plan does once for each sheet or
 //! each waypoint (groups, trees, knots, certificates, the sweep over a motion), which allocates.
 
 use core::hint::black_box;
@@ -23,7 +23,7 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-/// Allocations of `times` calls, after one that may make room.
+/// Returns the number of allocations of `times` calls, after one call that may allocate memory for all.
 fn allocations(times: usize, mut call: impl FnMut(usize)) -> u64 {
     call(0);
     let counted = measure(|| (0..times).for_each(&mut call));
@@ -32,7 +32,7 @@ fn allocations(times: usize, mut call: impl FnMut(usize)) -> u64 {
 
 #[test]
 fn the_counter_counts() {
-    // Seen from outside, or an optimised program would leave it out.
+    // Without `black_box` an optimised program would leave the allocation out.
     assert_eq!(allocations(10, |k| drop(black_box(vec![k]))), 10);
 }
 
@@ -46,7 +46,7 @@ fn sheet() -> CreasePattern {
     CreasePattern::new(miura.drawing().unwrap()).unwrap()
 }
 
-/// Stars of all vertices and the goal, every crease an unknown.
+/// Returns the stars of all vertices and the goal, with every crease an unknown.
 fn full(pattern: &CreasePattern) -> (ReducedStars, Vec<f64>) {
     let goal = Goal::of_pattern(pattern).unwrap();
     let groups = CreaseGroups::trivial(pattern);
@@ -55,7 +55,7 @@ fn full(pattern: &CreasePattern) -> (ReducedStars, Vec<f64>) {
     (stars, angles.into_iter().map(Option::unwrap).collect())
 }
 
-/// A Miura vertex with two groups.
+/// Returns a Miura vertex with two groups.
 fn star<T: Scalar>() -> [Spoke<T>; 4] {
     let (sin, cos) = 60_f64.to_radians().sin_cos();
     let directions = [[1.0, 0.0], [cos, sin], [-1.0, 0.0], [cos, -sin]];
@@ -66,7 +66,7 @@ fn star<T: Scalar>() -> [Spoke<T>; 4] {
     })
 }
 
-/// Starts a little different each time.
+/// Returns a start that differs a little from call to call.
 fn start<T: Scalar>(call: usize) -> [T; 2] {
     let k = f64::from(u32::try_from(call % 97).unwrap());
     [T::lit(1.0 + 1e-3 * k), T::lit(0.7 - 2e-3 * k)]
@@ -130,7 +130,7 @@ fn small_solvers_do_not_allocate_in_f32() {
     small_solvers_do_not_allocate::<f32>();
 }
 
-/// With every crease an unknown: whole solves, and solves cut off after each number of iterations.
+/// With every crease an unknown: whole solves, and solves that are cut off after each number of iterations.
 #[test]
 fn large_solvers_do_not_allocate() {
     let pattern = sheet();
@@ -231,7 +231,7 @@ fn a_scene_is_asked_again_without_allocating() {
     let groups = CreaseGroups::find(&pattern);
     let goal = groups.reduce(&angles.iter().copied().map(Some).collect::<Vec<_>>());
     let goal: Vec<f64> = goal.into_iter().map(Option::unwrap).collect();
-    // The Miura motion: tangents of the half angles in proportion.
+    // The Miura motion: tangents of the half angles are proportional.
     let fold = |part: f64| {
         let at = |angle: &f64| 2.0 * (part * (angle / 2.0).tan()).atan();
         groups.expand(&goal.iter().map(at).collect::<Vec<f64>>())
@@ -240,7 +240,7 @@ fn a_scene_is_asked_again_without_allocating() {
         .map(|k| FoldingMap::new(&pattern, &tree, &fold(f64::from(k) / 50.0)))
         .collect();
     let mut scene = CollisionScene::new(&pattern);
-    // Room for the hierarchy's stack is made in the first round.
+    // The first round allocates the hierarchy's stack.
     let round = |scene: &mut CollisionScene| {
         for map in &maps {
             assert_eq!(scene.deepest_crossing(map, 0.0, 0.0), None);

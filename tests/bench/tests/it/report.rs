@@ -1,4 +1,4 @@
-//! The report's method does what it says, and the section can be printed.
+//! Does the report's method do what it claims, and can the section be printed?
 
 use core::f64::consts::FRAC_PI_2;
 use core::time::Duration;
@@ -30,7 +30,7 @@ fn settings(algorithm: Algorithm) -> Settings {
     }
 }
 
-/// Worst deformation at some configurations of the unknowns, by products of 4x4 matrices.
+/// Returns the largest deformation at some configurations of the unknowns, by products of 4x4 matrices.
 fn deformation(sheet: &Sheet, configurations: &[Vec<f64>]) -> f64 {
     let at = |angles: &Vec<f64>| {
         let creases = sheet.groups.expand(angles);
@@ -50,7 +50,7 @@ fn every_algorithm_finds_a_path_of_the_small_miura_within_the_bound() {
             assert_eq!(run.knots.last(), Some(&sheet.goal_angles));
             let at_knots = deformation(&sheet, &run.knots);
             assert!(at_knots <= 0.05 + 1e-12, "{algorithm:?}: {at_knots}");
-            // Nothing keeps the bound between, but a path is no jump.
+            // Nothing keeps the bound between knots, but the path does not jump.
             let between = deformation(&sheet, &straight_between(&run.knots));
             assert!(between < 0.2, "{algorithm:?}: {between}");
         }
@@ -79,7 +79,7 @@ fn each_run_is_as_its_seed_says() {
     assert_ne!(run(3), run(4));
 }
 
-/// A vertex of which one crease alone turns, by a right angle: L is that turn, and ‖L − I‖ is 2.
+/// At a vertex only one crease turns, by a right angle: L is this rotation, and ‖L − I‖ is 2.
 #[test]
 fn the_objective_is_that_of_a_turn_done_by_hand() {
     let sheet = miura(2, Freedom::Full);
@@ -90,7 +90,7 @@ fn the_objective_is_that_of_a_turn_done_by_hand() {
         .creases()
         .iter()
         .zip(sheet.groups.memberships());
-    // An unknown counts the way of its crease's letter.
+    // The sign of an unknown is that of its crease's assignment.
     let directions =
         creases.map(|(&edge, of)| of.apply(1.0) * sheet.pattern.direction(edge, vertex));
     let directions: Vec<_> = directions.collect();
@@ -99,8 +99,8 @@ fn the_objective_is_that_of_a_turn_done_by_hand() {
         let mut angles = [0.0; 4];
         angles[crease] = FRAC_PI_2;
         assert!((objective.value(&angles) - 2.0).abs() < 1e-14);
-        // ‖R(θ) − I‖ = 2√2 sin θ/2, with the derivative √2 cos θ/2, here 1; a turn about an axis at the angle β
-        // to this crease's adds cos β of it.
+        // ‖R(θ) − I‖ = 2√2 sin θ/2 has the derivative √2 cos θ/2, here 1. A rotation about an axis at the angle β to
+        // this crease's axis contributes cos β times that.
         let mut gradient = [0.0; 4];
         let value = objective.value_and_gradient(&angles, &mut gradient);
         assert!((value - 2.0).abs() < 1e-14);
@@ -114,7 +114,7 @@ fn the_objective_is_that_of_a_turn_done_by_hand() {
     }
 }
 
-/// What is spared is not missed: the gradient is that of as many values as there are unknowns.
+/// Evaluating few stars again changes nothing: the gradient is that of one whole value for each unknown.
 #[test]
 fn differences_of_few_stars_are_those_of_all() {
     for (size, freedom) in [

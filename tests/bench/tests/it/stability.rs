@@ -1,10 +1,10 @@
-//! What is promised of errors, and that no sheet however extreme is answered wrongly.
+//! Are the promised errors kept, and is no extreme sheet answered wrongly?
 
 use std::path::Path;
 
 use foldpath_bench::stability::{PROMISE, Section, promised, section};
 
-/// A 24x24 Miura through 0 to 179.99 degrees.
+/// The sheet is a 24x24 Miura through 0 to 179.99 degrees.
 #[test]
 fn the_promised_sheet_keeps_its_deformation() {
     let motion = promised(40);
@@ -12,9 +12,9 @@ fn the_promised_sheet_keeps_its_deformation() {
     assert!(worst(motion.double) <= double, "{motion:?}");
     assert!(worst(motion.single) <= single, "{motion:?}");
     assert!(worst(motion.mixed) <= single, "{motion:?}");
-    // What is certified of rounding covers what rounding did, and is no more than was promised.
+    // The certified bound on rounding covers the rounding that is measured, and is no more than promised.
     assert!(worst(motion.double) <= motion.allowed[0] && motion.allowed[0] <= double);
-    // Numbers of 24 bits do show.
+    // Rounding in 24-bit numbers is visible.
     assert!(worst(motion.single) > 1e-7, "{motion:?}");
 }
 

@@ -1,4 +1,5 @@
-//! How Levenberg-Marquardt makes its steps on sheets whose every crease is an unknown.
+//! How many factorisations does Levenberg-Marquardt take, with exact, chord and inexact steps, if every crease is an
+//! unknown?
 
 use foldpath::planner::SparseNormalEquations;
 use foldpath_bench::precision::{Family, Problem};
@@ -75,7 +76,7 @@ impl NormalEquations<f64> for Counted {
     }
 }
 
-/// Factorisations from `start` to closed, and by how much the unknowns have moved in all.
+/// Returns the number of factorisations from `start` to closure, and the distance that the unknowns have moved.
 fn close(problem: &Problem, start: &[f64], steps: Steps) -> (u32, f64) {
     let (stars, n) = (problem.stars(), start.len());
     let mut half = vec![HalfAngle::default(); n];
@@ -106,8 +107,8 @@ fn close(problem: &Problem, start: &[f64], steps: Steps) -> (u32, f64) {
     (equations.factorisations, moved.sum::<f64>().sqrt())
 }
 
-/// To rounding in half the factorisations where they are used again, in one or two with rough steps, and to a configuration
-/// that is hardly farther away.
+/// Closing to rounding takes half the factorisations if factors are reused, and one or two with inexact steps. The
+/// configuration found is hardly farther away.
 #[test]
 fn large_sheets_close_nearby_with_half_the_factorisations() {
     for (family, rows, columns) in [
@@ -129,8 +130,8 @@ fn large_sheets_close_nearby_with_half_the_factorisations() {
     }
 }
 
-/// Hinges that come to stand at half a turn, for which a factor is amended and not made anew, and sheets that close where
-/// they are flat.
+/// Hinges that reach a limit at half a turn, for which the factor is amended instead of made anew, and sheets that
+/// close at the flat configuration.
 #[test]
 fn sheets_with_limits_close_too() {
     for (rows, columns) in [(3, 4), (5, 5), (11, 11)] {

@@ -1,4 +1,4 @@
-//! The short form of the benchmark runs, and what it says holds.
+//! Does the short form of the benchmark run, and do its claims hold?
 
 use std::fs;
 
@@ -17,7 +17,7 @@ fn the_short_form_writes_its_section_and_files() {
             method.name()
         );
     }
-    // Every file that is linked to is there.
+    // Every linked file exists.
     let links = markdown.split("](results/").skip(1);
     let files: Vec<&str> = links.filter_map(|link| link.split(')').next()).collect();
     assert!(files.len() >= 6, "{files:?}");
@@ -39,8 +39,8 @@ fn the_short_form_writes_its_section_and_files() {
     }
 }
 
-/// From a residual of 1e-2 on, each iteration makes half as many digits again at least, and three suffice for 1e-14:
-/// a method of first order would take ten times as many.
+/// From a residual of 1e-2 on, each iteration gains at least half as many digits again, and three iterations suffice
+/// for 1e-14. A method of first order would take ten times as many.
 #[test]
 fn levenberg_marquardt_converges_quadratically() {
     for (family, rows, columns, symmetric) in [
@@ -63,7 +63,8 @@ fn levenberg_marquardt_converges_quadratically() {
     }
 }
 
-/// A large sheet comes near closing in hardly more iterations than a small one: the damping does not grow with it.
+/// A large sheet comes near closure in hardly more iterations than a small one: the damping does not grow with the
+/// sheet.
 #[test]
 fn large_sheets_take_no_more_iterations() {
     for family in [Family::Miura, Family::Yoshimura] {
@@ -79,8 +80,8 @@ fn large_sheets_take_no_more_iterations() {
     }
 }
 
-/// A hinge at half a turn, where its limit ends it, costs hardly an iteration: the others do not count on what is cut
-/// off.
+/// A hinge that its limit stops at half a turn costs hardly an iteration, because the step of the other hinges takes
+/// the stop into account.
 #[test]
 fn hinges_at_their_limits_cost_no_iterations() {
     let problem = Problem::new(Family::Quad, 11, 11, false);
@@ -91,8 +92,8 @@ fn hinges_at_their_limits_cost_no_iterations() {
     }
 }
 
-/// Random angles lead to no folded configuration of a large quad sheet; folding one near flat further does, and sheets near
-/// it close.
+/// Random angles lead to no folded configuration of a large quad sheet. Folding a configuration near flat further does,
+/// and sheets near it close.
 #[test]
 fn the_large_quad_sheet_folds() {
     let problem = Problem::new(Family::Quad, 24, 24, false);
@@ -103,8 +104,8 @@ fn the_large_quad_sheet_folds() {
     }
 }
 
-/// Peers and our solvers see the same objective: all that reach a tolerance are judged by one closure, and what
-/// they return closes as they say.
+/// Peers and foldpath's solvers minimise the same objective. One closure function judges all results, and the returned
+/// configurations close as reported.
 #[test]
 fn what_a_method_returns_closes() {
     let problem = Problem::new(Family::Miura, 3, 3, false);

@@ -1,4 +1,4 @@
-//! The follower on Miura's fold.
+//! The kernel of the follower, on Miura's fold.
 
 use core::f64::consts::PI;
 use core::hint::black_box;
@@ -7,17 +7,17 @@ use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, Options, Place, State};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Node, Spoke, StarsView};
 
-/// Knots of the path, all in the queue, and seconds between two.
+/// `KNOTS`: number of knots of the path, which are all in the queue. `STEP`: seconds between two knots.
 const KNOTS: u16 = 401;
 const STEP: f64 = 0.02;
 /// Microseconds of a tick.
 const TICK: u64 = 1000;
 /// Largest fold angle of the path, radians.
 const TOP: f64 = 2.6;
-/// What cubics between knots and rounding in f32 leave open.
+/// Largest closure residual, which cubics between knots and rounding in `f32` leave.
 const CLOSURE: f32 = 4e-6;
 
-/// Angles and rates of Miura's fold by its closed form, tan(minor/2) = cos 60 tan(major/2).
+/// Returns a knot of Miura's fold by the closed form, tan(minor/2) = cos 60° tan(major/2).
 fn setpoint(number: u16) -> Setpoint<f32, 2> {
     let duration = STEP * f64::from(KNOTS - 1);
     let time = STEP * f64::from(number);

@@ -1,4 +1,4 @@
-//! Kernels of core on a star of four creases, each its own unknown, as in full-DOF planning.
+//! Kernels of core on a star of four creases, each with an unknown of its own, as in planning without crease groups.
 
 use core::hint::black_box;
 
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 /// Fold angles that do not close, radians.
 const ANGLES: [f64; 4] = [-0.9, 1.4, 0.9, 1.4];
-/// Steps of the gradient solver: one more, and nothing is left.
+/// Number of steps of the gradient solver. One more step would reach the solution.
 const STEPS: u32 = 10;
 
 fn star<T: Scalar>() -> [Spoke<T>; 4] {

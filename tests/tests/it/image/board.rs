@@ -11,11 +11,11 @@ use tempfile::TempDir;
 
 use super::image;
 
-/// Names of its sockets: the line to the host, the stop line, the bench, and the emulator's own.
+/// Names of the emulator's sockets: the line to the host, the stop line, the test bench, and the monitor.
 const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
-/// Above the stack.
+/// First address above the stack.
 const STACK_TOP: u32 = 0x2000_4000;
-/// The guard, 1 KiB, ends here.
+/// First address above the guard, which is 1 KiB long.
 const GUARD_END: u32 = 0x2000_0400;
 
 /// A running board.
@@ -29,8 +29,8 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock: without that
-    /// its time would go on, and its watchdog bite, where the emulator has to wait for this machine.
+    /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock. With real time
+    /// instead, the board's watchdog would bite while the emulator waits for this machine.
     pub(crate) fn start(machine: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
@@ -47,7 +47,8 @@ impl Board {
         for name in &SOCKETS[..3] {
             command.args(["-serial", &format!("chardev:{name}")]);
         }
-        // The monitor for people: that for programs has a thread, which the emulator wakes at each byte of a line.
+        // This is the monitor for people. The monitor for programs has a thread, which the emulator would wake at each
+        // byte of a line.
         command.args(["-mon", "chardev=monitor,mode=readline"]);
         command.args(["-icount", "shift=5"]);
         command.arg("-kernel").arg(image("foldpath-controller"));
@@ -70,7 +71,7 @@ impl Board {
         board
     }
 
-    /// The bytes that have come.
+    /// Returns the bytes that have come.
     pub(crate) fn read(&mut self) -> Vec<u8> {
         let mut bytes = [0; 4096];
         match self.line.read(&mut bytes) {
@@ -81,7 +82,7 @@ impl Board {
         }
     }
 
-    /// Sends bytes; returns how many of them the line took.
+    /// Sends bytes and returns the number of bytes that the line took.
     pub(crate) fn write(&mut self, bytes: &[u8]) -> usize {
         match self.line.write(bytes) {
             Ok(count) => count,
@@ -95,28 +96,29 @@ impl Board {
         self.stop.write_all(b"!").unwrap();
     }
 
-    /// Has its hinges fail, as the plant's texts say.
+    /// Makes hinges fail; the plant defines the texts.
     pub(crate) fn bench(&mut self, text: &str) {
         self.bench.write_all(text.as_bytes()).unwrap();
     }
 
-    /// Lets no time pass on the board.
+    /// Stops the time of the board.
     pub(crate) fn freeze(&mut self) {
         self.order("stop");
     }
 
-    /// Lets time go on.
+    /// Lets the time of the board go on.
     pub(crate) fn thaw(&mut self) {
         self.order("cont");
     }
 
-    /// Resets a frozen board, whose memory stays as it is, and lets time go on.
+    /// Resets a frozen board, whose memory stays as it is, and lets its time go on.
     pub(crate) fn reset(&mut self) {
         self.order("system_reset");
         self.thaw();
     }
 
-    /// Microseconds on its clock: the count of its timer, which runs down at 25 MHz, and is 0 before it starts.
+    /// Returns the microseconds of the board's clock, from the count of its timer. The timer runs down at 25 MHz, and
+    /// is 0 before it starts.
     pub(crate) fn micros(&mut self) -> u64 {
         let answer = self.monitor("xp /1wx 0x40000004");
         let (_, count) = answer.split_once(": 0x").expect("an address and a word");
@@ -125,7 +127,7 @@ impl Board {
         u64::from(passed) / 25
     }
 
-    /// So much of its memory.
+    /// Returns `size` bytes of the board's memory.
     pub(crate) fn memory(&mut self, address: usize, size: usize) -> Vec<u8> {
         let file = self.folder.path().join("memory");
         let name = Path::display(&file);
@@ -133,8 +135,8 @@ impl Board {
         std::fs::read(file).unwrap()
     }
 
-    /// Moves all that a frozen board has on its stack down to so many bytes above the guard, as if calls went deep, and
-    /// lets time go on.
+    /// Moves everything on the stack of a frozen board down, as if calls went deep, to `left` bytes above the guard,
+    /// and lets its time go on.
     pub(crate) fn deepen_stack(&mut self, left: u32) {
         let mut debugger = self.debugger();
         let old = u32::from_str_radix(&debugger.ask("pd"), 16)
@@ -142,7 +144,7 @@ impl Board {
             .swap_bytes();
         assert!((GUARD_END..STACK_TOP).contains(&old), "{old:x}");
         let size = STACK_TOP - old;
-        // The stack pointer is a multiple of 8, and the frames on it remember which of 4.
+        // The stack pointer is a multiple of 8, and frames on the stack record whether it was one of 4.
         let new = GUARD_END + left / 8 * 8 + old % 8;
         assert!(new + size <= old);
         let bytes = debugger.ask(&format!("m{old:x},{size:x}"));
@@ -151,7 +153,7 @@ impl Board {
         debugger.tell("D");
     }
 
-    /// Has a function of a frozen board jump to itself where it begins, and lets time go on.
+    /// Makes a function of a frozen board jump to itself at its beginning, and lets the board's time go on.
     pub(crate) fn hang(&mut self, function: u64) {
         let mut debugger = self.debugger();
         debugger.tell(&format!("M{function:x},2:fee7"));
@@ -163,23 +165,23 @@ impl Board {
         let listener = UnixListener::bind(&socket).unwrap();
         self.monitor(&format!("gdbserver unix:{}", socket.display()));
         let mut debugger = Debugger(accept(&listener, &mut self.emulator));
-        // The emulator lets no single register be changed before someone has asked what there are.
+        // The emulator allows no change of a single register before the registers were listed.
         debugger.ask("qXfer:features:read:target.xml:0,1000");
         debugger
     }
 
-    /// Has the emulator do what it has nothing to say about.
+    /// Gives the emulator a command that has no answer.
     fn order(&mut self, command: &str) {
         assert_eq!(self.monitor(command), "", "{command}");
     }
 
-    /// Tells the emulator something, and waits until it has answered.
+    /// Gives the emulator a command and returns its answer.
     fn monitor(&mut self, command: &str) -> String {
         writeln!(self.monitor, "{command}").unwrap();
         self.answer()
     }
 
-    /// What the monitor says behind the echo of a command, up to its next prompt.
+    /// Returns the monitor's text behind the echo of a command, up to its next prompt.
     fn answer(&mut self) -> String {
         let mut bytes = Vec::new();
         while !bytes.ends_with(b"(qemu) ") {
@@ -194,16 +196,16 @@ impl Board {
     }
 }
 
-/// GDB's remote protocol.
+/// A connection in GDB's remote protocol.
 struct Debugger(UnixStream);
 
 impl Debugger {
-    /// Sends a command; returns the answer.
+    /// Sends a command and returns the answer.
     fn ask(&mut self, command: &str) -> String {
         let sum = |text: &str| text.bytes().fold(0_u8, u8::wrapping_add);
         write!(self.0, "${command}#{:02x}", sum(command)).unwrap();
         let mut answer = Vec::new();
-        // An acknowledgement, `$`, the answer, `#`, and its sum.
+        // An answer consists of an acknowledgement, `$`, the text, `#`, and the checksum.
         while answer.iter().rev().nth(2) != Some(&b'#') {
             let mut byte = [0];
             self.0.read_exact(&mut byte).unwrap();
@@ -230,19 +232,19 @@ impl Drop for Board {
             }
             pause();
         }
-        // `timeout` hands this on to the emulator, which the end of `timeout` alone would leave running.
+        // `timeout` forwards this signal to the emulator. Ending `timeout` alone would leave the emulator running.
         let id = self.emulator.id().to_string();
         let _ = Command::new("kill").args(["-TERM", &id]).status();
         let _ = self.emulator.wait();
     }
 }
 
-/// Waits a little.
+/// Waits for a millisecond.
 pub(crate) fn pause() {
     sleep(Duration::from_millis(1));
 }
 
-/// The emulator's end of a line, unless it has ended.
+/// Accepts the emulator's end of a line. Panics if the emulator has ended.
 fn accept(listener: &UnixListener, emulator: &mut Child) -> UnixStream {
     listener.set_nonblocking(true).unwrap();
     loop {

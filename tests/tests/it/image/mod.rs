@@ -11,19 +11,19 @@ use std::process::{Command, Stdio};
 use object::{Object, ObjectSection, ObjectSymbol};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
-/// Seconds until the emulator is ended, whatever becomes of this process.
+/// Seconds after which `timeout` ends the emulator, even if this process is gone.
 pub(crate) const TIME_LIMIT: &str = "60";
 
 /// Name of the image that computes and prints.
 pub(crate) const PROBE: &str = "foldpath-firmware-sim";
 
-/// The image of that name as for a real board.
+/// Builds the image of this name as for a real board, and returns its path.
 pub(crate) fn image(name: &str) -> PathBuf {
     build("fw", &[]).join(name)
 }
 
-/// Builds the images with `settings` in the environment, in a target directory of its own because
-/// the outer cargo may hold the lock of its one. Returns where they are.
+/// Builds the images with `settings` in the environment, and returns their folder. The target directory is another one,
+/// because the outer cargo may hold the lock of its own.
 pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
     let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
     let target_dir = target_dir.join(directory);
@@ -59,7 +59,7 @@ pub(crate) fn turn() -> File {
     file
 }
 
-/// What the probe prints when the emulator runs it to a successful end, in which it counts instructions.
+/// Returns the output of the probe, which counts instructions. Panics unless the emulator runs it to a successful end.
 pub(crate) fn board_output() -> String {
     let run = Command::new("timeout")
         .args(["--foreground", "--kill-after=5", TIME_LIMIT])
@@ -83,7 +83,7 @@ pub(crate) fn board_output() -> String {
     panic!("{problem} ({})\n{output}{errors}", run.status);
 }
 
-/// Names in the symbol table of `image` that contain one of `parts`.
+/// Returns the names in the symbol table of `image` that contain one of `parts`.
 pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
     let elf = object::File::parse(image).unwrap();
     let names: Vec<_> = elf.symbols().filter_map(|s| s.name().ok()).collect();
@@ -95,7 +95,7 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
     names.into_iter().filter(named).map(String::from).collect()
 }
 
-/// Address of the first instruction of the controller's function, or of its variable, whose name contains all `parts`.
+/// Returns the address of the controller's function or variable whose name contains all `parts`.
 pub(crate) fn address(parts: &[&str]) -> u64 {
     let bytes = std::fs::read(image("foldpath-controller")).unwrap();
     let elf = object::File::parse(&*bytes).unwrap();
@@ -103,11 +103,11 @@ pub(crate) fn address(parts: &[&str]) -> u64 {
     let mut symbols = elf.symbols().filter(|s| s.name().is_ok_and(named));
     let symbol = symbols.next().expect("a symbol of that name");
     assert!(symbols.next().is_none(), "two of {parts:?}");
-    // The lowest bit only tells of the kind of its instructions.
+    // The lowest bit only marks Thumb instructions.
     symbol.address() & !1
 }
 
-/// Bytes of these sections of `image`.
+/// Returns the size of these sections of `image`, bytes.
 pub(crate) fn size(image: &[u8], names: &[&str]) -> u64 {
     let elf = object::File::parse(image).unwrap();
     let sections = names.iter().filter_map(|name| elf.section_by_name(name));

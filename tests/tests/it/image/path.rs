@@ -1,4 +1,4 @@
-//! A planned fold as it is streamed.
+//! A planned fold in the form in which it is streamed.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use foldpath_tests::{Planned, path_file, pattern_file};
 /// Largest closure residual that a commanded configuration may have.
 pub(crate) const CLOSURE: f32 = 1e-4;
 
-/// A fold of two groups in numbers of its own.
+/// A fold of two groups that owns its memory.
 pub(crate) struct Fold {
     interpolation: Interpolation,
     times: Vec<f32>,
@@ -32,7 +32,7 @@ pub(crate) struct Fold {
 }
 
 impl Fold {
-    /// A Miura fold of 24 x 24 faces with 1,104 hinges, planned and exported. It takes 2.6 seconds.
+    /// Plans and exports a Miura fold of 24 x 24 faces with 1,104 hinges. The fold takes 2.6 seconds.
     pub(crate) fn miura() -> Self {
         let options = PlanOptions {
             interpolation: Some(Interpolation::Hermite),
@@ -81,7 +81,7 @@ impl Fold {
         }
     }
 
-    /// Number of knots.
+    /// Returns the number of knots.
     pub(crate) fn len(&self) -> usize {
         self.times.len()
     }
@@ -90,7 +90,7 @@ impl Fold {
         &self.limits
     }
 
-    /// The place at which it ends, and the angles there.
+    /// Returns the last place of the path, and the angles at that place.
     pub(crate) fn end(&self) -> (Place<f32>, [f32; 2]) {
         let knot = self.len() - 1;
         let place = Place {
@@ -100,7 +100,7 @@ impl Fold {
         (place, [self.angles[2 * knot], self.angles[2 * knot + 1]])
     }
 
-    /// Seconds from the start of the path to a place.
+    /// Returns the seconds from the start of the path to a place.
     pub(crate) fn time(&self, place: Place<f32>) -> f64 {
         f64::from(self.times[place.knot as usize]) + f64::from(place.into)
     }
@@ -121,14 +121,14 @@ impl Fold {
         StarsView::new(&self.spokes, &self.ends, 2).unwrap()
     }
 
-    /// As it is sent.
+    /// Returns the fold as items for the line.
     pub(crate) fn items(&self) -> PathItems<'_> {
         let place = Place::default();
         let (limits, hinges) = (&self.limits, &self.hinges);
         PathItems::new(self.view(), limits, hinges, self.stars(), CLOSURE, place).unwrap()
     }
 
-    /// The angles that a follower on this machine commands at a place.
+    /// Returns the angles that a follower on this machine commands at a place.
     pub(crate) fn follow(&self, place: Place<f32>) -> [f32; 2] {
         let sheet = SheetView {
             interpolation: self.interpolation,
@@ -159,7 +159,7 @@ impl Fold {
         }
     }
 
-    /// The closure residual of the sheet at these angles.
+    /// Returns the closure residual of the sheet at these angles.
     pub(crate) fn residual(&self, angles: [f32; 2]) -> f32 {
         let mut scratch = [HalfAngle::default(); 2];
         let value = Objective::Max.value(self.stars(), &angles, &mut scratch);

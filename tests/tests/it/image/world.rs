@@ -1,4 +1,4 @@
-//! Hosts, a line with faults and a board, whose every word is judged in the board's own time.
+//! Hosts, a line with faults and a board. Everything that the board says is judged, in the board's own time.
 
 use std::time::Instant;
 
@@ -15,8 +15,8 @@ use rand_pcg::Pcg64;
 use super::board::{Board, pause};
 use super::path::{CLOSURE, Fold};
 
-/// A host's patience is not tested here: the machine may be busy, and the board's time goes up to six times as fast as
-/// that of a machine which is not.
+/// Options of a very patient host, because the machine may be busy, and the board's time may pass six times as fast as
+/// that of the machine.
 const PATIENT: Options = Options {
     retry: 100_000,
     alive: 20_000,
@@ -27,12 +27,12 @@ pub(crate) fn rng(seed: u64) -> Pcg64 {
     Pcg64::new(u128::from(seed), 7)
 }
 
-/// Microseconds in the midst of the path, which takes more than two seconds.
+/// Draws a moment within the path, which takes more than two seconds, microseconds.
 pub(crate) fn moment(seed: u64) -> u64 {
     100_000 + rng(900 + seed).next_u64() % 1_400_000
 }
 
-/// A message as it is on the line.
+/// Returns a frame as its bytes on the line.
 pub(crate) fn stuffed(frame: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     cobs::encode(frame, |byte| bytes.push(byte));
@@ -42,7 +42,7 @@ pub(crate) fn stuffed(frame: &[u8]) -> Vec<u8> {
 /// The library's host.
 pub(crate) struct Host<'a> {
     pub(crate) driver: Driver<'a>,
-    /// Whether it speaks and listens.
+    /// `true` while the host speaks and listens.
     pub(crate) awake: bool,
     pub(crate) reasons: Vec<Reason>,
 }
@@ -63,7 +63,7 @@ impl Host<'_> {
     }
 }
 
-/// What telemetry said last.
+/// Content of the last telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sight {
     pub(crate) time: u64,
@@ -73,25 +73,25 @@ pub(crate) struct Sight {
     pub(crate) angles: Option<[f32; 2]>,
 }
 
-/// All of it. Everything that the board says is judged before the line's faults befall it.
+/// Hosts, line and board. Everything that the board says is judged before the line spoils it.
 pub(crate) struct World<'a> {
     pub(crate) board: Board,
     pub(crate) hosts: Vec<Host<'a>>,
     pub(crate) up: Line<Pcg64>,
     pub(crate) down: Line<Pcg64>,
-    /// All frames of hosts, as they are on the line.
+    /// Bytes of all frames that hosts have sent, as they are on the line.
     pub(crate) spoken: Vec<u8>,
     pub(crate) report: Option<Report>,
     /// Number of reports.
     pub(crate) reports: u64,
     pub(crate) sight: Option<Sight>,
-    /// Telemetry that was judged.
+    /// Number of pieces of telemetry that were judged.
     pub(crate) sights: u64,
-    /// What the board said that is no message.
+    /// Number of frames of the board that are no message.
     pub(crate) garbled: u64,
-    /// The longest that it said nothing, in its own time.
+    /// Longest silence of the board, microseconds of its own time.
     pub(crate) hole: u64,
-    /// Whether nobody takes what it says.
+    /// `true` while nobody reads what the board says.
     deaf: bool,
     fold: &'a Fold,
     start: Instant,
@@ -126,7 +126,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// A host comes.
+    /// Adds a host, which greets the board.
     pub(crate) fn greet(&mut self, persistence: Persistence) {
         let id = 1000 + 7 * u32::try_from(self.hosts.len()).unwrap();
         self.hosts.push(Host {
@@ -140,7 +140,7 @@ impl<'a> World<'a> {
         self.hosts.last().unwrap()
     }
 
-    /// One round of everything.
+    /// Makes one round of all hosts, the line and the board.
     pub(crate) fn step(&mut self) {
         let now = u64::try_from(self.start.elapsed().as_micros()).unwrap();
         for host in self.hosts.iter_mut().filter(|host| host.awake) {
@@ -166,7 +166,7 @@ impl<'a> World<'a> {
         } else {
             self.board.read()
         };
-        // Bytes come and go one by one: whoever looks for each takes the emulator's time.
+        // Bytes pass one at a time, and polling for each of them would take time from the emulator.
         pause();
         for byte in bytes {
             self.incoming.push(byte);
@@ -183,7 +183,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Writes bytes behind what waits for the line.
+    /// Writes bytes behind those that wait for the line.
     pub(crate) fn inject(&mut self, bytes: &[u8]) {
         self.outgoing.extend(bytes);
     }
@@ -195,7 +195,7 @@ impl<'a> World<'a> {
             };
             let message = frame::open::<ToHost<'_>>(frame);
             let Some((_, message)) = message else {
-                // Cut off by a reset that was not asked for.
+                // An unwanted reset has cut off the frame.
                 self.garbled += 1;
                 continue;
             };
@@ -234,14 +234,14 @@ impl<'a> World<'a> {
         }
     }
 
-    /// What has to be true of all that is commanded, whatever went wrong.
+    /// Checks what has to hold of all that is commanded, whatever goes wrong.
     fn judge(&mut self, before: Option<Sight>) {
         let sight = self.sight.unwrap();
         let Some(angles) = sight.angles else {
             return;
         };
         self.sights += 1;
-        // Nothing is executed that was not sent, and what is, is what this machine makes of it.
+        // Nothing is executed that was not sent, and every command equals that of a follower on this machine.
         let reached = sight.place.knot + u32::from(sight.place.into > 0.0);
         assert!(Some(reached) <= self.sent, "{sight:?} {:?}", self.sent);
         let followed = self.fold.follow(sight.place);
@@ -253,7 +253,7 @@ impl<'a> World<'a> {
         let Some((before, Some(stood))) = before.map(|before| (before, before.angles)) else {
             return;
         };
-        // In the time of the board, of which a tick may be missing.
+        // The limit holds in the time of the board, plus a tick that may be missing.
         let passed = sight.time.checked_sub(before.time);
         let passed = passed.unwrap_or_else(|| panic!("reset: {before:?} {sight:?}"));
         let passed = 1e-6 * passed as f64 + 1e-3;
@@ -265,25 +265,25 @@ impl<'a> World<'a> {
         assert!((0.0..=passed).contains(&gone), "{before:?} {sight:?}");
     }
 
-    /// Runs until something is so.
+    /// Runs until `so` returns `true`.
     pub(crate) fn until(&mut self, so: impl Fn(&Self) -> bool) {
         while !so(self) {
             self.step();
         }
     }
 
-    /// The board's time, once it has told one.
+    /// Returns the board's time, 0 before it has told one.
     pub(crate) fn time(&self) -> u64 {
         self.sight.map_or(0, |sight| sight.time)
     }
 
-    /// Runs for so many microseconds of the board's time.
+    /// Runs for `micros` microseconds of the board's time.
     pub(crate) fn run(&mut self, micros: u64) {
         let end = self.time() + micros;
         self.until(|world| world.time() >= end);
     }
 
-    /// Runs for so many microseconds of the board's time, in which nobody takes what it says.
+    /// Runs for `micros` microseconds of the board's time, in which nobody reads what the board says.
     pub(crate) fn neglect(&mut self, micros: u64) {
         let start = self.board.micros();
         self.deaf = true;
@@ -295,7 +295,8 @@ impl<'a> World<'a> {
         self.deaf = false;
     }
 
-    /// Runs until the board is reset; returns how many microseconds behind `start`, on its clock, it still was not.
+    /// Runs until the board is reset. Returns the last reading of its clock before the reset, in microseconds after
+    /// `start`.
     pub(crate) fn until_reset(&mut self, start: u64) -> u64 {
         let mut last = start;
         loop {
@@ -308,7 +309,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Freezes the board and hears all that it has said.
+    /// Freezes the board and reads everything that it has said.
     pub(crate) fn freeze(&mut self) {
         self.board.freeze();
         let mut quiet = 0;
@@ -324,7 +325,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The board was reset: what it was about to say was cut off, and its clock began anew.
+    /// Forgets everything from before a reset: the frame that was cut off, and the clock, which has begun anew.
     pub(crate) fn forget(&mut self) {
         self.incoming.clear();
         self.garbled = 0;
@@ -332,7 +333,7 @@ impl<'a> World<'a> {
         (self.report, self.sight) = (None, None);
     }
 
-    /// Runs until a moment in the midst of the motion, which a busy machine may have held for a while.
+    /// Runs until a moment within the motion. A busy machine may have held the motion for a while.
     pub(crate) fn run_into(&mut self, micros: u64) {
         self.until(|world| world.sight.is_some_and(|s| s.state == State::Running));
         self.run(micros);
@@ -343,7 +344,7 @@ impl<'a> World<'a> {
         });
     }
 
-    /// Runs until the last host knows that the fold is done, and the board has told so.
+    /// Runs until the last host knows that the fold is done and the board has said so.
     pub(crate) fn finish(&mut self) {
         loop {
             self.step();
