@@ -1,9 +1,10 @@
 //! Tests the results of the commands, and how runs end.
 
 use std::fs::{self, File};
+use std::process::Command;
 
 use crate::common::{PATTERNS, folder, folder_with_path};
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[test]
 fn a_pattern_goes_from_generate_to_view() {
@@ -33,6 +34,22 @@ fn a_pattern_goes_from_generate_to_view() {
         assert_eq!(folder.names(), ["a.fold", "path.fold", "path.html"]);
         assert!(folder.read("path.html").starts_with("<!doctype html>"));
     }
+}
+
+/// `cargo run` at the root, as the README has it, names no program: only one of the default packages may have one.
+#[test]
+fn cargo_run_means_this_command() {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["metadata", "--no-deps", "--locked", "--format-version", "1"]);
+    let output = cargo.output().unwrap();
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let default_members = metadata["workspace_default_members"].as_array().unwrap();
+    let packages = metadata["packages"].as_array().unwrap().iter();
+    let default_packages = packages.filter(|package| default_members.contains(&package["id"]));
+    let targets = default_packages.flat_map(|package| package["targets"].as_array().unwrap());
+    let programs = targets.filter(|target| target["kind"] == json!(["bin"]));
+    let names: Vec<&Value> = programs.map(|program| &program["name"]).collect();
+    assert_eq!(names, [&json!("foldpath")]);
 }
 
 #[test]
