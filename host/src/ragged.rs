@@ -98,7 +98,9 @@ impl<T> Ragged<T> {
 }
 
 impl<T> Ragged<T> {
-    fn range(&self, list: usize) -> Range<usize> {
+    /// Returns the positions of the items of a list in [`items`](Self::items).
+    #[must_use]
+    pub fn range(&self, list: usize) -> Range<usize> {
         let start = list.checked_sub(1).map_or(0, |before| self.ends[before]);
         start as usize..self.ends[list] as usize
     }

@@ -7,6 +7,7 @@
 
 mod at_knots;
 mod attempt;
+mod cholesky;
 mod chord;
 mod course;
 mod crossings;

@@ -410,11 +410,11 @@ impl Equations {
     ) -> Self {
         let n = stars.unknowns();
         let find = || Structure::new(stars, loops).map(Rc::new);
-        let sparse = (n > DENSE)
-            .then(|| SparseNormalEquations::of(structure.get_or_init(find).clone()?))
+        let structure = (n > DENSE)
+            .then(|| structure.get_or_init(find).clone())
             .flatten();
-        match sparse {
-            Some(sparse) => Self::Sparse(Box::new(sparse)),
+        match structure {
+            Some(structure) => Self::Sparse(Box::new(SparseNormalEquations::of(structure))),
             None => Self::Dense(vec![0.0; DenseNormalEquations::<f64>::memory(n)]),
         }
     }

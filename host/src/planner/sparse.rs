@@ -1,4 +1,4 @@
-//! Sparse normal equations: faer's Cholesky factorisation behind core's trait, for sheets whose every crease is an
+//! Sparse normal equations: a sparse Cholesky factorisation behind core's trait, for sheets whose every crease is an
 //! unknown.
 //!
 //! JᵀJ couples two unknowns only if a star or loop has both, so that each pair has a fixed place in the matrix. The
@@ -9,20 +9,11 @@
 use core::cell::OnceCell;
 use std::rc::Rc;
 
-use faer::Conj;
-use faer::Par;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{MatMut, Side};
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
 use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
 use nalgebra::Vector3;
 
+use super::cholesky::{Factor, Symbolic};
 use crate::ragged::{Ragged, group_by_key};
 
 /// Place of an entry above the diagonal, which is not stored.
@@ -46,16 +37,13 @@ pub struct SparseNormalEquations {
     spare: Vec<Vec<f64>>,
     /// Workspace of conjugate gradients.
     scratch: [Vec<f64>; 3],
-    /// The diagonal without damping while the matrix is being factorised.
-    undamped: Vec<f64>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
+    factor: Factor,
 }
 
 /// Sparse structure of the equations of some stars and loops, which does not depend on the angles.
 pub(super) struct Structure {
-    column_ends: Vec<u32>,
-    rows: Vec<u32>,
+    /// Number of entries of the lower triangle.
+    entries: usize,
     /// Place of the diagonal entry of each unknown: the first of its column.
     diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
@@ -66,40 +54,37 @@ pub(super) struct Structure {
     unknowns: Ragged<u32>,
     /// For each unknown, the blocks of rows that have it, once they were asked for.
     touching: OnceCell<Ragged<u32>>,
-    symbolic: SymbolicCholesky<u32>,
+    symbolic: Symbolic,
 }
 
 impl SparseNormalEquations {
-    /// Finds the sparse structure and the elimination order. Returns `None` if memory does not suffice.
+    /// Finds the sparse structure and the elimination order. Returns `None` if there are too many entries to number them
+    /// in 31 bits.
     #[must_use]
     pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
-        Self::of(Rc::new(Structure::new(stars, loops)?))
+        Some(Self::of(Rc::new(Structure::new(stars, loops)?)))
     }
 
-    /// Makes equations of this structure. Returns `None` if memory does not suffice.
-    pub(super) fn of(structure: Rc<Structure>) -> Option<Self> {
-        let symbolic = &structure.symbolic;
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let scratch = scratch.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+    /// Makes equations of this structure.
+    pub(super) fn of(structure: Rc<Structure>) -> Self {
         let n = structure.diagonal.len();
-        Some(Self {
-            values: vec![0.0; structure.rows.len()],
+        Self {
+            values: vec![0.0; structure.entries],
             gradient: vec![0.0; n],
             jacobian: Ragged::default(),
             assembled: false,
             amended: Vec::new(),
             spare: Vec::new(),
             scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
-            undamped: vec![0.0; n],
-            factor: vec![0.0; symbolic.len_val()],
-            memory: MemBuffer::try_new(scratch).ok()?,
+            factor: Factor::new(&structure.symbolic),
             structure,
-        })
+        }
     }
 }
 
 impl Structure {
-    /// Finds the sparse structure and the elimination order. Returns `None` if memory does not suffice.
+    /// Finds the sparse structure and the elimination order. Returns `None` if there are too many entries to number them
+    /// in 31 bits.
     pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
         let count = stars.len();
@@ -146,17 +131,9 @@ impl Structure {
         let unknowns = cycles.iter().map(|spokes| spokes.iter().map(|s| s.group.0));
         let unknowns: Ragged<u32> = unknowns.collect();
         let diagonal = column_ends[..n].to_vec();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &column_ends, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .ok()?;
+        let symbolic = Symbolic::new(&column_ends, &rows)?;
         Some(Self {
-            column_ends,
-            rows,
+            entries: rows.len(),
             diagonal,
             places,
             stars: count,
@@ -322,42 +299,13 @@ impl NormalEquations<f64> for SparseNormalEquations {
         self.assemble();
         let columns = self.amended.drain(..).map(|(_, column)| column);
         self.spare.extend(columns);
-        let structure = &*self.structure;
-        for (&place, entry) in structure.diagonal.iter().zip(&mut self.undamped) {
-            *entry = self.values[place as usize];
-            self.values[place as usize] += damping;
-        }
-        let n = self.gradient.len();
-        let pattern = SymbolicSparseColMatRef::new_checked(
-            n,
-            n,
-            &structure.column_ends,
-            None,
-            &structure.rows,
-        );
-        let matrix = SparseColMatRef::new(pattern, &self.values);
-        let factorised = structure.symbolic.factorize_numeric_llt(
-            &mut self.factor,
-            matrix,
-            Side::Lower,
-            LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
-        let definite = factorised.is_ok();
-        for (&place, &entry) in structure.diagonal.iter().zip(&self.undamped) {
-            self.values[place as usize] = entry;
-        }
-        definite
+        let symbolic = &self.structure.symbolic;
+        symbolic.factorise(&self.values, damping, &mut self.factor)
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {
-        let n = self.gradient.len();
-        let factor = LltRef::new(&self.structure.symbolic, &self.factor);
-        let columns = MatMut::from_column_major_slice_mut(right_side, n, 1);
-        let stack = MemStack::new(&mut self.memory);
-        factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+        let symbolic = &self.structure.symbolic;
+        symbolic.solve(&mut self.factor, right_side);
         // Schur complement: each fixed unknown is taken out of the solution along its column of the inverse.
         for (held, column) in &self.amended {
             let part = right_side[*held] / column[*held];

@@ -3,8 +3,7 @@
 //!
 //! Times on a shared machine differ by a tenth from run to run; the number of instructions of a program on fixed input
 //! does not. The figures hold for the toolchain in `rust-toolchain.toml`, the profile dist and x86-64 without further
-//! features. Code that chooses instructions at run time (glibc, and faer in the plan with every crease an unknown) is
-//! counted on a processor with AVX2.
+//! features. glibc chooses instructions at run time; it is counted on a processor with AVX2.
 
 mod callgrind;
 mod figures;
