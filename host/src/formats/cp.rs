@@ -13,6 +13,7 @@ use super::FileError;
 use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
+use crate::progress::Watch;
 
 /// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 28;
@@ -22,7 +23,11 @@ pub(super) const LARGEST_FILE: u64 = 1 << 28;
 ///
 /// # Errors
 /// If a line of the text has another form, or the lines form no crease pattern.
-pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
+pub(super) fn parse_pattern(
+    path: &Path,
+    text: &str,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
     let mut segments = Vec::new();
     let mut auxiliary: BTreeMap<u8, usize> = BTreeMap::new();
     let mut commas = 0_usize;
@@ -88,5 +93,5 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
     if commas > 0 {
         notes.push(format!("numbers with a comma for the point: {commas}"));
     }
-    pattern_file(path, segments, 0.0, notes)
+    pattern_file(path, segments, 0.0, notes, watch)
 }

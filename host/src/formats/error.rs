@@ -64,6 +64,12 @@ pub enum FileError {
         /// The defect of the drawing.
         source: PatternError,
     },
+    /// The caller cancelled reading.
+    #[error("{}: reading was cancelled", path.display())]
+    Cancelled {
+        /// The file.
+        path: PathBuf,
+    },
     /// The shape in the file is no surface of flat faces.
     #[error("{}: {source}", path.display())]
     Shape {
@@ -87,6 +93,7 @@ impl FileError {
             | Self::Expected { path, .. }
             | Self::Trajectory { path, .. }
             | Self::Pattern { path, .. }
+            | Self::Cancelled { path }
             | Self::Shape { path, .. } => path,
         }
     }
@@ -97,7 +104,10 @@ impl FileError {
     pub fn locate(&self) -> Option<(String, Range<usize>)> {
         let text = self.text_again()?;
         let span = match self {
-            Self::Io { .. } | Self::Trajectory { .. } | Self::Shape { .. } => None,
+            Self::Io { .. }
+            | Self::Trajectory { .. }
+            | Self::Cancelled { .. }
+            | Self::Shape { .. } => None,
             Self::Syntax { line, column, .. } => locate::at_position(&text, *line, *column),
             Self::Expected { place, found, .. } => span_of(&text, place, found),
             Self::Pattern { frame, source, .. } => {

@@ -26,6 +26,7 @@ use std::path::Path;
 
 pub use error::FileError;
 
+use crate::progress::{Progress, Stage, Watch};
 use crate::unfold::FoldedShape;
 
 /// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp` or `.obj`; every other
@@ -48,11 +49,40 @@ pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
 /// # Errors
 /// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<fold::PatternFile, FileError> {
+    parse_within(path, bytes, Watch::default())
+}
+
+/// Parses a crease pattern as [`parse_pattern`] does, until `progress` is cancelled. The repair of a drawing and the
+/// check of its edges against each other end early; the other parts take time in proportion to the size of the file.
+///
+/// # Errors
+/// If the bytes hold no flat crease pattern, or the call was cancelled.
+pub fn parse_pattern_watched(
+    path: &Path,
+    bytes: &[u8],
+    progress: &Progress,
+) -> Result<fold::PatternFile, FileError> {
+    let watch = Watch::new(progress);
+    watch.begin(Stage::Reading);
+    parse_within(path, bytes, watch).map_err(|error| {
+        if progress.is_cancelled() {
+            let path = path.to_path_buf();
+            return FileError::Cancelled { path };
+        }
+        error
+    })
+}
+
+fn parse_within(
+    path: &Path,
+    bytes: &[u8],
+    watch: Watch<'_>,
+) -> Result<fold::PatternFile, FileError> {
     match ending(path).as_str() {
-        "svg" => svg::parse_pattern(path, text(path, bytes)?),
-        "cp" => cp::parse_pattern(path, text(path, bytes)?),
-        "obj" => obj::parse_pattern(path, text(path, bytes)?),
-        _ => fold::parse_pattern(path, bytes),
+        "svg" => svg::parse_pattern(path, text(path, bytes)?, watch),
+        "cp" => cp::parse_pattern(path, text(path, bytes)?, watch),
+        "obj" => obj::parse_pattern(path, text(path, bytes)?, watch),
+        _ => fold::parse_within(path, bytes, watch),
     }
 }
 

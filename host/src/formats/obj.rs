@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use super::fold::{FLAT_PATTERN, NOT_FLAT, PatternFile, lay};
 use super::{FileError, ShapeFile, merge, stem};
 use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
+use crate::progress::Watch;
 use crate::unfold::{FoldedShape, ShapeEdge};
 
 /// Largest size of a file, bytes.
@@ -40,7 +41,11 @@ pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileErro
 ///
 /// # Errors
 /// Those of [`parse_shape`], or if the vertices lie in no plane or form no crease pattern.
-pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
+pub(super) fn parse_pattern(
+    path: &Path,
+    text: &str,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
     let (shape, mut notes) = parse(path, text)?;
     let Some(vertices) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
         return Err(FileError::Expected {
@@ -86,11 +91,12 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
         edges,
         faces: Some(shape.faces),
     };
-    let mut pattern = CreasePattern::new(drawing).map_err(|source| FileError::Pattern {
-        path: path.to_path_buf(),
-        frame: String::new(),
-        source,
-    })?;
+    let mut pattern =
+        CreasePattern::watched(drawing, watch).map_err(|source| FileError::Pattern {
+            path: path.to_path_buf(),
+            frame: String::new(),
+            source,
+        })?;
     notes.into_iter().for_each(|note| pattern.assume(note));
     Ok(PatternFile {
         title: stem(path),

@@ -17,6 +17,7 @@ use self::planar::{Looks, planar};
 use super::FileError;
 use super::fold::PatternFile;
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, PatternError};
+use crate::progress::Watch;
 
 /// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MOST: usize = 1 << 22;
@@ -42,6 +43,7 @@ pub(super) fn pattern_file(
     segments: Vec<Segment>,
     rounding: f64,
     notes: Vec<String>,
+    watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let expected = |expected: String, found: String| FileError::Expected {
         path: path.to_path_buf(),
@@ -63,15 +65,15 @@ pub(super) fn pattern_file(
         let most = format!("at most {MOST} lines and crossings, and not too many near each other");
         expected(most, found)
     };
-    let (drawing, mut repairs) = planar(segments, rounding).ok_or_else(too_many)?;
+    let (drawing, mut repairs) = planar(segments, rounding, watch).ok_or_else(too_many)?;
     if drawing.edges.len() < 3 {
         let found = format!("{drawn} lines, none of which does");
         return Err(expected("lines that enclose faces".into(), found));
     }
-    let mut pattern = checked(path, drawing.clone())?;
-    let (drawing, left_out) = without_islands(&pattern, drawing).ok_or_else(too_many)?;
+    let mut pattern = checked(path, drawing.clone(), watch)?;
+    let (drawing, left_out) = without_islands(&pattern, drawing, watch).ok_or_else(too_many)?;
     if left_out > 0 {
-        pattern = checked(path, drawing)?;
+        pattern = checked(path, drawing, watch)?;
         repairs.push(format!(
             "lines inside a panel and joined to nothing, which could not fold, left out with what they \
              enclose: {left_out}"
@@ -89,12 +91,12 @@ pub(super) fn pattern_file(
 }
 
 /// Makes the crease pattern of a drawing; an error names its place in the file.
-fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
+fn checked(path: &Path, drawing: Drawing, watch: Watch<'_>) -> Result<CreasePattern, FileError> {
     let vertices = drawing.vertices.clone();
     let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
     // The file's own coordinates, in which y points down.
     let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
-    CreasePattern::new(drawing).map_err(|source| {
+    CreasePattern::watched(drawing, watch).map_err(|source| {
         if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
             let [from, to] = edges[edge].map(|end| written(vertices[end]));
             return FileError::Expected {
@@ -118,7 +120,11 @@ fn checked(path: &Path, drawing: Drawing) -> Result<CreasePattern, FileError> {
 
 /// Removes the islands: sheets that lie inside a face of another sheet. Returns the drawing and the number of lines
 /// removed, or `None` if the budget of proximity tests is used up.
-fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Drawing, usize)> {
+fn without_islands(
+    pattern: &CreasePattern,
+    mut drawing: Drawing,
+    watch: Watch<'_>,
+) -> Option<(Drawing, usize)> {
     if pattern.sheets() < 2 {
         return Some((drawing, 0));
     }
@@ -142,7 +148,7 @@ fn without_islands(pattern: &CreasePattern, mut drawing: Drawing) -> Option<(Dra
     // islands are skipped.
     faces.sort_by(|a, b| (b.1.x - b.0.x).total_cmp(&(a.1.x - a.0.x)));
     let mut island = vec![false; pattern.sheets()];
-    let mut looks = Looks::for_lines(drawing.edges.len());
+    let mut looks = Looks::for_lines(drawing.edges.len(), watch);
     for (low, high, around, face) in faces {
         if island[around] {
             continue;

@@ -25,6 +25,7 @@ use super::FileError;
 use super::segments::{MOST, Segment, pattern_file};
 use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
+use crate::progress::Watch;
 
 /// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 26;
@@ -36,7 +37,11 @@ const NODES: u32 = 1 << 21;
 ///
 /// # Errors
 /// If the text is no SVG, asks for too much work, strokes a curve, or its lines form no crease pattern.
-pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, FileError> {
+pub(super) fn parse_pattern(
+    path: &Path,
+    text: &str,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
     let error = |place: String, expected: &str, found: String| FileError::Expected {
         path: path.to_path_buf(),
         place,
@@ -96,7 +101,7 @@ pub(super) fn parse_pattern(path: &Path, text: &str) -> Result<PatternFile, File
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
-    pattern_file(path, segments, rounding.fold(0.0, f64::max), notes)
+    pattern_file(path, segments, rounding.fold(0.0, f64::max), notes, watch)
 }
 
 /// Place of an error, the value expected at that place and the value found.

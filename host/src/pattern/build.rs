@@ -11,6 +11,7 @@ use super::triangulate::triangulate;
 use super::{
     CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
 };
+use crate::progress::Watch;
 use crate::ragged::{Ragged, group_by_key};
 
 impl CreasePattern {
@@ -18,11 +19,16 @@ impl CreasePattern {
     ///
     /// # Errors
     /// If the drawing is not a planar graph of simple faces, or contradicts itself.
-    pub fn new(mut drawing: Drawing) -> Result<Self, PatternError> {
+    pub fn new(drawing: Drawing) -> Result<Self, PatternError> {
+        Self::watched(drawing, Watch::default())
+    }
+
+    /// Builds a crease pattern as [`new`](Self::new) does, until the watch is over.
+    pub(crate) fn watched(mut drawing: Drawing, watch: Watch<'_>) -> Result<Self, PatternError> {
         check_lists(&drawing)?;
         let mut assumptions = Vec::new();
         let places = places(&drawing, &mut assumptions);
-        planarity::check(&drawing, &places)?;
+        planarity::check(&drawing, &places, watch)?;
         let mut stars = sorted_stars(&drawing);
         let traced = drawing.faces.is_none();
         let mut faces = match drawing.faces.take() {

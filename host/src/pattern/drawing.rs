@@ -30,6 +30,9 @@ pub struct Drawing {
 /// Reason why a drawing is no crease pattern. The texts use FOLD's keys, so that the place can be found in a file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PatternError {
+    /// The caller cancelled the call.
+    #[error("the check of the drawing was cancelled")]
+    Cancelled,
     /// There is nothing to fold.
     #[error("{key}: expected at least {least} entries, found {found}")]
     TooFew {

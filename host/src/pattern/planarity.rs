@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
 use super::{Drawing, PatternError};
+use crate::progress::Watch;
 use crate::ragged::group_by_key;
 
 /// Mean number of cells covered by an edge above which the grid is made coarser.
@@ -16,7 +17,11 @@ const PAIRS: [usize; 2] = [1 << 10, 1 << 27];
 /// Checks every pair of edges that come near each other. A uniform grid with cells of about one edge length finds these
 /// pairs in expected linear time. The orientation tests are exact. Vertices at the same place count as one: `places`
 /// has for each vertex the first vertex at its place.
-pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternError> {
+pub(super) fn check(
+    drawing: &Drawing,
+    places: &[usize],
+    watch: Watch<'_>,
+) -> Result<(), PatternError> {
     let mut cell = mean_extent(drawing);
     let covered = |cell: f64| -> f64 {
         let cells = |e: &super::DrawnEdge| {
@@ -57,6 +62,9 @@ pub(super) fn check(drawing: &Drawing, places: &[usize]) -> Result<(), PatternEr
         }
         if pairs > most {
             return Err(PatternError::Crowded { edge });
+        }
+        if watch.is_over() {
+            return Err(PatternError::Cancelled);
         }
     }
     Ok(())

@@ -20,6 +20,7 @@ use nalgebra::Vector3;
 use crate::folding::{FoldingMap, SpanningTree, sheets_laid_on};
 use crate::pattern::{CreasePattern, Drawing, PatternError};
 use crate::planner::closure_of;
+use crate::progress::{Progress, Watch};
 use angles::Creases;
 use layout::Layout;
 pub use shape::{FoldedShape, ShapeEdge, ShapeError};
@@ -104,6 +105,26 @@ pub struct Unfolding {
 /// # Errors
 /// If the shape is no surface with two sides, made of flat faces.
 pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding, ShapeError> {
+    unfold_within(shape, options, Watch::default())
+}
+
+/// Unfolds a shape as [`unfold`] does, until `progress` is cancelled. The call ends after the present way to cut.
+///
+/// # Errors
+/// If the shape is no surface with two sides, made of flat faces, or the call was cancelled.
+pub fn unfold_watched(
+    shape: &FoldedShape,
+    options: &UnfoldOptions,
+    progress: &Progress,
+) -> Result<Unfolding, ShapeError> {
+    unfold_within(shape, options, Watch::new(progress))
+}
+
+fn unfold_within(
+    shape: &FoldedShape,
+    options: &UnfoldOptions,
+    watch: Watch<'_>,
+) -> Result<Unfolding, ShapeError> {
     let mut notes = Vec::new();
     let mut surface = Surface::new(shape, options.max_defect, &mut notes)?;
     let creases = Creases::measure(shape, &mut surface, options.max_defect, &mut notes);
@@ -137,9 +158,13 @@ pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding,
         options.attempts.max(1)
     };
     for attempt in 0..tries {
+        if watch.is_over() {
+            return Err(ShapeError::Cancelled);
+        }
+        watch.done(attempt, tries);
         let layout = Layout::new(shape, &surface, &creases, attempt, options.max_defect);
         let (drawing, sources) = layout.drawing(&surface, &creases);
-        match CreasePattern::new(drawing.clone()) {
+        match CreasePattern::watched(drawing.clone(), watch) {
             Ok(pattern) => {
                 measure(shape, &pattern, &sources, &mut unfolding);
                 unfolding.outcome = Outcome::Unfolded;
@@ -149,6 +174,7 @@ pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding,
                 unfolding.drawing = Some(drawing);
                 return Ok(unfolding);
             }
+            Err(PatternError::Cancelled) => return Err(ShapeError::Cancelled),
             // The first way to cut is the plainest, so its overlap is the one to report.
             Err(error) if unfolding.reason.is_none() => {
                 let faces = overlapping(&error, &drawing)

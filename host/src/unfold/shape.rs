@@ -106,6 +106,9 @@ impl FoldedShape {
 /// Reason why a shape cannot be unfolded at all. Faces, edges and vertices are counted from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ShapeError {
+    /// The caller cancelled the call.
+    #[error("unfolding was cancelled")]
+    Cancelled,
     /// There is nothing to unfold.
     #[error("the shape: expected at least one face")]
     NoFaces,

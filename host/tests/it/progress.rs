@@ -3,10 +3,12 @@
 use crate::common::{miura, path_text};
 use foldpath::check::{CheckOptions, check, check_watched};
 use foldpath::formats::fold::{PathFile, parse_path};
+use foldpath::formats::{FileError, parse_pattern_watched, parse_shape};
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan_watched};
 use foldpath::plot::Curves;
 use foldpath::progress::{Progress, Stage};
+use foldpath::unfold::{ShapeError, UnfoldOptions, unfold_watched};
 use foldpath::view::{Scene, page};
 
 /// Returns a small sheet and its plan.
@@ -70,4 +72,39 @@ fn cancelled_curves_and_scenes_lack_clearances() {
     let cancelled = Scene::of_path_watched(&path, &cancelled());
     assert_eq!(cancelled.shapes.len(), scene.shapes.len());
     assert!(cancelled.shapes.iter().all(|s| s.clearance.is_none()));
+}
+
+#[test]
+fn a_cancelled_drawing_is_not_read() {
+    // Two lines of the FOLD file cross, so that it is repaired.
+    let crossed = r#"{"vertices_coords": [[0,0],[1,0],[1,1],[0,1]],
+        "edges_vertices": [[0,1],[1,2],[2,3],[3,0],[0,2],[1,3]],
+        "edges_assignment": ["B","B","B","B","M","V"]}"#;
+    let lines = "1 0 0 1 0\n1 1 0 1 1\n1 1 1 0 1\n1 0 1 0 0\n2 0 0 1 1\n";
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">
+        <path d="M1 1H5V5H1Z" stroke="black" fill="none"/><path d="M1 1L5 5" stroke="red"/></svg>"#;
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    for (name, text) in [
+        ("a.fold", crossed),
+        ("a.cp", lines),
+        ("a.svg", svg),
+        ("a.obj", obj),
+    ] {
+        let read =
+            |progress: &Progress| parse_pattern_watched(name.as_ref(), text.as_bytes(), progress);
+        read(&Progress::new()).unwrap_or_else(|error| panic!("{error}"));
+        let error = read(&cancelled()).unwrap_err();
+        assert!(matches!(error, FileError::Cancelled { .. }), "{error}");
+        assert_eq!(error.to_string(), format!("{name}: reading was cancelled"));
+    }
+}
+
+#[test]
+fn a_cancelled_shape_is_not_unfolded() {
+    let tent = "v 0 0 0\nv 2 0 0\nv 2 1 1\nv 0 1 1\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 5 6\n";
+    let shape = parse_shape("tent.obj".as_ref(), tent.as_bytes(), None).unwrap();
+    let unfold =
+        |progress: &Progress| unfold_watched(&shape.shape, &UnfoldOptions::default(), progress);
+    assert!(unfold(&Progress::new()).unwrap().drawing.is_some());
+    assert_eq!(unfold(&cancelled()).unwrap_err(), ShapeError::Cancelled);
 }

@@ -402,6 +402,18 @@ fn errors_of_the_libraries() {
     insta::assert_snapshot!(said);
 }
 
+#[test]
+fn cancelled_calls_of_the_library() {
+    let path = PathBuf::from("a.fold");
+    let errors: [&dyn core::error::Error; 3] = [
+        &FileError::Cancelled { path },
+        &PatternError::Cancelled,
+        &ShapeError::Cancelled,
+    ];
+    let said: String = errors.iter().map(|error| format!("{error}\n")).collect();
+    insta::assert_snapshot!(said);
+}
+
 /// Returns the variants of errors in a source text, each with the format of its `#[error("...")]`.
 fn formats(source: &str) -> Vec<(String, String)> {
     let attributes = source.split("#[error(").skip(1);

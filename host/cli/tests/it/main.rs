@@ -16,6 +16,7 @@ mod outlook;
 mod path_file;
 mod patterns;
 mod plot;
+mod recorded;
 mod routes;
 mod rust_source;
 mod session;

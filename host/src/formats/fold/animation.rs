@@ -9,6 +9,7 @@ use super::document::{Document, Frame, Located};
 use super::pattern::{goals, pattern_of, points};
 use crate::formats::FileError;
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::progress::Watch;
 
 /// A path read from a file.
 #[derive(Clone, Debug)]
@@ -210,7 +211,7 @@ pub fn parse_path(path: &Path, bytes: &[u8]) -> Result<PathFile, FileError> {
 
 fn path_of(document: &Document) -> Result<PathFile, FileError> {
     let key = document.key_frame();
-    let pattern = pattern_of(document, &key, goals(&key)?.as_ref())?;
+    let pattern = pattern_of(document, &key, goals(&key)?.as_ref(), Watch::default())?;
     let frames = document.frames()?;
     if frames.len() == 0 {
         return Err(document.expected(

@@ -15,6 +15,7 @@ mod write;
 
 pub(crate) use animation::interpolation_name;
 pub use animation::{PathFile, PathKnot, parse_path, read_path};
+pub(super) use pattern::parse_within;
 pub use pattern::{PatternFile, parse_goal, parse_pattern, read_goal, read_pattern};
 pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
 pub use shape::{parse_shape, read_shape};

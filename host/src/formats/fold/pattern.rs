@@ -14,6 +14,7 @@ use crate::formats::{FileError, stem};
 use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
+use crate::progress::Watch;
 
 /// A crease pattern read from a file.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ pub struct PatternFile {
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    pattern(&Document::read(path)?)
+    pattern(&Document::read(path)?, Watch::default())
 }
 
 /// Parses a crease pattern from the bytes of a file; `path` names the file in errors. See [`read_pattern`].
@@ -39,15 +40,23 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 /// # Errors
 /// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
-    pattern(&Document::parse(path, bytes)?)
+    parse_within(path, bytes, Watch::default())
 }
 
-fn pattern(document: &Document) -> Result<PatternFile, FileError> {
+pub(in crate::formats) fn parse_within(
+    path: &Path,
+    bytes: &[u8],
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
+    pattern(&Document::parse(path, bytes)?, watch)
+}
+
+fn pattern(document: &Document, watch: Watch<'_>) -> Result<PatternFile, FileError> {
     let frames = document.frames()?;
     let flat = flat_frame(&frames);
     let frame = frames.get(flat);
     let angles = goal_angles(&frames, &frame)?;
-    let mut file = match pattern_of(document, &frame, angles.as_ref()) {
+    let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
         Ok(file) => file,
         Err(error) => {
             let repairable = matches!(
@@ -60,14 +69,14 @@ fn pattern(document: &Document) -> Result<PatternFile, FileError> {
                     ..
                 }
             );
-            let repaired = repairable.then(|| repaired(document, &frame, angles.as_ref()));
+            let repaired = repairable.then(|| repaired(document, &frame, angles.as_ref(), watch));
             return repaired.flatten().ok_or(error);
         }
     };
     if angles.is_none() {
         match measured(&frames, Some(flat), &file.pattern) {
             Ok(Some(goals)) if goals.leads_away() => {
-                file = pattern_of(document, &frame, Some(&goals))?;
+                file = pattern_of(document, &frame, Some(&goals), watch)?;
                 let note = format!("the goal is measured on {}vertices_coords", goals.frame);
                 file.pattern.assume(note);
             }
@@ -83,7 +92,12 @@ fn pattern(document: &Document) -> Result<PatternFile, FileError> {
 
 /// Makes a crease pattern of edges that form none as they stand, by the repairs for loose lines. Returns `None` if the
 /// repaired lines form no crease pattern, or if the file names faces, which already determine the sheet.
-fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Option<PatternFile> {
+fn repaired(
+    document: &Document,
+    frame: &Frame<'_>,
+    goals: Option<&Goals>,
+    watch: Watch<'_>,
+) -> Option<PatternFile> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals, &mut notes).ok()?;
     if drawing.faces.is_some() {
@@ -99,7 +113,7 @@ fn repaired(document: &Document, frame: &Frame<'_>, goals: Option<&Goals>) -> Op
         })
     });
     let segments = segments.collect::<Option<_>>()?;
-    let file = segments::pattern_file(document.path(), segments, 0.0, notes).ok()?;
+    let file = segments::pattern_file(document.path(), segments, 0.0, notes, watch).ok()?;
     let title = title(document, frame).ok()?;
     Some(PatternFile { title, ..file })
 }
@@ -153,19 +167,21 @@ pub(super) fn pattern_of(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
+    watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals, &mut notes)?;
-    let mut pattern = CreasePattern::new(drawing).map_err(|source| match (&source, goals) {
-        (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
-            goals.place_of(document, source)
-        }
-        _ => FileError::Pattern {
-            path: document.path().to_path_buf(),
-            frame: frame.prefix_of(&source.to_string()),
-            source,
-        },
-    })?;
+    let mut pattern =
+        CreasePattern::watched(drawing, watch).map_err(|source| match (&source, goals) {
+            (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
+                goals.place_of(document, source)
+            }
+            _ => FileError::Pattern {
+                path: document.path().to_path_buf(),
+                frame: frame.prefix_of(&source.to_string()),
+                source,
+            },
+        })?;
     for note in notes {
         pattern.assume(note);
     }

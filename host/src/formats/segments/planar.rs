@@ -12,6 +12,7 @@ use super::places::Places;
 use super::repairs::Repairs;
 use super::{MOST, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
+use crate::progress::Watch;
 use crate::ragged::{Ragged, group_by_key};
 
 /// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
@@ -54,7 +55,11 @@ fn weight(letter: Letter) -> u8 {
 
 /// Makes a planar drawing of the segments and describes the repairs. Returns `None` if there are too many lines or the
 /// budget of proximity tests is used up.
-pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, Vec<String>)> {
+pub(super) fn planar(
+    segments: Vec<Segment>,
+    rounding: f64,
+    watch: Watch<'_>,
+) -> Option<(Drawing, Vec<String>)> {
     if segments.len() > MOST {
         return None;
     }
@@ -83,7 +88,7 @@ pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, 
     repairs.short = segments.len() - pieces.len();
     drop(segments);
     deduplicate(&mut pieces, &mut repairs);
-    let mut looks = Looks::for_lines(pieces.len());
+    let mut looks = Looks::for_lines(pieces.len(), watch);
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     if join_open(
         &places.points,
@@ -102,21 +107,25 @@ pub(super) fn planar(segments: Vec<Segment>, rounding: f64) -> Option<(Drawing, 
     Some((drawing, repairs.in_words(tolerance)))
 }
 
-/// Number of proximity tests that are still allowed.
-pub(super) struct Looks(usize);
+/// Number of proximity tests that are still allowed, none once the caller cancels.
+pub(super) struct Looks<'a> {
+    left: usize,
+    watch: Watch<'a>,
+}
 
-impl Looks {
+impl<'a> Looks<'a> {
     /// Returns the budget for a drawing of `lines` lines.
-    pub(super) fn for_lines(lines: usize) -> Self {
-        Self(LOOKS[1].max(LOOKS[0] * lines))
+    pub(super) fn for_lines(lines: usize, watch: Watch<'a>) -> Self {
+        let left = LOOKS[1].max(LOOKS[0] * lines);
+        Self { left, watch }
     }
 
     pub(super) fn take(&mut self, count: usize) {
-        self.0 = self.0.saturating_sub(count);
+        self.left = self.left.saturating_sub(count);
     }
 
     pub(super) fn are_used_up(&self) -> bool {
-        self.0 == 0
+        self.left == 0 || self.watch.is_over()
     }
 }
 
@@ -126,7 +135,7 @@ fn cut_up(
     places: &mut Places,
     pieces: &mut Vec<DrawnEdge>,
     repairs: &mut Repairs,
-    looks: &mut Looks,
+    looks: &mut Looks<'_>,
 ) -> Option<()> {
     let tolerance = places.tolerance;
     for _ in 0..ROUNDS {
@@ -156,7 +165,7 @@ fn join_open(
     pieces: &mut [DrawnEdge],
     diagonal: f64,
     repairs: &mut Repairs,
-    looks: &mut Looks,
+    looks: &mut Looks<'_>,
 ) -> Option<bool> {
     let mut degrees = vec![0_usize; points.len()];
     for end in pieces.iter().flat_map(|piece| piece.ends) {
@@ -270,7 +279,7 @@ fn crossings(
     points: &[Vector2<f64>],
     pieces: &[DrawnEdge],
     tolerance: f64,
-    looks: &mut Looks,
+    looks: &mut Looks<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
     let lengths = pieces.iter().map(|piece| {
         let [a, b] = line(points, piece);
@@ -348,7 +357,7 @@ fn split(
     points: &[Vector2<f64>],
     pieces: &[DrawnEdge],
     tolerance: f64,
-    looks: &mut Looks,
+    looks: &mut Looks<'_>,
 ) -> Option<Vec<DrawnEdge>> {
     let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
