@@ -42,10 +42,10 @@ fn main() {
                         ..PlanOptions::default()
                     },
                 );
-                match (plan.outcome, plan.path.knots.last()) {
+                match (plan.outcome, plan.knots().last()) {
                     (Outcome::Planned, Some(last)) => format!(
                         "{} ({:.0e}, {:.1})",
-                        plan.path.knots.len(),
+                        plan.knots().len(),
                         plan.certified_deformation.unwrap_or(f64::NAN),
                         last.time
                     ),

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Judged, Outcome, Plan, PlanOptions, plan};
+use foldpath::read::fold::read_pattern;
 
 const PATTERNS: [&str; 8] = [
     "miura-3x3",
@@ -85,7 +85,7 @@ fn stages() {
              {:.1e} |",
             pattern.creases().len(),
             plans[0].unknowns,
-            plans[0].path.knots.len(),
+            plans[0].knots().len(),
             median(|p| p.times.symmetry),
             median(|p| p.times.solve),
             median(|p| p.times.place),

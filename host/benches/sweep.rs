@@ -7,8 +7,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use foldpath::collision::{Sweep, SweepOptions};
-use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::CreasePattern;
+use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, Lattice};
 use foldpath_core::{Curve, Membership};
 

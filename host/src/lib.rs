@@ -1,20 +1,20 @@
 //! Plans how a flat sheet with many hinges folds into a goal shape while every panel stays rigid and
 //! no panel passes through another.
 //!
-//! # From file to path
+//! # From file to motion
 //!
-//! 1. [`formats`] reads a [`pattern`] from FOLD, SVG or CP: a planar graph of creases with the goal's
+//! 1. [`read`] reads a [`pattern`] from FOLD, SVG or CP: a planar graph of creases with the goal's
 //!    fold angles.
 //! 2. [`symmetry`] finds *crease groups* (creases that turn alike) and *essential vertices* (one for
 //!    each distinct closure condition). A Miura fold of any size has 2 groups and 1 such vertex.
 //! 3. [`planner`] follows the motion in group angles from the goal back to the flat sheet with [`foldpath_core`]'s
-//!    solvers, and lifts the path to the whole sheet.
+//!    solvers, lifts it to the whole sheet, and answers with a [`Motion`](motion::Motion).
 //! 4. [`folding`] folds the sheet at every knot and measures deformation and gaps; [`collision`] looks for faces that
 //!    pass through each other, at one configuration or over a whole motion.
 //! 5. [`certificate`] bounds closure over the whole motion between knots, and with it deformation and gap.
 //! 6. [`unfold`](mod@unfold) makes a crease pattern of a folded shape.
-//! 7. [`check`](mod@check) judges a written path afresh; [`view`] makes a page of the path, [`plot`](mod@plot) draws
-//!    its curves, and [`stream`] sends it to a controller.
+//! 7. [`check`](mod@check) judges a motion afresh; [`view`] makes a page of it, [`plot`](mod@plot) draws its curves,
+//!    [`export`] writes it in other formats, and [`stream`] sends it to a controller.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -30,46 +30,39 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Judging, showing and exporting a path
+//! # Judging, showing and exporting a motion
 //!
-//! A path is a FOLD file that other programs can read. [`check`](check::check) judges it from that file alone, and
-//! everything that shows or drives a path is made from the same file:
+//! [`check`](check::check) judges a motion from its knots alone, and everything that shows or drives a sheet takes the
+//! same motion. The path file is a FOLD animation that other programs can read:
 //!
 //! ```
 //! use std::path::Path;
 //!
 //! use foldpath::check::{CheckOptions, check};
-//! use foldpath::formats::{fold, glb, traj::TrajFile};
+//! use foldpath::export::{fold, glb, traj::TrajFile};
 //! use foldpath::generate::Miura;
 //! use foldpath::pattern::CreasePattern;
 //! use foldpath::planner::{Goal, PlanOptions, plan};
+//! use foldpath::read::fold::parse_motion;
 //! use foldpath::{plot, view};
 //!
 //! # let miura = Miura { rows: 4, columns: 4, sector_angle: 60_f64.to_radians(), fold: 0.9 };
 //! # let pattern = CreasePattern::new(miura.drawing()?)?;
-//! let options = PlanOptions { keep_vertices: true, ..PlanOptions::default() };
-//! let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &options);
-//! let writer = fold::PathWriter {
-//!     title: "Miura",
-//!     pattern: &pattern,
-//!     vertices: true,
-//!     seed: 0,
-//!     max_speed: options.max_speed,
-//!     max_acceleration: None,
-//! };
-//! let text = writer.text(&plan.path);
-//!
-//! // Names of files are for messages: nothing is read or written here.
-//! let name = Path::new("path.fold");
-//! let path = fold::parse_path(name, text.as_bytes())?;
-//! let verdict = check(&path, &CheckOptions::default());
+//! let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &PlanOptions::default());
+//! let mut motion = plan.motion.ok_or("no motion")?;
+//! motion.title = "Miura".into();
+//! let verdict = check(&motion, &CheckOptions::default());
 //! assert!(verdict.failures.is_empty(), "{:?}", verdict.failures);
 //!
-//! let page: String = view::page(&view::Scene::of_path(&path));
-//! let curves: String = plot::svg(&plot::Curves::of_path(&path));
-//! let animation: Vec<u8> = glb::content(&path, name)?;
-//! let for_controllers: Vec<u8> = TrajFile::of(&path, name)?.bytes;
+//! let page: String = view::page(&view::Scene::of_path(&motion));
+//! let curves: String = plot::svg(&plot::Curves::of_path(&motion));
+//! // Names of files are for messages: nothing is read or written here.
+//! let name = Path::new("path.fold");
+//! let animation: Vec<u8> = glb::content(&motion, name)?;
+//! let for_controllers: Vec<u8> = TrajFile::of(&motion, name)?.bytes;
 //! assert!(for_controllers.len() < 1000);
+//! let file: String = fold::motion_text(&motion);
+//! assert_eq!(parse_motion(name, file.as_bytes())?.knots.len(), motion.knots.len());
 //! # assert!(page.contains("Miura") && curves.starts_with("<svg") && animation.starts_with(b"glTF"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -98,19 +91,14 @@
 //!     }
 //! }
 //!
-//! # use foldpath::formats::{fold, traj::TrajFile};
+//! # use foldpath::export::traj::TrajFile;
 //! # use foldpath::{generate::Miura, pattern::CreasePattern, planner::{Goal, PlanOptions, plan}};
 //! # let miura = Miura { rows: 3, columns: 3, sector_angle: 60_f64.to_radians(), fold: 0.9 };
 //! # let pattern = CreasePattern::new(miura.drawing()?)?;
-//! # let options = PlanOptions::default();
-//! # let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &options);
-//! # let writer = fold::PathWriter {
-//! #     title: "Miura", pattern: &pattern, vertices: false, seed: 0,
-//! #     max_speed: options.max_speed, max_acceleration: None,
-//! # };
-//! # let text = writer.text(&plan.path);
+//! # let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &PlanOptions::default());
+//! # let motion = plan.motion.ok_or("no motion")?;
 //! # let name = Path::new("path.traj");
-//! # let bytes = TrajFile::of(&fold::parse_path(name, text.as_bytes())?, name)?.bytes;
+//! # let bytes = TrajFile::of(&motion, name)?.bytes;
 //! let path = StreamPath::read(&bytes, name)?;
 //! let options = Options { resume: false, id: 1 };
 //! let summary = stream::run(&mut Sim::new(), &path, options, &mut Watch)?;
@@ -172,17 +160,18 @@ pub mod certificate;
 pub mod check;
 pub mod collision;
 mod colours;
+pub mod export;
 pub mod folding;
-pub mod formats;
 pub mod generate;
 mod joined;
+pub mod motion;
 mod numbers;
 pub mod pattern;
 pub mod planner;
 pub mod plot;
 pub mod progress;
 pub mod ragged;
-pub mod shapes;
+pub mod read;
 pub mod stream;
 pub mod symmetry;
 pub mod unfold;

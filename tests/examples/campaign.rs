@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Parser, Subcommand};
-use foldpath::formats::fold::pattern_text;
+use foldpath::export::fold::pattern_text;
 use foldpath::planner::PlanOptions;
 use foldpath_tests::campaign::{Family, Report, paths, run, stars};
 

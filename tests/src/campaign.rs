@@ -10,12 +10,15 @@ use core::panic::AssertUnwindSafe;
 use core::time::Duration;
 use std::collections::BTreeMap;
 use std::panic::catch_unwind;
+use std::sync::Arc;
 use std::time::Instant;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::PathWriter;
+use foldpath::export::fold::motion_text;
+use foldpath::motion::{GroupNaming, Motion};
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
+use foldpath_core::Interpolation;
 
 use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
 
@@ -265,6 +268,22 @@ impl Tally {
     }
 }
 
+/// Returns the motion of a sheet of which no configuration is known.
+fn without_knots(pattern: &CreasePattern) -> Motion {
+    Motion {
+        title: String::new(),
+        pattern: Arc::new(pattern.clone()),
+        members: vec![None; pattern.edges().len()],
+        naming: GroupNaming::Unnamed,
+        interpolation: Interpolation::Linear,
+        max_speed: None,
+        max_acceleration: None,
+        seed: None,
+        knots: Vec::new(),
+        phases: Vec::new(),
+    }
+}
+
 /// Returns `true` if the plan does not reach its goal and the goal crosses, and the oracle's verdict on the path. The
 /// goals of `rough` sheets close only nearly.
 fn judge(
@@ -274,18 +293,14 @@ fn judge(
     options: &PlanOptions,
     rough: bool,
 ) -> (bool, Verdict) {
-    let writer = PathWriter {
-        title: "",
-        pattern,
-        vertices: true,
-        seed: 0,
-        max_speed: options.max_speed,
-        max_acceleration: options.max_acceleration,
-    };
-    let text = writer.text(&plan.path);
+    let motion = plan
+        .motion
+        .clone()
+        .unwrap_or_else(|| without_knots(pattern));
+    let text = motion_text(&motion);
     let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
-    if !planned && plan.path.knots.is_empty() {
+    if !planned && plan.knots().is_empty() {
         let sheet = serde_json::from_str(&text).and_then(|file| Sheet::of(&file));
         let crosses = crosses(&sheet.expect("a sheet"), &goal);
         return (crosses, Verdict::default());

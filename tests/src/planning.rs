@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use foldpath::formats::FileError;
-use foldpath::formats::fold::{PathFile, PathWriter, PatternFile, read_path, read_pattern};
+use foldpath::export::fold::motion_text;
+use foldpath::motion::Motion;
 use foldpath::planner::{Goal, Plan, PlanOptions, plan};
+use foldpath::read::FileError;
+use foldpath::read::fold::{PatternFile, read_motion, read_pattern};
 use serde_json::Value;
 
 /// A pattern file and its plan.
@@ -39,18 +41,26 @@ impl Planned {
         Self { file, plan }
     }
 
-    /// Returns the path as the text of a FOLD file.
+    /// Returns the motion, titled as its pattern.
+    ///
+    /// # Panics
+    /// If the plan has no motion.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let motion = self.plan.motion.clone().expect("a motion");
+        Motion {
+            title: self.file.title.clone(),
+            ..motion
+        }
+    }
+
+    /// Returns the motion as the text of a FOLD file.
+    ///
+    /// # Panics
+    /// If the plan has no motion.
     #[must_use]
     pub fn text(&self) -> String {
-        let writer = PathWriter {
-            title: &self.file.title,
-            pattern: &self.file.pattern,
-            vertices: true,
-            seed: 0,
-            max_speed: PlanOptions::default().max_speed,
-            max_acceleration: None,
-        };
-        writer.text(&self.plan.path)
+        motion_text(&self.motion())
     }
 }
 
@@ -68,10 +78,10 @@ pub fn pattern_file(name: &str) -> PathBuf {
 ///
 /// # Panics
 /// If a temporary file cannot be written.
-pub fn path_file(text: &str) -> Result<PathFile, FileError> {
+pub fn path_file(text: &str) -> Result<Motion, FileError> {
     let file = tempfile::NamedTempFile::new().expect("a temporary file");
     std::fs::write(file.path(), text).expect("room for a path");
-    read_path(file.path())
+    read_motion(file.path())
 }
 
 /// Returns the goal fold angles of the pattern of this name, degrees, straight from its file.

@@ -7,7 +7,7 @@ use crate::progress::watched;
 use crate::report::outcome;
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::check::{CheckOptions, check_watched};
-use foldpath::formats::fold::read_path;
+use foldpath::read::fold::read_motion;
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         )));
     }
     let (path, verdict) = watched(&args.report, quiet, |progress| {
-        let path = read_path(&args.path)?;
+        let path = read_motion(&args.path)?;
         let options = CheckOptions {
             bound,
             ..CheckOptions::default()

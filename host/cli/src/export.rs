@@ -5,11 +5,13 @@ use foldpath_core::Membership;
 use crate::args::{Colour, Export, ExportFormat};
 use crate::output::{write_each_whole, write_whole};
 use crate::{Answer, CliError, check_output, print};
-use foldpath::formats::fold::{PathFile, read_path};
-use foldpath::formats::traj::TrajFile;
-use foldpath::formats::{FileError, csv, glb, obj_sequence, read_pattern, rust, svg_pattern};
+use foldpath::export::traj::TrajFile;
+use foldpath::export::{csv, glb, obj_sequence, rust, svg_pattern};
+use foldpath::folding::{STEP, deformation_of_faces};
+use foldpath::motion::{GroupNaming, Motion};
 use foldpath::pattern::{CreasePattern, EdgeId};
-use foldpath::shapes::{STEP, deformation_of_faces};
+use foldpath::read::fold::read_motion;
+use foldpath::read::{FileError, read_pattern};
 use foldpath::symmetry::CreaseGroups;
 
 pub(crate) fn run(args: &Export) -> Answer {
@@ -42,7 +44,7 @@ pub(crate) fn run(args: &Export) -> Answer {
 type Content = (String, Vec<u8>, String);
 
 fn path_file(args: &Export) -> Result<Content, FileError> {
-    let path = read_path(&args.path)?;
+    let path = read_motion(&args.path)?;
     let (bytes, content) = match args.to {
         ExportFormat::Traj | ExportFormat::Rust => {
             let file = TrajFile::of(&path, &args.path)?;
@@ -69,7 +71,7 @@ fn path_file(args: &Export) -> Result<Content, FileError> {
             (glb::content(&frames, &args.path)?, content)
         }
         _ => {
-            let text = csv::path_text(&path, &args.path)?;
+            let text = csv::text(&path, &args.path)?;
             (text.into_bytes(), format!("{} knots", path.knots.len()))
         }
     };
@@ -77,13 +79,13 @@ fn path_file(args: &Export) -> Result<Content, FileError> {
 }
 
 /// Returns the path in the number of frames asked for; `None` if no number is given.
-fn resampled(args: &Export, path: &PathFile) -> Option<PathFile> {
+fn resampled(args: &Export, path: &Motion) -> Option<Motion> {
     Some(path.resampled(args.frames?.into()))
 }
 
 /// Writes one OBJ file for each frame.
 fn sequence(args: &Export) -> Answer {
-    let path = read_path(&args.path)?;
+    let path = read_motion(&args.path)?;
     let path = resampled(args, &path).unwrap_or(path);
     let output = &args.output;
     let named_folder = output
@@ -127,11 +129,11 @@ fn drawing(args: &Export) -> Result<Content, FileError> {
                 format!("{} edges by letters", file.pattern.edges().len()),
             )
         }
-        Colour::Groups => match read_path(&args.path) {
-            Ok(path) if !path.members.is_empty() => {
+        Colour::Groups => match read_motion(&args.path) {
+            Ok(path) if path.naming != GroupNaming::Unnamed => {
                 let ranges = ranges(&path);
-                let text =
-                    svg_pattern::by_groups(&path.title, &path.pattern, &path.members, &ranges);
+                let members = path.named_members();
+                let text = svg_pattern::by_groups(&path.title, &path.pattern, members, &ranges);
                 (
                     path.title,
                     text,
@@ -150,7 +152,7 @@ fn drawing(args: &Export) -> Result<Content, FileError> {
             }
         },
         Colour::Deformation => {
-            let path = read_path(&args.path)?;
+            let path = read_motion(&args.path)?;
             let faces = deformation_of_faces(&path);
             let text = svg_pattern::by_deformation(&path.title, &path.pattern, &faces);
             (
@@ -164,13 +166,13 @@ fn drawing(args: &Export) -> Result<Content, FileError> {
 }
 
 /// Returns for each crease group of a path its smallest and largest fold angle, radians.
-fn ranges(path: &PathFile) -> Vec<[f64; 2]> {
+fn ranges(path: &Motion) -> Vec<[f64; 2]> {
     let steps = path.with_steps(STEP);
     let leaders = path.leaders().into_iter();
     let range = |leader: Option<(EdgeId, Membership)>| {
-        let angles = steps.knots.iter().filter_map(|knot| {
+        let angles = (0..steps.knots.len()).filter_map(|knot| {
             let (edge, member) = leader?;
-            Some(member.apply(knot.fold_angles[edge.index()]))
+            Some(member.apply(steps.node(knot, edge).angle))
         });
         extent(angles)
     };

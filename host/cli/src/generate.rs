@@ -3,7 +3,7 @@
 use crate::args::{Family, Generate, Size, TwistLetters};
 use crate::output::write_whole_with;
 use crate::{Answer, print};
-use foldpath::formats::fold::write_pattern;
+use foldpath::export::fold::write_pattern;
 use foldpath::generate::{
     Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura,
 };

@@ -5,9 +5,9 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::CliError;
-use foldpath::formats::FileError;
 use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
 use foldpath::planner::{CLOSED, GoalError, closure_of};
+use foldpath::read::FileError;
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {

@@ -8,8 +8,8 @@ use crate::args::Info;
 use crate::hints::radians;
 use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::folding::{Amplification, SpanningTree};
-use foldpath::formats::read_pattern;
 use foldpath::planner::{CLOSED, closure_of};
+use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 
 #[derive(Serialize)]

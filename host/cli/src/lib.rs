@@ -32,9 +32,9 @@ use clap::Parser;
 use serde::Serialize;
 use thiserror::Error;
 
-use foldpath::formats::FileError;
 use foldpath::generate::ParameterError;
 use foldpath::planner::{GoalError, OptionsError};
+use foldpath::read::FileError;
 
 /// Bad input or usage: exit status 2.
 #[derive(Debug, Error)]

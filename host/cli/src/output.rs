@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use foldpath::formats::FileError;
+use foldpath::read::FileError;
 use tempfile::TempPath;
 
 /// Size of the buffer for writing, bytes.

@@ -11,11 +11,12 @@ use crate::output::write_whole_with;
 use crate::progress::watched;
 use crate::report::outcome;
 use crate::{Answer, CliError, check_output, print, print_json, print_notes};
-use foldpath::formats::fold::{PathWriter, PatternFile, read_goal};
-use foldpath::formats::read_pattern;
+use foldpath::export::fold::write_motion;
 use foldpath::pattern::{CreaseId, CreasePattern};
 use foldpath::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
 use foldpath::progress::{Progress, Stage};
+use foldpath::read::fold::{PatternFile, read_goal};
+use foldpath::read::read_pattern;
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -96,7 +97,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         groups: plan.groups,
         essential_vertices: plan.essential_vertices,
         unknowns: plan.unknowns,
-        knots: plan.path.knots.len(),
+        knots: plan.knots().len(),
         max_deformation: plan.rigidity.deformation,
         certified_deformation: plan.certified_deformation,
         max_closure: plan.max_closure,
@@ -177,16 +178,11 @@ fn planned(
     plan.notes.extend(held_flat(args, &file.pattern, &goal));
     progress.begin(Stage::Writing);
     let start = Instant::now();
-    if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
-        let writer = PathWriter {
-            title: &file.title,
-            pattern: &file.pattern,
-            vertices: args.frames == Frames::Full,
-            seed: args.seed,
-            max_speed: options.max_speed,
-            max_acceleration: options.max_acceleration,
-        };
-        write_whole_with(output, |out| writer.write(&plan.path, out))?;
+    if let Some(motion) = &mut plan.motion {
+        motion.title.clone_from(&file.title);
+        if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
+            write_whole_with(output, |out| write_motion(motion, out))?;
+        }
     }
     let write = start.elapsed();
     Ok(Planned {

@@ -5,8 +5,8 @@ use crate::fonts::Font;
 use crate::output::write_whole;
 use crate::png::png;
 use crate::{Answer, CliError, check_output, print};
-use foldpath::formats::fold::read_path;
 use foldpath::plot::{Curves, svg};
+use foldpath::read::fold::read_motion;
 
 pub(crate) fn run(args: &Plot) -> Answer {
     let output = args.output.display();
@@ -18,7 +18,7 @@ pub(crate) fn run(args: &Plot) -> Answer {
         )));
     }
     check_output("-o", &args.output, [&args.path])?;
-    let path = read_path(&args.path)?;
+    let path = read_motion(&args.path)?;
     let curves = Curves::of_path(&path);
     let text = svg(&curves);
     let picture = if pixels {

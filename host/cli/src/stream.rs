@@ -16,8 +16,8 @@ use crate::progress::{self, PACE, PATIENCE};
 use crate::report::outcome;
 use crate::{Answer, CliError, check_output, print, print_json};
 use foldpath::folding::Rigidity;
-use foldpath::formats::FileError;
-use foldpath::formats::fold::read_path;
+use foldpath::read::FileError;
+use foldpath::read::fold::read_motion;
 use foldpath::stream::{
     self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher,
     Wish, read_script,
@@ -106,7 +106,7 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     let Drives { drive, seed } = args.drives.unwrap_or_default();
     let plant = Plant::new(path, drive, seed, events);
     Ok(match &args.sheet {
-        Some(file) => plant.with_sheet(path, read_path(file)?, file)?,
+        Some(file) => plant.with_sheet(path, read_motion(file)?, file)?,
         None => plant,
     })
 }

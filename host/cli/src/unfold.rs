@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::args::Unfold;
 use crate::output::write_whole_with;
 use crate::{Answer, CliError, check_output, print, print_json, print_notes};
-use foldpath::formats::fold::write_pattern;
-use foldpath::formats::{FileError, read_shape};
+use foldpath::export::fold::write_pattern;
+use foldpath::read::{FileError, read_shape};
 use foldpath::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
 
 #[derive(Serialize)]

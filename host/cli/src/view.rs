@@ -3,12 +3,12 @@
 use crate::args::View;
 use crate::output::write_whole;
 use crate::{Answer, check_output, print};
-use foldpath::formats::fold::read_path;
+use foldpath::read::fold::read_motion;
 use foldpath::view::{Scene, page};
 
 pub(crate) fn run(args: &View) -> Answer {
     check_output("-o", &args.output, [&args.path])?;
-    let path = read_path(&args.path)?;
+    let path = read_motion(&args.path)?;
     let scene = Scene::of_path(&path);
     write_whole(&args.output, page(&scene).as_bytes())?;
     print(&format!(

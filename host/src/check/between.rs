@@ -3,13 +3,12 @@
 use foldpath_core::Curve;
 
 use super::closure::{Effort, Place, SegmentClosure, certify};
-use super::knots::crease_angles;
-use super::motion::Motion;
+use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::formats::fold::PathFile;
+use crate::motion::Motion;
 use crate::progress::Watch;
 use crate::symmetry::{Lattice, ReducedStars};
 
@@ -24,8 +23,8 @@ const MANY_FACES: usize = 4000;
 /// the worst case of the sum of all closure residuals or, if that is too much, by folding the sheet from its
 /// middle and from its rim.
 pub(super) fn check_closure(
-    path: &PathFile,
-    motion: &Motion,
+    path: &Motion,
+    motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
@@ -69,7 +68,7 @@ pub(super) fn check_closure(
 }
 
 /// Returns the worst violation of the bound in words or, if there is none, the worst that cannot be excluded.
-fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
+fn uncertified(path: &Motion, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
     let name = |place: Option<Place>| place.map_or_else(String::new, |at| at.name(&path.pattern));
     let worst = |value: fn(&SegmentClosure) -> f64| {
         let segments = verdict.segments.iter().enumerate();
@@ -102,8 +101,8 @@ fn uncertified(path: &PathFile, options: &CheckOptions, verdict: &Verdict) -> Op
 
 /// Searches the whole motion for faces that pass through each other, and stores the first crossing.
 pub(super) fn check_crossings(
-    path: &PathFile,
-    motion: &Motion,
+    path: &Motion,
+    motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
@@ -170,13 +169,13 @@ fn rounded(verdict: &Verdict) -> f64 {
 }
 
 /// Returns the first knot at which faces pass through each other.
-fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
+fn crossed_knot(path: &Motion, verdict: &Verdict) -> Option<PathCrossing> {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let (mut map, mut scene) = (FoldingMap::flat(pattern), CollisionScene::new(pattern));
-    let mut knots = path.knots.iter().zip(&verdict.knots).enumerate();
-    knots.find_map(|(index, (knot, measured))| {
-        map.fold(pattern, &tree, &crease_angles(pattern, knot));
+    let mut knots = verdict.knots.iter().enumerate();
+    knots.find_map(|(index, measured)| {
+        map.fold(pattern, &tree, &path.crease_angles(index));
         let crossing = scene.deepest_crossing(&map, measured.gap, rounding(measured.gap))?;
         Some(PathCrossing {
             crossing,
@@ -189,8 +188,8 @@ fn crossed_knot(path: &PathFile, verdict: &Verdict) -> Option<PathCrossing> {
 /// Judges shapes at knots and between: deformation of the sheet and, unless the motion is swept, crossings of
 /// faces.
 pub(super) fn check_shapes(
-    path: &PathFile,
-    motion: &Motion,
+    path: &Motion,
+    motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
@@ -200,7 +199,7 @@ pub(super) fn check_shapes(
     let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     let rounded = rounded(verdict);
-    for (index, knot) in path.knots.iter().enumerate() {
+    for index in 0..path.knots.len() {
         if watch.is_over() {
             break;
         }
@@ -214,7 +213,7 @@ pub(super) fn check_shapes(
         for at in inside.chain(scene.is_some().then_some(end)) {
             let between = segment.filter(|_| at < 1.0);
             let angles = between.map_or_else(
-                || crease_angles(pattern, knot),
+                || path.crease_angles(index),
                 |segment| motion.angles(segment, at),
             );
             map.fold(pattern, &tree, &angles);
@@ -269,7 +268,7 @@ fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<String> {
 }
 
 /// Returns the first crossing, in words.
-pub(super) fn first_crossing(path: &PathFile, verdict: &Verdict) -> Option<String> {
+pub(super) fn first_crossing(path: &Motion, verdict: &Verdict) -> Option<String> {
     let first = verdict.crossings.first()?;
     let ([before, knot], at) = (first.between_knots, first.at);
     let place = if at > 0.0 && at < 1.0 {

@@ -3,9 +3,9 @@
 use foldpath_core::Curve;
 
 use super::Measured;
-use super::motion::Motion;
+use super::merged_groups::MergedGroups;
 use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict, rounding};
-use crate::formats::fold::{PathFile, PathKnot};
+use crate::motion::{Knot, Motion};
 use crate::pattern::FaceId;
 use crate::progress::Watch;
 use crate::symmetry::Lattice;
@@ -40,17 +40,17 @@ pub struct Clearances {
 }
 
 /// Returns the clearances of `path` at the knots of `shapes`, which are configurations of its motion, as
-/// [`PathFile::with_steps`] has them; `measured` has the measurements at these knots. Cost: a sweep of the
+/// [`Motion::with_steps`] has them; `measured` has the measurements at these knots. Cost: a sweep of the
 /// motion, and one of each shape.
 #[must_use]
-pub fn clearances(path: &PathFile, shapes: &PathFile, measured: &[Measured]) -> Clearances {
+pub fn clearances(path: &Motion, shapes: &Motion, measured: &[Measured]) -> Clearances {
     clearances_until_over(path, shapes, measured, Watch::default())
 }
 
 /// Returns what [`clearances`] does; once the call is over, the remaining clearances stay unknown.
 pub(crate) fn clearances_until_over(
-    path: &PathFile,
-    shapes: &PathFile,
+    path: &Motion,
+    shapes: &Motion,
     measured: &[Measured],
     watch: Watch<'_>,
 ) -> Clearances {
@@ -59,12 +59,12 @@ pub(crate) fn clearances_until_over(
         shapes: vec![None; shapes.knots.len()],
         worst: None,
     };
-    let motion = Motion::of(path);
+    let motion = MergedGroups::of(path);
     let members = motion.groups.memberships();
     let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
     // Between knots a motion tears even a sheet that could close: only gaps at knots tell of rounded
     // coordinates.
-    let is_knot = |shape: &PathKnot| {
+    let is_knot = |shape: &Knot| {
         let knots = path
             .knots
             .binary_search_by(|knot| knot.time.total_cmp(&shape.time));
@@ -96,11 +96,13 @@ pub(crate) fn clearances_until_over(
         ..unknown
     };
     let moving = found.worst.is_some();
-    for (knot, clearance) in shapes.knots.iter().zip(&mut found.shapes) {
-        let angles = motion.leaders.iter().map(|l| knot.fold_angles[l.index()]);
+    for (index, clearance) in found.shapes.iter_mut().enumerate() {
+        let time = shapes.knots[index].time;
+        let leaders = motion.leaders.iter();
+        let angles = leaders.map(|&leader| shapes.node(index, leader).angle);
         // A motion that stays where it is.
         let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
-        let pair = worst(&still_sweep.sweep(&[still]), |_| knot.time);
+        let pair = worst(&still_sweep.sweep(&[still]), |_| time);
         *clearance = pair.filter(|p| !p.crosses).map(|p| p.distance);
         let worse = |pair: &WorstPair| {
             let rank = |p: &WorstPair| (!p.crosses, p.distance);
@@ -132,7 +134,7 @@ fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPai
 }
 
 /// Returns the time at a place of the motion, in seconds of the path.
-fn time(path: &PathFile, Place { segment, s }: Place) -> f64 {
+fn time(path: &Motion, Place { segment, s }: Place) -> f64 {
     let time = |knot: usize| path.knots.get(knot).map_or(0.0, |knot| knot.time);
     let (from, to) = (time(segment), time((segment + 1).min(path.knots.len() - 1)));
     from + s * (to - from)

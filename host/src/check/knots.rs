@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{CheckOptions, Measured, SAME_ANGLE, Verdict};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_laid_on};
-use crate::formats::fold::{PathFile, PathKnot};
+use crate::motion::{GroupNaming, Motion};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
 /// Ratio of the measured value to a claim above which the claim is false.
@@ -17,23 +17,23 @@ const ROUNDINGS: f64 = 16.0;
 
 /// Measures every knot of a path.
 #[must_use]
-pub fn measure(path: &PathFile) -> Vec<Measured> {
+pub fn measure(path: &Motion) -> Vec<Measured> {
     let pattern = &path.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::flat(pattern);
-    let knots = path.knots.iter().map(|knot| {
-        let angles = crease_angles(pattern, knot);
-        map.fold(pattern, &tree, &angles);
+    let knots = path.knots.iter().enumerate().map(|(index, knot)| {
+        map.fold(pattern, &tree, &path.crease_angles(index));
         let mut rigidity = map.rigidity(pattern, &tree);
         let gap = rigidity.gap;
-        if let Some(written) = &knot.vertices {
+        let written = &knot.vertices;
+        if !written.is_empty() {
             rigidity = rigidity.worse(Rigidity {
                 deformation: deformation(pattern, written),
                 gap: mismatch(pattern, map.vertices(), written) / pattern.median_edge(),
                 twist: 0.0,
             });
         }
-        let (closure, vertex) = closure(pattern, knot);
+        let (closure, vertex) = closure(path, index);
         Measured {
             rigidity,
             gap,
@@ -44,26 +44,11 @@ pub fn measure(path: &PathFile) -> Vec<Measured> {
     knots.collect()
 }
 
-/// Returns the folded positions of the vertices at a knot: those in the file, or else by the folding map.
-#[must_use]
-pub fn positions(
-    pattern: &CreasePattern,
-    tree: &SpanningTree,
-    knot: &PathKnot,
-) -> Vec<Vector3<f64>> {
-    knot.vertices.clone().unwrap_or_else(|| {
-        let angles = crease_angles(pattern, knot);
-        FoldingMap::new(pattern, tree, &angles).vertices().to_vec()
-    })
-}
-
-pub(crate) fn crease_angles(pattern: &CreasePattern, knot: &PathKnot) -> Vec<f64> {
-    let creases = pattern.creases().iter();
-    creases.map(|edge| knot.fold_angles[edge.index()]).collect()
-}
-
 /// Returns the largest closure residual ‖L − I‖ / √2 of a real vertex, and that vertex.
-fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) {
+fn closure(path: &Motion, knot: usize) -> (f64, Option<VertexId>) {
+    let pattern = &path.pattern;
+    let edges = (0..pattern.edges().len()).map(EdgeId::new);
+    let angles: Vec<f64> = edges.map(|edge| path.node(knot, edge).angle).collect();
     let mut worst = (0.0, None);
     for vertex in pattern.real_vertices() {
         let star = &pattern.stars()[vertex.index()];
@@ -79,7 +64,7 @@ fn closure(pattern: &CreasePattern, knot: &PathKnot) -> (f64, Option<VertexId>) 
             })
             .collect();
         let star = StarView { spokes: &spokes };
-        let l = local_foldability_matrix(star, [0.0, 0.0], &knot.fold_angles);
+        let l = local_foldability_matrix(star, [0.0, 0.0], &angles);
         let residual =
             (l.fixed_view::<3, 3>(0, 0) - Matrix3::identity()).norm() / core::f64::consts::SQRT_2;
         if residual > worst.0 || residual.is_nan() {
@@ -101,10 +86,10 @@ fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> 
     )
 }
 
-pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
-    for (index, knot) in path.knots.iter().enumerate() {
+pub(super) fn check_angles(path: &Motion, failures: &mut Vec<String>) {
+    for index in 0..path.knots.len() {
         for (edge, data) in path.pattern.edges().iter().enumerate() {
-            let Node { angle, rate, .. } = knot.node(EdgeId::new(edge));
+            let Node { angle, rate, .. } = path.node(index, EdgeId::new(edge));
             let degrees = angle.to_degrees();
             let code = data.letter.code();
             let wrong = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
@@ -128,10 +113,13 @@ pub(super) fn check_angles(path: &PathFile, failures: &mut Vec<String>) {
 }
 
 /// Checks that all hinges of a group turn alike; if some do not, reports the first failure.
-pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
+pub(crate) fn check_groups(path: &Motion, failures: &mut Vec<String>) {
+    let GroupNaming::Contradicted(named) = &path.naming else {
+        return;
+    };
     let leaders = path.leaders();
-    for (index, knot) in path.knots.iter().enumerate() {
-        for (edge, member) in path.members.iter().enumerate() {
+    for index in 0..path.knots.len() {
+        for (edge, member) in named.iter().enumerate() {
             let Some(member) = *member else { continue };
             let Some((leader, part)) = leaders[member.group.index()] else {
                 continue;
@@ -139,7 +127,7 @@ pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
             // A membership is a sign, so it takes an edge's angle to its group's as well as back.
             let [expected, found] =
                 [(leader, part), (EdgeId::new(edge), member)].map(|(edge, part)| {
-                    let node = knot.node(edge);
+                    let node = path.node(index, edge);
                     let rate = if path.uses_rates() { node.rate } else { 0.0 };
                     [
                         part.apply(node.angle),
@@ -173,7 +161,7 @@ pub(crate) fn check_groups(path: &PathFile, failures: &mut Vec<String>) {
     }
 }
 
-pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &mut Verdict) {
+pub(super) fn check_rigidity(path: &Motion, options: &CheckOptions, verdict: &mut Verdict) {
     let mut worst: Option<(f64, String)> = None;
     let points = path.pattern.vertices();
     let far = points.iter().map(|point| (point - points[0]).norm());
@@ -184,10 +172,15 @@ pub(super) fn check_rigidity(path: &PathFile, options: &CheckOptions, verdict: &
             deformation, gap, ..
         } = measured.rigidity;
         let values = [deformation, gap, measured.closure];
+        let claims = [
+            knot.claims.deformation,
+            knot.claims.gap,
+            knot.claims.closure,
+        ];
         for ((name, value), claim) in ["deformation", "gap", "closure"]
             .into_iter()
             .zip(values)
-            .zip(knot.claims)
+            .zip(claims)
         {
             if claim.is_some_and(|claim| value > CLAIM_FACTOR * claim.max(floor)) {
                 let claim = claim.unwrap_or_default();

@@ -11,19 +11,19 @@ mod clearance;
 mod closure;
 mod knots;
 mod majorant;
-mod motion;
+mod merged_groups;
 mod turns;
 
 pub(crate) use clearance::clearances_until_over;
 pub use clearance::{Clearances, WorstPair, clearances};
 pub use closure::{Place, SegmentClosure};
-pub(crate) use knots::{check_groups, crease_angles};
-pub use knots::{measure, positions};
-pub(crate) use motion::Motion;
+pub(crate) use knots::check_groups;
+pub use knots::measure;
+pub(crate) use merged_groups::MergedGroups;
 
 use crate::collision::Crossing;
 use crate::folding::Rigidity;
-use crate::formats::fold::PathFile;
+use crate::motion::Motion;
 use crate::pattern::VertexId;
 use crate::progress::{Progress, Stage, Watch};
 
@@ -152,22 +152,18 @@ impl Verdict {
 
 /// Judges a path.
 #[must_use]
-pub fn check(path: &PathFile, options: &CheckOptions) -> Verdict {
+pub fn check(path: &Motion, options: &CheckOptions) -> Verdict {
     check_until_over(path, options, Watch::default())
 }
 
 /// Judges a path as [`check`] does, and reports its progress to `progress`. A cancelled call answers that the
 /// path was not judged to its end, which is a failure.
 #[must_use]
-pub fn check_watched(path: &PathFile, options: &CheckOptions, progress: &Progress) -> Verdict {
+pub fn check_watched(path: &Motion, options: &CheckOptions, progress: &Progress) -> Verdict {
     check_until_over(path, options, Watch::new(progress))
 }
 
-pub(crate) fn check_until_over(
-    path: &PathFile,
-    options: &CheckOptions,
-    watch: Watch<'_>,
-) -> Verdict {
+pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Watch<'_>) -> Verdict {
     watch.begin(Stage::Folding);
     let mut verdict = Verdict {
         knots: measure(path),
@@ -180,7 +176,7 @@ pub(crate) fn check_until_over(
     knots::check_angles(path, &mut verdict.failures);
     knots::check_groups(path, &mut verdict.failures);
     knots::check_rigidity(path, options, &mut verdict);
-    let mut motion = Motion::of(path);
+    let mut motion = MergedGroups::of(path);
     if options.samples == 0 && !options.sweep {
         motion.segments.clear();
     }

@@ -3,11 +3,11 @@
 
 use foldpath_core::Curve;
 
-use super::{SAME_ANGLE, motion::Motion};
+use super::{MergedGroups, SAME_ANGLE};
 use crate::pattern::CreasePattern;
 
 /// Returns the first hinge that turns the wrong way between two knots, in words.
-pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &Motion) -> Option<String> {
+pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &MergedGroups) -> Option<String> {
     let segments = motion.segments.iter().enumerate();
     let mut curves = segments.flat_map(|(segment, curves)| {
         let leaders = curves.iter().zip(&motion.leaders);

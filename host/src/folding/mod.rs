@@ -11,6 +11,7 @@ mod map;
 mod plane;
 mod rounding;
 mod screw;
+mod shapes;
 mod tree;
 
 pub use amplification::Amplification;
@@ -26,4 +27,5 @@ pub use map::{FoldingMap, Pose, Rigidity, deformation};
 pub(crate) use plane::in_plane;
 pub use rounding::rounding;
 pub use screw::Screw;
+pub use shapes::{STEP, deformation_of_faces, shapes};
 pub use tree::{SpanningTree, Step};

@@ -1,47 +1,79 @@
 //! Knots and paths of the whole sheet: configurations with times and rates.
 
+use std::sync::Arc;
+
 use foldpath_core::{Curve, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
+use super::PlanOptions;
+use crate::motion::{self, Claims, GroupNaming, Motion};
+use crate::pattern::CreasePattern;
+
 /// One stored configuration of a path, with the errors measured there on the whole sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Knot {
+pub(super) struct Knot {
     /// Seconds since the start.
-    pub time: f64,
+    pub(super) time: f64,
     /// Fold angle of each group, radians.
-    pub angles: Vec<f64>,
+    pub(super) angles: Vec<f64>,
     /// Rate of each group, radians per second.
-    pub rates: Vec<f64>,
+    pub(super) rates: Vec<f64>,
     /// Weight of each group's homogeneous half angle and its rate per second; empty unless the
     /// interpolation is homogeneous.
-    pub weights: Vec<[f64; 2]>,
+    pub(super) weights: Vec<[f64; 2]>,
     /// Folded positions of the vertices; empty if they were not kept.
-    pub vertices: Vec<Vector3<f64>>,
+    pub(super) vertices: Vec<Vector3<f64>>,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger.
-    pub closure: f64,
+    pub(super) closure: f64,
     /// Largest relative change of length of an edge or virtual edge.
-    pub deformation: f64,
+    pub(super) deformation: f64,
     /// Largest gap, over the median edge.
-    pub gap: f64,
+    pub(super) gap: f64,
     /// `true` if one phase of the motion ends here and another begins.
-    pub ends_phase: bool,
+    pub(super) ends_phase: bool,
 }
 
 /// A path of the whole sheet from flat to goal.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Path {
+pub(super) struct Path {
     /// For each crease its group and sign.
-    pub memberships: Vec<Membership>,
+    pub(super) memberships: Vec<Membership>,
     /// Interpolation between knots.
-    pub interpolation: Interpolation,
+    pub(super) interpolation: Interpolation,
     /// The knots, in the order of time.
-    pub knots: Vec<Knot>,
+    pub(super) knots: Vec<Knot>,
 }
 
 impl Path {
+    /// Returns the path as a motion of the sheet; `None` if it has no knots.
+    pub(super) fn into_motion(
+        self,
+        pattern: &CreasePattern,
+        options: &PlanOptions,
+    ) -> Option<Motion> {
+        if self.knots.is_empty() {
+            return None;
+        }
+        let inner = 1..self.knots.len() - 1;
+        let phases = inner.filter(|&knot| self.knots[knot].ends_phase).collect();
+        let edges = pattern.edges().iter();
+        let members = edges.map(|edge| Some(self.memberships[edge.crease?.index()]));
+        Some(Motion {
+            title: String::new(),
+            members: members.collect(),
+            pattern: Arc::new(pattern.clone()),
+            naming: GroupNaming::Named,
+            interpolation: self.interpolation,
+            max_speed: Some(options.max_speed),
+            max_acceleration: Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
+            seed: Some(options.seed),
+            knots: self.knots.into_iter().map(Knot::into_stored).collect(),
+            phases,
+        })
+    }
+
     /// Returns, for each segment between two knots, the curve of each group.
-    #[must_use]
-    pub fn curves(&self) -> Vec<Vec<Curve<f64>>> {
+    pub(super) fn curves(&self) -> Vec<Vec<Curve<f64>>> {
         curves(self.interpolation, &self.knots).collect()
     }
 }
@@ -63,6 +95,21 @@ pub(super) fn curves(
 }
 
 impl Knot {
+    fn into_stored(self) -> motion::Knot {
+        motion::Knot {
+            time: self.time,
+            angles: self.angles,
+            rates: self.rates,
+            weights: self.weights,
+            vertices: self.vertices,
+            claims: Claims {
+                deformation: Some(self.deformation),
+                gap: Some(self.gap),
+                closure: Some(self.closure),
+            },
+        }
+    }
+
     fn node(&self, group: usize) -> Node<f64> {
         Node {
             angle: self.angles[group],

@@ -34,7 +34,6 @@ pub mod timing;
 pub use depart::{Departure, leave_flat};
 pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
-pub use knots::{Knot, Path};
 pub use mobility::{FirstStep, Mobility, first_step};
 pub use options::{
     HingeLimit, Judged, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing,

@@ -14,6 +14,7 @@ use super::solver::Work;
 use super::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
+use crate::motion::{self, Motion};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::{Progress, Stage, Watch};
 use crate::symmetry::CreaseGroups;
@@ -76,8 +77,10 @@ pub struct Plan {
     pub reason: Option<String>,
     /// Fraction of the way to the goal that the sheet can go.
     pub reached: f64,
-    /// The path, from flat; empty if none was found.
-    pub path: Path,
+    /// The motion from flat, as far as one was found. Its title is empty.
+    pub motion: Option<Motion>,
+    /// The motion while it is planned.
+    pub(super) path: Path,
     /// Number of crease groups.
     pub groups: usize,
     /// Number of essential vertices.
@@ -131,7 +134,7 @@ pub struct Plan {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::default())
+    plan_until_over(pattern, goal, options, Watch::default()).finished(pattern, options)
 }
 
 /// Plans as [`plan`] does, and reports to `progress`. A call that is cancelled answers [`Outcome::Timeout`], as does
@@ -143,7 +146,7 @@ pub fn plan_watched(
     options: &PlanOptions,
     progress: &Progress,
 ) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::new(progress))
+    plan_until_over(pattern, goal, options, Watch::new(progress)).finished(pattern, options)
 }
 
 fn plan_until_over(
@@ -231,6 +234,18 @@ impl Plan {
         let grouped = options.symmetry == Symmetry::Auto && self.groups < creases;
         let path = grouped && options.search == Search::Path;
         path && held && self.proved().is_some_and(|proved| proved > aim)
+    }
+
+    /// Returns the knots of the motion; none if no motion was found.
+    #[must_use]
+    pub fn knots(&self) -> &[motion::Knot] {
+        self.motion.as_ref().map_or(&[], |motion| &motion.knots)
+    }
+
+    /// Makes the motion of the path.
+    fn finished(mut self, pattern: &CreasePattern, options: &PlanOptions) -> Self {
+        self.motion = core::mem::take(&mut self.path).into_motion(pattern, options);
+        self
     }
 
     /// Adds the time and the work of another plan to those of this one.

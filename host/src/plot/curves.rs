@@ -4,11 +4,10 @@ use foldpath_core::Membership;
 
 use crate::check::{CheckOptions, check_until_over};
 use crate::collision::CollisionScene;
-use crate::folding::{Dihedral, FoldingMap, SpanningTree};
-use crate::formats::fold::PathFile;
+use crate::folding::{Dihedral, FoldingMap, SpanningTree, shapes};
+use crate::motion::{GroupNaming, Motion};
 use crate::pattern::EdgeId;
 use crate::progress::{Progress, Watch};
-use crate::shapes::shapes;
 
 /// Number of times along a path at which curves are sampled, besides the knots. Large sheets have fewer samples, so
 /// that at most `FOLDED` faces are folded in all.
@@ -55,22 +54,22 @@ pub struct Curves {
 impl Curves {
     /// Computes the curves of a path. Cost: that of a [`check`](crate::check), plus folding some hundred shapes.
     #[must_use]
-    pub fn of_path(path: &PathFile) -> Self {
+    pub fn of_path(path: &Motion) -> Self {
         Self::until_over(path, Watch::default())
     }
 
     /// Computes the curves of a path and reports the progress to `progress`. Once cancelled, everything not yet
     /// measured is left out.
     #[must_use]
-    pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
+    pub fn of_path_watched(path: &Motion, progress: &Progress) -> Self {
         Self::until_over(path, Watch::new(progress))
     }
 
-    fn until_over(path: &PathFile, watch: Watch<'_>) -> Self {
+    fn until_over(path: &Motion, watch: Watch<'_>) -> Self {
         let mut curves = Self {
             title: path.title.clone(),
             knots: path.knots.iter().map(|knot| knot.time).collect(),
-            grouped: !path.members.is_empty(),
+            grouped: path.naming != GroupNaming::Unnamed,
             angles: angles(path),
             count: path.curves_shown().len(),
             measured: measured(path),
@@ -82,7 +81,7 @@ impl Curves {
     }
 
     /// Measures deformation and gap, and bounds both over the whole motion.
-    fn judge(&mut self, path: &PathFile, watch: Watch<'_>) {
+    fn judge(&mut self, path: &Motion, watch: Watch<'_>) {
         let segments = path.knots.len().saturating_sub(1);
         let affordable = FOLDED / path.pattern.faces().len().max(1) / segments.max(1);
         let options = CheckOptions {
@@ -119,22 +118,20 @@ fn places_of(segments: usize) -> usize {
 }
 
 /// Returns the angle of each curve at the knots and between them, degrees.
-fn angles(path: &PathFile) -> Vec<Vec<Point>> {
+fn angles(path: &Motion) -> Vec<Vec<Point>> {
     let segments = path.knots.len().saturating_sub(1);
     let steps = places_of(segments) + 1;
     #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
     let place = |step: usize| step as f64 / steps as f64;
     let curve = |&(edge, member): &(EdgeId, Option<Membership>)| {
         let signed = |angle: f64| member.map_or(angle, |m| m.apply(angle)).to_degrees();
-        let first = path
-            .knots
-            .first()
-            .map(|knot| (knot.time, signed(knot.node(edge).angle)));
-        let rest = (0..segments).filter_map(|segment| {
-            let curve = path.curve(segment, edge)?;
+        let first = path.knots.first();
+        let first = first.map(|knot| (knot.time, signed(path.node(0, edge).angle)));
+        let rest = (0..segments).map(|segment| {
+            let curve = path.curve(segment, edge);
             let [from, to] = [segment, segment + 1].map(|knot| path.knots[knot].time);
             let point = move |s: f64| (from + s * (to - from), signed(curve.angle(s)));
-            Some((1..=steps).map(move |step| point(place(step))))
+            (1..=steps).map(move |step| point(place(step)))
         });
         first.into_iter().chain(rest.flatten()).collect()
     };
@@ -147,14 +144,14 @@ fn angles(path: &PathFile) -> Vec<Vec<Point>> {
 
 /// Returns assigned and measured angles at the knots, degrees. Half a turn either way is the same shape, so the
 /// measured angle is the one nearer to the assigned angle.
-fn measured(path: &PathFile) -> Vec<Point> {
+fn measured(path: &Motion) -> Vec<Point> {
     let dihedrals = Dihedral::all(&path.pattern);
     let mut points = Vec::new();
-    for (knot, shape) in path.knots.iter().zip(shapes(path)) {
+    for (knot, shape) in shapes(path).enumerate() {
         points.extend(dihedrals.iter().map(|dihedral| {
             let assigned = dihedral
                 .edge
-                .map_or(0.0, |edge| knot.fold_angles[edge.index()]);
+                .map_or(0.0, |edge| path.node(knot, edge).angle);
             let (assigned, measured) = (
                 assigned.to_degrees(),
                 dihedral.fold_angle(&shape).to_degrees(),
@@ -167,7 +164,7 @@ fn measured(path: &PathFile) -> Vec<Point> {
 }
 
 /// Returns the clearance at times spaced evenly.
-fn clearance(path: &PathFile, watch: Watch<'_>) -> Vec<Point> {
+fn clearance(path: &Motion, watch: Watch<'_>) -> Vec<Point> {
     let pattern = &path.pattern;
     if pattern.faces().len() > MANY_FACES {
         return Vec::new();
@@ -176,10 +173,10 @@ fn clearance(path: &PathFile, watch: Watch<'_>) -> Vec<Point> {
     let mut map = FoldingMap::flat(pattern);
     let mut scene = CollisionScene::new(pattern);
     let path = path.resampled(CLEARANCES);
-    let knots = path.knots.iter().take_while(|_| !watch.is_over());
-    let points = knots.filter_map(|knot| {
-        let creases = pattern.creases().iter();
-        let angles: Vec<f64> = creases.map(|edge| knot.fold_angles[edge.index()]).collect();
+    let knots = path.knots.iter().enumerate();
+    let knots = knots.take_while(|_| !watch.is_over());
+    let points = knots.filter_map(|(index, knot)| {
+        let angles = path.crease_angles(index);
         if !angles.iter().all(|angle| angle.is_finite()) {
             return None;
         }

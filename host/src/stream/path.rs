@@ -8,7 +8,7 @@ use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
 
-use crate::formats::FileError;
+use crate::read::FileError;
 use crate::symmetry::largest_star_residual;
 
 /// Largest size in bytes of a setpoint's numbers: a frame of 256 bytes holds 25 other bytes.

@@ -2,17 +2,18 @@
 
 use std::collections::VecDeque;
 use std::path::Path;
+use std::sync::Arc;
 
 use foldpath_core::follower::Follower;
 use foldpath_firmware_sim::hinges::{Drive, Hinges, Trouble};
 use rand_pcg::Pcg64;
 
 use super::StreamPath;
+use crate::export::traj::memberships;
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::formats::FileError;
-use crate::formats::fold::PathFile;
-use crate::formats::traj::memberships;
+use crate::motion::Motion;
 use crate::pattern::CreasePattern;
+use crate::read::FileError;
 
 /// Hinges with drives in virtual time.
 #[derive(Debug)]
@@ -26,7 +27,7 @@ pub struct Plant {
 /// The sheet that the hinges fold.
 #[derive(Debug)]
 struct Sheet {
-    pattern: CreasePattern,
+    pattern: Arc<CreasePattern>,
     tree: SpanningTree,
     map: FoldingMap,
     worst: Rigidity,
@@ -52,7 +53,7 @@ impl Plant {
     pub fn with_sheet(
         self,
         path: &StreamPath,
-        sheet: PathFile,
+        sheet: Motion,
         file: &Path,
     ) -> Result<Self, FileError> {
         let hinges = memberships(&sheet, file)?;

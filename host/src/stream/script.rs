@@ -7,7 +7,7 @@ use std::path::Path;
 
 use foldpath_firmware_sim::hinges::Trouble;
 
-use crate::formats::{FileError, read_text};
+use crate::read::{FileError, read_text};
 
 /// Reads a script for `hinges` hinges. Returns the events in order of time, each with its time in microseconds.
 ///

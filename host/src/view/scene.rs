@@ -4,29 +4,28 @@ use foldpath_core::{Membership, Node};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneMotion, ScenePair, SceneShape};
-use crate::check::{Motion, check_groups, clearances_until_over, crease_angles, measure};
-use crate::folding::{FoldingMap, SpanningTree, fit, vertices_of_sheets};
-use crate::formats::fold::{PathFile, interpolation_name};
+use crate::check::{MergedGroups, check_groups, clearances_until_over, measure};
+use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
+use crate::motion::{GroupNaming, Motion, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use crate::progress::{Progress, Watch};
-use crate::shapes::STEP;
 
 impl Scene {
     /// Computes the scene of a path: its motion, and errors measured afresh instead of those that the file claims.
     /// Cost: folding and measuring all shapes, and a sweep for the nearest faces.
     #[must_use]
-    pub fn of_path(path: &PathFile) -> Self {
+    pub fn of_path(path: &Motion) -> Self {
         Self::until_over(path, Watch::default())
     }
 
     /// Computes the scene of a path and reports the progress to `progress`. Once cancelled, clearances not yet measured
     /// are left out.
     #[must_use]
-    pub fn of_path_watched(path: &PathFile, progress: &Progress) -> Self {
+    pub fn of_path_watched(path: &Motion, progress: &Progress) -> Self {
         Self::until_over(path, Watch::new(progress))
     }
 
-    fn until_over(path: &PathFile, watch: Watch<'_>) -> Self {
+    fn until_over(path: &Motion, watch: Watch<'_>) -> Self {
         let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
@@ -86,16 +85,22 @@ impl Scene {
 
 /// Returns crease group and sign of each edge: those that the file has, if its hinges turn as these say, or else groups
 /// of hinges whose motions are equal.
-fn members(path: &PathFile) -> Vec<Option<Membership>> {
-    let pattern = &path.pattern;
-    let mut failures = Vec::new();
-    check_groups(path, &mut failures);
-    let hinges = pattern.edges().iter().zip(&path.members);
-    let mut whole = hinges.map(|(edge, member)| edge.crease.is_some() == member.is_some());
-    if failures.is_empty() && !path.members.is_empty() && whole.all(|whole| whole) {
+fn members(path: &Motion) -> Vec<Option<Membership>> {
+    if path.naming == GroupNaming::Named {
         return path.members.clone();
     }
-    let groups = Motion::of(path).groups;
+    let pattern = &path.pattern;
+    if let GroupNaming::Contradicted(named) = &path.naming {
+        // Hinges of a group may differ by rounding.
+        let mut failures = Vec::new();
+        check_groups(path, &mut failures);
+        let mut hinges = pattern.edges().iter().zip(named);
+        let whole = hinges.all(|(edge, member)| edge.crease.is_some() == member.is_some());
+        if failures.is_empty() && whole {
+            return named.clone();
+        }
+    }
+    let groups = MergedGroups::of(path).groups;
     let edges = pattern.edges().iter();
     edges.map(|edge| Some(groups.of(edge.crease?))).collect()
 }
@@ -109,23 +114,17 @@ fn turn(member: Option<Membership>) -> i64 {
 }
 
 /// Returns the motion of the groups at the knots of the path.
-fn motion(path: &PathFile, members: &[Option<Membership>]) -> SceneMotion {
-    let mut leaders: Vec<Option<(EdgeId, Membership)>> = Vec::new();
-    for (edge, member) in members.iter().enumerate() {
-        let Some(member) = *member else { continue };
-        let group = member.group.index();
-        leaders.resize(leaders.len().max(group + 1), None);
-        leaders[group].get_or_insert((EdgeId::new(edge), member));
-    }
+fn motion(path: &Motion, members: &[Option<Membership>]) -> SceneMotion {
+    let leaders = leaders(members);
     let rest = Node {
         angle: 0.0,
         rate: 0.0,
         weight: [1.0, 0.0],
     };
-    let nodes = path.knots.iter().flat_map(|knot| {
+    let nodes = (0..path.knots.len()).flat_map(|knot| {
         leaders.iter().map(move |leader| {
             leader.map_or(rest, |(edge, member)| {
-                let node = knot.node(edge);
+                let node = path.node(knot, edge);
                 Node {
                     angle: member.apply(node.angle),
                     rate: member.apply(node.rate),
@@ -134,7 +133,7 @@ fn motion(path: &PathFile, members: &[Option<Membership>]) -> SceneMotion {
             })
         })
     });
-    let weighted = path.knots.iter().any(|knot| knot.weights.is_some());
+    let weighted = path.knots.iter().any(|knot| !knot.weights.is_empty());
     SceneMotion {
         interpolation: interpolation_name(path.interpolation),
         groups: leaders.len(),
@@ -163,7 +162,7 @@ fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
 
 /// Returns the pose of each sheet in each shape. Each shape is registered rigidly to the shape before, starting from
 /// the flat sheet, so that every sheet as a whole stays where it is while it folds.
-fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
+fn places(shapes: &Motion, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
     let pattern = &shapes.pattern;
     let mut map = FoldingMap::flat(pattern);
     let mut of_sheets = vertices_of_sheets(pattern);
@@ -173,8 +172,8 @@ fn places(shapes: &PathFile, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
     });
     let sheets: Vec<(FaceId, Vec<usize>)> = sheets.collect();
     let mut before = map.vertices().to_vec();
-    let knots = shapes.knots.iter().map(|knot| {
-        map.fold(pattern, tree, &crease_angles(pattern, knot));
+    let knots = (0..shapes.knots.len()).map(|knot| {
+        map.fold(pattern, tree, &shapes.crease_angles(knot));
         let place = |(root, sheet): &(FaceId, Vec<usize>)| {
             let of =
                 |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };

@@ -51,9 +51,16 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
     assert_eq!(unseen.outcome, Outcome::Planned);
     let tree = SpanningTree::from_central_face(&pattern);
     let mut scene = CollisionScene::new(&pattern);
-    for knot in &unseen.path.knots {
+    for knot in unseen.knots() {
         let member = |m: &foldpath_core::Membership| m.apply(knot.angles[m.group.index()]);
-        let angles: Vec<f64> = unseen.path.memberships.iter().map(member).collect();
+        let angles: Vec<f64> = unseen
+            .motion
+            .as_ref()
+            .unwrap()
+            .memberships()
+            .iter()
+            .map(member)
+            .collect();
         let map = FoldingMap::new(&pattern, &tree, &angles);
         assert!(
             scene.deepest_crossing(&map, 0.0, 0.0).is_none(),

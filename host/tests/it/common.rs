@@ -1,9 +1,10 @@
 //! Builds sheets of the families, files of planned paths and noise, and compares numbers.
 
-use foldpath::formats::fold::PathWriter;
+use foldpath::export::fold::motion_text;
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
-use foldpath::pattern::{CreasePattern, Drawing};
-use foldpath::planner::{Path, PlanOptions};
+use foldpath::motion::Motion;
+use foldpath::pattern::Drawing;
+use foldpath::planner::Plan;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
@@ -40,17 +41,13 @@ pub(crate) fn yoshimura(rows: usize, columns: usize, fold: f64) -> Drawing {
     sheet.drawing().unwrap()
 }
 
-/// Returns the file of a path that was planned with default options.
-pub(crate) fn path_text(title: &str, pattern: &CreasePattern, path: &Path) -> String {
-    let writer = PathWriter {
-        title,
-        pattern,
-        vertices: true,
-        seed: 0,
-        max_speed: PlanOptions::default().max_speed,
-        max_acceleration: None,
-    };
-    writer.text(path)
+/// Returns the file of a planned motion, empty if there is none.
+pub(crate) fn path_text(title: &str, plan: &Plan) -> String {
+    let motion = plan.motion.clone().map(|motion| Motion {
+        title: title.into(),
+        ..motion
+    });
+    motion.as_ref().map(motion_text).unwrap_or_default()
 }
 
 /// Returns a random number between -1 and 1.

@@ -8,11 +8,12 @@ use std::path::Path;
 
 use crate::common::path_text;
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::{parse_goal, parse_path, pattern_text, read_path, read_pattern};
-use foldpath::formats::{FileError, parse_pattern, parse_shape};
+use foldpath::export::fold::pattern_text;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::read::fold::{parse_goal, parse_motion, read_motion, read_pattern};
+use foldpath::read::{FileError, parse_pattern, parse_shape};
 use foldpath::unfold::{UnfoldOptions, unfold};
 use foldpath::view::{Scene, page};
 use serde_json::{Value, json};
@@ -211,13 +212,13 @@ fn plan_and_check(file: &Path) -> Option<()> {
     let read = read_pattern(file).ok()?;
     let goal = Goal::of_pattern(&read.pattern).ok()?;
     let plan = plan(&read.pattern, &goal, &PlanOptions::default());
-    let text = path_text(&read.title, &read.pattern, &plan.path);
+    let text = path_text(&read.title, &plan);
     fs::write(file, text).unwrap();
     // If one edge is thousands of times as long as the others, rounding alone opens gaps.
     let coordinates = read.pattern.vertices().iter().flatten();
     let moderate = coordinates.clone().all(|c| c.abs() < 1e3);
     if plan.outcome == Outcome::Planned && moderate {
-        let path = read_path(file).expect("a planned path can be read");
+        let path = read_motion(file).expect("a planned path can be read");
         let verdict = check(
             &path,
             &CheckOptions {
@@ -231,7 +232,7 @@ fn plan_and_check(file: &Path) -> Option<()> {
 }
 
 fn check_and_view(file: &Path) -> Option<()> {
-    let path = read_path(file).ok()?;
+    let path = read_motion(file).ok()?;
     let _verdict = check(&path, &CheckOptions::default());
     let _page = page(&Scene::of_path(&path));
     Some(())
@@ -247,7 +248,7 @@ fn mutated_paths_are_judged_or_refused() {
     let (_, pattern) = miura();
     let goal = Goal::of_pattern(&pattern).unwrap();
     let plan = plan(&pattern, &goal, &PlanOptions::default());
-    let text = path_text("Miura", &pattern, &plan.path);
+    let text = path_text("Miura", &plan);
     for_mutations(&text, check_and_view);
 }
 
@@ -324,7 +325,7 @@ fn mutated_seeds_are_read_or_refused() {
             Ok(())
         });
     }
-    for_mutated_seeds("path", parse_path);
+    for_mutated_seeds("path", parse_motion);
     let square = Path::new(SEEDS_OF_READERS).join("fold/square.fold");
     let sheet = read_pattern(&square).unwrap().pattern;
     for_mutated_seeds("goal", |path, bytes| parse_goal(path, bytes, &sheet));

@@ -8,12 +8,13 @@ use crate::common::path_text;
 use foldpath::check::{CheckOptions, check};
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::{PathFile, parse_path};
 use foldpath::generate::Miura;
+use foldpath::motion::Motion;
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, PatternError, VertexId};
 use foldpath::planner::{
     Goal, GoalError, HingeLimit, Outcome, Plan, PlanOptions, closure_of, plan,
 };
+use foldpath::read::fold::parse_motion;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_core::Curve;
 use nalgebra::Vector2;
@@ -174,7 +175,7 @@ fn assert_no(plan: &Plan, what: &str) {
     assert_ne!(plan.outcome, Outcome::Planned, "{what}");
     assert!(plan.reason.is_some(), "{what}");
     assert!((0.0..=1.0).contains(&plan.reached), "{what}");
-    for knot in &plan.path.knots {
+    for knot in plan.knots() {
         let all = knot.angles.iter().chain(&knot.rates).chain([&knot.time]);
         assert!(all.into_iter().all(|x| x.is_finite()), "{what}");
     }
@@ -296,43 +297,33 @@ fn a_motion_of_no_numbers_is_never_free_of_crossings() {
     }
 }
 
-fn path() -> PathFile {
+fn path() -> Motion {
     let (pattern, goal) = sheet();
     let options = PlanOptions::default();
     let plan = plan(&pattern, &goal, &options);
-    let text = path_text("a path", &pattern, &plan.path);
-    parse_path("path.fold".as_ref(), text.as_bytes()).unwrap()
+    let text = path_text("a path", &plan);
+    parse_motion("path.fold".as_ref(), text.as_bytes()).unwrap()
 }
 
 #[test]
 fn a_path_of_no_numbers_does_not_hold() {
-    type Spoil = fn(&mut PathFile, usize, f64);
+    type Spoil = fn(&mut Motion, usize, f64);
     let spoil: [(Spoil, &str); 5] = [
-        (|p, hinge, x| p.knots[1].fold_angles[hinge] = x, "angle"),
+        (|p, group, x| p.knots[1].angles[group] = x, "angle"),
         (|p, _, x| p.knots[1].time = x, "time"),
-        (
-            |p, hinge, x| p.knots[1].rates.as_mut().unwrap()[hinge] = x,
-            "rate",
-        ),
-        (
-            |p, hinge, x| p.knots[1].weights.as_mut().unwrap()[hinge][0] = x,
-            "weight",
-        ),
-        (
-            |p, _, x| p.knots[1].vertices.as_mut().unwrap()[9].y = x,
-            "position",
-        ),
+        (|p, group, x| p.knots[1].rates[group] = x, "rate"),
+        (|p, group, x| p.knots[1].weights[group][0] = x, "weight"),
+        (|p, _, x| p.knots[1].vertices[9].y = x, "position"),
     ];
     let path = path();
     assert_eq!(check(&path, &CheckOptions::default()).failures, [""; 0]);
-    let hinge = path.members.iter().position(Option::is_some).unwrap();
     for (spoil, name) in spoil {
         for bad in NONE.into_iter().chain([f64::MAX]) {
             let mut path = path.clone();
-            if name == "weight" && path.knots[1].weights.is_none() {
+            if name == "weight" && path.knots[1].weights.is_empty() {
                 continue;
             }
-            spoil(&mut path, hinge, bad);
+            spoil(&mut path, 0, bad);
             let verdict = check(&path, &CheckOptions::default());
             assert!(!verdict.failures.is_empty(), "{name} {bad}");
         }

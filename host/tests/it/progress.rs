@@ -2,12 +2,13 @@
 
 use crate::common::{miura, path_text};
 use foldpath::check::{CheckOptions, check, check_watched};
-use foldpath::formats::fold::{PathFile, parse_path};
-use foldpath::formats::{FileError, parse_pattern_watched, parse_shape};
+use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan_watched};
 use foldpath::plot::Curves;
 use foldpath::progress::{Progress, Stage};
+use foldpath::read::fold::parse_motion;
+use foldpath::read::{FileError, parse_pattern_watched, parse_shape};
 use foldpath::unfold::{ShapeError, UnfoldOptions, unfold_watched};
 use foldpath::view::{Scene, page};
 
@@ -20,10 +21,10 @@ fn planned(progress: &Progress) -> (CreasePattern, Plan) {
 }
 
 /// Returns a path as it is read from its file.
-fn path() -> PathFile {
-    let (pattern, plan) = planned(&Progress::new());
-    let text = path_text("a path", &pattern, &plan.path);
-    parse_path("path.fold".as_ref(), text.as_bytes()).unwrap()
+fn path() -> Motion {
+    let (_, plan) = planned(&Progress::new());
+    let text = path_text("a path", &plan);
+    parse_motion("path.fold".as_ref(), text.as_bytes()).unwrap()
 }
 
 fn cancelled() -> Progress {

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict, rounding};
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::read_pattern;
 use foldpath::generate::Yoshimura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
+use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, Lattice};
 use foldpath_core::{Curve, GroupId, Membership};
 use nalgebra::Vector2;

@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 
 use crate::common::{miura, noise, waterbomb, yoshimura};
-use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, closure_of, plan};
+use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use nalgebra::{Rotation2, Vector2};
 use rand_pcg::Pcg64;
@@ -379,10 +379,12 @@ fn real_files_have_few_groups_and_close() {
             answer.max_closure,
             answer.notes
         );
-        let last = answer.path.knots.last().expect("a path");
+        let last = answer.knots().last().expect("a path");
         let angles = last.angles.clone();
-        let creases = answer.path.memberships.iter();
-        let creases = creases.map(|m| Some(m.apply(angles[m.group.index()])));
+        let creases = answer.motion.as_ref().unwrap().memberships();
+        let creases = creases
+            .iter()
+            .map(|m| Some(m.apply(angles[m.group.index()])));
         let closure = closure_of(&pattern, &creases.collect::<Vec<_>>()).unwrap();
         assert!(closure <= answer.essential_tolerance, "{name}: {closure:e}");
     }

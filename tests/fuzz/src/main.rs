@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use foldpath::formats::{FileError, fold, parse_pattern, parse_shape};
+use foldpath::read::{FileError, fold, parse_pattern, parse_shape};
 use foldpath::pattern::CreasePattern;
 use foldpath::unfold::{UnfoldOptions, unfold};
 use libfuzzer_sys::fuzz_target;
@@ -17,7 +17,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
     match name.as_str() {
         "fold" => |bytes| drop(said(fold::parse_pattern(Path::new("a.fold"), bytes))),
         "goal" => |bytes| drop(said(fold::parse_goal(Path::new("a.fold"), bytes, &SHEET))),
-        "path" => |bytes| drop(said(fold::parse_path(Path::new("a.fold"), bytes))),
+        "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
         "cp" => |bytes| drop(said(parse_pattern(Path::new("a.cp"), bytes))),
         "obj" => |bytes| {

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree, deformation};
-use foldpath::formats::fold::read_pattern;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
+use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::CreaseGroups;
 
 mod follower;

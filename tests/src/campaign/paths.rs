@@ -9,11 +9,12 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::csv;
-use foldpath::formats::fold::{PathFile, parse_path};
-use foldpath::formats::glb;
-use foldpath::formats::traj::TrajFile;
+use foldpath::export::csv;
+use foldpath::export::glb;
+use foldpath::export::traj::TrajFile;
+use foldpath::motion::Motion;
 use foldpath::planner::PlanOptions;
+use foldpath::read::fold::parse_motion;
 use foldpath_core::Interpolation;
 use serde_json::{Value, json};
 
@@ -243,7 +244,7 @@ impl Paths {
         let mut found = Vec::new();
         let text = path.to_string();
         let name = Path::new("a.fold");
-        let file = match parse_path(name, text.as_bytes()) {
+        let file = match parse_motion(name, text.as_bytes()) {
             Ok(file) => file,
             Err(error) => {
                 if error.to_string().is_empty() {
@@ -272,9 +273,9 @@ impl Paths {
     }
 
     /// Exports a path in every format, and has the controller's file followed.
-    fn export(&mut self, file: &PathFile, holds: bool, found: &mut Vec<String>) {
+    fn export(&mut self, file: &Motion, holds: bool, found: &mut Vec<String>) {
         let name = Path::new("a.fold");
-        drop(csv::path_text(file, name).map_err(|error| error.to_string()));
+        drop(csv::text(file, name).map_err(|error| error.to_string()));
         drop(glb::content(file, name).map_err(|error| error.to_string()));
         let Ok(traj) = TrajFile::of(file, name) else {
             return;

@@ -5,9 +5,9 @@ use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use foldpath::formats::read_pattern;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
 use foldpath::planner::Goal;
+use foldpath::read::read_pattern;
 use nalgebra::Rotation2;
 
 use super::variant;

@@ -2,10 +2,10 @@
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::read_pattern;
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Judged, Outcome, PlanOptions, Symmetry, Vertices, plan};
+use foldpath::read::fold::read_pattern;
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Vector2;
 
@@ -50,7 +50,7 @@ fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
                 assert_eq!(plan.certified_deformation, None, "{what}");
                 assert!(plan.goal_error <= 1e-9, "{what}: {}", plan.goal_error);
                 assert!(plan.notes.iter().any(|note| note.contains("knots alone")));
-                let knots = &plan.path.knots;
+                let knots = plan.knots();
                 for pair in knots.windows(2) {
                     let steps = pair[0].angles.iter().zip(&pair[1].angles);
                     let step = worst(steps.map(|(a, b)| (b - a).abs()));
@@ -72,9 +72,13 @@ fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
                     let closure = sheet.closure(&angles);
                     assert!(closure <= closed, "{what}: {closure:e} {closed:e}");
                     for (name, found, said) in [
-                        ("closure", closure, knot.closure),
-                        ("gap", sheet.gap(&poses), knot.gap),
-                        ("deformation", sheet.deformation(&placed), knot.deformation),
+                        ("closure", closure, knot.claims.closure.unwrap()),
+                        ("gap", sheet.gap(&poses), knot.claims.gap.unwrap()),
+                        (
+                            "deformation",
+                            sheet.deformation(&placed),
+                            knot.claims.deformation.unwrap(),
+                        ),
                     ] {
                         // The oracle folds from another face, and so along another spanning tree.
                         let most = 10.0 * said + ROUNDING;
@@ -107,12 +111,17 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
         };
         assert!(plan.reached > 0.5 && plan.reached < 1.0, "{}", plan.reached);
         let mut map = FoldingMap::flat(&pattern);
-        for knot in &plan.path.knots {
-            map.fold_groups(&pattern, &tree, &plan.path.memberships, &knot.angles);
+        for knot in plan.knots() {
+            map.fold_groups(
+                &pattern,
+                &tree,
+                &plan.motion.as_ref().unwrap().memberships(),
+                &knot.angles,
+            );
             let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0, 0.0);
             assert_eq!(found, None);
         }
-        (plan.path.knots.len(), crossing.depth)
+        (plan.knots().len(), crossing.depth)
     });
     assert_eq!(along_lattice.0, among_all.0);
     assert!((along_lattice.1 - among_all.1).abs() < 1e-9);

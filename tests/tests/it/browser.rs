@@ -13,10 +13,10 @@ use std::{
 };
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::PatternFile;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::read::fold::PatternFile;
 use foldpath::view::{Scene, page};
 use foldpath_core::Interpolation;
 use foldpath_tests::{Animation, Planned, Random, path_file};
@@ -371,7 +371,7 @@ fn ten_thousand_faces_are_one_small_page_that_folds() {
     assert_eq!(scene.faces.len(), 10_000);
     assert!(page(&scene).len() < 2_000_000);
     let view = View::open(&scene, &[]);
-    let last = planned.plan.path.knots.last().unwrap();
+    let last = planned.plan.knots().last().unwrap();
     view.assert_shape(last.time, &last.vertices);
     let mut pictures = Vec::new();
     for position in ["0", "0.25", "0.5", "0.75", "1"] {

@@ -6,10 +6,11 @@
 use core::time::Duration;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::{PathWriter, PatternFile};
+use foldpath::export::fold::motion_text;
 use foldpath::generate::Quad;
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::read::fold::PatternFile;
 use foldpath_tests::campaign::{Family, Report, paths, run, stars};
 use foldpath_tests::meshes::{self, variant};
 use foldpath_tests::{Animation, Planned, Random, judge, path_file};
@@ -104,16 +105,8 @@ fn a_spoilt_path_finds_no_agreement() {
         }
         let goal = Goal::of_pattern(&pattern).unwrap();
         let plan = plan(&pattern, &goal, &options);
-        let writer = PathWriter {
-            title: family.name,
-            pattern: &pattern,
-            vertices: true,
-            seed: 0,
-            max_speed: options.max_speed,
-            max_acceleration: options.max_acceleration,
-        };
         let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
-        let mut path = Animation::parse(&writer.text(&plan.path)).unwrap();
+        let mut path = Animation::parse(&motion_text(plan.motion.as_ref().unwrap())).unwrap();
         let good = judge(&path, &goal, &plan, options.bound);
         assert_eq!(good.disagreements, [""; 0], "{}", family.name);
         assert!(good.exact, "{}", family.name);

@@ -1,9 +1,10 @@
 //! Do planned motions follow the closed forms of their families? Compares knots, rates and the motion between knots.
 
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
+use foldpath::motion::{self, Knot};
 use foldpath::pattern::{CreasePattern, Drawing, VertexId};
-use foldpath::planner::{Goal, Knot, Outcome, Path, PlanOptions, plan};
-use foldpath_core::{Curve, Interpolation, Node};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath_core::{Curve, Interpolation, Membership, Node};
 use foldpath_tests::closed_form::{self, miura_straight, yoshimura_diagonal};
 use foldpath_tests::worst;
 
@@ -84,7 +85,9 @@ fn yoshimura(gamma: f64, goal: f64) -> Motion {
 
 /// A motion and its plan.
 struct Planned {
-    path: Path,
+    path: motion::Motion,
+    /// Group and sign of each crease.
+    memberships: Vec<Membership>,
     leader: usize,
     ends: Vec<[[f64; 2]; 2]>,
     /// Signs of the assignments: valley 1, mountain -1.
@@ -112,7 +115,8 @@ impl Planned {
         let place = |vertex: VertexId| pattern.vertices()[vertex.index()].into();
         let ends: Vec<_> = edges().map(|edge| edge.ends.map(place)).collect();
         Self {
-            path: plan.path,
+            memberships: plan.motion.as_ref().unwrap().memberships(),
+            path: plan.motion.unwrap(),
             leader: ends.iter().position(|&ends| (motion.leads)(ends)).unwrap(),
             signs: edges().map(|edge| edge.letter.sign()).collect(),
             ends,
@@ -122,7 +126,7 @@ impl Planned {
 
     /// Returns the angles of all creases by those of the groups, or their rates by the groups' rates.
     fn creases(&self, groups: &[f64]) -> Vec<f64> {
-        let memberships = self.path.memberships.iter();
+        let memberships = self.memberships.iter();
         memberships
             .map(|m| m.apply(groups[m.group.index()]))
             .collect()
@@ -169,7 +173,7 @@ impl Planned {
     /// form gives the angles of the other creases.
     fn refined(mut self) -> Self {
         const H: f64 = 1e-6;
-        let leader = self.path.memberships[self.leader];
+        let leader = self.memberships[self.leader];
         let mut knots = Vec::new();
         for pair in self.path.knots.windows(2) {
             let node = |knot: &Knot| Node {
@@ -184,7 +188,7 @@ impl Planned {
             let rate = leader.apply(curve.derivatives(0.5)[0]) / span;
             let [before, at, after] = [-H, 0.0, H].map(|h| self.closed(lead.abs() + h));
             let (mut angles, mut rates) = (pair[0].angles.clone(), pair[0].rates.clone());
-            for (crease, member) in self.path.memberships.iter().enumerate() {
+            for (crease, member) in self.memberships.iter().enumerate() {
                 let slope = (after[crease] - before[crease]) / (2.0 * H) * lead.signum();
                 angles[member.group.index()] = member.apply(at[crease]);
                 rates[member.group.index()] = member.apply(slope * rate);
@@ -204,7 +208,8 @@ impl Planned {
 
     /// Returns the largest difference from the closed form at 99 points of each segment.
     fn error_between_knots(&self) -> f64 {
-        let curves = self.path.curves();
+        let curves = (0..self.path.segments()).map(|segment| self.path.curves(segment).collect());
+        let curves: Vec<Vec<Curve<f64>>> = curves.collect();
         let points = curves.iter().flat_map(|segment| {
             (1..100).map(move |k| {
                 let s = f64::from(k) / 100.0;

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::image::{image, turn};
-use foldpath::formats::fold::read_path;
-use foldpath::formats::traj::TrajFile;
+use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
+use foldpath::read::fold::read_motion;
 use foldpath::stream::{Faulty, Link, Outcome, StreamPath, Summary, Telemetry, Wish};
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
@@ -24,7 +24,7 @@ fn planned() -> Vec<u8> {
     let file = folder.path().join("path.fold");
     let planned = Planned::new("miura-11x11", &PlanOptions::default());
     fs::write(&file, planned.text()).unwrap();
-    let path = read_path(&file).unwrap();
+    let path = read_motion(&file).unwrap();
     TrajFile::of(&path, &file).unwrap().bytes
 }
 

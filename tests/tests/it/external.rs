@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use foldpath::folding::laid_on;
-use foldpath::formats::fold::{PatternFile, read_pattern};
-use foldpath::formats::{ShapeFile, read_shape};
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
+use foldpath::read::fold::{PatternFile, read_pattern};
+use foldpath::read::{ShapeFile, read_shape};
 use foldpath::unfold::{self, UnfoldOptions, Unfolding, unfold};
 use foldpath_tests::{Animation, Planned, worst};
 
@@ -77,7 +77,7 @@ fn the_report_authors_patterns_are_planned() {
             plan.rigidity.deformation <= 1e-6 && plan.rigidity.gap <= 1e-6,
             "{what}"
         );
-        assert!(plan.path.knots.len() <= knots, "{what}");
+        assert!(plan.knots().len() <= knots, "{what}");
         assert!(
             plan.goal_error.to_degrees() <= degrees,
             "{what}: {}",

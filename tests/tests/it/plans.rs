@@ -2,8 +2,8 @@
 //! code with the planner, by `check`, and by the report's counts.
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::read_pattern;
 use foldpath::planner::{Outcome, Plan, PlanOptions, Timing};
+use foldpath::read::fold::read_pattern;
 use foldpath_core::Interpolation;
 use foldpath_tests::closed_form::Waterbomb;
 use foldpath_tests::{Animation, Frame, Planned, goal_angles, path_file, pattern_file, worst};

@@ -16,8 +16,8 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
         assert!(more <= 1, "{name}: {} iterations", large.iterations);
         let more = large.evaluations.abs_diff(small.evaluations);
         assert!(more <= 2, "{name}: {} evaluations", large.evaluations);
-        assert_eq!(large.path.knots.len(), small.path.knots.len(), "{name}");
-        let knots = large.path.knots.iter().zip(&small.path.knots);
+        assert_eq!(large.knots().len(), small.knots().len(), "{name}");
+        let knots = large.knots().iter().zip(small.knots());
         let angles = knots.flat_map(|(large, small)| large.angles.iter().zip(&small.angles));
         let error = worst(angles.map(|(large, small)| (large - small).abs()));
         // Rounding may move a knot along the motion, but never by a whole step.
@@ -51,9 +51,10 @@ fn planning_every_crease_finds_the_motion_of_the_groups() {
             .map(|edge| goals[edge.index()].to_radians());
         let goals: Vec<f64> = goals.collect();
         let zigzag = worst(goals.iter().map(|a| a.abs()));
-        for (index, knot) in free.path.knots.iter().enumerate() {
-            let memberships = free.path.memberships.iter();
+        for (index, knot) in free.knots().iter().enumerate() {
+            let memberships = free.motion.as_ref().unwrap().memberships();
             let angles: Vec<f64> = memberships
+                .iter()
                 .map(|m| m.apply(knot.angles[m.group.index()]))
                 .collect();
             let turned = worst(angles.iter().map(|a| a.abs()));
@@ -69,7 +70,7 @@ fn planning_every_crease_finds_the_motion_of_the_groups() {
             let error = worst(errors);
             assert!(error <= 1e-9, "{name}, knot {index}: {error:e}");
         }
-        let flat = free.path.knots[0].angles.iter().map(|a| a.abs());
+        let flat = free.knots()[0].angles.iter().map(|a| a.abs());
         assert!(worst(flat) <= 1e-9);
         assert!(worst([free.goal_error, grouped.goal_error]) <= 1e-9);
     }

@@ -2,9 +2,9 @@
 //! flat one closes exactly.
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::{PatternFile, read_pattern};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
 use foldpath::planner::{CHOSEN_REACH, Judged, Outcome, Plan, PlanOptions};
+use foldpath::read::fold::{PatternFile, read_pattern};
 use foldpath_tests::{Motion, Planned, Random, Sheet, path_file, pattern_file, worst};
 use nalgebra::{Rotation2, Vector2};
 

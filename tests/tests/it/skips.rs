@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use foldpath::formats::fold::read_pattern;
 use foldpath::planner::{Goal, Plan, PlanOptions, Skips, plan};
+use foldpath::read::fold::read_pattern;
 
 /// Largest number of faces of patterns that are tried with each switch alone.
 const SMALL: usize = 60;

@@ -2,10 +2,10 @@
 
 use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::PatternFile;
 use foldpath::generate::Miura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Outcome, PlanOptions, Symmetry};
+use foldpath::read::fold::PatternFile;
 use foldpath_tests::Planned;
 use nalgebra::Vector2;
 
@@ -129,8 +129,8 @@ fn a_free_hinge_goes_where_the_others_take_it() {
             &PlanOptions::default(),
         );
         assert_eq!(plan.outcome, Outcome::Planned, "{free}: {:?}", plan.reason);
-        let last = plan.path.knots.last().unwrap();
-        let member = plan.path.memberships[free];
+        let last = plan.knots().last().unwrap();
+        let member = plan.motion.as_ref().unwrap().memberships()[free];
         let reached = member.apply(last.angles[member.group.index()]);
         assert!((reached - named).abs() < 1e-9, "{free}: {reached} {named}");
     }
@@ -161,9 +161,9 @@ fn an_exact_goal_is_not_moved_to_a_symmetric_one() {
         edge.1 = Some(angle);
     }
     let closed = plan(pattern(&vertices, &edges), &free);
-    let last = closed.path.knots.last().expect("a path");
+    let last = closed.knots().last().expect("a path");
     for (k, edge) in edges[degree as usize..].iter_mut().enumerate() {
-        let member = closed.path.memberships[k];
+        let member = closed.motion.as_ref().unwrap().memberships()[k];
         edge.1 = Some(member.apply(last.angles[member.group.index()]).to_degrees());
     }
     let exact = plan(pattern(&vertices, &edges), &PlanOptions::default());

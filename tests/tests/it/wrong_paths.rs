@@ -3,10 +3,10 @@
 use core::f64::consts::PI;
 
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::PatternFile;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
+use foldpath::read::fold::PatternFile;
 use foldpath_core::Interpolation;
 use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Random, Sheet, path_file};
 use nalgebra::{Rotation3, Vector3};
@@ -476,7 +476,7 @@ fn layers_in_contact_hold() {
             "{:?}",
             planned.plan.reason
         );
-        let last = planned.plan.path.knots.last().unwrap();
+        let last = planned.plan.knots().last().unwrap();
         assert!(
             last.angles
                 .iter()

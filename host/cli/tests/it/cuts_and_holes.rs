@@ -3,11 +3,12 @@
 use crate::common::{folder, pattern};
 use foldpath::check::{CheckOptions, check};
 use foldpath::collision::CollisionScene;
+use foldpath::export::fold::pattern_text;
 use foldpath::folding::{FoldingMap, SpanningTree};
-use foldpath::formats::fold::{pattern_text, read_path, read_pattern};
 use foldpath::generate::Miura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter, PatternError};
 use foldpath::planner::Goal;
+use foldpath::read::fold::{read_motion, read_pattern};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome};
 use foldpath_core::{DenseNormalEquations, HalfAngle, LoopsView, Membership, levenberg_marquardt};
@@ -232,14 +233,13 @@ fn a_hole_that_opens_between_knots_is_named() {
     assert!(reason.contains("between knots 0 and 1, at 0."), "{reason}");
     assert!(reason.contains("the hole at vertex "), "{reason}");
 
-    let path = read_path(&folder.path("open.fold")).unwrap();
+    let path = read_motion(&folder.path("open.fold")).unwrap();
     let pattern = &path.pattern;
     let groups = CreaseGroups::trivial(pattern);
     let stars = ReducedStars::all(pattern, &groups);
     let closure = |s: f64| {
         let creases = pattern.creases().iter().zip(groups.memberships());
-        let angle =
-            |(&edge, part): (_, &Membership)| part.apply(path.curve(0, edge).unwrap().angle(s));
+        let angle = |(&edge, part): (_, &Membership)| part.apply(path.curve(0, edge).angle(s));
         let x: Vec<f64> = creases.map(angle).collect();
         stars.residuals(&x).into_iter().fold(0.0, f64::max)
     };

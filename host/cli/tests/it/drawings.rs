@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::common::folder;
-use foldpath::formats::read_pattern;
 use foldpath::pattern::{CreasePattern, Letter};
+use foldpath::read::read_pattern;
 use foldpath_test_support::numbers;
 use serde_json::{Value, json};
 

@@ -5,10 +5,10 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use crate::common::{folder, folder_with_path, pattern};
-use foldpath::formats::FileError;
 use foldpath::pattern::PatternError;
 use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, OptionsError};
+use foldpath::read::FileError;
 use foldpath::unfold::ShapeError;
 use foldpath_core::trajectory::TrajectoryError;
 use foldpath_core::trajectory_file;

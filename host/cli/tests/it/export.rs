@@ -4,9 +4,10 @@ use std::fs;
 
 use crate::common::{PATTERNS, folder, folder_with_path};
 use foldpath::folding::{Dihedral, deformation};
-use foldpath::formats::fold::{PathFile, read_path, read_pattern};
-use foldpath::formats::read_pattern as read_any;
+use foldpath::motion::Motion;
 use foldpath::pattern::Letter;
+use foldpath::read::fold::{read_motion, read_pattern};
+use foldpath::read::read_pattern as read_any;
 use gltf::animation::util::ReadOutputs;
 use gltf::mesh::Mode;
 use nalgebra::Vector3;
@@ -37,7 +38,7 @@ fn obj(text: &str) -> (Vec<Vector3<f64>>, Vec<Vec<u32>>) {
 }
 
 /// Returns the largest difference (radians) between given fold angles and those measured on a shape.
-fn angle_error(path: &PathFile, angles: &[f64], shape: &[Vector3<f64>]) -> f64 {
+fn angle_error(path: &Motion, angles: &[f64], shape: &[Vector3<f64>]) -> f64 {
     let errors = Dihedral::all(&path.pattern).into_iter().map(|dihedral| {
         let assigned = dihedral.edge.map_or(0.0, |edge| angles[edge.index()]);
         (dihedral.fold_angle(shape) - assigned).abs()
@@ -46,7 +47,7 @@ fn angle_error(path: &PathFile, angles: &[f64], shape: &[Vector3<f64>]) -> f64 {
 }
 
 /// Returns the fold angles of all edges at a time, by the path's own motion.
-fn angles_at(path: &PathFile, time: f64) -> Vec<f64> {
+fn angles_at(path: &Motion, time: f64) -> Vec<f64> {
     let knots = &path.knots;
     let segment = knots
         .windows(2)
@@ -54,7 +55,7 @@ fn angles_at(path: &PathFile, time: f64) -> Vec<f64> {
         .unwrap();
     let [from, to] = [segment, segment + 1].map(|knot| knots[knot].time);
     let edges = (0..path.pattern.edges().len()).map(foldpath::pattern::EdgeId::new);
-    let curve = |edge| path.curve(segment, edge).unwrap();
+    let curve = |edge| path.curve(segment, edge);
     edges
         .map(|edge| curve(edge).angle((time - from) / (to - from)))
         .collect()
@@ -63,7 +64,7 @@ fn angles_at(path: &PathFile, time: f64) -> Vec<f64> {
 #[test]
 fn an_obj_sequence_shows_the_path_at_its_knots_or_evenly_in_time() {
     let folder = folder_with_path();
-    let path = read_path(&folder.path("path.fold")).unwrap();
+    let path = read_motion(&folder.path("path.fold")).unwrap();
     let end = path.knots.last().unwrap().time;
     let knots: Vec<f64> = path.knots.iter().map(|knot| knot.time).collect();
     let evenly: Vec<f64> = (0..5).map(|k| end * f64::from(k) / 4.0).collect();
@@ -103,7 +104,7 @@ fn an_obj_sequence_shows_the_path_at_its_knots_or_evenly_in_time() {
 fn a_glb_is_valid_and_plays_the_path() {
     let folder = folder_with_path();
     folder.done("plan miura.fold --frames angles -o bare.fold");
-    let path = read_path(&folder.path("path.fold")).unwrap();
+    let path = read_motion(&folder.path("path.fold")).unwrap();
     for (file, options, frames) in [
         ("path.fold", "--frames 7", Some(7)),
         ("path.fold", "", None),

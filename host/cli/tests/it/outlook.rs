@@ -1,9 +1,9 @@
 //! Tests the predictions of `info`: motions are counted by closed forms and by another decomposition.
 
 use crate::common::{PATTERNS, folder};
-use foldpath::formats::read_pattern;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FlatFlaw, Letter};
 use foldpath::planner::{FirstStep, Goal, Mobility, first_step, leave_flat};
+use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::{HalfAngle, closure};
 use nalgebra::{DMatrix, Vector2};

@@ -4,13 +4,13 @@ use std::fs;
 
 use crate::common::{PATTERNS, folder_with_path};
 use foldpath::check::measure;
-use foldpath::formats::fold::read_path;
 use foldpath::plot::{Curves, Point, svg};
+use foldpath::read::fold::read_motion;
 use foldpath_test_support::{Folder, edited};
 use usvg::roxmltree::Document;
 
 fn curves(folder: &Folder, name: &str) -> Curves {
-    Curves::of_path(&read_path(&folder.path(name)).unwrap())
+    Curves::of_path(&read_motion(&folder.path(name)).unwrap())
 }
 
 fn at(curve: &[Point], time: f64) -> f64 {
@@ -24,7 +24,7 @@ fn at(curve: &[Point], time: f64) -> f64 {
 #[test]
 fn curves_are_those_of_the_motion() {
     let folder = folder_with_path();
-    let path = read_path(&folder.path("path.fold")).unwrap();
+    let path = read_motion(&folder.path("path.fold")).unwrap();
     let curves = curves(&folder, "path.fold");
     assert!(curves.grouped);
     let [a, b] = curves.angles.as_slice() else {

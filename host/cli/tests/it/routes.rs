@@ -3,7 +3,7 @@
 
 use crate::common::folder;
 use foldpath::check::{CheckOptions, check};
-use foldpath::formats::fold::read_path;
+use foldpath::read::fold::read_motion;
 use foldpath_test_support::{Folder, numbers};
 use serde_json::{Value, json};
 
@@ -19,7 +19,7 @@ fn plan(folder: &Folder, arguments: &str) -> Value {
 fn holds(folder: &Folder, path: &str) {
     folder.done(&format!("check {path}"));
     let knots = check(
-        &read_path(&folder.path(path)).unwrap(),
+        &read_motion(&folder.path(path)).unwrap(),
         &CheckOptions::knots_alone(1e-9),
     );
     assert_eq!(knots.failures, [""; 0]);

@@ -5,9 +5,9 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::common::folder;
 use foldpath::folding::{FoldingMap, SpanningTree, laid_on};
-use foldpath::formats::read_shape;
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
+use foldpath::read::read_shape;
 use foldpath::unfold::{
     FoldedShape, Outcome, ShapeEdge, ShapeError, UnfoldOptions, Unfolding, unfold,
 };
@@ -1090,7 +1090,7 @@ fn no_file_makes_it_panic() {
         let read = read_shape(&path, None);
         let answer = read.is_ok_and(|file| unfold(&file.shape, &UnfoldOptions::default()).is_ok());
         answers[usize::from(answer)] += 1;
-        let _pattern = foldpath::formats::read_pattern(&path);
+        let _pattern = foldpath::read::read_pattern(&path);
     }
     assert!(answers[0] > 200 && answers[1] > 50, "{answers:?}");
 }

@@ -231,7 +231,7 @@ fn paths_csv(cells: &[PathCell]) -> String {
             cell.plans,
             cell.seconds,
             plan.outcome.name(),
-            plan.path.knots.len(),
+            plan.knots().len(),
             plan.max_closure,
             plan.rigidity.deformation,
             plan.rigidity.gap,

@@ -239,7 +239,7 @@ pub(super) fn paths(cells: &[PathCell]) -> String {
             cell.name(),
             format!("{:.0e}", cell.bound),
             time(cell.seconds),
-            plan.path.knots.len().to_string(),
+            plan.knots().len().to_string(),
             format!("{:.1e}", plan.max_closure),
             format!("{:.1e}", plan.rigidity.deformation),
             or_dash(certified),

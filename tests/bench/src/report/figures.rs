@@ -120,10 +120,11 @@ impl Traced {
             ..case.freedom.options()
         };
         let plan = plan(&sheet.pattern, &sheet.goal, &options);
-        let configurations = places(&plan.path, PLACES).into_iter();
+        let motion = plan.motion?;
+        let configurations = places(&motion, PLACES).into_iter();
         let configurations: Vec<_> = configurations.map(|angles| (angles, false)).collect();
         let drawn = !configurations.is_empty();
-        drawn.then(|| Self::new("foldpath", sheet, plan.path.memberships, &configurations))
+        drawn.then(|| Self::new("foldpath", sheet, motion.memberships(), &configurations))
     }
 
     fn curve(&self, colour: usize, name: String, of: impl Fn(&Sample) -> f64) -> Curve {

@@ -1,6 +1,7 @@
 //! Measures of paths: deformation and gap at knots and between them, and once by other formulas than the planners'.
 
 use foldpath::folding::{FoldingMap, Rigidity, SpanningTree};
+use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath_core::Membership;
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -51,14 +52,11 @@ pub fn straight_between(knots: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// Returns configurations between the knots of a path whose motion is known.
-pub(super) fn motion_between(path: &foldpath::planner::Path) -> Vec<Vec<f64>> {
-    let curves = path.curves();
-    let places = curves.iter().flat_map(|segment| {
+pub(super) fn motion_between(motion: &Motion) -> Vec<Vec<f64>> {
+    let places = (0..motion.segments()).flat_map(|segment| {
         (1..PLACES).map(move |place| {
-            segment
-                .iter()
-                .map(|curve| curve.angle(part(place)))
-                .collect()
+            let curves = motion.curves(segment);
+            curves.map(|curve| curve.angle(part(place))).collect()
         })
     });
     places.collect()

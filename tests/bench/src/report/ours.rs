@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use foldpath::planner::{Judged, Path, Plan, PlanOptions, plan};
+use foldpath::motion::Motion;
+use foldpath::planner::{Judged, Plan, PlanOptions, plan};
 
 use super::search::STEP;
 use super::sheet::Sheet;
@@ -63,7 +64,7 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         plan: whole,
         seconds,
         at_knots,
-        alone: first_look.path.knots.len(),
+        alone: first_look.knots().len(),
     }
 }
 
@@ -84,20 +85,20 @@ fn repeated<T>(mut run: impl FnMut() -> (f64, T)) -> (f64, f64, T) {
 }
 
 /// Returns `count` configurations of a path, evenly spaced over the parameters of its segments, ends included.
-pub(super) fn places(path: &Path, count: usize) -> Vec<Vec<f64>> {
-    let curves = path.curves();
-    if curves.is_empty() {
+pub(super) fn places(motion: &Motion, count: usize) -> Vec<Vec<f64>> {
+    let segments = motion.segments();
+    if segments == 0 {
         return Vec::new();
     }
     let last = count.max(2) - 1;
     let place = |k: usize| {
         #[allow(clippy::cast_precision_loss, reason = "small counts")]
         let (segment, s) = {
-            let segment = (k * curves.len() / last).min(curves.len() - 1);
-            let along = (k * curves.len()) as f64 / last as f64;
+            let segment = (k * segments / last).min(segments - 1);
+            let along = (k * segments) as f64 / last as f64;
             (segment, along - segment as f64)
         };
-        curves[segment].iter().map(|c| c.angle(s)).collect()
+        motion.curves(segment).map(|c| c.angle(s)).collect()
     };
     (0..=last).map(place).collect()
 }

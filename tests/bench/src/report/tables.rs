@@ -4,6 +4,7 @@ use core::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
+use foldpath::motion::Motion;
 use foldpath::planner::Outcome;
 
 use super::cases::{self, Case, Extent, Kind, LIMIT, SHORT_LIMIT};
@@ -96,10 +97,16 @@ fn measure(case: &Case, extent: Extent) -> Row {
     eprintln!("{}", tuned.best.as_ref().map_or("none".into(), named));
     let theirs = best.map(|run| deviations(&sheet, run));
     let ours = ours(&sheet, case.bound);
-    let path = &ours.plan.path;
-    let knots: Vec<_> = path.knots.iter().map(|knot| knot.angles.clone()).collect();
-    let ours_measured = [knots, motion_between(path)]
-        .map(|places| between_knots(&sheet.pattern, &sheet.tree, &path.memberships, &places));
+    let motion = ours.plan.motion.as_ref();
+    let memberships = motion.map(Motion::memberships).unwrap_or_default();
+    let knots: Vec<_> = ours
+        .plan
+        .knots()
+        .iter()
+        .map(|knot| knot.angles.clone())
+        .collect();
+    let ours_measured = [knots, motion.map(motion_between).unwrap_or_default()]
+        .map(|places| between_knots(&sheet.pattern, &sheet.tree, &memberships, &places));
     Row {
         case: *case,
         unknowns: sheet.groups.len(),
@@ -241,7 +248,7 @@ fn errors(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         };
         let plan = &row.ours.plan;
         let ours = if row.is_planned() {
-            deviation(plan.path.knots.len(), row.ours_measured)
+            deviation(plan.knots().len(), row.ours_measured)
         } else {
             " | | | ".into()
         };
@@ -320,7 +327,7 @@ fn csv(rows: &[Row]) -> String {
             ours.collision,
             ours.given,
             ours.at_knots,
-            ours.plan.path.knots.len(),
+            ours.plan.knots().len(),
             at.deformation,
             between.deformation,
             at.gap.max(between.gap),

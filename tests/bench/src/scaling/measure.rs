@@ -182,7 +182,7 @@ fn here(work: Work, runs: usize) -> Value {
         "hinges": counts[1],
         "unknowns": plan.unknowns,
         "configurations": plan.waypoints,
-        "knots": plan.path.knots.len(),
+        "knots": plan.knots().len(),
         "pattern": middle(drawn),
         "symmetry": median(|p| p.times.symmetry),
         "solve": median(|p| p.times.solve),

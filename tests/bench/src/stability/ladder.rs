@@ -4,8 +4,9 @@
 use core::fmt::Write;
 use std::path::Path;
 
-use foldpath::formats::fold::{parse_path, pattern_text};
+use foldpath::export::fold::pattern_text;
 use foldpath::pattern::Drawing;
+use foldpath::read::fold::parse_motion;
 
 use super::command::{Answer, run};
 use super::patterns::{Mesh, disc};
@@ -259,15 +260,11 @@ pub fn climb(command: &Path, rung: &Rung, folder: &Path) -> Result {
 /// Returns deformation and gap at the knots of a path, by the reference.
 fn truth(path: &Path) -> Option<[f64; 2]> {
     let bytes = std::fs::read(path).ok()?;
-    let file = parse_path(path, &bytes).ok()?;
+    let file = parse_motion(path, &bytes).ok()?;
     let pattern = &file.pattern;
     let step = file.knots.len().div_ceil(KNOTS);
-    let each = file.knots.iter().rev().step_by(step).map(|knot| {
-        let angles = pattern
-            .creases()
-            .iter()
-            .map(|edge| knot.fold_angles[edge.index()]);
-        let folded = Folded::new(pattern, &angles.collect::<Vec<_>>());
+    let each = (0..file.knots.len()).rev().step_by(step).map(|knot| {
+        let folded = Folded::new(pattern, &file.crease_angles(knot));
         folded.map_or([f64::INFINITY; 2], |folded| folded.rigidity(pattern))
     });
     each.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])

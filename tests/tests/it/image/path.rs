@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use foldpath::formats::fold::{PathWriter, read_pattern};
-use foldpath::formats::traj::TrajFile;
+use foldpath::export::fold::motion_text;
+use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
+use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, Options, Place};
@@ -45,15 +46,7 @@ impl Fold {
         let groups = CreaseGroups::find(&file.pattern);
         let stars = ReducedStars::all(&file.pattern, &groups).essential();
         let planned = Planned::of(file, &options);
-        let writer = PathWriter {
-            title: "",
-            pattern: &planned.file.pattern,
-            vertices: true,
-            seed: 0,
-            max_speed: options.max_speed,
-            max_acceleration: options.max_acceleration,
-        };
-        let path = path_file(&writer.text(&planned.plan.path)).unwrap();
+        let path = path_file(&motion_text(planned.plan.motion.as_ref().unwrap())).unwrap();
         let bytes = TrajFile::of(&path, Path::new("path.fold")).unwrap().bytes;
         let file = TrajectoryFile::read(&bytes).unwrap();
         assert_eq!((file.groups(), file.hinges()), (2, 1104));

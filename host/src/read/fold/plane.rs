@@ -9,13 +9,13 @@ use crate::pattern::twice_area;
 const FLAT: f64 = 1e-6;
 
 /// Texts of the error for a sheet that is not flat: the expected and the found vertices.
-pub(in crate::formats) const FLAT_PATTERN: &str =
+pub(in crate::read) const FLAT_PATTERN: &str =
     "a flat crease pattern (a folded shape has to be unfolded first)";
-pub(in crate::formats) const NOT_FLAT: &str = "vertices that lie in no common plane";
+pub(in crate::read) const NOT_FLAT: &str = "vertices that lie in no common plane";
 
 /// Returns the vertices of a flat sheet in coordinates of its plane, seen from where the faces run counter-clockwise.
 /// Returns `None` if the sheet is not flat. Adds the assumptions made to `notes`.
-pub(in crate::formats) fn lay(
+pub(in crate::read) fn lay(
     points: &[Vector3<f64>],
     faces: Option<&[Vec<usize>]>,
     notes: &mut Vec<String>,

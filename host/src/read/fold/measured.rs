@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 
 use super::document::Frames;
 use super::pattern::{Goals, points};
-use crate::formats::FileError;
 use crate::pattern::{CreasePattern, Edge, Letter};
+use crate::read::FileError;
 use crate::unfold::{FoldedShape, ShapeEdge, fold_angles};
 
 /// Largest relative difference between the lengths of an edge in the folded and the flat sheet, both drawn to the same

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use super::fold::PathFile;
-use crate::shapes::shapes;
+use crate::folding::shapes;
+use crate::motion::Motion;
 
 /// Returns the name of file `index` of a sequence called `output`: `fold.obj` gives `fold-0000.obj`, `fold-0001.obj`
 /// and so on beside `output`; a folder gives `frame-0000.obj` and so on inside it.
@@ -28,27 +28,27 @@ pub fn frame_path(output: &Path, folder: bool, index: usize) -> PathBuf {
 
 /// Returns the name and content of each file of a sequence, one file for the shape at each knot of the path.
 pub fn files(
-    path: &PathFile,
+    motion: &Motion,
     output: &Path,
     folder: bool,
 ) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
-    let frames = path.knots.iter().zip(shapes(path)).enumerate();
+    let frames = motion.knots.iter().zip(shapes(motion)).enumerate();
     frames.map(move |(index, (knot, shape))| {
-        let text = frame_text(path, knot.time, &shape);
+        let text = frame_text(motion, knot.time, &shape);
         (frame_path(output, folder, index), text.into_bytes())
     })
 }
 
 /// Formats one shape of the sheet: its vertices in the order and units of the pattern, and its faces as polygons,
 /// counter-clockwise seen from the front of the paper.
-fn frame_text(path: &PathFile, time: f64, shape: &[Vector3<f64>]) -> String {
+fn frame_text(motion: &Motion, time: f64, shape: &[Vector3<f64>]) -> String {
     // A title may contain any character, but a comment must not contain a line break.
-    let mut text = format!("# {}, {time} s\n", path.title.escape_debug());
+    let mut text = format!("# {}, {time} s\n", motion.title.escape_debug());
     // Writing to memory cannot fail.
     for p in shape {
         let _complete = writeln!(text, "v {} {} {}", p.x + 0.0, p.y + 0.0, p.z + 0.0);
     }
-    for face in path.pattern.faces().iter() {
+    for face in motion.pattern.faces().iter() {
         text.push('f');
         for vertex in face {
             let _complete = write!(text, " {}", vertex.index() + 1);

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::{FileError as WriteError, GroupLimits, write};
-use foldpath_core::{Membership, Scalar, Spoke, StarsView};
+use foldpath_core::{Interpolation, Membership, Scalar, Spoke, StarsView};
 
-use super::FileError;
-use super::fold::PathFile;
-use super::groups::{GroupPath, hinges, unfit};
+use super::groups::HingeGroups;
+use crate::motion::Motion;
 use crate::numbers::largest;
+use crate::pattern::CreasePattern;
 use crate::planner::Overshoot;
+use crate::read::FileError;
 use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
 
 /// A path encoded as a `.traj` file.
@@ -34,9 +35,8 @@ pub struct TrajFile {
 ///
 /// # Errors
 /// If a hinge has no group.
-pub fn memberships(path: &PathFile, file: &Path) -> Result<Vec<Membership>, FileError> {
-    let hinges = hinges(path, file)?;
-    Ok(hinges.into_iter().map(|(_, member)| member).collect())
+pub fn memberships(motion: &Motion, file: &Path) -> Result<Vec<Membership>, FileError> {
+    Ok(HingeGroups::of(motion, file)?.hinges)
 }
 
 /// Relative excess over its limits up to which a path is accepted. The path is then slowed down to keep the limits, as
@@ -60,12 +60,13 @@ impl TrajFile {
     /// # Errors
     /// If a hinge does not turn as its group does, if the path exceeds its own limits, or if controllers cannot follow
     /// a knot.
-    pub fn of(path: &PathFile, file: &Path) -> Result<Self, FileError> {
-        let exact = GroupPath::of(path, file)?;
+    pub fn of(motion: &Motion, file: &Path) -> Result<Self, FileError> {
+        let groups = HingeGroups::of(motion, file)?;
+        let exact = Arrays::of(motion, &groups);
         let ones = vec![1.0; exact.groups];
         let found = Overshoot::of(exact.view(file)?, &ones, &ones);
-        let speed = limit(path.max_speed, found.speed);
-        let acceleration = limit(path.max_acceleration, found.acceleration);
+        let speed = limit(motion.max_speed, found.speed);
+        let acceleration = limit(motion.max_acceleration, found.acceleration);
         for (key, limit, found) in [
             ("foldpath:maxSpeed", speed, found.speed),
             ("foldpath:maxAcceleration", acceleration, found.acceleration),
@@ -93,7 +94,7 @@ impl TrajFile {
             let view = rounded.wide.view(file)?;
             let excess = Overshoot::of(view, &speeds, &accelerations).stretch();
             if excess <= 1.0 {
-                return rounded.write(path, &exact, limits, file);
+                return rounded.write(&motion.pattern, groups.hinges, limits, file);
             }
             stretch *= excess;
         }
@@ -118,18 +119,76 @@ fn limit(known: Option<f64>, found: f64) -> f32 {
     }
 }
 
+/// The numbers of a motion, in the arrays that core's view of a trajectory takes.
+struct Arrays {
+    interpolation: Interpolation,
+    groups: usize,
+    /// Seconds.
+    times: Vec<f64>,
+    /// One row for each knot, radians.
+    angles: Vec<f64>,
+    /// One row for each knot, radians per second.
+    rates: Vec<f64>,
+    /// One row for each knot; empty unless the interpolation is homogeneous.
+    weights: Vec<[f64; 2]>,
+}
+
+impl Arrays {
+    fn of(motion: &Motion, groups: &HingeGroups) -> Self {
+        let nodes = || (0..motion.knots.len()).flat_map(|knot| groups.nodes(motion, knot));
+        let weighted = motion.interpolation == Interpolation::Homogeneous;
+        Self {
+            interpolation: motion.interpolation,
+            groups: groups.len(),
+            times: motion.knots.iter().map(|knot| knot.time).collect(),
+            angles: nodes().map(|node| node.angle).collect(),
+            rates: nodes().map(|node| node.rate).collect(),
+            weights: nodes()
+                .filter(|_| weighted)
+                .map(|node| node.weight)
+                .collect(),
+        }
+    }
+
+    /// Returns the motion as a trajectory of core.
+    ///
+    /// # Errors
+    /// If a controller cannot follow a knot; the error names the place.
+    fn view(&self, file: &Path) -> Result<TrajectoryView<'_, f64>, FileError> {
+        let view = TrajectoryView::new(
+            self.interpolation,
+            self.groups,
+            &self.times,
+            &self.angles,
+            &self.rates,
+            &self.weights,
+        );
+        view.map_err(|error| unfit(file, &error))
+    }
+}
+
+/// Makes the error of a trajectory that a controller cannot follow.
+fn unfit(file: &Path, error: &dyn core::error::Error) -> FileError {
+    FileError::Expected {
+        path: file.to_path_buf(),
+        place: "file_frames".into(),
+        expected: "knots that a controller can follow".into(),
+        found: error.to_string(),
+    }
+}
+
 /// A path rounded to `f32`, and the rounded numbers widened to `f64`.
 struct Rounded {
     times: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     weights: Vec<[f32; 2]>,
-    wide: GroupPath,
+    wide: Arrays,
 }
 
 impl Rounded {
     /// Rounds a path that is stretched in time by the factor `stretch`.
-    fn of(exact: &GroupPath, stretch: f64) -> Self {
+    fn of(exact: &Arrays, stretch: f64) -> Self {
         let start = exact.times.first().copied().unwrap_or(0.0);
         let round = |numbers: &[f64], factor: f64| -> Vec<f32> {
             numbers.iter().map(|x| f32::lit(x * factor)).collect()
@@ -143,9 +202,8 @@ impl Rounded {
             .map(|[weight, rate]| [f32::lit(*weight), f32::lit(rate / stretch)])
             .collect();
         let widen = |numbers: &[f32]| numbers.iter().map(|x| x.to_f64()).collect();
-        let wide = GroupPath {
+        let wide = Arrays {
             interpolation: exact.interpolation,
-            hinges: Vec::new(),
             groups: exact.groups,
             times: widen(&times),
             angles: widen(&angles),
@@ -178,35 +236,34 @@ impl Rounded {
 
     fn write(
         &self,
-        path: &PathFile,
-        exact: &GroupPath,
+        pattern: &CreasePattern,
+        hinges: Vec<Membership>,
         limits: GroupLimits,
         file: &Path,
     ) -> Result<TrajFile, FileError> {
         let view = TrajectoryView::new(
-            exact.interpolation,
-            exact.groups,
+            self.wide.interpolation,
+            self.wide.groups,
             &self.times,
             &self.angles,
             &self.rates,
             &self.weights,
         );
         let view = view.map_err(|error| unfit(file, &error))?;
-        let limits = vec![limits; exact.groups];
-        let groups = CreaseGroups::of_memberships(exact.hinges.clone(), SAME_SECTOR / 4.0);
-        let stars = ReducedStars::all(&path.pattern, &groups);
+        let limits = vec![limits; self.wide.groups];
+        let groups = CreaseGroups::of_memberships(hinges.clone(), SAME_SECTOR / 4.0);
+        let stars = ReducedStars::all(pattern, &groups);
         let closure = self.closure(stars.distinct().view(), file)?;
         let (spokes, ends) = spokes(stars.essential().view());
-        let stars = StarsView::new(&spokes, &ends, exact.groups);
+        let stars = StarsView::new(&spokes, &ends, self.wide.groups);
         let stars = stars.ok_or_else(|| unfit(file, &WriteError::Spoke(0)))?;
         let mut bytes = Vec::new();
         let sink = |part: &[u8]| bytes.extend_from_slice(part);
-        write(view, &limits, &exact.hinges, stars, closure, sink)
-            .map_err(|error| unfit(file, &error))?;
+        write(view, &limits, &hinges, stars, closure, sink).map_err(|error| unfit(file, &error))?;
         Ok(TrajFile {
             bytes,
-            groups: exact.groups,
-            hinges: exact.hinges.len(),
+            groups: self.wide.groups,
+            hinges: hinges.len(),
             knots: self.times.len(),
             duration: self.wide.times.last().copied().unwrap_or(0.0),
         })

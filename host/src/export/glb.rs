@@ -17,9 +17,9 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::FileError;
-use super::fold::PathFile;
-use crate::shapes::shapes;
+use crate::folding::shapes;
+use crate::motion::Motion;
+use crate::read::FileError;
 
 /// Base colours: linear, opaque.
 const FRONT: [f32; 4] = [0.95, 0.92, 0.85, 1.0];
@@ -38,8 +38,8 @@ const TRIANGLES: u32 = 4;
 ///
 /// # Errors
 /// If the file would be 4 GiB or longer, or if a coordinate does not fit single precision.
-pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
-    let pattern = &path.pattern;
+pub fn content(motion: &Motion, file: &Path) -> Result<Vec<u8>, FileError> {
+    let pattern = &motion.pattern;
     let triangles = pattern.triangles().items().iter();
     let front: Vec<u32> = triangles.flatten().map(|v| v.0).collect();
     let back: Vec<u32> = front.chunks(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
@@ -48,7 +48,7 @@ pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
         .iter()
         .flat_map(|e| e.ends.map(|v| v.0))
         .collect();
-    let [knots, points] = [path.knots.len(), pattern.vertices().len()].map(|n| n as u64);
+    let [knots, points] = [motion.knots.len(), pattern.vertices().len()].map(|n| n as u64);
     let indices = 2 * front.len() as u64 + edges.len() as u64;
     fits(4 * (knots * (3 * points + knots) + indices), file)?;
 
@@ -57,8 +57,8 @@ pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
     let mut times: Vec<f32> = Vec::new();
     let mut positions = Vec::new();
     let mut base = vec![Vector3::zeros(); pattern.vertices().len()];
-    for (knot, shape) in path.knots.iter().zip(shapes(path)) {
-        let time = single(knot.time - path.knots[0].time);
+    for (knot, shape) in motion.knots.iter().zip(shapes(motion)) {
+        let time = single(knot.time - motion.knots[0].time);
         // Skips a shape whose time rounds to that of the shape before, as glTF requires strictly increasing times.
         if times.last().is_some_and(|last| time <= *last) {
             continue;
@@ -94,9 +94,9 @@ pub fn content(path: &PathFile, file: &Path) -> Result<Vec<u8>, FileError> {
         "asset": {"version": "2.0", "generator": concat!("foldpath ", env!("CARGO_PKG_VERSION"))},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": path.title}],
+        "nodes": [{"mesh": 0, "name": motion.title}],
         "materials": materials,
-        "meshes": [{"name": path.title, "primitives": (0..).zip(primitives).map(primitive).collect::<Vec<_>>()}],
+        "meshes": [{"name": motion.title, "primitives": (0..).zip(primitives).map(primitive).collect::<Vec<_>>()}],
     });
     if !targets.is_empty() {
         let weights = buffer.steps(times.len());

@@ -7,8 +7,8 @@ use std::path::Path;
 use foldpath_core::Interpolation;
 use foldpath_core::trajectory_file::TrajectoryFile;
 
-use super::FileError;
 use super::traj::TrajFile;
+use crate::read::FileError;
 
 /// Largest number of characters in a line of a list.
 const WIDTH: usize = 100;

@@ -1,14 +1,13 @@
-//! Writes crease patterns and paths as FOLD files.
+//! Writes crease patterns and motions as FOLD files.
 //!
-//! Each key, and in paths each frame, has one line: large files stay readable and can be compared line by line.
+//! Each key, and in motions each frame, has one line: large files stay readable and can be compared line by line.
 
 use std::io::{self, Write};
 
 use serde::{Serialize, Serializer};
 
-use super::animation::interpolation_name;
-use crate::pattern::{CreasePattern, Drawing, Edge};
-use crate::planner::{Knot, Path};
+use crate::motion::{GroupNaming, Knot, Motion, interpolation_name};
+use crate::pattern::Drawing;
 
 /// Writes keys and values of a FOLD object in order.
 struct Object<'a, W: Write> {
@@ -107,108 +106,98 @@ fn header(file: &mut Object<'_, impl Write>, title: &str, class: &str) -> io::Re
     file.set("frame_attributes", &["2D"])
 }
 
-/// Writes paths of one sheet as FOLD animations.
-pub struct PathWriter<'a> {
-    /// The file's title.
-    pub title: &'a str,
-    /// The flat sheet.
-    pub pattern: &'a CreasePattern,
-    /// `true` to write the positions of the vertices at every knot.
-    pub vertices: bool,
-    /// The seed that the path was planned with.
-    pub seed: u64,
-    /// Speed that no hinge exceeds, radians per second.
-    pub max_speed: f64,
-    /// Acceleration that no hinge exceeds, radians per second squared, if it was limited.
-    pub max_acceleration: Option<f64>,
+/// Formats a motion as a FOLD animation.
+#[must_use]
+pub fn motion_text(motion: &Motion) -> String {
+    text(|out| write_motion(motion, out))
 }
 
-impl PathWriter<'_> {
-    /// Formats the path as a FOLD animation.
-    #[must_use]
-    pub fn text(&self, path: &Path) -> String {
-        text(|out| self.write(path, out))
-    }
-
-    /// Writes the path as a FOLD animation.
-    ///
-    /// # Errors
-    /// The errors of `out`.
-    pub fn write(&self, path: &Path, out: &mut impl Write) -> io::Result<()> {
-        let edges = || self.pattern.edges().iter();
-        let vertices = self.pattern.vertices().iter().map(|v| [v.x, v.y]);
-        let faces = self.pattern.faces().iter();
-        let faces = faces.map(|f| f.iter().map(|v| v.0).collect::<Vec<_>>());
-        let membership = |e: &Edge| Some(path.memberships[e.crease?.index()]);
-        let groups = edges().map(|e| membership(e).map(|m| m.group.0));
-        let signs = edges().map(|e| membership(e).map_or(0, |m| if m.negative { -1 } else { 1 }));
-        let turns: Vec<usize> = edges()
-            .map(|e| membership(e).map_or(0, |m| 1 + 2 * m.group.index() + usize::from(m.negative)))
-            .collect();
-        file(out, |file| {
-            header(file, self.title, "animation")?;
-            file.list("vertices_coords", vertices)?;
-            file.list("edges_vertices", edges().map(|e| e.ends.map(|v| v.0)))?;
-            file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
-            file.list("faces_vertices", faces)?;
-            file.set(
-                "foldpath:interpolation",
-                interpolation_name(path.interpolation),
-            )?;
+/// Writes a motion as a FOLD animation: the key frame is the flat sheet, every other frame is a knot.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
+    let pattern = &motion.pattern;
+    let edges = || pattern.edges().iter();
+    let vertices = pattern.vertices().iter().map(|v| [v.x, v.y]);
+    let faces = pattern.faces().iter();
+    let faces = faces.map(|f| f.iter().map(|v| v.0).collect::<Vec<_>>());
+    let named = || motion.named_members().iter();
+    let groups = named().map(|member| member.map(|m| m.group.0));
+    let signs = named().map(|member| member.map_or(0, |m| if m.negative { -1 } else { 1 }));
+    let members = motion.members.iter();
+    let turns: Vec<usize> = members
+        .map(|member| member.map_or(0, |m| 1 + 2 * m.group.index() + usize::from(m.negative)))
+        .collect();
+    let limits = [
+        ("foldpath:maxSpeed", motion.max_speed),
+        ("foldpath:maxAcceleration", motion.max_acceleration),
+    ];
+    file(out, |file| {
+        header(file, &motion.title, "animation")?;
+        file.list("vertices_coords", vertices)?;
+        file.list("edges_vertices", edges().map(|e| e.ends.map(|v| v.0)))?;
+        file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
+        file.list("faces_vertices", faces)?;
+        file.set(
+            "foldpath:interpolation",
+            interpolation_name(motion.interpolation),
+        )?;
+        if motion.naming != GroupNaming::Unnamed {
             file.list("foldpath:edges_group", groups)?;
             file.list("foldpath:edges_sign", signs)?;
-            file.set("foldpath:seed", &self.seed)?;
-            file.set("foldpath:maxSpeed", &self.max_speed.to_degrees())?;
-            let acceleration = self.max_acceleration.map(f64::to_degrees);
-            file.set("foldpath:maxAcceleration", &acceleration)?;
-            let inner = 1..path.knots.len().saturating_sub(1);
-            let phases: Vec<_> = inner.filter(|&k| path.knots[k].ends_phase).collect();
-            if !phases.is_empty() {
-                file.list("foldpath:phases", phases)?;
+        }
+        if let Some(seed) = motion.seed {
+            file.set("foldpath:seed", &seed)?;
+        }
+        for (key, limit) in limits {
+            // JSON has no infinity: null stands for a limit that allows anything.
+            if let Some(limit) = limit {
+                file.set(key, &limit.to_degrees())?;
             }
-            let out = file.key("file_frames")?;
-            let mut before = "[\n{";
-            for knot in &path.knots {
-                out.write_all(before.as_bytes())?;
-                before = "},\n{";
-                self.frame(knot, &turns, &mut Object::new(out, ","))?;
-            }
-            out.write_all(if path.knots.is_empty() {
-                b"[\n\n]"
-            } else {
-                b"}\n]"
-            })
+        }
+        if !motion.phases.is_empty() {
+            file.list("foldpath:phases", &motion.phases)?;
+        }
+        let out = file.key("file_frames")?;
+        let mut before = "[\n{";
+        for knot in &motion.knots {
+            out.write_all(before.as_bytes())?;
+            before = "},\n{";
+            write_knot(knot, &turns, &mut Object::new(out, ","))?;
+        }
+        out.write_all(if motion.knots.is_empty() {
+            b"[\n\n]"
+        } else {
+            b"}\n]"
         })
-    }
+    })
+}
 
-    fn frame(
-        &self,
-        knot: &Knot,
-        turns: &[usize],
-        frame: &mut Object<'_, impl Write>,
-    ) -> io::Result<()> {
-        frame.set("frame_classes", &["foldedForm"])?;
-        frame.set("frame_parent", &0)?;
-        frame.set("frame_inherit", &true)?;
-        frame.set("foldpath:time", &knot.time)?;
-        if self.vertices {
-            // A frame without positions inherits those of the flat sheet, and the attribute 2D with them.
-            frame.set("frame_attributes", &["3D"])?;
-            let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
-            frame.list("vertices_coords", vertices)?;
-        }
-        spread_angles(frame, "edges_foldAngle", &knot.angles, turns)?;
-        spread_angles(frame, "foldpath:edges_foldAngleRate", &knot.rates, turns)?;
-        if !knot.weights.is_empty() {
-            let part = |part: usize| knot.weights.iter().map(move |weight| weight[part]);
-            spread_numbers(frame, "foldpath:edges_weight", part(0), turns)?;
-            spread_numbers(frame, "foldpath:edges_weightRate", part(1), turns)?;
-        }
-        frame.set("foldpath:deformation", &knot.deformation)?;
-        frame.set("foldpath:gap", &knot.gap)?;
-        frame.set("foldpath:closure", &knot.closure)?;
-        frame.set("foldpath:clearance", &None::<f64>)
+fn write_knot(knot: &Knot, turns: &[usize], frame: &mut Object<'_, impl Write>) -> io::Result<()> {
+    frame.set("frame_classes", &["foldedForm"])?;
+    frame.set("frame_parent", &0)?;
+    frame.set("frame_inherit", &true)?;
+    frame.set("foldpath:time", &knot.time)?;
+    if !knot.vertices.is_empty() {
+        // A frame without positions inherits those of the flat sheet, and the attribute 2D with them.
+        frame.set("frame_attributes", &["3D"])?;
+        let vertices = knot.vertices.iter().map(|v| [v.x, v.y, v.z]);
+        frame.list("vertices_coords", vertices)?;
     }
+    spread_angles(frame, "edges_foldAngle", &knot.angles, turns)?;
+    if !knot.rates.is_empty() {
+        spread_angles(frame, "foldpath:edges_foldAngleRate", &knot.rates, turns)?;
+    }
+    if !knot.weights.is_empty() {
+        let part = |part: usize| knot.weights.iter().map(move |weight| weight[part]);
+        spread_numbers(frame, "foldpath:edges_weight", part(0), turns)?;
+        spread_numbers(frame, "foldpath:edges_weightRate", part(1), turns)?;
+    }
+    frame.set("foldpath:deformation", &knot.claims.deformation)?;
+    frame.set("foldpath:gap", &knot.claims.gap)?;
+    frame.set("foldpath:closure", &knot.claims.closure)?;
+    frame.set("foldpath:clearance", &None::<f64>)
 }
 
 /// Writes an angle or rate of each group (radians) as one number for each edge, in degrees and with the edge's sign.

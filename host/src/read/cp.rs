@@ -11,9 +11,9 @@ use nalgebra::Vector2;
 
 use super::FileError;
 use super::segments::{MOST, Segment, pattern_file};
-use crate::formats::fold::PatternFile;
 use crate::pattern::Letter;
 use crate::progress::Watch;
+use crate::read::fold::PatternFile;
 
 /// Largest size of a file, bytes.
 pub(super) const LARGEST_FILE: u64 = 1 << 28;

@@ -2,25 +2,24 @@
 
 use nalgebra::Vector3;
 
-use crate::check::positions;
-use crate::folding::{SpanningTree, sheets_laid_on};
-use crate::formats::fold::PathFile;
+use super::{FoldingMap, SpanningTree, sheets_laid_on};
+use crate::motion::Motion;
 use crate::numbers::largest;
 
 /// Largest turn of a hinge from one shape to the next, radians, where vertices are drawn on straight lines between
 /// shapes: the drawn sheet is then shorter than the real one by a thousandth.
 pub const STEP: f64 = 0.1;
 
-/// Returns the folded positions of the vertices at each knot: those in the file, or else those of the folding map.
+/// Returns the folded positions of the vertices at each knot: those that are stored, or else those of the folding map.
 ///
 /// Each shape is aligned with the one before by rigid registration, the first one with the flat sheet, so that every
 /// sheet as a whole stays where it is while it folds. Cost: O(faces) for each knot.
-pub fn shapes(path: &PathFile) -> impl Iterator<Item = Vec<Vector3<f64>>> {
-    let pattern = &path.pattern;
+pub fn shapes(motion: &Motion) -> impl Iterator<Item = Vec<Vector3<f64>>> {
+    let pattern = &motion.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
-    path.knots.iter().scan(flat, move |before, knot| {
-        *before = sheets_laid_on(pattern, &positions(pattern, &tree, knot), before);
+    (0..motion.knots.len()).scan(flat, move |before, knot| {
+        *before = sheets_laid_on(pattern, &positions(motion, &tree, knot), before);
         Some(before.clone())
     })
 }
@@ -28,10 +27,10 @@ pub fn shapes(path: &PathFile) -> impl Iterator<Item = Vec<Vector3<f64>>> {
 /// Returns for each face the largest relative change of length of its edges and diagonals, at the knots and between
 /// them.
 #[must_use]
-pub fn deformation_of_faces(path: &PathFile) -> Vec<f64> {
-    let pattern = &path.pattern;
+pub fn deformation_of_faces(motion: &Motion) -> Vec<f64> {
+    let pattern = &motion.pattern;
     let mut worst = vec![0.0_f64; pattern.faces().len()];
-    for shape in shapes(&path.with_steps(STEP)) {
+    for shape in shapes(&motion.with_steps(STEP)) {
         for (worst, triangles) in worst.iter_mut().zip(pattern.triangles().iter()) {
             let sides = triangles
                 .iter()
@@ -44,4 +43,14 @@ pub fn deformation_of_faces(path: &PathFile) -> Vec<f64> {
         }
     }
     worst
+}
+
+/// Returns the positions of the vertices at a knot: those that are stored, or else those of the folding map.
+fn positions(motion: &Motion, tree: &SpanningTree, knot: usize) -> Vec<Vector3<f64>> {
+    let stored = &motion.knots[knot].vertices;
+    if !stored.is_empty() {
+        return stored.clone();
+    }
+    let map = FoldingMap::new(&motion.pattern, tree, &motion.crease_angles(knot));
+    map.vertices().to_vec()
 }

@@ -6,7 +6,7 @@ use super::LARGEST_FILE;
 use super::document::{Document, Frame};
 use super::keys;
 use super::pattern::{Goals, edges, faces, goals, letters, points, title};
-use crate::formats::{FileError, ShapeFile, read_bytes};
+use crate::read::{FileError, ShapeFile, read_bytes};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
 /// Reads the folded shape of frame number `frame`; the key frame is 0. Without a number, reads the last folded form in

@@ -1,24 +1,17 @@
-//! Reading and writing of files: crease patterns, folded shapes, paths and their exports.
+//! Reads files: crease patterns, folded shapes, motions.
 //!
-//! No other module knows a file format. The ending of a file's name selects the reader, and every reader bounds the
+//! The ending of a file's name selects the reader, and every reader bounds the
 //! memory and time that a file can ask for.
 
 mod cp;
-pub mod csv;
 mod error;
 pub mod fold;
-pub mod glb;
-mod groups;
 mod locate;
 mod merge;
 mod obj;
-pub mod obj_sequence;
-pub mod rust;
 mod segments;
 mod stl;
 mod svg;
-pub mod svg_pattern;
-pub mod traj;
 
 use std::fs::File;
 use std::io::Read;

@@ -9,12 +9,12 @@ use super::document::{Document, Frame, Frames, Located};
 use super::keys;
 use super::measured::measured;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
-use crate::formats::segments::{self, Segment};
-use crate::formats::{FileError, stem};
 use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
 use crate::progress::Watch;
+use crate::read::segments::{self, Segment};
+use crate::read::{FileError, stem};
 
 /// A crease pattern read from a file.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError
     parse_within(path, bytes, Watch::default())
 }
 
-pub(in crate::formats) fn parse_within(
+pub(in crate::read) fn parse_within(
     path: &Path,
     bytes: &[u8],
     watch: Watch<'_>,

@@ -1,10 +1,10 @@
-//! The motion that a path file describes, with creases that turn alike grouped together.
+//! A motion with all creases grouped together that turn exactly alike.
 
 use std::collections::HashMap;
 
 use foldpath_core::{Curve, GroupId, Membership};
 
-use crate::formats::fold::PathFile;
+use crate::motion::Motion;
 use crate::pattern::EdgeId;
 use crate::symmetry::CreaseGroups;
 
@@ -12,10 +12,9 @@ use crate::symmetry::CreaseGroups;
 /// Their actual difference is added to bounds.
 const SAME_SECTOR: f64 = 1e-13;
 
-/// The motion of all creases between knots.
-pub(crate) struct Motion {
-    /// Groups of creases whose numbers in the file are equal at all knots, or equal up to the sign, bit by bit.
-    /// The groups that the file claims are not used.
+/// The motion of all creases between knots, whatever groups the motion names.
+pub(crate) struct MergedGroups {
+    /// Groups of creases whose numbers are equal at all knots, or equal up to the sign, bit by bit.
     pub(crate) groups: CreaseGroups,
     /// For each group its first edge, whose sign is that of the group.
     pub(crate) leaders: Vec<EdgeId>,
@@ -23,9 +22,9 @@ pub(crate) struct Motion {
     pub(crate) segments: Vec<Vec<Curve<f64>>>,
 }
 
-impl Motion {
-    /// Reads the motion of a path. Cost: O(knots · creases).
-    pub(crate) fn of(path: &PathFile) -> Self {
+impl MergedGroups {
+    /// Groups the creases of a motion. Cost: O(knots · creases).
+    pub(crate) fn of(path: &Motion) -> Self {
         let mut leaders: Vec<(EdgeId, bool)> = Vec::new();
         let mut groups: HashMap<Vec<u64>, u32> = HashMap::new();
         let mut numbers = Vec::with_capacity(4 * path.knots.len());
@@ -44,12 +43,10 @@ impl Motion {
         let memberships = creases.collect();
         let leaders: Vec<EdgeId> = leaders.into_iter().map(|(edge, _)| edge).collect();
         let segment = |index: usize| {
-            let curves = leaders.iter().filter_map(|&edge| path.curve(index, edge));
+            let curves = leaders.iter().map(|&edge| path.curve(index, edge));
             curves.collect()
         };
-        let segments = (0..path.knots.len().saturating_sub(1))
-            .map(segment)
-            .collect();
+        let segments = (0..path.segments()).map(segment).collect();
         Self {
             groups: CreaseGroups::of_memberships(memberships, SAME_SECTOR / 4.0),
             leaders,
@@ -76,8 +73,8 @@ impl Motion {
 
 /// Collects the bits of all numbers that move an edge, with the sign that makes the first that is not 0
 /// positive. Returns `true` if that is the other sign.
-fn numbers_of(path: &PathFile, edge: EdgeId, numbers: &mut Vec<u64>) -> bool {
-    let nodes = || path.knots.iter().map(|knot| knot.node(edge));
+fn numbers_of(path: &Motion, edge: EdgeId, numbers: &mut Vec<u64>) -> bool {
+    let nodes = || (0..path.knots.len()).map(|knot| path.node(knot, edge));
     let turns = nodes().flat_map(|node| [node.angle, node.rate]);
     let first = turns.clone().find(|turn| turn.abs() > 0.0);
     let negative = first.is_some_and(|first| first < 0.0);

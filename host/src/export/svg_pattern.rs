@@ -1,6 +1,6 @@
 //! Writes SVG: the crease pattern, coloured by its letters (FOLD assignments), by crease groups or by deformation.
 //!
-//! Coloured by letters, the file is a crease pattern that Origami Simulator and [`read_pattern`](super::read_pattern)
+//! Coloured by letters, the file is a crease pattern that Origami Simulator and [`read_pattern`](crate::read::read_pattern)
 //! read: the colour of a line is its letter, the opacity is its goal fold angle over 180 degrees. Unassigned hinges
 //! have a colour but no angle. Drawings are to scale and about a thousand units wide, because such programs join points
 //! that are a few units apart; the file states the length of a unit of the sheet.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::LARGEST_FILE;
 use super::json::{Json, Value};
-use crate::formats::{FileError, read_bytes};
+use crate::read::{FileError, read_bytes};
 
 /// A parsed FOLD file.
 pub(super) struct Document {
