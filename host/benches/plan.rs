@@ -1,7 +1,7 @@
 //! Times whole plans, without reading and writing, and the stages of each plan.
 //!
 //! `cargo bench -p foldpath --bench plan` prints divan's table; with `-- stages` it prints the table of
-//! `BENCHMARKS.md`, with the median time of each stage over 101 plans.
+//! `docs/benchmarks/plan.md`, with the median time of each stage over 101 plans.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Benchmark `work-precision`: run time against error, of foldpath's solvers beside peers, and of whole paths.
 //!
 //! `cargo bench --profile dist -p foldpath-bench --bench work_precision` takes minutes, with `-- short` seconds on
-//! small sheets. Prints the section `work-precision` of BENCHMARKS.md, and writes CSV files and plots to
+//! small sheets. Prints `docs/benchmarks/work-precision.md`, and writes CSV files and plots to
 //! `tests/bench/results`.
 
 use std::process::ExitCode;

@@ -1,6 +1,6 @@
 //! Code that the benchmarks share: the report's method, peers, and writers of tables and plots.
 //!
-//! Every bench prints its section of `BENCHMARKS.md` as Markdown on stdout; `tests/bench/run` puts it into the file.
+//! Every bench prints its section of `docs/benchmarks` as Markdown on stdout; `tests/bench/run` puts it into the file.
 
 pub mod precision;
 pub mod report;

@@ -1,4 +1,4 @@
-//! Section `work-precision` of BENCHMARKS.md: measures everything, writes CSV files and plots, and returns the
+//! `docs/benchmarks/work-precision.md`: measures everything, writes CSV files and plots, and returns the
 //! Markdown.
 
 use core::fmt::Write as _;
