@@ -109,7 +109,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         diagonal.fold(T::zero(), |max, &entry| max.max(entry))
     }
 
-    fn hold(&mut self, unknown: usize, by: T) -> T {
+    fn fix_unknown(&mut self, unknown: usize, by: T) -> T {
         let n = self.gradient.len();
         let (Some(&slope), Some(&curvature)) = (
             self.gradient.get(unknown),

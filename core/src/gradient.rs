@@ -6,7 +6,7 @@
 
 use crate::Scalar;
 use crate::dense::dot;
-use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
+use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report, split};
 
 /// Number of past costs against which a step is judged. With 1 the descent would be monotone, which takes away what
 /// makes the method fast.
@@ -26,33 +26,13 @@ pub fn solve<T: Scalar>(
     x: &mut [T],
     workspace: &mut [T],
 ) -> Report<T> {
-    let n = problem.unknowns();
     let mut report = Report::capacity();
-    let Some((gradient, rest)) = workspace.split_at_mut_checked(n) else {
+    let Some([gradient, trial, trial_gradient]) = split(workspace, problem.unknowns()) else {
         return report;
     };
-    let Some((trial, rest)) = rest.split_at_mut_checked(n) else {
+    let Some(mut cost) = problem.start(x, limits, &mut Gradient(gradient), &mut report) else {
         return report;
     };
-    let Some(trial_gradient) = rest.get_mut(..n) else {
-        return report;
-    };
-    if x.len() != n {
-        return report;
-    }
-
-    for (index, value) in x.iter_mut().enumerate() {
-        *value = limits.clamp(index, *value);
-    }
-    let Some(mut cost) = problem.linearise(x, &mut Gradient(gradient)) else {
-        return report;
-    };
-    report.evaluations += 1;
-    // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
-    if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
-        report.outcome = Outcome::NotFinite;
-        return report;
-    }
     let mut last_costs = [cost.half_square; MEMORY];
     let mut length = T::one();
     let mut restarted = false;
