@@ -5,8 +5,9 @@
 
 use nalgebra::Vector3;
 
+use crate::dense::dot;
 use crate::least_squares::{Accumulate, NormalEquations, count};
-use crate::{Scalar, Spoke, dense, ldl};
+use crate::{Scalar, Spoke, ldl};
 
 /// Jᵀ and the factors of JJᵀ + λI for M residuals: three for each star, six for each loop.
 #[derive(Debug)]
@@ -150,10 +151,6 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
             *b = (*b - dot(column, &sums)) / self.damping;
         }
     }
-}
-
-fn dot<T: Scalar, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
-    dense::dot(a, b)
 }
 
 /// Returns three entries, from number `start` on.

@@ -10,9 +10,9 @@ use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, R
 
 /// Number of past costs against which a step is judged. With 1 the descent would be monotone, which takes away what
 /// makes the method fast.
-const MEMORY: usize = 8;
+const PAST_COSTS: usize = 8;
 /// Fraction of the linear decrease that a step must reach (Armijo's condition).
-const ARMIJO: f64 = 1e-4;
+const MIN_DECREASE_RATIO: f64 = 1e-4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
@@ -33,7 +33,7 @@ pub fn solve<T: Scalar>(
     let Some(mut cost) = problem.start(x, limits, &mut Gradient(gradient), &mut report) else {
         return report;
     };
-    let mut last_costs = [cost.half_square; MEMORY];
+    let mut last_costs = [cost.half_square; PAST_COSTS];
     let mut length = T::one();
     let mut restarted = false;
     report.outcome = loop {
@@ -71,7 +71,7 @@ pub fn solve<T: Scalar>(
         };
         report.evaluations += 1;
         let worst = last_costs.iter().fold(T::zero(), |max, &c| max.max(c));
-        let enough = worst - T::lit(ARMIJO) * decrease;
+        let enough = worst - T::lit(MIN_DECREASE_RATIO) * decrease;
         if !(new_cost.is_finite() && new_cost.half_square <= enough) {
             length *= T::HALF;
             continue;

@@ -48,6 +48,21 @@ impl<T: Scalar> Cost<T> {
     pub fn is_finite(&self) -> bool {
         self.half_square.is_finite() && self.max_square.is_finite()
     }
+
+    fn none() -> Self {
+        Self {
+            half_square: T::zero(),
+            max_square: T::zero(),
+        }
+    }
+
+    fn plus(self, residual: &Vector3<T>) -> Self {
+        let square = residual.dot(residual);
+        Self {
+            half_square: self.half_square + square * T::HALF,
+            max_square: larger(self.max_square, square),
+        }
+    }
 }
 
 /// Receives the rows of the linearised problem, star by star, then loop by loop.
@@ -285,23 +300,6 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
         let complete = x.len() == self.half_angles.len();
         closure::half_angles(x, self.half_angles);
         complete.then_some(())
-    }
-}
-
-impl<T: Scalar> Cost<T> {
-    fn none() -> Self {
-        Self {
-            half_square: T::zero(),
-            max_square: T::zero(),
-        }
-    }
-
-    fn plus(self, residual: &Vector3<T>) -> Self {
-        let square = residual.dot(residual);
-        Self {
-            half_square: self.half_square + square * T::HALF,
-            max_square: larger(self.max_square, square),
-        }
     }
 }
 
