@@ -8,14 +8,15 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use crate::bernstein::differences;
 use crate::curve::Flaw;
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
 const INTERVALS: u32 = 8;
-/// Rounding errors, in ε times the largest number that goes into a curve, by which the curve's value and derivatives
-/// may miss a limit. The second derivative sums six products of four numbers.
-const ROUNDINGS: f64 = 24.0;
+/// Rounding error by which a curve's value and derivatives may miss a limit, in precisions (ε) of the largest number that
+/// goes into the curve. The second derivative sums six products of four numbers.
+const CURVE_EPSILONS: f64 = 24.0;
 
 /// Description of the sheet, as far as a controller knows it.
 #[derive(Clone, Copy, Debug)]
@@ -179,7 +180,7 @@ fn keeps<T: Scalar>(
     size: T,
     limits: &GroupLimits<T>,
 ) -> Result<(), Refusal> {
-    let noise = T::EPSILON * T::lit(ROUNDINGS) * size;
+    let noise = T::EPSILON * T::lit(CURVE_EPSILONS) * size;
     let slow = limits.speed * span + noise;
     let gentle = limits.acceleration * span * span + noise;
     let keeps = |s: T| {
@@ -199,12 +200,12 @@ fn keeps<T: Scalar>(
 /// Returns the parameters within a segment at which a cubic of the angle turns back (two) and at which its rate is
 /// largest; 0 stands for none.
 fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
-    let Curve::Angle([a, b, c, d]) = *curve else {
+    let Curve::Angle(angle) = curve else {
         return [T::zero(); 3];
     };
     // The rate is three times the quadratic A s² + 2 B s + C. Its zero without cancellation is computed first; the
     // other one follows from their product C/A.
-    let (p, q, r) = (b - a, c - b, d - c);
+    let [p, q, r] = differences(angle);
     let (bend, slope) = (p - T::TWO * q + r, q - p);
     let root = (slope * slope - bend * p).sqrt();
     let sum = if slope < T::zero() {

@@ -4,17 +4,17 @@
 //! the step is solved for. The system therefore need not be solved any better, and on a large sheet a few products with
 //! the Jacobian cost less than its factor. Implements the method of [HestenesStiefel1952](crate#references) on
 //! (JᵀJ + λI) d = -Jᵀr from d = 0, so that d has no part along a motion. The iteration ends by the test of
-//! [NashSofer1990](crate#references): when the last step has added less to the decrease that the linear model promises
-//! than a small fraction of an average step.
+//! [NashSofer1990](crate#references): when the last step has added less to the reduction of the linear model than a
+//! small fraction of an average step.
 
 use crate::Scalar;
 use crate::dense::dot;
 
-/// Fraction of an average step's promise below which another step is not worth taking. Sheets of 200 to 1,700 unknowns
-/// are closed soonest with 0.02 to 0.04.
-const LITTLE: f64 = 0.03;
+/// Fraction of an average step's reduction of the linear model below which another step is not worth taking. Sheets of
+/// 200 to 1,700 unknowns are closed soonest with 0.02 to 0.04.
+const MIN_REDUCTION_RATIO: f64 = 0.03;
 /// Largest number of steps. On a large sheet this many cost about as much as a factorisation.
-const MOST: u32 = 25;
+const MAX_STEPS: u32 = 25;
 
 /// Sets `step` to an approximate solution d of (A + λI) d = -g, with λ the `damping` and g the `gradient`.
 ///
@@ -26,34 +26,34 @@ pub fn solve<T: Scalar>(
     damping: T,
     gradient: &[T],
     step: &mut [T],
-    [rest, way, image]: [&mut [T]; 3],
+    [residual, direction, image]: [&mut [T]; 3],
 ) {
     step.fill(T::zero());
-    for ((rest, way), &slope) in rest.iter_mut().zip(&mut *way).zip(gradient) {
-        (*rest, *way) = (-slope, -slope);
+    for ((residual, direction), &slope) in residual.iter_mut().zip(&mut *direction).zip(gradient) {
+        (*residual, *direction) = (-slope, -slope);
     }
-    let (mut square, mut promised, mut steps) = (dot(rest, rest), T::zero(), T::zero());
-    for _ in 0..MOST {
-        let curvature = apply(way, image) + damping * dot(way, way);
+    let (mut square, mut reduction, mut steps) = (dot(residual, residual), T::zero(), T::zero());
+    for _ in 0..MAX_STEPS {
+        let curvature = apply(direction, image) + damping * dot(direction, direction);
         let length = square / curvature;
         if !length.is_finite() {
             return;
         }
-        for (step, &way) in step.iter_mut().zip(&*way) {
-            *step += length * way;
+        for (step, &direction) in step.iter_mut().zip(&*direction) {
+            *step += length * direction;
         }
-        let gain = length * square;
-        promised += gain;
+        let added = length * square;
+        reduction += added;
         steps += T::one();
-        if steps * gain <= T::lit(LITTLE) * promised {
+        if steps * added <= T::lit(MIN_REDUCTION_RATIO) * reduction {
             return;
         }
-        for ((rest, &image), &way) in rest.iter_mut().zip(&*image).zip(&*way) {
-            *rest -= length * (image + damping * way);
+        for ((residual, &image), &direction) in residual.iter_mut().zip(&*image).zip(&*direction) {
+            *residual -= length * (image + damping * direction);
         }
-        let before = core::mem::replace(&mut square, dot(rest, rest));
-        for (way, &rest) in way.iter_mut().zip(&*rest) {
-            *way = rest + square / before * *way;
+        let before = core::mem::replace(&mut square, dot(residual, residual));
+        for (direction, &residual) in direction.iter_mut().zip(&*residual) {
+            *direction = residual + square / before * *direction;
         }
     }
 }

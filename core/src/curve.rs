@@ -7,6 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::bernstein::{hermite, jet, value};
 use crate::{HalfAngle, Scalar};
 
 /// Kind of motion between two knots.
@@ -25,6 +26,14 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
+    /// All kinds, each at the position of its number in files.
+    pub(crate) const ALL: [Self; 4] = [
+        Self::Linear,
+        Self::Hermite,
+        Self::HalfAngle,
+        Self::Homogeneous,
+    ];
+
     /// Returns the numbers stored for a group in a knot: angle and rate, and if there are weights, the weight and its
     /// rate.
     #[must_use]
@@ -94,33 +103,25 @@ impl<T: Scalar> Curve<T> {
     /// Creates the segment between two knots that are `span` units of the parameter apart.
     #[must_use]
     pub fn between(kind: Interpolation, span: T, from: Node<T>, to: Node<T>) -> Self {
-        let cubic = |p: [T; 2], m: [T; 2]| hermite(p, [m[0] * span, m[1] * span]);
+        // Each end is a value and its rate.
+        let cubic = |[p, m]: [T; 2], [q, n]: [T; 2]| hermite([p, q], [m * span, n * span]);
         match kind {
             Interpolation::Linear => {
                 let slope = to.angle - from.angle;
                 Self::Angle(hermite([from.angle, to.angle], [slope, slope]))
             }
             Interpolation::Hermite => {
-                Self::Angle(cubic([from.angle, to.angle], [from.rate, to.rate]))
+                Self::Angle(cubic([from.angle, from.rate], [to.angle, to.rate]))
             }
-            Interpolation::HalfAngle => {
-                let [from, to] = [from, to].map(|node| tangent(node.angle, node.rate));
-                Self::HalfAngle {
-                    cos: [T::one(); 4],
-                    sin: cubic([from[0], to[0]], [from[1], to[1]]),
-                }
-            }
+            Interpolation::HalfAngle => Self::HalfAngle {
+                cos: [T::one(); 4],
+                sin: cubic(tangent(from.angle, from.rate), tangent(to.angle, to.rate)),
+            },
             Interpolation::Homogeneous => {
-                let [from, to] = [from, to].map(homogeneous);
-                let part = |k: usize| -> [T; 4] {
-                    let pick =
-                        |node: &[[T; 2]; 2]| node.get(k).copied().unwrap_or_else(|| [T::zero(); 2]);
-                    let (from, to) = (pick(&from), pick(&to));
-                    cubic([from[0], to[0]], [from[1], to[1]])
-                };
+                let [[cos, sin], [to_cos, to_sin]] = [from, to].map(homogeneous);
                 Self::HalfAngle {
-                    cos: part(0),
-                    sin: part(1),
+                    cos: cubic(cos, to_cos),
+                    sin: cubic(sin, to_sin),
                 }
             }
         }
@@ -187,30 +188,5 @@ fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
     [
         [weight * cos, grow * cos - weight * turn * sin],
         [weight * sin, grow * sin + weight * turn * cos],
-    ]
-}
-
-/// Returns the Bernstein coefficients of the cubic with values `p` and derivatives `m` at 0 and 1.
-fn hermite<T: Scalar>(p: [T; 2], m: [T; 2]) -> [T; 4] {
-    let third = T::one() / (T::TWO + T::one());
-    [p[0], p[0] + m[0] * third, p[1] - m[1] * third, p[1]]
-}
-
-/// Evaluates the cubic at `s`.
-fn value<T: Scalar>(b: &[T; 4], s: T) -> T {
-    let [value, ..] = jet(b, s);
-    value
-}
-
-/// Evaluates the cubic and its first two derivatives at `s` by de Casteljau's algorithm.
-fn jet<T: Scalar>([a, b, c, d]: &[T; 4], s: T) -> [T; 3] {
-    let mix = |a: T, b: T| a + (b - a) * s;
-    let (ab, bc, cd) = (mix(*a, *b), mix(*b, *c), mix(*c, *d));
-    let (abc, bcd) = (mix(ab, bc), mix(bc, cd));
-    let three = T::TWO + T::one();
-    [
-        mix(abc, bcd),
-        three * (bcd - abc),
-        three * T::TWO * (cd - bc - (bc - ab)),
     ]
 }

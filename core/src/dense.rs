@@ -7,7 +7,7 @@ use crate::{Scalar, Spoke, ldl};
 
 /// Largest number of unknowns for which the columns of each unknown are summed before they are multiplied: with few
 /// crease groups, a star has several spokes of one group.
-const FEW: usize = 4;
+const MAX_SUMMED_UNKNOWNS: usize = 4;
 
 /// JᵀJ and Jᵀr as a dense lower triangle, with the factors of JᵀJ + λI.
 #[derive(Debug)]
@@ -36,12 +36,10 @@ impl<'a, T: Scalar> DenseNormalEquations<'a, T> {
             gradient,
         })
     }
-}
 
-impl<T: Scalar> DenseNormalEquations<'_, T> {
     /// Adds the rows of a star, with the columns of each unknown summed before they are multiplied.
-    fn add_few(&mut self, spokes: &[Spoke<T>], columns: &[Vector3<T>], residual: &Vector3<T>) {
-        let mut sums = [Vector3::repeat(T::zero()); FEW];
+    fn add_summed(&mut self, spokes: &[Spoke<T>], columns: &[Vector3<T>], residual: &Vector3<T>) {
+        let mut sums = [Vector3::repeat(T::zero()); MAX_SUMMED_UNKNOWNS];
         for (spoke, column) in spokes.iter().zip(columns) {
             if let Some(sum) = sums.get_mut(spoke.group.index()) {
                 *sum += column;
@@ -73,8 +71,8 @@ impl<T: Scalar> Accumulate<T> for DenseNormalEquations<'_, T> {
         residual: &Vector3<T>,
     ) {
         let n = self.gradient.len();
-        if n <= FEW {
-            return self.add_few(spokes, columns, residual);
+        if n <= MAX_SUMMED_UNKNOWNS {
+            return self.add_summed(spokes, columns, residual);
         }
         Gradient(self.gradient).add(star, spokes, columns, residual);
         for (spoke, column) in spokes.iter().zip(columns) {
@@ -109,7 +107,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
         diagonal.fold(T::zero(), |max, &entry| max.max(entry))
     }
 
-    fn hold(&mut self, unknown: usize, by: T) -> T {
+    fn fix_unknown(&mut self, unknown: usize, by: T) -> T {
         let n = self.gradient.len();
         let (Some(&slope), Some(&curvature)) = (
             self.gradient.get(unknown),

@@ -5,8 +5,9 @@
 
 use nalgebra::Vector3;
 
+use crate::dense::dot;
 use crate::least_squares::{Accumulate, NormalEquations, count};
-use crate::{Scalar, Spoke, dense, ldl};
+use crate::{Scalar, Spoke, ldl};
 
 /// Jᵀ and the factors of JJᵀ + λI for M residuals: three for each star, six for each loop.
 #[derive(Debug)]
@@ -84,20 +85,20 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
         squares.fold(T::zero(), T::max)
     }
 
-    fn hold(&mut self, unknown: usize, by: T) -> T {
-        let Some(held) = self.columns.get_mut(unknown) else {
+    fn fix_unknown(&mut self, unknown: usize, by: T) -> T {
+        let Some(fixed) = self.columns.get_mut(unknown) else {
             return T::zero();
         };
-        let held = core::mem::replace(held, [T::zero(); M]);
-        for (residual, &derivative) in self.residuals.iter_mut().zip(&held) {
+        let fixed = core::mem::replace(fixed, [T::zero(); M]);
+        for (residual, &derivative) in self.residuals.iter_mut().zip(&fixed) {
             *residual += derivative * by;
         }
         for (slope, column) in self.gradient.iter_mut().zip(&*self.columns) {
-            *slope += dot(column, &held) * by;
+            *slope += dot(column, &fixed) * by;
         }
         let slope = self.gradient.get_mut(unknown);
         let slope = slope.map_or(T::zero(), |slope| core::mem::replace(slope, T::zero()));
-        by * (slope + T::HALF * dot(&held, &held) * by)
+        by * (slope + T::HALF * dot(&fixed, &fixed) * by)
     }
 
     /// Also returns `false` if there are more or fewer than M residuals.
@@ -116,7 +117,7 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
 
     /// Evaluates r + J·step from the rows: the factor leaves more of the residuals that no unknown changes than of the
     /// others.
-    fn left(&mut self, step: &[T], _halves: [T; 2]) -> T {
+    fn residual_bound(&mut self, step: &[T], _models: [T; 2]) -> T {
         let mut residuals = self.residuals;
         let mut size = dot(&residuals, &residuals).sqrt();
         for (column, &step) in self.columns.iter().zip(step) {
@@ -150,10 +151,6 @@ impl<T: Scalar, const M: usize> NormalEquations<T> for DualNormalEquations<'_, T
             *b = (*b - dot(column, &sums)) / self.damping;
         }
     }
-}
-
-fn dot<T: Scalar, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
-    dense::dot(a, b)
 }
 
 /// Returns three entries, from number `start` on.

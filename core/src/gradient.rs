@@ -6,13 +6,13 @@
 
 use crate::Scalar;
 use crate::dense::dot;
-use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report};
+use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report, split};
 
 /// Number of past costs against which a step is judged. With 1 the descent would be monotone, which takes away what
 /// makes the method fast.
-const MEMORY: usize = 8;
+const PAST_COSTS: usize = 8;
 /// Fraction of the linear decrease that a step must reach (Armijo's condition).
-const ARMIJO: f64 = 1e-4;
+const MIN_DECREASE_RATIO: f64 = 1e-4;
 
 /// Moves `x` (radians) to a configuration near it in which every star closes.
 ///
@@ -26,34 +26,14 @@ pub fn solve<T: Scalar>(
     x: &mut [T],
     workspace: &mut [T],
 ) -> Report<T> {
-    let n = problem.unknowns();
     let mut report = Report::capacity();
-    let Some((gradient, rest)) = workspace.split_at_mut_checked(n) else {
+    let Some([gradient, trial, trial_gradient]) = split(workspace, problem.unknowns()) else {
         return report;
     };
-    let Some((trial, rest)) = rest.split_at_mut_checked(n) else {
+    let Some(mut cost) = problem.start(x, limits, &mut Gradient(gradient), &mut report) else {
         return report;
     };
-    let Some(trial_gradient) = rest.get_mut(..n) else {
-        return report;
-    };
-    if x.len() != n {
-        return report;
-    }
-
-    for (index, value) in x.iter_mut().enumerate() {
-        *value = limits.clamp(index, *value);
-    }
-    let Some(mut cost) = problem.linearise(x, &mut Gradient(gradient)) else {
-        return report;
-    };
-    report.evaluations += 1;
-    // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
-    if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
-        report.outcome = Outcome::NotFinite;
-        return report;
-    }
-    let mut last_costs = [cost.half_square; MEMORY];
+    let mut last_costs = [cost.half_square; PAST_COSTS];
     let mut length = T::one();
     let mut restarted = false;
     report.outcome = loop {
@@ -91,7 +71,7 @@ pub fn solve<T: Scalar>(
         };
         report.evaluations += 1;
         let worst = last_costs.iter().fold(T::zero(), |max, &c| max.max(c));
-        let enough = worst - T::lit(ARMIJO) * decrease;
+        let enough = worst - T::lit(MIN_DECREASE_RATIO) * decrease;
         if !(new_cost.is_finite() && new_cost.half_square <= enough) {
             length *= T::HALF;
             continue;

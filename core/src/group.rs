@@ -27,6 +27,19 @@ pub struct Membership {
 }
 
 impl Membership {
+    /// Returns the hinge of a code in files and messages: twice its group, and 1 more if it turns the opposite way.
+    pub(crate) fn from_code(code: u32) -> Self {
+        Self {
+            group: GroupId(code >> 1),
+            negative: code & 1 == 1,
+        }
+    }
+
+    /// Returns the code of [`from_code`](Self::from_code).
+    pub(crate) fn code(self) -> u32 {
+        2 * self.group.0 + u32::from(self.negative)
+    }
+
     /// Returns the fold angle of the crease (radians) for this angle of its group.
     #[inline]
     #[must_use]

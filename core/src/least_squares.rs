@@ -11,14 +11,20 @@ use crate::objective::larger;
 use crate::{HalfAngle, LoopsView, Scalar, Spoke, StarsView};
 use crate::{closure, hole};
 
-/// Rounding errors in the residual of a star, in ε per spoke.
-const ROUNDINGS: f64 = 4.0;
-/// Rounding error that a factor may leave in a step, in ε of the matrix.
-const FACTOR: f64 = 16.0;
+/// Rounding errors in the residual of a star, in precisions (ε) per spoke.
+const RESIDUAL_EPSILONS: f64 = 4.0;
+/// Rounding error that a factor may leave in a step, in precisions (ε) of the matrix.
+const FACTOR_EPSILONS: f64 = 16.0;
 
 /// Returns a count as a floating-point number; counts above `u32::MAX` saturate.
 pub(crate) fn count<T: Scalar>(things: usize) -> T {
     T::whole(u32::try_from(things).unwrap_or(u32::MAX))
+}
+
+/// Splits a workspace into `K` vectors of `n` numbers each; `None` if it is too small.
+pub(crate) fn split<T, const K: usize>(workspace: &mut [T], n: usize) -> Option<[&mut [T]; K]> {
+    let mut vectors = workspace.get_mut(..K * n)?.chunks_exact_mut(n.max(1));
+    Some([(); K].map(|()| vectors.next().unwrap_or_default()))
 }
 
 /// Size of the residual at one configuration.
@@ -42,6 +48,21 @@ impl<T: Scalar> Cost<T> {
     pub fn is_finite(&self) -> bool {
         self.half_square.is_finite() && self.max_square.is_finite()
     }
+
+    fn none() -> Self {
+        Self {
+            half_square: T::zero(),
+            max_square: T::zero(),
+        }
+    }
+
+    fn plus(self, residual: &Vector3<T>) -> Self {
+        let square = residual.dot(residual);
+        Self {
+            half_square: self.half_square + square * T::HALF,
+            max_square: larger(self.max_square, square),
+        }
+    }
 }
 
 /// Receives the rows of the linearised problem, star by star, then loop by loop.
@@ -63,7 +84,7 @@ pub trait Accumulate<T: Scalar> {
 
 /// The normal equations (JᵀJ + λI) x = b, an interface to dense, dual and sparse linear algebra.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
-    /// `true` if the rows of the Jacobian are kept. Without them all steps are [exact](Steps::Exact).
+    /// `true` if the rows of the Jacobian are kept. Without them [no factor is reused](FactorReuse::None).
     const KEEPS_ROWS: bool = false;
     /// Returns the number of unknowns.
     fn unknowns(&self) -> usize;
@@ -75,11 +96,11 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     ///
     /// The residual becomes that of the new point, to first order. The unknown's row and column of JᵀJ and its entry of
     /// the gradient become zero, so that its step is zero with any damping. Returns the growth of ½‖r‖².
-    fn hold(&mut self, unknown: usize, by: T) -> T;
-    /// Fixes a held unknown in the last factor as well (Schur complement), so that later solves are those of the
-    /// remaining unknowns. Returns `false` if rounding leaves too little precision, or if this is not supported: the
-    /// caller then has to factorise anew.
-    fn amend(&mut self, _held: usize) -> bool {
+    fn fix_unknown(&mut self, unknown: usize, by: T) -> T;
+    /// Fixes a [fixed unknown](Self::fix_unknown) in the last factor as well (Schur complement), so that later solves
+    /// are those of the remaining unknowns. Returns `false` if rounding leaves too little precision, or if this is not
+    /// supported: the caller then has to factorise anew.
+    fn fix_in_factor(&mut self, _unknown: usize) -> bool {
         false
     }
     /// Forgets the residuals, but neither the rows nor the factor.
@@ -87,19 +108,20 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     /// Adds a new residual for rows that are kept: those of the `block`-th call of [`add`](Accumulate::add), from 0.
     fn add_residual(&mut self, _block: usize, _spokes: &[Spoke<T>], _residual: &Vector3<T>) {}
     /// Computes an approximate step with this damping and without a factor, if rows are kept.
-    fn rough_step(&mut self, _damping: T, _step: &mut [T]) {}
+    fn inexact_step(&mut self, _damping: T, _step: &mut [T]) {}
     /// Factorises JᵀJ + λI; returns `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
     fn solve(&mut self, right_side: &mut [T]);
     /// Returns an upper bound on ‖r + J·step‖, the residual that the linear model leaves, rounding included.
     ///
-    /// `halves` holds ½‖r‖² before the step and the value that a step with the last factor promises to reduce it to.
-    /// The promise is not exact to rounding: the factor leaves an error of a few precisions of the matrix in the step.
-    fn left(&mut self, step: &[T], halves: [T; 2]) -> T {
-        let [before, after] = halves;
+    /// `models` holds m(0) and m(step) of the linear model m(d) = ½‖r + Jd‖², the latter as predicted for a step with
+    /// the last factor. The prediction is not exact to rounding: the factor leaves an error of a few precisions of the
+    /// matrix in the step.
+    fn residual_bound(&mut self, step: &[T], models: [T; 2]) -> T {
+        let [before, after] = models;
         let trace = count::<T>(step.len()) * self.max_diagonal();
-        let rounding = T::lit(FACTOR) * T::EPSILON * (before + trace * dot(step, step));
+        let rounding = T::lit(FACTOR_EPSILONS) * T::EPSILON * (before + trace * dot(step, step));
         (T::TWO * (after.max(T::zero()) + rounding)).sqrt()
     }
     /// Computes the step -(JᵀJ + λI)⁻¹Jᵀr with the last factor, one number for each unknown.
@@ -191,7 +213,11 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
 
     /// Evaluates the residual as [`cost`](Self::cost) does, and replaces the residuals of the rows last accumulated, if
     /// the equations keep rows. Rows and factor stay those of the earlier point.
-    pub fn renew(&mut self, x: &[T], equations: &mut impl NormalEquations<T>) -> Option<Cost<T>> {
+    pub fn update_residuals(
+        &mut self,
+        x: &[T],
+        equations: &mut impl NormalEquations<T>,
+    ) -> Option<Cost<T>> {
         equations.clear_residuals();
         let mut block = 0;
         self.each_residual(x, |spokes, residual| {
@@ -233,39 +259,47 @@ impl<'a, T: Scalar> ClosureProblem<'a, T> {
     /// A quaternion turned by t δ has the derivative δ/2 by t, so that the second derivative of a product of
     /// quaternions is at most (Σ|δ|/2)². The second derivative of r is at most twice as large, and Taylor's theorem
     /// takes half of it.
-    pub(crate) fn bend(&self, step: &[T]) -> T {
+    pub(crate) fn remainder_bound(&self, step: &[T]) -> T {
         if !self.loops.is_empty() {
             return T::MAX;
         }
-        let ways = self.stars.iter().map(|star| {
-            let ways = star.spokes.iter().map(|spoke| spoke.fold_angle(step).abs());
-            ways.fold(T::zero(), |sum, way| sum + way)
+        let sums = self.stars.iter().map(|star| {
+            let moves = star.spokes.iter().map(|spoke| spoke.fold_angle(step).abs());
+            moves.fold(T::zero(), |sum, by| sum + by)
         });
-        let half = ways.fold(T::zero(), T::max) * T::HALF;
-        half * half + T::lit(ROUNDINGS) * T::EPSILON * count::<T>(self.columns.len())
+        let half = sums.fold(T::zero(), T::max) * T::HALF;
+        half * half + T::lit(RESIDUAL_EPSILONS) * T::EPSILON * count::<T>(self.columns.len())
+    }
+
+    /// Moves `x` within its limits and evaluates residual and Jacobian there, where a solver starts. Returns `None` if
+    /// `x` does not have all unknowns, or if the start is not finite, which the report then says.
+    pub(crate) fn start(
+        &mut self,
+        x: &mut [T],
+        limits: Limits<'_, T>,
+        rows: &mut impl Accumulate<T>,
+        report: &mut Report<T>,
+    ) -> Option<Cost<T>> {
+        if x.len() != self.unknowns() {
+            return None;
+        }
+        for (index, value) in x.iter_mut().enumerate() {
+            *value = limits.clamp(index, *value);
+        }
+        let cost = self.linearise(x, rows)?;
+        report.evaluations += 1;
+        // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
+        if cost.is_finite() && x.iter().all(|value| value.is_finite()) {
+            return Some(cost);
+        }
+        report.outcome = Outcome::NotFinite;
+        None
     }
 
     fn set_half_angles(&mut self, x: &[T]) -> Option<()> {
         let complete = x.len() == self.half_angles.len();
         closure::half_angles(x, self.half_angles);
         complete.then_some(())
-    }
-}
-
-impl<T: Scalar> Cost<T> {
-    fn none() -> Self {
-        Self {
-            half_square: T::zero(),
-            max_square: T::zero(),
-        }
-    }
-
-    fn plus(self, residual: &Vector3<T>) -> Self {
-        let square = residual.dot(residual);
-        Self {
-            half_square: self.half_square + square * T::HALF,
-            max_square: larger(self.max_square, square),
-        }
     }
 }
 
@@ -363,22 +397,22 @@ pub struct Options<T> {
     /// Largest change of an unknown in one step, radians.
     pub max_step: T,
     /// Reuse of factors by Levenberg-Marquardt, if the equations keep their rows.
-    pub steps: Steps,
+    pub factor_reuse: FactorReuse,
 }
 
 /// Reuse of factors by Levenberg-Marquardt. On large sheets factorisations are most of the work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Steps {
+pub enum FactorReuse {
     /// Each step has a factor of its own. This is the surest way to the nearest configuration from points at which the
     /// conditions lose rank, such as the flat sheet.
     #[default]
-    Exact,
+    None,
     /// Several steps share a factor as long as they leave little of the residual (chord method): this saves at least
     /// half the factorisations.
-    Repeated,
-    /// As [`Repeated`](Steps::Repeated), and steps far from closing come from conjugate gradients without a factor.
-    /// This saves most of the time, but the configuration found is less surely the nearest one.
-    Rough,
+    Chord,
+    /// As [`Chord`](FactorReuse::Chord), and steps far from closing are inexact: they come from conjugate gradients
+    /// without a factor. This saves most of the time, but the configuration found is less surely the nearest one.
+    InexactCg,
 }
 
 impl<T: Scalar> Default for Options<T> {
@@ -389,7 +423,7 @@ impl<T: Scalar> Default for Options<T> {
             max_iterations: 100,
             // A sixth of a turn. Far from flat, every fold angle is farther than this from its mirror image.
             max_step: T::PI / (T::TWO + T::one()),
-            steps: Steps::Exact,
+            factor_reuse: FactorReuse::None,
         }
     }
 }

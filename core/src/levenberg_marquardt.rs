@@ -11,23 +11,34 @@
 //! Differs from both sources in two ways. The length of each step is bounded, because undamped steps far from closing
 //! were seen to wander off to multiples of 2π. And each step is kept within the [`Limits`].
 //!
-//! On large sheets factorisations are most of the cost. If [`Steps::Repeated`] allows it, a factor is used again for
-//! steps -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) with the rows of the point where the factor was made. One such step raises the order of
+//! # Stopping tests
+//!
+//! With the step d of an iteration and the linear model m(d) = ½‖r + Jd‖²:
+//!
+//! | outcome | test |
+//! |---|---|
+//! | [`Converged`](Outcome::Converged) | max ‖r(v)‖ ≤ `tolerance` at x, or a bound on it at x + d |
+//! | [`Stalled`](Outcome::Stalled) | max \|dᵢ\| ≤ ε |
+//! | [`Stalled`](Outcome::Stalled) | max ‖r(v)‖ ≤ `acceptable`, and m(0) − m(d) < ½ m(0) |
+//! | [`Stalled`](Outcome::Stalled) | λ or μ has grown to infinity |
+//! | [`IterationLimit`](Outcome::IterationLimit) | `max_iterations` iterations are done |
+//!
+//! # Reuse of factors
+//!
+//! On large sheets factorisations are most of the cost. With [`FactorReuse::Chord`], a factor is used again for steps
+//! -(J₀ᵀJ₀ + λI)⁻¹J₀ᵀr(x) with the rows of the point where the factor was made. One such step raises the order of
 //! convergence to three, [Fan2012](crate#references), and more of them are worth their price as long as they leave
 //! little (the chord method, chapter 5.4 of [Kelley1995](crate#references)). The matrix J₀ᵀ in front of r has to be the
 //! old one too: with the current Jᵀ the step would have a part along the motion of J₀, which the inverse enlarges by
 //! 1/λ. An unknown that reaches a limit is fixed for the rest of the step. It is taken out of the factor by a Schur
-//! complement ([GillMurraySaundersWright1990](crate#references)), at the cost of one solve. With [`Steps::Rough`],
-//! steps far from closing come from [`conjugate_gradients`](crate::conjugate_gradients) while the linear model lets
-//! them close most of what is open.
-//!
-//! The last step of a run is often so short that the sheet closes for certain, by the residual of the linear model and
-//! a bound on second derivatives. The residual is then not evaluated at the last point.
+//! complement ([GillMurraySaundersWright1990](crate#references)), at the cost of one solve. With
+//! [`FactorReuse::InexactCg`], steps far from closing come from [`conjugate_gradients`](crate::conjugate_gradients)
+//! while the linear model lets them close most of what is open.
 
 use crate::Scalar;
 use crate::dense::dot;
 use crate::least_squares::{
-    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report, Steps,
+    ClosureProblem, Cost, FactorReuse, Limits, NormalEquations, Options, Outcome, Report, split,
 };
 
 /// First μ. The damping starts at ½‖r(v)‖², below the curvature of any star that has more than a fraction of a radian
@@ -35,19 +46,21 @@ use crate::least_squares::{
 const FIRST_MU: f64 = 1.0;
 /// Smallest μ, so that after a long run of good steps a bad one is soon damped again.
 const MIN_MU: f64 = 1e-6;
-/// Smallest damping, in precisions (ε) of the largest diagonal entry of JᵀJ; also the factor by which the damping grows
-/// if the matrix is not positive definite.
-const FLOOR: f64 = 16.0;
+/// Smallest damping, in precisions (ε) of the largest diagonal entry of JᵀJ: with less, a factorisation cannot tell the
+/// matrix from a singular one.
+const MIN_DAMPING_EPSILONS: f64 = 16.0;
+/// Factor by which the damping grows if the matrix is not positive definite.
+const DAMPING_GROWTH: f64 = 16.0;
 /// Largest number of times that one iteration computes its step, each time with more unknowns at their limits. Two or
 /// three times are seen.
-const ROUNDS: u32 = 8;
-/// Closure residual down to which rough steps are made.
-const ROUGH: f64 = 1e-2;
-/// Fraction of ½‖r‖² that a rough step has to promise for another rough step to follow.
-const ENOUGH: f64 = 0.9;
+const MAX_ROUNDS: u32 = 8;
+/// Closure residual (about radians) down to which inexact steps are made.
+const MIN_INEXACT_RESIDUAL: f64 = 1e-2;
+/// Fraction of ½‖r‖² by which an inexact step has to reduce the linear model for another inexact step to follow.
+const MIN_INEXACT_REDUCTION_RATIO: f64 = 0.9;
 /// Fraction of the residual that a step may leave if another step with the same factor is to follow. A new factor costs
 /// as much as six to ten such steps. Sheets of 50 to 1,700 unknowns are closed soonest with fractions of 0.1 to 0.5.
-const LEFT: f64 = 0.25;
+const MAX_CHORD_RESIDUAL_RATIO: f64 = 0.25;
 /// Number of times that the damped projection is applied. With fewer, rates in `f32` keep errors of 1e-4 where the
 /// waterbomb's smallest singular value is a twelfth of the largest.
 const PROJECTIONS: u32 = 4;
@@ -57,9 +70,9 @@ const PROJECTIONS: u32 = 4;
 /// `workspace` needs 2n numbers. On return `x` is the best point found, whatever the outcome.
 ///
 /// Cost of an iteration: one linearisation and one factorisation, and one more factorisation each time that more
-/// unknowns reach their limits. With [`Steps::Repeated`] each unknown at a limit costs one solve instead, and some
-/// iterations take several steps with one factor, each for an evaluation without derivatives. With [`Steps::Rough`]
-/// some iterations make no factorisation.
+/// unknowns reach their limits. With [`FactorReuse::Chord`] each unknown at a limit costs one solve instead, and some
+/// iterations take several steps with one factor, each for an evaluation without derivatives. With
+/// [`FactorReuse::InexactCg`] some iterations make no factorisation.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -70,227 +83,329 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
 ) -> Report<T> {
     let n = problem.unknowns();
     let mut report = Report::capacity();
-    let Some((step, rest)) = workspace.split_at_mut_checked(n) else {
-        return report;
-    };
-    let Some(trial) = rest.get_mut(..n) else {
-        return report;
-    };
-    if x.len() != n || equations.unknowns() != n {
-        return report;
+    if equations.unknowns() == n
+        && let Some([step, trial]) = split(workspace, n)
+        && let Some(cost) = problem.start(x, limits, equations, &mut report)
+    {
+        let mut search = Search {
+            problem,
+            equations,
+            limits,
+            options,
+            x,
+            trial,
+            step,
+            cost,
+            mu: T::lit(FIRST_MU),
+            mu_growth: T::TWO,
+            inexact: options.factor_reuse == FactorReuse::InexactCg,
+            report,
+        };
+        search.report.outcome = search.run();
+        report = search.report;
     }
-
-    for (index, value) in x.iter_mut().enumerate() {
-        *value = limits.clamp(index, *value);
-    }
-    let Some(mut cost) = problem.linearise(x, equations) else {
-        return report;
-    };
-    report.evaluations += 1;
-    // The cost does not show an unknown that is in no star, so the unknowns are checked as well.
-    if !cost.is_finite() || !x.iter().all(|value| value.is_finite()) {
-        report.outcome = Outcome::NotFinite;
-        return report;
-    }
-    let repeated = E::KEEPS_ROWS && options.steps != Steps::Exact;
-    let mut roughly = E::KEEPS_ROWS && options.steps == Steps::Rough;
-    let (mut mu, mut growth) = (T::lit(FIRST_MU), T::TWO);
-    report.outcome = loop {
-        report.residual = cost.max();
-        if report.residual <= options.tolerance {
-            break Outcome::Converged;
-        }
-        if report.iterations == options.max_iterations {
-            break Outcome::IterationLimit;
-        }
-        report.iterations += 1;
-
-        // This finds most of the unknowns that stay at their limits without a step that passes a limit.
-        for (index, &value) in x.iter().enumerate() {
-            let slope = equations.gradient().get(index).copied();
-            if slope.is_some_and(|slope| limits.blocks(index, value, slope)) {
-                equations.hold(index, T::zero());
-            }
-        }
-        let square = if report.residual <= options.acceptable {
-            cost.half_square
-        } else {
-            cost.max_square * T::HALF
-        };
-        let damping = mu * square;
-        trial.copy_from_slice(x);
-        roughly &= report.residual > options.acceptable.max(T::lit(ROUGH));
-        let by = if roughly { By::Rows } else { By::Factor };
-        let made = bounded_step(equations, limits, options, damping, by, trial, step);
-        let Some(Step {
-            promised,
-            by,
-            exact,
-        }) = made
-        else {
-            break Outcome::Stalled;
-        };
-        roughly &= by == By::Rows && promised >= T::lit(ENOUGH) * cost.half_square;
-        if report.residual <= options.acceptable && promised < T::HALF * cost.half_square {
-            break Outcome::Stalled;
-        }
-        let mut moved = T::zero();
-        for ((step, &trial), &x) in step.iter_mut().zip(&*trial).zip(&*x) {
-            *step = trial - x;
-            moved = moved.max(step.abs());
-        }
-        if moved <= T::EPSILON {
-            break Outcome::Stalled;
-        }
-        // Estimate of the residual that the step leaves: right in the median. If the new point probably closes, or if
-        // the factor may be used again, derivatives are not needed there; if it closes for certain, no evaluation is
-        // needed.
-        let left = moved * moved * T::HALF;
-        if exact && left <= options.tolerance {
-            let bend = problem.bend(step);
-            let within = |bound: &T| *bound <= options.tolerance;
-            let halves = [cost.half_square, cost.half_square - promised];
-            let bound = within(&bend).then(|| bend + equations.left(step, halves));
-            if let Some(bound) = bound.filter(within) {
-                x.copy_from_slice(trial);
-                report.residual = bound;
-                break Outcome::Converged;
-            }
-        }
-        let again = repeated && by != By::Rows;
-        let alone = again || left <= options.tolerance;
-        let new_cost = if alone {
-            problem.renew(trial, equations)
-        } else {
-            problem.linearise(trial, equations)
-        };
-        let Some(new_cost) = new_cost else {
-            break Outcome::Capacity;
-        };
-        report.evaluations += 1;
-        let gain = cost.half_square - new_cost.half_square;
-        if new_cost.is_finite() && gain > T::zero() {
-            x.copy_from_slice(trial);
-            let mut before = core::mem::replace(&mut cost, new_cost);
-            let bend = T::TWO * gain / promised.max(T::EPSILON * gain) - T::one();
-            let third = T::one() / (T::TWO + T::one());
-            mu = (mu * (T::one() - bend * bend * bend).max(third)).max(T::lit(MIN_MU));
-            growth = T::TWO;
-            let enough = options.tolerance.max(options.acceptable);
-            while again && cost.max() > enough && cost.max() <= T::lit(LEFT) * before.max() {
-                let by = By::LastFactor;
-                let made = bounded_step(equations, limits, options, damping, by, trial, step);
-                let next = made.and_then(|_| problem.renew(trial, equations));
-                let Some(next) = next else {
-                    break;
-                };
-                report.evaluations += 1;
-                if !next.is_finite() || next.half_square >= cost.half_square {
-                    break;
-                }
-                x.copy_from_slice(trial);
-                before = core::mem::replace(&mut cost, next);
-            }
-            if alone && cost.max() > options.tolerance {
-                problem.linearise(x, equations);
-                report.evaluations += 1;
-            }
-        } else {
-            problem.linearise(x, equations);
-            report.evaluations += 1;
-            mu *= growth;
-            growth *= T::TWO;
-            if !mu.is_finite() {
-                break Outcome::Stalled;
-            }
-        }
-    };
     report
+}
+
+/// State of a search.
+struct Search<'a, 'p, T, E> {
+    problem: &'a mut ClosureProblem<'p, T>,
+    equations: &'a mut E,
+    limits: Limits<'a, T>,
+    options: &'a Options<T>,
+    /// Best point found, radians.
+    x: &'a mut [T],
+    /// Point to try next, and its distance from `x`, radians.
+    trial: &'a mut [T],
+    step: &'a mut [T],
+    /// Residual at `x`.
+    cost: Cost<T>,
+    /// μ, and the factor by which the next rejected point raises it.
+    mu: T,
+    mu_growth: T,
+    /// `true` while steps may be inexact.
+    inexact: bool,
+    report: Report<T>,
 }
 
 /// Method by which a step is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum By {
+enum Method {
     /// With a new factor of the matrix.
-    Factor,
+    NewFactor,
     /// With the last factor.
     LastFactor,
-    /// Approximately, from the rows, without a factor.
-    Rows,
+    /// Approximately, by conjugate gradients on the rows, without a factor.
+    ConjugateGradients,
 }
 
 /// A step within the limits.
 struct Step<T> {
-    /// Decrease of ½‖r‖² that the linear model promises.
-    promised: T,
+    /// Reduction m(0) − m(d) of the linear model.
+    predicted: T,
     /// Method of the last computation of the step.
-    by: By,
-    /// `true` if the promise holds to rounding: the factor was made for this step, and no unknown was clamped after it.
+    method: Method,
+    /// `true` if the prediction holds to rounding: the factor was made for this step, and no unknown was clamped after
+    /// it.
     exact: bool,
 }
 
-/// Moves `trial` by the damped step within the limits. Returns `None` if no damping makes the matrix positive definite.
-///
-/// An unknown whose step would pass a limit is moved to the limit and fixed. The step of the others is then computed
-/// anew, because it relied on the part that was cut off. For that the factor is [amended](NormalEquations::amend),
-/// unless steps are exact. A rough step is replaced by one with a factor as soon as it meets a limit.
-fn bounded_step<T: Scalar, E: NormalEquations<T>>(
-    equations: &mut E,
-    limits: Limits<'_, T>,
-    options: &Options<T>,
-    mut damping: T,
-    mut by: By,
-    trial: &mut [T],
-    step: &mut [T],
-) -> Option<Step<T>> {
-    let (mut growth, mut rounds) = (T::zero(), 0);
-    loop {
-        match by {
-            By::Rows => equations.rough_step(damping, step),
-            By::LastFactor => equations.step(step),
-            By::Factor => {
-                // With less damping the factorisation cannot tell the matrix from a singular one.
-                let least = equations.max_diagonal() * T::EPSILON * T::lit(FLOOR);
-                damping = damping.max(least);
-                while !equations.factorise(damping) {
-                    damping *= T::lit(FLOOR);
+impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
+    /// Iterates until a stopping test holds.
+    fn run(&mut self) -> Outcome {
+        let tolerance = self.options.tolerance;
+        loop {
+            self.report.residual = self.cost.max();
+            if self.report.residual <= tolerance {
+                return Outcome::Converged;
+            }
+            if self.report.iterations == self.options.max_iterations {
+                return Outcome::IterationLimit;
+            }
+            self.report.iterations += 1;
+
+            self.fix_blocked_unknowns();
+            let (damping, method) = (self.damping(), self.method());
+            self.trial.copy_from_slice(self.x);
+            let Some(step) = self.bounded_step(damping, method) else {
+                return Outcome::Stalled;
+            };
+            let length = self.measure_step();
+            if length <= T::EPSILON || self.is_drift(&step) {
+                return Outcome::Stalled;
+            }
+            // Estimate of the residual that the step leaves: right in the median.
+            let closes = length * length * T::HALF <= tolerance;
+            if closes && self.closes_for_certain(&step) {
+                self.x.copy_from_slice(self.trial);
+                return Outcome::Converged;
+            }
+            let repeatable = self.repeats(&step);
+            let old_rows = repeatable || closes;
+            let Some(cost) = self.evaluate_trial(old_rows) else {
+                return Outcome::Capacity;
+            };
+            let reduction = self.cost.half_square - cost.half_square;
+            let accepted = cost.is_finite() && reduction > T::zero();
+            if accepted {
+                let before = self.accept(cost);
+                self.lower_mu(reduction, step.predicted);
+                if repeatable {
+                    self.take_old_factor_steps(damping, before);
+                }
+            }
+            if !accepted || old_rows && self.cost.max() > tolerance {
+                self.problem.linearise(self.x, self.equations);
+                self.report.evaluations += 1;
+            }
+            if !accepted && !self.raise_mu() {
+                return Outcome::Stalled;
+            }
+        }
+    }
+
+    /// Fixes the unknowns that descent would push past a limit. These are most of the unknowns that stay at their
+    /// limits, found without a step that passes a limit.
+    fn fix_blocked_unknowns(&mut self) {
+        for (index, &value) in self.x.iter().enumerate() {
+            let slope = self.equations.gradient().get(index).copied();
+            if slope.is_some_and(|slope| self.limits.blocks(index, value, slope)) {
+                self.equations.fix_unknown(index, T::zero());
+            }
+        }
+    }
+
+    /// Returns the damping λ.
+    fn damping(&self) -> T {
+        let square = if self.report.residual <= self.options.acceptable {
+            self.cost.half_square
+        } else {
+            self.cost.max_square * T::HALF
+        };
+        self.mu * square
+    }
+
+    /// Returns the method for the step of this iteration.
+    fn method(&mut self) -> Method {
+        let least = self.options.acceptable.max(T::lit(MIN_INEXACT_RESIDUAL));
+        self.inexact &= self.report.residual > least;
+        if E::KEEPS_ROWS && self.inexact {
+            Method::ConjugateGradients
+        } else {
+            Method::NewFactor
+        }
+    }
+
+    /// Returns `true` if several steps may share a factor.
+    fn reuses_factors(&self) -> bool {
+        E::KEEPS_ROWS && self.options.factor_reuse != FactorReuse::None
+    }
+
+    /// Moves `trial` by the damped step within the limits. Returns `None` if no damping makes the matrix positive
+    /// definite.
+    ///
+    /// An unknown whose step would pass a limit is moved to the limit and fixed. The step of the others is then
+    /// computed anew, because it relied on the part that was cut off. For that the unknown is
+    /// [fixed in the factor](NormalEquations::fix_in_factor), unless factors are not reused. An inexact step is replaced
+    /// by one with a factor as soon as it meets a limit.
+    fn bounded_step(&mut self, mut damping: T, mut method: Method) -> Option<Step<T>> {
+        let (mut growth, mut rounds) = (T::zero(), 0);
+        loop {
+            damping = self.compute_step(damping, method)?;
+            rounds += 1;
+            let scale = shortening(self.step, self.options.max_step);
+            let gradient = self.equations.gradient();
+            let predicted = predicted_reduction(self.step, gradient, damping, scale);
+            let (mut cut, mut exact) = (false, method == Method::NewFactor);
+            let mut fixed = self.reuses_factors() && method != Method::ConjugateGradients;
+            let ends = self.step.iter_mut().zip(&mut *self.trial);
+            for (index, (step, trial)) in ends.enumerate() {
+                let wanted = *trial + *step * scale;
+                *step = self.limits.clamp(index, wanted);
+                exact &= *step == wanted;
+                if (wanted - *step).abs() > self.options.tolerance && rounds < MAX_ROUNDS {
+                    growth += self.equations.fix_unknown(index, *step - *trial);
+                    fixed = fixed && self.equations.fix_in_factor(index);
+                    *trial = *step;
+                    cut = true;
+                }
+            }
+            if !cut {
+                self.trial.copy_from_slice(self.step);
+                return Some(Step {
+                    predicted: predicted - growth,
+                    method,
+                    exact,
+                });
+            }
+            method = if fixed {
+                Method::LastFactor
+            } else {
+                Method::NewFactor
+            };
+        }
+    }
+
+    /// Computes the damped step and returns its damping, which grows until the matrix is positive definite; `None` if no
+    /// damping makes it so.
+    fn compute_step(&mut self, mut damping: T, method: Method) -> Option<T> {
+        match method {
+            Method::ConjugateGradients => self.equations.inexact_step(damping, self.step),
+            Method::LastFactor => self.equations.step(self.step),
+            Method::NewFactor => {
+                let unit = self.equations.max_diagonal() * T::EPSILON;
+                damping = damping.max(unit * T::lit(MIN_DAMPING_EPSILONS));
+                while !self.equations.factorise(damping) {
+                    damping *= T::lit(DAMPING_GROWTH);
                     if damping <= T::zero() || !damping.is_finite() {
                         return None;
                     }
                 }
-                equations.step(step);
+                self.equations.step(self.step);
             }
         }
-        rounds += 1;
-        let scale = bound(step, options.max_step);
-        let promised = promised(step, equations.gradient(), damping, scale);
-        let (mut cut, mut exact) = (false, by == By::Factor);
-        let mut amended = options.steps != Steps::Exact && by != By::Rows;
-        for (index, (step, trial)) in step.iter_mut().zip(&mut *trial).enumerate() {
-            let wanted = *trial + *step * scale;
-            *step = limits.clamp(index, wanted);
-            exact &= *step == wanted;
-            if (wanted - *step).abs() > options.tolerance && rounds < ROUNDS {
-                growth += equations.hold(index, *step - *trial);
-                amended = amended && equations.amend(index);
-                *trial = *step;
-                cut = true;
+        Some(damping)
+    }
+
+    /// Sets `step` to the distance of `trial` from `x`, and returns the largest move of an unknown, radians.
+    fn measure_step(&mut self) -> T {
+        let ends = self.trial.iter().zip(&*self.x);
+        let steps = self.step.iter_mut().zip(ends);
+        steps.fold(T::zero(), |largest, (step, (&trial, &x))| {
+            *step = trial - x;
+            largest.max(step.abs())
+        })
+    }
+
+    /// Returns `true` if the residual is acceptable and the step hardly reduces it. Such a step would only drift along
+    /// the motion.
+    fn is_drift(&self, step: &Step<T>) -> bool {
+        let acceptable = self.report.residual <= self.options.acceptable;
+        acceptable && step.predicted < T::HALF * self.cost.half_square
+    }
+
+    /// Returns `true`, with the bound in the report, if the residual of the linear model and a bound on second
+    /// derivatives prove that the sheet closes at `trial`. The last step of a run is often so short, and the residual is
+    /// then not evaluated at the last point.
+    fn closes_for_certain(&mut self, step: &Step<T>) -> bool {
+        let tolerance = self.options.tolerance;
+        if !step.exact {
+            return false;
+        }
+        let remainder = self.problem.remainder_bound(self.step);
+        if remainder > tolerance {
+            return false;
+        }
+        let before = self.cost.half_square;
+        let models = [before, before - step.predicted];
+        let bound = remainder + self.equations.residual_bound(self.step, models);
+        if bound <= tolerance {
+            self.report.residual = bound;
+        }
+        bound <= tolerance
+    }
+
+    /// Returns `true` if steps with the last factor may follow this step.
+    fn repeats(&mut self, step: &Step<T>) -> bool {
+        let inexact = step.method == Method::ConjugateGradients;
+        let least = T::lit(MIN_INEXACT_REDUCTION_RATIO) * self.cost.half_square;
+        self.inexact &= inexact && step.predicted >= least;
+        self.reuses_factors() && !inexact
+    }
+
+    /// Evaluates the residual at `trial`. With `old_rows` no derivatives are computed: the point probably closes, or the
+    /// factor may be used again.
+    fn evaluate_trial(&mut self, old_rows: bool) -> Option<Cost<T>> {
+        let cost = if old_rows {
+            self.problem.update_residuals(self.trial, self.equations)
+        } else {
+            self.problem.linearise(self.trial, self.equations)
+        }?;
+        self.report.evaluations += 1;
+        Some(cost)
+    }
+
+    /// Moves on to `trial`, whose residual is `cost`. Returns the residual of the point before.
+    fn accept(&mut self, cost: Cost<T>) -> Cost<T> {
+        self.x.copy_from_slice(self.trial);
+        core::mem::replace(&mut self.cost, cost)
+    }
+
+    /// Takes steps with the last factor and its rows as long as each leaves little of the residual of the point before.
+    fn take_old_factor_steps(&mut self, damping: T, mut before: Cost<T>) {
+        let enough = self.options.tolerance.max(self.options.acceptable);
+        let ratio = T::lit(MAX_CHORD_RESIDUAL_RATIO);
+        while self.cost.max() > enough && self.cost.max() <= ratio * before.max() {
+            let step = self.bounded_step(damping, Method::LastFactor);
+            let Some(next) = step.and_then(|_| self.evaluate_trial(true)) else {
+                return;
+            };
+            if !next.is_finite() || next.half_square >= self.cost.half_square {
+                return;
             }
+            before = self.accept(next);
         }
-        if !cut {
-            trial.copy_from_slice(step);
-            return Some(Step {
-                promised: promised - growth,
-                by,
-                exact,
-            });
-        }
-        by = if amended { By::LastFactor } else { By::Factor };
+    }
+
+    /// Lowers μ by the gain ratio ρ = `reduction` / `predicted`, to max(⅓, 1 − (2ρ − 1)³) of its value.
+    fn lower_mu(&mut self, reduction: T, predicted: T) {
+        let excess = T::TWO * reduction / predicted.max(T::EPSILON * reduction) - T::one();
+        let third = T::one() / (T::TWO + T::one());
+        let factor = (T::one() - excess * excess * excess).max(third);
+        self.mu = (self.mu * factor).max(T::lit(MIN_MU));
+        self.mu_growth = T::TWO;
+    }
+
+    /// Raises μ after a rejected point, by twice the factor of the last time. Returns `true` if μ is still finite.
+    fn raise_mu(&mut self) -> bool {
+        self.mu *= self.mu_growth;
+        self.mu_growth *= T::TWO;
+        self.mu.is_finite()
     }
 }
 
 /// Returns the factor that shortens `step` so that no unknown moves by more than `max_step`.
-fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
+fn shortening<T: Scalar>(step: &[T], max_step: T) -> T {
     let largest = step.iter().fold(T::zero(), |max, &d| max.max(d.abs()));
     if largest > max_step {
         max_step / largest
@@ -299,9 +414,9 @@ fn bound<T: Scalar>(step: &[T], max_step: T) -> T {
     }
 }
 
-/// Returns the decrease of ½‖r‖² that the linear model promises for s·d, with the damped step d and the factor s that
-/// shortens it: -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d.
-fn promised<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
+/// Returns the reduction m(0) − m(s·d) of the linear model for the damped step d and the factor s that shortens it:
+/// -s g·d - ½ s² dᵀJᵀJd, where dᵀJᵀJd = -g·d - λ d·d.
+fn predicted_reduction<T: Scalar>(step: &[T], gradient: &[T], damping: T, scale: T) -> T {
     let (slope, square) = (dot(gradient, step), dot(step, step));
     scale * (scale * T::HALF * (slope + damping * square) - slope)
 }

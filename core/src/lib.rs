@@ -94,12 +94,14 @@
 //!   Comp. 81.
 //! - **GillMurraySaundersWright1990**: P. E. Gill, W. Murray, M. A. Saunders, M. H. Wright, "A Schur-complement method for
 //!   sparse quadratic programming", in: Reliable numerical computation.
+//! - **Farin2002**: G. Farin, "Curves and surfaces for CAGD", 5th edition, Morgan Kaufmann.
 //! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
 
 pub mod acceptance;
+pub mod bernstein;
 mod checksum;
 pub mod closure;
 pub mod conjugate_gradients;

@@ -16,6 +16,21 @@ pub struct GroupLimits<T = f32> {
 }
 
 impl<T: Scalar> GroupLimits<T> {
+    /// Returns the limits of four numbers, in the order of the fields.
+    pub(crate) fn from_numbers([lower, upper, speed, acceleration]: [T; 4]) -> Self {
+        Self {
+            lower,
+            upper,
+            speed,
+            acceleration,
+        }
+    }
+
+    /// Returns the numbers of [`from_numbers`](Self::from_numbers).
+    pub(crate) fn numbers(self) -> [T; 4] {
+        [self.lower, self.upper, self.speed, self.acceleration]
+    }
+
     /// Returns `true` if the angles are finite and in order, and speed and acceleration are above 0.
     #[must_use]
     pub fn are_sound(&self) -> bool {

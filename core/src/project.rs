@@ -9,8 +9,8 @@ use crate::levenberg_marquardt;
 use crate::objective::larger;
 use crate::{Membership, Scalar};
 
-/// Largest number of solver steps. From a tenth of a radian off, four suffice if the sheet is not flat.
-const STEPS: u32 = 12;
+/// Largest number of iterations of the solver. From a tenth of a radian off, four suffice if the sheet is not flat.
+const MAX_ITERATIONS: u32 = 12;
 
 /// Result of a projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub fn project<T: Scalar, E: NormalEquations<T>>(
     let options = Options {
         tolerance,
         acceptable: tolerance,
-        max_iterations: STEPS,
+        max_iterations: MAX_ITERATIONS,
         ..Options::default()
     };
     let Some((before, workspace)) = workspace.split_at_mut_checked(x.len()) else {

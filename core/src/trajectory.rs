@@ -203,12 +203,8 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
     /// Outside the trajectory these are the angles of the first or last knot; an empty trajectory writes nothing. Cost:
     /// a binary search, and for each group a cubic, with sine, cosine and arc tangent for half angles.
     pub fn sample(&self, time: T, angles: &mut [T]) {
-        self.at(
-            time,
-            angles,
-            |knot| knot.angles,
-            |curve, s, _| curve.angle(s),
-        );
+        let angle = |curve: Curve<T>, s, _| curve.angle(s);
+        self.at(time, angles, |knot| knot.angles, angle);
     }
 
     /// Writes the group rates (radians per second) at `time` (seconds) to `rates`.
@@ -261,20 +257,23 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
 ///
 /// Decoding applies the checks of [`TrajectoryView::new`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "", try_from = "Unchecked<T, KNOTS, VALUES>")]
-pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize> {
+#[serde(bound = "", try_from = "Parts<T, KNOTS, VALUES>")]
+pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize>(Parts<T, KNOTS, VALUES>);
+
+/// The arrays of a trajectory, before they are checked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(crate) struct Parts<T: Scalar, const KNOTS: usize, const VALUES: usize> {
     interpolation: Interpolation,
     groups: u16,
-    times: Vec<T, KNOTS>,
-    angles: Vec<T, VALUES>,
-    rates: Vec<T, VALUES>,
-    weights: Vec<[T; 2], VALUES>,
+    pub(crate) times: Vec<T, KNOTS>,
+    pub(crate) angles: Vec<T, VALUES>,
+    pub(crate) rates: Vec<T, VALUES>,
+    pub(crate) weights: Vec<[T; 2], VALUES>,
 }
 
-impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VALUES> {
-    /// Creates an empty trajectory of `groups` group angles.
-    #[must_use]
-    pub const fn new(interpolation: Interpolation, groups: u16) -> Self {
+impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Parts<T, KNOTS, VALUES> {
+    pub(crate) const fn new(interpolation: Interpolation, groups: u16) -> Self {
         Self {
             interpolation,
             groups,
@@ -284,26 +283,31 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
             weights: Vec::new(),
         }
     }
+}
 
-    /// Creates the trajectory of these numbers, with the checks of [`TrajectoryView::new`].
-    pub(crate) fn from_parts(
-        interpolation: Interpolation,
-        groups: u16,
-        times: Vec<T, KNOTS>,
-        angles: Vec<T, VALUES>,
-        rates: Vec<T, VALUES>,
-        weights: Vec<[T; 2], VALUES>,
-    ) -> Result<Self, TrajectoryError> {
-        let width = usize::from(groups);
-        TrajectoryView::new(interpolation, width, &times, &angles, &rates, &weights)?;
-        Ok(Self {
-            interpolation,
-            groups,
-            times,
-            angles,
-            rates,
-            weights,
-        })
+impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Parts<T, KNOTS, VALUES>>
+    for Trajectory<T, KNOTS, VALUES>
+{
+    type Error = TrajectoryError;
+
+    fn try_from(parts: Parts<T, KNOTS, VALUES>) -> Result<Self, TrajectoryError> {
+        TrajectoryView::new(
+            parts.interpolation,
+            usize::from(parts.groups),
+            &parts.times,
+            &parts.angles,
+            &parts.rates,
+            &parts.weights,
+        )?;
+        Ok(Self(parts))
+    }
+}
+
+impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VALUES> {
+    /// Creates an empty trajectory of `groups` group angles.
+    #[must_use]
+    pub const fn new(interpolation: Interpolation, groups: u16) -> Self {
+        Self(Parts::new(interpolation, groups))
     }
 
     /// Adds a knot at the end.
@@ -311,64 +315,34 @@ impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VA
     /// # Errors
     /// If the knot is not valid, or the storage is full; the trajectory is unchanged then.
     pub fn push(&mut self, knot: Knot<'_, T>) -> Result<(), TrajectoryError> {
-        let index = self.times.len();
-        let width = usize::from(self.groups);
-        if let Some(problem) = knot.problem(index, self.interpolation, width) {
+        let index = self.0.times.len();
+        let width = usize::from(self.0.groups);
+        if let Some(problem) = knot.problem(index, self.0.interpolation, width) {
             return Err(problem);
         }
-        if self.times.last().is_some_and(|&last| last >= knot.time) {
+        if self.0.times.last().is_some_and(|&last| last >= knot.time) {
             return Err(TrajectoryError::Order(index));
         }
-        let room = self.angles.capacity() - self.angles.len();
-        if room < width || self.times.push(knot.time).is_err() {
+        let room = self.0.angles.capacity() - self.0.angles.len();
+        if room < width || self.0.times.push(knot.time).is_err() {
             return Err(TrajectoryError::Capacity(index));
         }
         let full = |_| TrajectoryError::Capacity(index);
-        self.angles.extend_from_slice(knot.angles).map_err(full)?;
-        self.rates.extend_from_slice(knot.rates).map_err(full)?;
-        self.weights.extend_from_slice(knot.weights).map_err(full)
+        self.0.angles.extend_from_slice(knot.angles).map_err(full)?;
+        self.0.rates.extend_from_slice(knot.rates).map_err(full)?;
+        self.0.weights.extend_from_slice(knot.weights).map_err(full)
     }
 
     /// Returns the trajectory as a view.
     #[must_use]
     pub fn view(&self) -> TrajectoryView<'_, T> {
         TrajectoryView {
-            interpolation: self.interpolation,
-            groups: usize::from(self.groups),
-            times: &self.times,
-            angles: &self.angles,
-            rates: &self.rates,
-            weights: &self.weights,
+            interpolation: self.0.interpolation,
+            groups: usize::from(self.0.groups),
+            times: &self.0.times,
+            angles: &self.0.angles,
+            rates: &self.0.rates,
+            weights: &self.0.weights,
         }
-    }
-}
-
-/// A trajectory as decoded, before it is checked.
-#[derive(Deserialize)]
-#[serde(bound = "")]
-struct Unchecked<T: Scalar, const KNOTS: usize, const VALUES: usize> {
-    interpolation: Interpolation,
-    groups: u16,
-    times: Vec<T, KNOTS>,
-    angles: Vec<T, VALUES>,
-    rates: Vec<T, VALUES>,
-    weights: Vec<[T; 2], VALUES>,
-}
-
-impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Unchecked<T, KNOTS, VALUES>>
-    for Trajectory<T, KNOTS, VALUES>
-{
-    type Error = TrajectoryError;
-
-    fn try_from(arrived: Unchecked<T, KNOTS, VALUES>) -> Result<Self, TrajectoryError> {
-        let Unchecked {
-            interpolation,
-            groups,
-            times,
-            angles,
-            rates,
-            weights,
-        } = arrived;
-        Self::from_parts(interpolation, groups, times, angles, rates, weights)
     }
 }

@@ -19,15 +19,11 @@
 
 use core::fmt;
 
-use crc::Digest;
-use heapless::Vec;
-
 use crate::checksum::CHECKSUM;
 use crate::curve::{Curve, Flaw, Interpolation, Node};
-use crate::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
-use crate::{GroupId, Membership, Spoke, StarsView};
-
-pub use crate::limits::GroupLimits;
+use crate::trajectory::{Parts, Trajectory, TrajectoryError, TrajectoryView};
+use crate::{GroupLimits, Membership, Spoke, StarsView};
+use crc::Digest;
 
 /// First bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
@@ -137,25 +133,19 @@ pub fn write(
     };
     out.bytes(&MAGIC);
     out.bytes(&[VERSION]);
-    out.count(match trajectory.interpolation() {
-        Interpolation::Linear => 0,
-        Interpolation::Hermite => 1,
-        Interpolation::HalfAngle => 2,
-        Interpolation::Homogeneous => 3,
-    });
+    out.count(trajectory.interpolation() as usize);
     out.count(limits.len());
     for group in limits {
-        out.floats(&[group.lower, group.upper, group.speed, group.acceleration]);
+        out.floats(&group.numbers());
     }
     out.count(hinges.len());
     for hinge in hinges {
-        out.count(2 * hinge.group.index() + usize::from(hinge.negative));
+        out.count(hinge.code() as usize);
     }
     out.count(spokes().count());
     for star in stars.iter() {
-        for (count, spoke) in (1..).zip(star.spokes) {
-            let last = usize::from(count == star.spokes.len());
-            out.count(4 * spoke.group.index() + 2 * last + usize::from(spoke.negative));
+        for (code, spoke) in star.codes() {
+            out.count(code as usize);
             out.floats(&spoke.direction);
         }
     }
@@ -273,13 +263,9 @@ impl<'a> TrajectoryFile<'a> {
         if version != VERSION {
             return Err(FileError::Version(version));
         }
-        let interpolation = match cursor.number()? {
-            0 => Interpolation::Linear,
-            1 => Interpolation::Hermite,
-            2 => Interpolation::HalfAngle,
-            3 => Interpolation::Homogeneous,
-            other => return Err(FileError::Interpolation(other)),
-        };
+        let kind = cursor.number()?;
+        let interpolation = Interpolation::ALL.get(kind as usize).copied();
+        let interpolation = interpolation.ok_or(FileError::Interpolation(kind))?;
         let groups = u16::try_from(cursor.number()?).map_err(|_| FileError::Groups)?;
         let limits = cursor.floats(usize::from(groups), 4)?;
         let hinges = cursor.count()?;
@@ -296,7 +282,7 @@ impl<'a> TrajectoryFile<'a> {
         let spoke_codes = bytes.get(first..cursor.at).unwrap_or(&[]);
         let closure = f32::from_le_bytes(cursor.array()?);
         let knots = cursor.count()?;
-        let file = Self {
+        let mut file = Self {
             interpolation,
             groups,
             knots,
@@ -308,10 +294,7 @@ impl<'a> TrajectoryFile<'a> {
             closure,
             records: &[],
         };
-        let file = Self {
-            records: cursor.floats(knots, file.record())?,
-            ..file
-        };
+        file.records = cursor.floats(knots, file.record())?;
         let body = bytes.get(..cursor.at).unwrap_or(&[]);
         let checksum = u32::from_le_bytes(cursor.array()?);
         if cursor.at < bytes.len() {
@@ -404,13 +387,8 @@ impl<'a> TrajectoryFile<'a> {
     #[must_use]
     pub fn limits(&self, group: usize) -> Option<GroupLimits> {
         let (numbers, _) = self.limits.as_chunks::<4>();
-        let [lower, upper, speed, acceleration] = numbers.get(group)?.map(f32::from_le_bytes);
-        Some(GroupLimits {
-            lower,
-            upper,
-            speed,
-            acceleration,
-        })
+        let numbers = numbers.get(group)?.map(f32::from_le_bytes);
+        Some(GroupLimits::from_numbers(numbers))
     }
 
     /// Iterates over group and sign of each hinge, in order.
@@ -419,13 +397,7 @@ impl<'a> TrajectoryFile<'a> {
             bytes: self.hinge_codes,
             at: 0,
         };
-        core::iter::from_fn(move || {
-            let code = cursor.number().ok()?;
-            Some(Membership {
-                group: GroupId(code >> 1),
-                negative: code & 1 == 1,
-            })
-        })
+        core::iter::from_fn(move || Some(Membership::from_code(cursor.number().ok()?)))
     }
 
     /// Iterates over the spokes of the essential vertices, in order. The flag is `true` for the last spoke of a vertex.
@@ -486,30 +458,22 @@ impl<'a> TrajectoryFile<'a> {
     pub fn trajectory<const KNOTS: usize, const VALUES: usize>(
         &self,
     ) -> Result<Trajectory<f32, KNOTS, VALUES>, TrajectoryError> {
-        let (mut times, mut weights) = (Vec::new(), Vec::new());
-        let (mut angles, mut rates) = (Vec::new(), Vec::new());
+        let mut parts = Parts::new(self.interpolation, self.groups);
         for index in 0..self.knots {
             let full = TrajectoryError::Capacity(index);
             let time = self.time(index).ok_or(TrajectoryError::Width(index))?;
-            times.push(time).map_err(|_| full)?;
+            parts.times.push(time).map_err(|_| full)?;
             for group in 0..self.groups() {
                 let node = self.node(index, group);
                 let node = node.ok_or(TrajectoryError::Width(index))?;
-                angles.push(node.angle).map_err(|_| full)?;
-                rates.push(node.rate).map_err(|_| full)?;
+                parts.angles.push(node.angle).map_err(|_| full)?;
+                parts.rates.push(node.rate).map_err(|_| full)?;
                 if self.interpolation == Interpolation::Homogeneous {
-                    weights.push(node.weight).map_err(|_| full)?;
+                    parts.weights.push(node.weight).map_err(|_| full)?;
                 }
             }
         }
-        Trajectory::from_parts(
-            self.interpolation,
-            self.groups,
-            times,
-            angles,
-            rates,
-            weights,
-        )
+        parts.try_into()
     }
 
     /// Returns the number of `f32` in the record of a knot.
@@ -570,12 +534,7 @@ impl<'a> Cursor<'a> {
     fn spoke(&mut self) -> Result<(Spoke<f32>, bool), FileError> {
         let code = self.number()?;
         let direction = [self.array()?, self.array()?].map(f32::from_le_bytes);
-        let spoke = Spoke {
-            group: GroupId(code >> 2),
-            negative: code & 1 == 1,
-            direction,
-        };
-        Ok((spoke, code & 2 == 2))
+        Ok(Spoke::from_code(code, direction))
     }
 
     /// Reads a varint of at most 32 bits.

@@ -144,7 +144,7 @@ where
             return;
         };
         kept.stopped = follower.reason() == Reason::StopLine;
-        kept.place = follower.place();
+        kept.place = follower.position();
         let record = usize::from(self.records % 2 == 1);
         self.board.keep(record, &kept.seal());
     }

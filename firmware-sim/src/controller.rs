@@ -211,7 +211,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         let status = Status {
             state,
             reason,
-            place: self.follower.place(),
+            place: self.follower.position(),
             room: self.room(),
         };
         let mut buffer = [0; FRAME];
@@ -246,7 +246,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             time: now,
             state: self.follower.state(),
             rate: self.follower.rate(),
-            place: self.follower.place(),
+            place: self.follower.position(),
             angles: angles.get(..groups).unwrap_or(&[]).as_flattened(),
         };
         if let Some(frame) = frame::seal(session, &message, buffer) {

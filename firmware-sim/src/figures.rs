@@ -4,7 +4,7 @@
 use core::fmt::Write;
 use core::hint::black_box;
 
-use foldpath_core::follower::{Place, State};
+use foldpath_core::follower::{FollowerPosition, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits};
 use foldpath_core::project::project;
 use foldpath_core::trajectory::TrajectoryView;
@@ -157,7 +157,14 @@ fn stream(
 ) -> Result<[u32; 2], Failure> {
     let hinges = MEMBERSHIPS.get(..hinges).ok_or(Failure::Size)?;
     let limits = [ANY; 2];
-    let items = PathItems::new(path, &limits, hinges, stars, OPEN, Place::default());
+    let items = PathItems::new(
+        path,
+        &limits,
+        hinges,
+        stars,
+        OPEN,
+        FollowerPosition::default(),
+    );
     let items = items.ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, Options::default());
     let mut answers = cobs::Deframer::<256>::default();

@@ -1,7 +1,7 @@
 //! The record that a controller keeps over a reset: its commanded angles, its place on the path, and the stop line.
 
 use foldpath_core::checksum;
-use foldpath_core::follower::Place;
+use foldpath_core::follower::FollowerPosition;
 
 use crate::application::RECORD;
 
@@ -16,7 +16,7 @@ pub(crate) struct Kept {
     pub(crate) count: u32,
     /// `true` if the stop line holds the motion.
     pub(crate) stopped: bool,
-    pub(crate) place: Place<f32>,
+    pub(crate) place: FollowerPosition<f32>,
     groups: u32,
     angles: [f32; GROUPS],
 }
@@ -30,7 +30,7 @@ impl Kept {
             starts,
             count,
             stopped: false,
-            place: Place::default(),
+            place: FollowerPosition::default(),
             groups: u32::try_from(angles.len()).ok()?,
             angles: kept,
         })
@@ -77,7 +77,7 @@ impl Kept {
         let mut numbers = words.iter().map(|word| u32::from_le_bytes(*word));
         let [starts, count, stopped] = [numbers.next()?, numbers.next()?, numbers.next()?];
         let groups = numbers.next()?;
-        let place = Place {
+        let place = FollowerPosition {
             knot: numbers.next()?,
             into: f32::from_bits(numbers.next()?),
         };

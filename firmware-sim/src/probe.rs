@@ -5,7 +5,7 @@
 
 use core::fmt::Write;
 
-use foldpath_core::follower::{Place, State};
+use foldpath_core::follower::{FollowerPosition, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::project::{Projection, means, project};
 use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
@@ -251,7 +251,7 @@ fn stream(
 ) -> Result<(), Failure> {
     let limits = [ANY; GROUPS];
     let limits = limits.get(..path.groups()).ok_or(Failure::Size)?;
-    let place = Place::default();
+    let place = FollowerPosition::default();
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
     let mut answers = Deframer::<{ controller::FRAME }>::default();

@@ -3,7 +3,7 @@
 //! It is a state machine without a clock of its own. Setpoints are [accepted](Follower::accept) one after the other
 //! into a queue. [`Follower::tick`], called at a steady pace, moves along the queued path as fast as the
 //! [path clock](crate::path_clock) allows. Whatever slows or holds the motion does so through that clock, so that the
-//! sheet stays on configurations that close.
+//! sheet stays on configurations that close. `examples/follower.rs` follows a path that is compiled in.
 //!
 //! | state | meaning | left by |
 //! |---|---|---|
@@ -25,11 +25,11 @@ use crate::path_clock::PathClock;
 use crate::{Membership, Scalar};
 
 use queue::Queue;
-pub use state::{Denial, Options, Place, Reason, State};
+pub use state::{Denial, FollowerPosition, Options, Reason, State};
 
-/// Fraction of the full rate that the clock keeps while a hinge lags by almost `most_lag`. If the rate fell to 0, the
-/// command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
-const CREEP: f64 = 0.1;
+/// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
+/// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
+const MIN_LAGGING_RATE: f64 = 0.1;
 
 /// The hinge that was last measured farthest from its command, radians; the default if no hinge was off its command.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,10 +59,10 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     ended: bool,
 
     groups: usize,
-    /// `stands`: `true` if `angles` have been commanded or measured. `stood`: place of those angles on the path that
+    /// `stands`: `true` if `angles` have been commanded or measured. `stood`: position of those angles on the path that
     /// was left.
     stands: bool,
-    stood: Place<T>,
+    stood: FollowerPosition<T>,
     angles: [T; GROUPS],
     rates: [T; GROUPS],
 }
@@ -88,7 +88,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             ended: false,
             groups: 0,
             stands: false,
-            stood: Place::default(),
+            stood: FollowerPosition::default(),
             angles: [T::zero(); GROUPS],
             rates: [T::zero(); GROUPS],
         }
@@ -120,12 +120,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.clock.rate()
     }
 
-    /// Returns the place of the commanded angles: on this path, or on the path before if this one has not begun.
+    /// Returns the position of the commanded angles: on this path, or on the path before if this one has not begun.
     #[must_use]
-    pub fn place(&self) -> Place<T> {
+    pub fn position(&self) -> FollowerPosition<T> {
         match self.state {
             State::Idle | State::Ready => self.stood,
-            _ => self.queue.place().unwrap_or(self.stood),
+            _ => self.queue.position().unwrap_or(self.stood),
         }
     }
 
@@ -178,28 +178,32 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     /// Tells the follower where the groups stand (radians), as measured or as commanded before a reset, and at which
-    /// place of their path.
+    /// position on their path.
     ///
     /// # Errors
     /// If not idle, or if there are too many groups.
-    pub fn stand(&mut self, angles: &[T], place: Place<T>) -> Result<(), Denial> {
+    pub fn stand(&mut self, angles: &[T], position: FollowerPosition<T>) -> Result<(), Denial> {
         if self.state != State::Idle {
             return Err(Denial::State);
         }
         let mine = self.angles.get_mut(..angles.len());
         mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
         self.groups = angles.len();
-        (self.stands, self.stood) = (true, place);
+        (self.stands, self.stood) = (true, position);
         Ok(())
     }
 
-    /// Takes up a new path on this sheet, from its beginning or from a place on it. Drops the path before.
+    /// Takes up a new path on this sheet, from its beginning or from a position on it. Drops the path before.
     ///
-    /// The setpoints come next, from the knot of the place on.
+    /// The setpoints come next, from the knot of the position on.
     ///
     /// # Errors
     /// While moving, in a fault, or if the sheet has too many groups or other groups than those that stand.
-    pub fn load(&mut self, sheet: &SheetView<'_, T>, from: Place<T>) -> Result<(), Denial> {
+    pub fn load(
+        &mut self,
+        sheet: &SheetView<'_, T>,
+        from: FollowerPosition<T>,
+    ) -> Result<(), Denial> {
         self.unload()?;
         let groups = sheet.limits.len();
         let others = self.stands && self.groups != groups;
@@ -224,7 +228,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.clock.rate() > T::zero() || self.state == State::Running {
             return Err(Denial::Moving);
         }
-        self.stood = self.place();
+        self.stood = self.position();
         self.queue.clear();
         self.ended = false;
         self.still();
@@ -319,7 +323,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Lets the motion go on from its place.
+    /// Lets the motion go on from its position.
     ///
     /// # Errors
     /// While the stop line is drawn.
@@ -416,7 +420,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
-    /// Returns the rate that the clock should have.
+    /// Returns the rate that the clock should have, from 0 to 1.
     fn goal(&self) -> T {
         let Options { lag, most_lag, .. } = self.options;
         let distance = self.lag.distance;
@@ -424,7 +428,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             T::zero()
         } else if distance > lag {
             let part = (distance - lag) / (most_lag - lag);
-            T::one() - (T::one() - T::lit(CREEP)) * part
+            T::one() - (T::one() - T::lit(MIN_LAGGING_RATE)) * part
         } else {
             T::one()
         }

@@ -1,12 +1,12 @@
-//! The queue of setpoints: the known part of a path, and a place on it.
+//! The queue of setpoints: the known part of a path, and the position on it.
 
 use heapless::Deque;
 
 use crate::acceptance::{Refusal, Setpoint, SheetView};
-use crate::follower::Place;
+use crate::follower::FollowerPosition;
 use crate::{Curve, Interpolation, Scalar};
 
-/// Setpoints of the path; the place lies on the segment behind the first one.
+/// Setpoints of the path; the position lies on the segment behind the first one.
 #[derive(Clone, Debug)]
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
@@ -69,20 +69,20 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         Ok(())
     }
 
-    /// Returns `true` if the place is on the first segment, or at the first setpoint.
+    /// Returns `true` if the position is on the first segment, or at the first setpoint.
     pub(super) fn begins(&self) -> bool {
         self.into.is_zero() || self.into > T::zero() && self.into < self.span
     }
 
-    /// Returns the place, if there is a setpoint.
-    pub(super) fn place(&self) -> Option<Place<T>> {
-        self.setpoints.front().map(|first| Place {
+    /// Returns the position, if there is a setpoint.
+    pub(super) fn position(&self) -> Option<FollowerPosition<T>> {
+        self.setpoints.front().map(|first| FollowerPosition {
             knot: first.number,
             into: self.into,
         })
     }
 
-    /// Returns the seconds from the place to the last setpoint, at most the largest number.
+    /// Returns the seconds from the position to the last setpoint, at most the largest number.
     pub(super) fn left(&self) -> T {
         match (self.setpoints.front(), self.setpoints.back()) {
             (Some(first), Some(last)) => {
@@ -93,16 +93,16 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// Advances the place by `step` seconds, at most to the last setpoint.
+    /// Advances the position by `step` seconds, at most to the last setpoint.
     pub(super) fn advance(&mut self, step: T) {
         if step <= T::zero() {
             return;
         }
-        // The path time left may be less than the rounding of the place.
+        // The path time left may be less than the rounding of the position.
         let left = self.left();
         let arrived = left - step <= T::EPSILON * left.max(self.into);
-        // Behind a knot the place is resolved more finely, so that the carry may be larger than a short step; the place
-        // never goes back.
+        // Behind a knot the position is resolved more finely, so that the carry may be larger than a short step; the
+        // position never goes back.
         let (before, step) = (self.into, step + self.carry);
         self.into = (self.into + step).max(before);
         self.carry = step - (self.into - before);
@@ -129,13 +129,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         }
     }
 
-    /// Writes the angles at the place into `angles`, clamped to their bounds, which rounding could leave between knots.
+    /// Writes the angles at the position into `angles`, clamped to their bounds, which rounding could leave between knots.
     pub(super) fn angles(&self, mut angles: [T; GROUPS]) -> [T; GROUPS] {
         if self.into > T::zero() {
-            let place = self.into / self.span;
+            let s = self.into / self.span;
             let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
             for (angle, (curve, [lower, upper, _])) in angles.iter_mut().zip(curves) {
-                *angle = curve.angle(place).max(*lower).min(*upper);
+                *angle = curve.angle(s).max(*lower).min(*upper);
             }
         } else if let Some(first) = self.setpoints.front() {
             for (angle, node) in angles.iter_mut().zip(&first.nodes) {
@@ -145,15 +145,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         angles
     }
 
-    /// Returns the rates at the place, clamped to each group's speed; `clock` is the seconds of the path in a second.
+    /// Returns the rates at the position, clamped to each group's speed; `clock` is the seconds of the path in a second.
     pub(super) fn rates(&self, clock: T) -> [T; GROUPS] {
         let mut rates = [T::zero(); GROUPS];
         if self.span > T::zero() {
-            let place = self.into / self.span;
+            let s = self.into / self.span;
             let curves = self.curves.iter().zip(&self.bounds).take(self.groups);
             for (rate, (curve, [.., speed])) in rates.iter_mut().zip(curves) {
                 // On a very short segment, rounding alone makes a fast rate.
-                let [slope, _] = curve.derivatives(place);
+                let [slope, _] = curve.derivatives(s);
                 *rate = (slope * clock / self.span).max(-*speed).min(*speed);
             }
         }

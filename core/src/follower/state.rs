@@ -59,7 +59,7 @@ pub enum Denial {
     Groups,
     /// No setpoint is queued.
     Empty,
-    /// The place to begin at is not on the first segment.
+    /// The position to begin at is not on the first segment.
     Place,
     /// This group stands too far from the beginning of the path.
     Jump(u16),
@@ -67,10 +67,10 @@ pub enum Denial {
     Held,
 }
 
-/// A place on a path.
+/// A position on a path; the protocol calls it a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place<T> {
-    /// Number of the last knot at or before the place.
+pub struct FollowerPosition<T> {
+    /// Number of the last knot at or before the position.
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,

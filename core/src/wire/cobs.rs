@@ -4,12 +4,12 @@
 //! 255 or the frame ends.
 
 /// Longest run of bytes without a zero in one block.
-const RUN: usize = 254;
+const MAX_RUN_BYTES: usize = 254;
 
 /// Returns the largest length on the line of a frame of `length` bytes, with the zero that ends it.
 #[must_use]
 pub const fn longest(length: usize) -> usize {
-    length + length / RUN + 2
+    length + length / MAX_RUN_BYTES + 2
 }
 
 /// Hands the encoded bytes of a frame to `sink`, with the zero that ends it. Cost: proportional to its length.
@@ -17,11 +17,11 @@ pub fn encode(payload: &[u8], mut sink: impl FnMut(u8)) {
     for run in payload.split(|&byte| byte == 0) {
         let mut rest = run;
         loop {
-            let (block, more) = rest.split_at_checked(RUN).unwrap_or((rest, &[]));
+            let (block, more) = rest.split_at_checked(MAX_RUN_BYTES).unwrap_or((rest, &[]));
             let [code, ..] = (block.len() + 1).to_le_bytes();
             sink(code);
             block.iter().for_each(|&byte| sink(byte));
-            if block.len() < RUN {
+            if block.len() < MAX_RUN_BYTES {
                 break;
             }
             rest = more;

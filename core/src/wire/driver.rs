@@ -1,16 +1,16 @@
 //! The policy of a host: sends a path from the place where it is to begin, starts it, and resumes when something held
 //! it, as far as its [`Persistence`] says.
 
-use crate::follower::{Place, Reason, State};
+use crate::follower::{FollowerPosition, Reason, State};
 use crate::wire::cobs::Deframer;
 use crate::wire::message::{Command, Item, Report, ToHost};
 use crate::wire::path::PathItems;
 use crate::wire::sender::{Options, Phase, Sender, Source};
 
 /// Time between two commands, microseconds. Meanwhile reports show what the first one has done.
-const PATIENCE: u64 = 100_000;
+const COMMAND_INTERVAL_US: u64 = 100_000;
 /// Length of the longest frame from a controller, bytes.
-const FRAME: usize = 512;
+const MAX_FRAME_BYTES: usize = 512;
 
 /// Events after which a host resumes a path. Every variant resumes after a silence, and after whatever held an earlier
 /// session.
@@ -47,12 +47,12 @@ impl Source for Begun<'_> {
 #[derive(Clone, Debug)]
 pub struct Driver<'a> {
     sender: Sender,
-    deframer: Deframer<FRAME>,
+    deframer: Deframer<MAX_FRAME_BYTES>,
     persistence: Persistence,
     path: PathItems<'a>,
     begun: Begun<'a>,
-    /// Place that the controller told, if it is not on the path.
-    astray: Option<Place<f32>>,
+    /// Position that the controller told, if it is not on the path.
+    astray: Option<FollowerPosition<f32>>,
     started: bool,
     stopping: bool,
     asked: Option<u64>,
@@ -96,7 +96,7 @@ impl<'a> Driver<'a> {
 
     /// Returns the place where the sheet stands, if it is not on the path.
     #[must_use]
-    pub fn astray(&self) -> Option<Place<f32>> {
+    pub fn astray(&self) -> Option<FollowerPosition<f32>> {
         self.astray
     }
 
@@ -140,7 +140,7 @@ impl<'a> Driver<'a> {
             && let Some(report) = self.sender.report().copied()
         {
             self.begin(&report);
-            let wait = |asked| now < asked + PATIENCE;
+            let wait = |asked| now < asked + COMMAND_INTERVAL_US;
             let command = self.wanted(&report);
             if let Some(command) = command.filter(|_| !self.asked.is_some_and(wait))
                 && self.sender.command(command)
@@ -159,7 +159,7 @@ impl<'a> Driver<'a> {
             return;
         }
         let place = match self.persistence {
-            Persistence::None => Place::default(),
+            Persistence::None => FollowerPosition::default(),
             Persistence::Resume | Persistence::Always => report.place,
         };
         self.begun.0 = self.path.at(place);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Interpolation;
 use crate::acceptance::Refusal;
-use crate::follower::{Denial, Place, Reason, State};
+use crate::follower::{Denial, FollowerPosition, Reason, State};
 
 /// Version of the protocol.
 pub const VERSION: u16 = 1;
@@ -77,7 +77,7 @@ pub struct SheetHead {
     /// Largest closure residual of a commanded configuration.
     pub closure: f32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
-    pub place: Place<f32>,
+    pub place: FollowerPosition<f32>,
 }
 
 /// A setpoint as it is sent.
@@ -140,8 +140,8 @@ pub enum ToHost<'a> {
         state: State,
         /// Rate of the path clock, seconds of the path in a second.
         rate: f32,
-        /// Place on the path.
-        place: Place<f32>,
+        /// Position on the path.
+        place: FollowerPosition<f32>,
         /// Commanded angle of each group, 4 bytes each, little endian.
         angles: &'a [u8],
     },
@@ -168,8 +168,8 @@ pub struct Report {
     pub state: State,
     /// Reason why the follower does not run at full speed.
     pub reason: Reason,
-    /// Place of the follower on the path.
-    pub place: Place<f32>,
+    /// Position of the follower on the path.
+    pub place: FollowerPosition<f32>,
 }
 
 /// Reason why an item is not taken.

@@ -2,20 +2,19 @@
 
 use core::num::NonZero;
 
-use crate::follower::Place;
+use crate::follower::FollowerPosition;
 use crate::trajectory::TrajectoryView;
 use crate::wire::message::{Item, SetpointBytes, SheetHead};
 use crate::wire::sender::Source;
-use crate::{GroupId, GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
+use crate::{GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
 
-/// Bytes of the limits of a group (`LIMITS`) and of a spoke (`SPOKE`).
-const LIMITS: usize = 16;
-const SPOKE: usize = 10;
-/// Largest number of groups and of spokes in an item: 128 and 120 bytes.
-const MOST_LIMITS: usize = 8;
-const MOST_SPOKES: usize = 12;
-/// Largest number of bytes of hinges in an item.
-const MOST_BYTES: usize = 128;
+/// Number of bytes of the limits of a group and of a spoke.
+const LIMITS_BYTES: usize = 16;
+const SPOKE_BYTES: usize = 10;
+/// Largest number of bytes of limits, hinges and spokes in an item: 8 groups, whole codes and 12 spokes.
+const MAX_LIMITS_BYTES: usize = 8 * LIMITS_BYTES;
+const MAX_HINGES_BYTES: usize = 128;
+const MAX_SPOKES_BYTES: usize = 12 * SPOKE_BYTES;
 
 /// Decodes the groups of a setpoint.
 pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item = Node<f32>> {
@@ -34,17 +33,9 @@ pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item =
 /// Decodes the limits of a group.
 #[must_use]
 pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
-    let [mut lower, mut upper, mut speed, mut acceleration] = [[0; 4]; 4];
-    let numbers = [&mut lower, &mut upper, &mut speed, &mut acceleration];
-    for (number, bytes) in numbers.into_iter().zip(bytes.as_chunks().0) {
-        *number = *bytes;
-    }
-    GroupLimits {
-        lower: f32::from_le_bytes(lower),
-        upper: f32::from_le_bytes(upper),
-        speed: f32::from_le_bytes(speed),
-        acceleration: f32::from_le_bytes(acceleration),
-    }
+    let mut numbers = [[0; 4]; 4];
+    numbers.as_flattened_mut().copy_from_slice(bytes);
+    GroupLimits::from_numbers(numbers.map(f32::from_le_bytes))
 }
 
 /// Returns the number of bits of a hinge's code in a sheet of `groups` groups: the fewest that hold all numbers below
@@ -71,10 +62,7 @@ pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u
 /// Decodes a hinge: its code is twice its group, and 1 more if it turns the opposite way.
 #[must_use]
 pub fn hinge(code: u16) -> Membership {
-    Membership {
-        group: GroupId(u32::from(code >> 1)),
-        negative: code & 1 == 1,
-    }
+    Membership::from_code(code.into())
 }
 
 /// Decodes a spoke; the flag is `true` if it is the last of its star.
@@ -83,12 +71,7 @@ pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
     let [c, d, x0, x1, x2, x3, y0, y1, y2, y3] = bytes;
     let code = u16::from_le_bytes([c, d]);
     let direction = [[x0, x1, x2, x3], [y0, y1, y2, y3]].map(f32::from_le_bytes);
-    let spoke = Spoke {
-        group: GroupId(u32::from(code >> 2)),
-        negative: code & 1 == 1,
-        direction,
-    };
-    (spoke, code & 2 == 2)
+    Spoke::from_code(code.into(), direction)
 }
 
 /// A path on a sheet, from a place on it: the items that a [`Sender`](crate::wire::sender::Sender) sends.
@@ -115,7 +98,7 @@ impl<'a> PathItems<'a> {
         hinges: &'a [Membership],
         stars: StarsView<'a, f32>,
         closure: f32,
-        place: Place<f32>,
+        place: FollowerPosition<f32>,
     ) -> Option<Self> {
         let small = |count: usize| u16::try_from(count).ok().filter(|&count| count <= 1 << 14);
         let spokes = stars.iter().map(|star| star.spokes.len()).sum();
@@ -153,13 +136,13 @@ impl<'a> PathItems<'a> {
         } = self.head;
         let bits = hinge_bits(groups);
         [
-            (usize::from(groups) * LIMITS, MOST_LIMITS * LIMITS),
+            (usize::from(groups) * LIMITS_BYTES, MAX_LIMITS_BYTES),
             // A multiple of `bits` bytes, so that whole codes fill whole bytes.
             (
                 (usize::from(hinges) * bits.get()).div_ceil(8),
-                MOST_BYTES / bits * bits.get(),
+                MAX_HINGES_BYTES / bits * bits.get(),
             ),
-            (usize::from(spokes) * SPOKE, MOST_SPOKES * SPOKE),
+            (usize::from(spokes) * SPOKE_BYTES, MAX_SPOKES_BYTES),
         ]
     }
 
@@ -170,7 +153,7 @@ impl<'a> PathItems<'a> {
 
     /// Returns the items of this path from another place on; `None` if that place is not on it.
     #[must_use]
-    pub fn at(self, place: Place<f32>) -> Option<Self> {
+    pub fn at(self, place: FollowerPosition<f32>) -> Option<Self> {
         let head = SheetHead { place, ..self.head };
         let first = usize::try_from(place.knot).ok()?;
         (first < self.path.len()).then_some(Self {
@@ -228,7 +211,7 @@ impl<'a> PathItems<'a> {
         let bits = hinge_bits(self.head.groups);
         let bit = move |place: usize| {
             let hinge = self.hinges.get(place / bits);
-            let code = hinge.map_or(0, |hinge| 2 * hinge.group.0 + u32::from(hinge.negative));
+            let code = hinge.map_or(0, |hinge| hinge.code());
             u8::from(code >> (place % bits) & 1 == 1)
         };
         let byte = move |byte: usize| (0..8).fold(0, |value, k| value | bit(8 * byte + k) << k);
@@ -241,20 +224,16 @@ impl<'a> PathItems<'a> {
         let range = (index * length, length);
         match kind {
             0 => part(
-                self.limits.iter().flat_map(|group| {
-                    let numbers = [group.lower, group.upper, group.speed, group.acceleration];
-                    numbers.into_iter().flat_map(f32::to_le_bytes)
-                }),
+                self.limits
+                    .iter()
+                    .flat_map(|group| group.numbers().into_iter().flat_map(f32::to_le_bytes)),
                 range,
                 scratch,
             ),
             1 => part(self.hinge_bytes(), range, scratch),
             _ => part(
                 self.stars.iter().flat_map(|star| {
-                    let last = star.spokes.len();
-                    (1..).zip(star.spokes).flat_map(move |(count, spoke)| {
-                        let ends = u32::from(count == last);
-                        let code = 4 * spoke.group.0 + 2 * ends + u32::from(spoke.negative);
+                    star.codes().flat_map(|(code, spoke)| {
                         let [a, b, ..] = code.to_le_bytes();
                         let numbers = spoke.direction.into_iter().flat_map(f32::to_le_bytes);
                         [a, b].into_iter().chain(numbers)

@@ -3,7 +3,7 @@
 //! Answers are not queued. Each is built from the state at the time when it leaves, so that a full line costs nothing
 //! but time.
 
-use crate::follower::{Denial, Place, Reason, State};
+use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::wire::frame;
 use crate::wire::message::{Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION};
 use crate::wire::sequence::ahead;
@@ -26,8 +26,8 @@ pub struct Status {
     pub state: State,
     /// Reason why the follower does not run at full speed.
     pub reason: Reason,
-    /// Place of the follower on the path.
-    pub place: Place<f32>,
+    /// Position of the follower on the path.
+    pub place: FollowerPosition<f32>,
     /// Number of items for which there is room.
     pub room: u16,
 }

@@ -38,7 +38,7 @@ fn solution<T: Scalar>(
     SVector::from(step.map(T::to_f64))
 }
 
-fn promises_nearly_the_most<T: Scalar>() {
+fn reduces_the_model_nearly_the_most<T: Scalar>() {
     for seed in 0..200 {
         let rows = 1 + usize::try_from(seed).unwrap() % (N - 1);
         let (matrix, gradient) = equations(rows, seed);
@@ -66,9 +66,9 @@ fn promises_nearly_the_most<T: Scalar>() {
 }
 
 #[test]
-fn a_rough_step_promises_nearly_the_most() {
-    promises_nearly_the_most::<f32>();
-    promises_nearly_the_most::<f64>();
+fn an_inexact_step_reduces_the_model_nearly_the_most() {
+    reduces_the_model_nearly_the_most::<f32>();
+    reduces_the_model_nearly_the_most::<f64>();
 }
 
 #[test]

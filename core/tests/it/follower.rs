@@ -4,7 +4,7 @@
 use core::f64::consts::PI;
 
 use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
-use foldpath_core::follower::{Denial, Follower, Options, Place, Reason, State};
+use foldpath_core::follower::{Denial, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::path_clock::ClockLimits;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::{
@@ -129,7 +129,7 @@ impl<T: Scalar> Run<T> {
             sent: KNOTS,
         };
         run.follower
-            .load(&run.sheet.view(), Place::default())
+            .load(&run.sheet.view(), FollowerPosition::default())
             .unwrap();
         run.feed();
         run
@@ -179,7 +179,7 @@ impl<T: Scalar> Run<T> {
     }
 
     fn time(&self) -> f64 {
-        let Place { knot, into } = self.follower.place();
+        let FollowerPosition { knot, into } = self.follower.position();
         f64::from(knot) * STEP + into.to_f64()
     }
 
@@ -219,8 +219,8 @@ fn follows_the_whole_path<T: Scalar>() {
     let last = last.nodes.iter().map(|node| node.angle.to_f64().to_bits());
     assert!(run.bits().into_iter().eq(last));
     assert_eq!(
-        run.follower.place(),
-        Place {
+        run.follower.position(),
+        FollowerPosition {
             knot: KNOTS - 1,
             into: T::zero()
         }
@@ -249,7 +249,7 @@ fn what_is_commanded_lies_on_the_trajectory() {
     let mut run = Run::<f32>::started();
     while run.follower.state() != State::Done {
         run.tick();
-        let Place { knot, into } = run.follower.place();
+        let FollowerPosition { knot, into } = run.follower.position();
         let time = times[knot as usize] + into;
         let mut sampled = [0.0; 2];
         view.sample(time, &mut sampled);
@@ -298,8 +298,8 @@ fn an_empty_queue_stops_at_its_last_setpoint_and_goes_on_with_the_next() {
         assert_eq!(run.follower.state(), State::Holding);
         assert_eq!(run.follower.reason(), Reason::Underrun);
         assert_eq!(
-            run.follower.place(),
-            Place {
+            run.follower.position(),
+            FollowerPosition {
                 knot: end,
                 into: 0.0
             }
@@ -351,7 +351,8 @@ fn a_soft_stop_brakes_along_the_path() {
     assert!((run.time() - before - 0.125).abs() < 1e-9);
     assert_eq!(run.follower.reason(), Reason::Asked);
     assert_eq!(
-        run.follower.load(&run.sheet.view(), Place::default()),
+        run.follower
+            .load(&run.sheet.view(), FollowerPosition::default()),
         Ok(())
     );
     assert_eq!(run.follower.state(), State::Ready);
@@ -362,7 +363,8 @@ fn a_moving_sheet_takes_no_other_path() {
     let mut run = Run::<f64>::started();
     run.ticks(10);
     assert_eq!(
-        run.follower.load(&run.sheet.view(), Place::default()),
+        run.follower
+            .load(&run.sheet.view(), FollowerPosition::default()),
         Err(Denial::Moving)
     );
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
@@ -409,7 +411,8 @@ fn the_stop_line_is_heard_in_every_state() {
     idle.stop(true);
     idle.stop(false);
     let sheet = Sheet::new();
-    idle.load(&sheet.view(), Place::default()).unwrap();
+    idle.load(&sheet.view(), FollowerPosition::default())
+        .unwrap();
     idle.accept(&sheet.view(), setpoint(0)).unwrap();
     assert_eq!(idle.start(), Err(Denial::Held));
     idle.resume().unwrap();
@@ -740,11 +743,11 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
     for _ in 0..50 {
         let mut run = Run::<f32>::started();
         run.ticks(1 + rng.below(2200));
-        let (place, angles) = (run.follower.place(), run.follower.angles().to_vec());
+        let (place, angles) = (run.follower.position(), run.follower.angles().to_vec());
         let mut again = Run::<f32>::started();
         again.follower = Follower::new(Options::default());
         again.follower.stand(&angles, place).unwrap();
-        assert_eq!(again.follower.place(), place);
+        assert_eq!(again.follower.position(), place);
         again.follower.load(&again.sheet.view(), place).unwrap();
         again.feed();
         again.follower.start().unwrap();
@@ -771,7 +774,7 @@ fn a_place_that_is_not_on_the_first_segment_is_no_beginning() {
         let mut run = Run::<f64>::started();
         run.follower = Follower::new(Options::default());
         run.follower
-            .load(&run.sheet.view(), Place { knot: 4, into })
+            .load(&run.sheet.view(), FollowerPosition { knot: 4, into })
             .unwrap();
         assert_eq!(run.follower.start(), Err(Denial::Empty));
         run.feed();
@@ -786,10 +789,10 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
         let begin = setpoint::<f64>(0).nodes[0].angle;
         run.follower = Follower::new(Options::default());
         run.follower
-            .stand(&[begin, nowhere], Place::default())
+            .stand(&[begin, nowhere], FollowerPosition::default())
             .unwrap();
         run.follower
-            .load(&run.sheet.view(), Place::default())
+            .load(&run.sheet.view(), FollowerPosition::default())
             .unwrap();
         run.feed();
         assert_eq!(run.follower.start(), Err(Denial::Jump(1)));
@@ -872,7 +875,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
         ..sheet.view()
     };
     let mut follower = Miura::<T>::new(Options::default());
-    follower.load(&view, Place::default()).unwrap();
+    follower.load(&view, FollowerPosition::default()).unwrap();
     for (number, (time, nodes)) in (0..).zip(knots) {
         let nodes = nodes.map(|node| Node {
             angle: T::lit(node.angle),
@@ -950,7 +953,7 @@ fn a_long_segment_takes_its_time() {
     }];
     let sheet = lone(Interpolation::Linear, &limits, &none);
     let mut follower = Follower::<f32, 1, 2>::new(Options::default());
-    let place = Place {
+    let place = FollowerPosition {
         knot: 0,
         into: 1000.0,
     };
@@ -974,7 +977,7 @@ fn a_long_segment_takes_its_time() {
         follower.tick(now * TICK);
     }
     // Ten seconds of the path, less 1/8 s for speeding up.
-    let into = follower.place().into;
+    let into = follower.position().into;
     assert!((into - 1009.875).abs() < 5e-4, "{into}");
 }
 
@@ -990,7 +993,7 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
     }];
     let sheet = lone(Interpolation::Linear, &limits, &none);
     let mut follower = Follower::<f32, 1, 4>::new(Options::default());
-    follower.load(&sheet, Place::default()).unwrap();
+    follower.load(&sheet, FollowerPosition::default()).unwrap();
     for (number, time) in [(0_u8, -3e38), (1, 0.0), (2, 3e38)] {
         let setpoint = Setpoint {
             number: number.into(),
@@ -1010,9 +1013,9 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
         follower.tick(now * TICK);
         assert_eq!(follower.state(), State::Running);
     }
-    assert_eq!(follower.place().knot, 0);
+    assert_eq!(follower.position().knot, 0);
     // One second of the path, less 1/8 s for speeding up.
-    assert!((follower.place().into - 0.875).abs() < 1e-3);
+    assert!((follower.position().into - 0.875).abs() < 1e-3);
     assert!(follower.angles()[0] < 1e-30 && follower.left().is_finite());
 }
 
@@ -1031,7 +1034,7 @@ fn rounding_leaves_no_limit() {
         }];
         let sheet = lone(Interpolation::HalfAngle, &limits, &none);
         let mut follower = Follower::<f32, 1, 2>::new(Options::default());
-        follower.load(&sheet, Place::default()).unwrap();
+        follower.load(&sheet, FollowerPosition::default()).unwrap();
         for number in 0..2_u8 {
             let still = Setpoint {
                 number: number.into(),

@@ -1,8 +1,8 @@
 //! `.traj` files: are they read back as they were written, and is every other byte sequence refused?
 
 use foldpath_core::trajectory::{Trajectory, TrajectoryError, TrajectoryView};
-use foldpath_core::trajectory_file::{FileError, GroupLimits, TrajectoryFile, write};
-use foldpath_core::{GroupId, Interpolation, Membership, Scalar, Spoke, StarsView};
+use foldpath_core::trajectory_file::{FileError, TrajectoryFile, write};
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
 use foldpath_test_support::Random;
 use rand_core::Rng;
 use serde::Deserialize;

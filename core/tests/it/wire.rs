@@ -4,7 +4,7 @@ use core::num::NonZero;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foldpath_core::acceptance::Refusal;
-use foldpath_core::follower::{Denial, Place, Reason, State};
+use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
@@ -124,7 +124,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
     fn bytes(value: impl Serialize) -> Vec<u8> {
         postcard::to_slice(&value, &mut [0; 256]).unwrap().to_vec()
     }
-    let place = Place {
+    let place = FollowerPosition {
         knot: 200,
         into: 0.5,
     };
@@ -437,7 +437,7 @@ impl Ends {
         let status = Status {
             state: State::Idle,
             reason: Reason::None,
-            place: Place::default(),
+            place: FollowerPosition::default(),
             room: self.room,
         };
         let mut buffer = [0; 128];
@@ -746,7 +746,7 @@ fn random_bytes_are_neither_frames_nor_panics() {
         let status = Status {
             state: State::Idle,
             reason: Reason::None,
-            place: Place::default(),
+            place: FollowerPosition::default(),
             room: 5,
         };
         if receiver.poll(&status, &mut buffer).is_some() {
@@ -806,7 +806,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
         speed: 1.0,
         acceleration: f32::INFINITY,
     });
-    let place = Place {
+    let place = FollowerPosition {
         knot: 7,
         into: 0.25,
     };
@@ -864,7 +864,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
     let each_hinge = usize::from(knots - 7) * usize::from(hinges) * 8;
     assert!(bytes * 100 <= each_hinge, "{bytes} of {each_hinge}");
 
-    let beyond = Place {
+    let beyond = FollowerPosition {
         knot: 300,
         into: 0.0,
     };

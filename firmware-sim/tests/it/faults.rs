@@ -107,10 +107,10 @@ fn a_host_that_never_comes_back_leaves_the_sheet_at_rest_and_the_next_is_told() 
         let before = world.state();
         world.hosts[0].awake = false;
         world.run(600_000);
-        let place = world.device.follower().place();
+        let place = world.device.follower().position();
         assert_eq!(world.device.follower().rate().to_bits(), 0);
         world.run(3_000_000);
-        assert_eq!(world.device.follower().place(), place);
+        assert_eq!(world.device.follower().position(), place);
         let held = moved && world.state() != State::Done;
         if held {
             let holds = (State::Holding, Reason::Silence);
@@ -137,7 +137,7 @@ fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
         for _ in 0..20 {
             world.run(below(&mut rng, 400_000));
             let (before, rate) = (world.state(), world.device.follower().rate());
-            let place = world.device.follower().place();
+            let place = world.device.follower().position();
             let angles = world.device.follower().angles().to_vec();
             moving += u64::from(rate > 0.0);
             world.device.stop(true);
@@ -152,7 +152,7 @@ fn the_stop_line_stops_at_any_moment_and_the_host_is_told() {
             );
             world.run(below(&mut rng, 200_000));
             if matches!(before, State::Running | State::Holding | State::Done) {
-                assert_eq!(world.device.follower().place(), place);
+                assert_eq!(world.device.follower().position(), place);
                 assert_eq!(world.device.follower().angles(), angles);
             }
             assert_eq!(world.reason(), Reason::StopLine);
@@ -381,7 +381,7 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
     let path = Path::miura();
     for seed in 0..SEEDS {
         let mut world = some_time_later(&path, NOISY, seed);
-        let place = world.device.follower().place();
+        let place = world.device.follower().position();
         let angles = world.device.follower().angles().to_vec();
         reset(&mut world);
         if angles.is_empty() {
@@ -400,7 +400,7 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
 
 /// Resets the controller. Its board has kept the angles and the place that were executed last.
 fn reset(world: &mut World<'_>) {
-    let place = world.device.follower().place();
+    let place = world.device.follower().position();
     let angles = world.device.follower().angles().to_vec();
     let boot = 1;
     world.device = Device::new(Settings {

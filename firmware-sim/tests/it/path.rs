@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, SQRT_2};
 
-use foldpath_core::follower::Place;
+use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
@@ -83,7 +83,7 @@ impl Path {
         TrajectoryView::new(kind, 2, &self.times, &self.angles, &self.rates, &[]).unwrap()
     }
 
-    pub(crate) fn items(&self, place: Place<f32>) -> PathItems<'_> {
+    pub(crate) fn items(&self, place: FollowerPosition<f32>) -> PathItems<'_> {
         let limits = &[LIMITS; 2];
         PathItems::new(
             self.view(),

@@ -2,7 +2,7 @@
 //! no angle beyond the limits and no configuration that tears the sheet.
 
 use foldpath_core::acceptance::Refusal;
-use foldpath_core::follower::{Denial, Place, Reason, State};
+use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
@@ -99,7 +99,7 @@ impl Talk {
 
     /// Sends the sheet of a path.
     fn sheet(&mut self, path: &Path) {
-        let items = path.items(Place::default());
+        let items = path.items(FollowerPosition::default());
         let mut scratch = [0; 256];
         for index in 0..4 {
             let item = items.item(index, &mut scratch).unwrap();
@@ -115,7 +115,7 @@ impl Talk {
         change: impl Fn(&mut SetpointBytes<'_>, &mut Vec<u8>),
     ) -> Option<ItemRefusal> {
         let mut scratch = [0; 256];
-        let items = path.items(Place::default());
+        let items = path.items(FollowerPosition::default());
         let Some(Item::Setpoint(setpoint)) = items.item(4 + knot, &mut scratch) else {
             panic!("no knot {knot}");
         };
@@ -144,7 +144,7 @@ fn scale(nodes: &mut [u8], place: usize, factor: f32) {
 fn pieces_of_a_sheet_are_refused_with_their_reasons() {
     use ItemRefusal::{Closure, Hinge, Incomplete, Limits, Path as OfPath, Pieces, Room, Stars};
     let path = Path::miura();
-    let items = path.items(Place::default());
+    let items = path.items(FollowerPosition::default());
     let mut scratch = [0; 256];
     let Some(Item::Sheet(head)) = items.item(0, &mut scratch) else {
         panic!("no sheet");

@@ -1,6 +1,6 @@
 //! A host, a line with faults and a controller, which run in virtual time.
 
-use foldpath_core::follower::{Place, Reason, State};
+use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::message::ToHost;
@@ -33,7 +33,7 @@ fn vertex_of_hinges() -> Vec<Spoke<f64>> {
 }
 
 /// Returns the angles of both groups at a place of the path, radians.
-fn angles_at(path: &Path, place: Place<f32>) -> [f32; 2] {
+fn angles_at(path: &Path, place: FollowerPosition<f32>) -> [f32; 2] {
     let (view, knot) = (path.view(), place.knot as usize);
     let from = view.knot(knot).unwrap();
     if place.into > 0.0 {
@@ -55,7 +55,7 @@ pub(crate) struct Host<'a> {
 
 impl<'a> Host<'a> {
     pub(crate) fn new(path: &'a Path, id: u32) -> Self {
-        let items = path.items(Place::default());
+        let items = path.items(FollowerPosition::default());
         Self {
             driver: Driver::new(items, Persistence::Always, id, Options::default()),
             awake: true,
@@ -213,12 +213,12 @@ impl<'a> World<'a> {
         }
         let angles = [angles[0], angles[1]];
         // Nothing is executed that was not sent.
-        let sent = angles_at(self.path, follower.place());
+        let sent = angles_at(self.path, follower.position());
         assert_eq!(
             angles.map(f32::to_bits),
             sent.map(f32::to_bits),
             "{:?}",
-            follower.place()
+            follower.position()
         );
         let residual = self.path.residual(&angles);
         self.max_closure = self.max_closure.max(residual);
@@ -262,11 +262,11 @@ impl<'a> World<'a> {
         while self.now < end {
             self.step();
             if self.hosts.last().is_some_and(|host| host.driver.is_done()) {
-                let last = Place {
+                let last = FollowerPosition {
                     knot: 100,
                     into: 0.0,
                 };
-                assert_eq!(self.device.follower().place(), last);
+                assert_eq!(self.device.follower().position(), last);
                 assert_eq!(self.state(), State::Done);
                 self.told();
                 return;
@@ -278,7 +278,7 @@ impl<'a> World<'a> {
             self.state(),
             self.reason(),
             host.sender(),
-            self.device.follower().place()
+            self.device.follower().position()
         );
     }
 

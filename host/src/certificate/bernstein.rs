@@ -1,51 +1,23 @@
-//! Cubics by their Bernstein coefficients: values (de Casteljau's algorithm), restriction to a part of a segment (polar
-//! form), and bounds on one fold angle over that part.
+//! Bounds on one fold angle over a part of a segment, from the Bernstein coefficients of its curve.
 
+use foldpath_core::bernstein::{differences, max_coefficient, max_difference, restrict, value};
 use foldpath_core::{Curve, HalfAngle};
 
 use super::chebyshev::{RADII, Radius};
 
-/// Returns the value at `s` of the cubic with Bernstein coefficients `b`.
-///
-/// Each of the three levels of de Casteljau's algorithm errs by one rounding of the larger coefficient and two of the
-/// difference of two coefficients.
-pub(super) fn value(b: &[f64; 4], s: f64) -> f64 {
-    blossom(b, [s, s, s])
-}
-
-/// Returns the polar form (blossom) of the cubic: affine in each argument, and the cubic where all arguments are equal.
-fn blossom([a, b, c, d]: &[f64; 4], s: [f64; 3]) -> f64 {
-    let mix = |a: f64, b: f64, s: f64| a + (b - a) * s;
-    let (ab, bc, cd) = (mix(*a, *b, s[0]), mix(*b, *c, s[0]), mix(*c, *d, s[0]));
-    let (abc, bcd) = (mix(ab, bc, s[1]), mix(bc, cd, s[1]));
-    mix(abc, bcd, s[2])
-}
-
-/// Returns the Bernstein coefficients of the cubic over the part `from..to` of the segment.
-pub(crate) fn restrict(b: &[f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
-    let ways = [
-        [from, from, from],
-        [from, from, to],
-        [from, to, to],
-        [to, to, to],
-    ];
-    ways.map(|s| blossom(b, s))
-}
-
 /// Returns the largest absolute coefficient and the largest difference of neighbours; infinite if one is not finite.
 pub(super) fn sizes(b: &[f64; 4]) -> [f64; 2] {
     let finite = b.iter().all(|b| b.is_finite());
-    let size = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
-    let steps = b.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let sizes = [size, steps.fold(0.0, f64::max)];
+    let sizes = [max_coefficient(b), max_difference(b)];
     sizes.map(|size| if finite { size } else { f64::INFINITY })
 }
 
 /// Returns the Chebyshev coefficients over the interval that the Bernstein coefficients refer to.
-fn chebyshev([a, b, c, d]: &[f64; 4]) -> [f64; 4] {
-    let first = 3.0 * (b - a);
-    let second = 3.0 * ((c - b) - (b - a));
-    let third = (d - c) - 2.0 * (c - b) + (b - a);
+fn chebyshev(b: &[f64; 4]) -> [f64; 4] {
+    let (a, [p, q, r]) = (b[0], differences(b));
+    let first = 3.0 * p;
+    let second = 3.0 * (q - p);
+    let third = r - 2.0 * q + p;
     [
         a + first / 2.0 + 0.375 * second + 0.3125 * third,
         (first + second) / 2.0 + 0.46875 * third,

@@ -12,7 +12,6 @@ mod folding;
 mod range;
 mod sheet;
 
-pub(crate) use bernstein::restrict;
 pub use closure::{Closure, SegmentCertifier};
 pub use folding::FoldingCertifier;
 pub use range::{range, rate};

@@ -1,8 +1,9 @@
 //! Bounds on a fold angle and on its rate over a segment, from the control points of its parts (subdivision).
 
 use foldpath_core::Curve;
+use foldpath_core::bernstein::restrict;
 
-use super::bernstein::{least, lost, restrict, sizes};
+use super::bernstein::{least, lost, sizes};
 
 /// Distance of a bound from an attained value that is near enough, in radians or as a fraction of the largest
 /// coefficient.

@@ -4,7 +4,8 @@
 //! folding map, and by the positions in the file if it has them. A path is more than its knots: the motion
 //! between them, as the file has it interpolated, is judged. Its closure is bounded everywhere and, with the
 //! closure, the deformation of the sheet. Assignments (letters) and the limit of half a turn are checked
-//! everywhere; shapes are sampled.
+//! everywhere; shapes are sampled. `majorant.rs` and `turns.rs` keep their own arithmetic of cubics, so that a mistake in
+//! core's `bernstein`, on which the planner's bounds rest, does not go unseen here.
 
 mod between;
 mod clearance;

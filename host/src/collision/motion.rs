@@ -3,11 +3,11 @@
 //!
 //! Times are ticks, 2^36 a segment, so that halves of steps are times too, without rounding.
 
+use foldpath_core::bernstein::restrict;
 use foldpath_core::{Curve, HalfAngle, Membership};
 
 use super::contact::Change;
 use super::variation::Variation;
-use crate::certificate::restrict;
 use crate::folding::{Bend, Stretch};
 
 /// log2 of the number of ticks in a segment.

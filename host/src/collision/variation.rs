@@ -7,9 +7,9 @@
 use core::f64::consts::PI;
 
 use foldpath_core::Curve;
+use foldpath_core::bernstein::{differences, halves, max_coefficient, max_difference, restrict};
 
 use super::contact::Change;
-use crate::certificate::restrict;
 
 /// Number of successive subdivisions of a curve that is not proved to be monotone.
 const CUTS: u32 = 8;
@@ -184,7 +184,7 @@ impl Rates {
     /// radians.
     fn stays_within(&self, slack: f64) -> bool {
         match self {
-            Self::Angle(angle) => largest(angle) <= PI + slack,
+            Self::Angle(angle) => max_coefficient(angle) <= PI + slack,
             // Past half a turn the cosine is below 0, and its ratio to the sine is the tangent of half the
             // excess.
             Self::HalfAngle([cos, sin]) => {
@@ -217,7 +217,7 @@ impl Rates {
     /// Returns an upper bound of the absolute second derivative of the angle.
     fn curvature(&self) -> f64 {
         match self {
-            Self::Angle(angle) => 2.0 * steepest(&slopes(angle)),
+            Self::Angle(angle) => 2.0 * max_difference(&derivative(angle)),
             // The second derivative is 2 (N/q)' with N the numerator and q = c² + n².
             Self::HalfAngle([cos, sin]) => {
                 let numerator = self.numerator();
@@ -227,8 +227,11 @@ impl Rates {
                 if least <= 0.0 {
                     return f64::INFINITY;
                 }
-                let (most, slope) = (largest(&numerator), 5.0 * steepest(&numerator));
-                2.0 * (slope + most * 6.0 * steepest(&squares) / least) / least
+                let (most, slope) = (
+                    max_coefficient(&numerator),
+                    5.0 * max_difference(&numerator),
+                );
+                2.0 * (slope + most * 6.0 * max_difference(&squares) / least) / least
             }
         }
     }
@@ -237,11 +240,14 @@ impl Rates {
     fn numerator(&self) -> [f64; 6] {
         match self {
             Self::Angle(angle) => {
-                let [a, b, c] = slopes(angle);
+                let [a, b, c] = derivative(angle);
                 [a, a, b, b, c, c]
             }
             Self::HalfAngle([cos, sin]) => {
-                let (with_cos, with_sin) = (product(cos, &slopes(sin)), product(sin, &slopes(cos)));
+                let (with_cos, with_sin) = (
+                    product(cos, &derivative(sin)),
+                    product(sin, &derivative(cos)),
+                );
                 core::array::from_fn(|k| with_cos[k] - with_sin[k])
             }
         }
@@ -254,10 +260,7 @@ impl Rates {
 
     /// Returns an upper bound of the absolute rate.
     fn greatest(&self) -> f64 {
-        let most = self
-            .numerator()
-            .iter()
-            .fold(0.0, |most, b| b.abs().max(most));
+        let most = max_coefficient(&self.numerator());
         match self {
             Self::Angle(_) => most,
             Self::HalfAngle([cos, sin]) => {
@@ -274,27 +277,9 @@ impl Rates {
     }
 }
 
-fn largest(b: &[f64]) -> f64 {
-    b.iter().fold(0.0, |most, b| b.abs().max(most))
-}
-
-fn steepest(b: &[f64]) -> f64 {
-    let steps = b.windows(2).map(|w| (w[1] - w[0]).abs());
-    steps.fold(0.0, f64::max)
-}
-
-/// Returns both halves of a cubic, by de Casteljau's algorithm.
-fn halves([a, b, c, d]: &[f64; 4]) -> [[f64; 4]; 2] {
-    let middle = |a: f64, b: f64| (a + b) / 2.0;
-    let (ab, bc, cd) = (middle(*a, *b), middle(*b, *c), middle(*c, *d));
-    let (abc, bcd) = (middle(ab, bc), middle(bc, cd));
-    let center = middle(abc, bcd);
-    [[*a, ab, abc, center], [center, bcd, cd, *d]]
-}
-
 /// Returns the coefficients of the derivative of a cubic.
-fn slopes(b: &[f64; 4]) -> [f64; 3] {
-    core::array::from_fn(|k| 3.0 * (b[k + 1] - b[k]))
+fn derivative(b: &[f64; 4]) -> [f64; 3] {
+    differences(b).map(|difference| 3.0 * difference)
 }
 
 /// Returns the coefficients of a cubic times a quadratic.

@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 use std::path::Path;
 
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::trajectory_file::{FileError as WriteError, GroupLimits, write};
-use foldpath_core::{Interpolation, Membership, Scalar, Spoke, StarsView};
+use foldpath_core::trajectory_file::{FileError as WriteError, write};
+use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
 
 use super::groups::HingeGroups;
 use crate::motion::Motion;

@@ -1,21 +1,23 @@
 //! The chord method (simplified Newton method): closes configurations that nearly close with a single factorisation.
 //!
-//! Factorising is most of the work on large sheets. So JᵀJ is factorised once, at the predicted configuration, and only
-//! the residual is new in each step, as in Levenberg-Marquardt with
-//! [`Steps::Repeated`](foldpath_core::least_squares::Steps::Repeated). Differs from that in the damping, which is that
-//! of the projection on motions, so that the projection can use the same factor.
+//! JᵀJ is factorised once, at the predicted configuration, because factorising is most of the work on large sheets. Each
+//! step then evaluates only the residual, as Levenberg-Marquardt does with
+//! [`FactorReuse::Chord`](foldpath_core::least_squares::FactorReuse::Chord). It differs from that in two ways. Its damping
+//! is that of the projection on motions, so that the projection can use the same factor. And its steps are neither
+//! shortened nor moved to the limits: a step that would need either ends the attempt, and Levenberg-Marquardt, whose
+//! loop would have given another configuration, takes over from the start.
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, NormalEquations};
 use foldpath_core::levenberg_marquardt::projection_damping;
 
 use super::sparse::SparseNormalEquations;
 
-/// Largest closure residual from which the chord method starts: from farther away only the damping of
+/// Largest closure residual (about radians) from which the chord method starts: from farther away only the damping of
 /// Levenberg-Marquardt keeps a step short.
-const NEAR: f64 = 1e-2;
+const MAX_START_RESIDUAL: f64 = 1e-2;
 /// Largest fraction of the residual that a step may leave. If more is left, the factor does not fit this configuration
 /// any more. On Miura sheets the first step leaves about 1e-5, later steps a hundredth.
-const CONTRACTION: f64 = 0.1;
+const MAX_RESIDUAL_RATIO: f64 = 0.1;
 
 /// Outcome of the chord method.
 pub(super) struct Chord {
@@ -44,7 +46,7 @@ pub(super) fn close(
         steps: 0,
     };
     let mut residual = problem.linearise(x, equations)?.max();
-    if residual > NEAR {
+    if residual > MAX_START_RESIDUAL {
         return Some(chord);
     }
     if residual > tolerance {
@@ -57,9 +59,9 @@ pub(super) fn close(
     trial.copy_from_slice(x);
     while residual > tolerance {
         advance(equations, step, trial);
-        let next = problem.renew(trial, equations)?.max();
+        let next = problem.update_residuals(trial, equations)?.max();
         chord.steps += 1;
-        let shrinks = next <= tolerance || next <= CONTRACTION * residual;
+        let shrinks = next <= tolerance || next <= MAX_RESIDUAL_RATIO * residual;
         if !shrinks || !limits.contain(trial) {
             return Some(chord);
         }

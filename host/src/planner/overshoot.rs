@@ -1,6 +1,7 @@
 //! Measures how near to its limits on speed and acceleration a trajectory runs between its knots.
 
 use foldpath_core::Curve;
+use foldpath_core::bernstein::differences;
 use foldpath_core::trajectory::TrajectoryView;
 
 /// Largest fractions of their limits that a trajectory uses: above 1, a limit is exceeded.
@@ -79,10 +80,10 @@ impl Overshoot {
 pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
     let at = |s: f64| curve.derivatives(s).map(f64::abs);
     match curve {
-        Curve::Angle([a, b, c, d]) => {
+        Curve::Angle(angle) => {
             let ([first, bend], [last, end_bend]) = (at(0.0), at(1.0));
-            // The rate is the quadratic of Bernstein coefficients p, q, r.
-            let (p, q, r) = (b - a, c - b, d - c);
+            // A third of the rate is the quadratic of Bernstein coefficients p, q, r.
+            let [p, q, r] = differences(angle);
             let top = (p - q) / (p - 2.0 * q + r);
             let inside = if top > 0.0 && top < 1.0 {
                 at(top)[0]

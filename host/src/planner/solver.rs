@@ -351,7 +351,7 @@ fn project(
         *entry /= weight;
     }
     for &unknown in held {
-        equations.hold(unknown, 0.0);
+        equations.fix_unknown(unknown, 0.0);
         direction[unknown] = 0.0;
     }
     let projected = levenberg_marquardt::project_on_motions(equations, direction);

@@ -20,7 +20,7 @@ use crate::ragged::{Ragged, group_by_key};
 const ABOVE: u32 = u32::MAX;
 
 /// Fraction of its lower bound below which a diagonal entry of the inverse has lost too much to rounding.
-const SOUND: f64 = 0.5;
+const MIN_DIAGONAL_RATIO: f64 = 0.5;
 
 /// JᵀJ as the lower triangle of a matrix in compressed sparse columns, with its Cholesky factor.
 pub struct SparseNormalEquations {
@@ -32,7 +32,7 @@ pub struct SparseNormalEquations {
     /// `true` if `values` are made of the present columns.
     assembled: bool,
     /// Unknowns fixed since the factor was made, each with the unknown's column of the inverse at that time.
-    amended: Vec<(usize, Vec<f64>)>,
+    fixed: Vec<(usize, Vec<f64>)>,
     /// Memory of columns that are no longer needed.
     spare: Vec<Vec<f64>>,
     /// Workspace of conjugate gradients.
@@ -73,7 +73,7 @@ impl SparseNormalEquations {
             gradient: vec![0.0; n],
             jacobian: Ragged::default(),
             assembled: false,
-            amended: Vec::new(),
+            fixed: Vec::new(),
             spare: Vec::new(),
             scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             factor: Factor::new(&structure.symbolic),
@@ -253,7 +253,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
         diagonal.fold(0.0, f64::max)
     }
 
-    fn hold(&mut self, unknown: usize, by: f64) -> f64 {
+    fn fix_unknown(&mut self, unknown: usize, by: f64) -> f64 {
         self.assembled = false;
         let mut growth = self.gradient[unknown] * by;
         for &block in &self.structure.touching()[unknown] {
@@ -274,30 +274,30 @@ impl NormalEquations<f64> for SparseNormalEquations {
         growth
     }
 
-    fn rough_step(&mut self, damping: f64, step: &mut [f64]) {
+    fn inexact_step(&mut self, damping: f64, step: &mut [f64]) {
         let (jacobian, structure) = (&self.jacobian, &*self.structure);
         let apply = |way: &[f64], image: &mut [f64]| structure.apply(jacobian, way, image);
         let scratch = self.scratch.each_mut().map(Vec::as_mut_slice);
         conjugate_gradients::solve(apply, damping, &self.gradient, step, scratch);
     }
 
-    fn amend(&mut self, held: usize) -> bool {
+    fn fix_in_factor(&mut self, unknown: usize) -> bool {
         let mut column = self.spare.pop().unwrap_or_default();
         column.clear();
         column.resize(self.gradient.len(), 0.0);
-        column[held] = 1.0;
+        column[unknown] = 1.0;
         self.solve(&mut column);
         // A diagonal entry of the inverse of a positive definite matrix is at least the inverse of the matrix's entry.
         // If it is less, it is rounding.
-        let diagonal = self.values[self.structure.diagonal[held] as usize];
-        let sound = column[held] * diagonal >= SOUND;
-        self.amended.push((held, column));
+        let diagonal = self.values[self.structure.diagonal[unknown] as usize];
+        let sound = column[unknown] * diagonal >= MIN_DIAGONAL_RATIO;
+        self.fixed.push((unknown, column));
         sound
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
         self.assemble();
-        let columns = self.amended.drain(..).map(|(_, column)| column);
+        let columns = self.fixed.drain(..).map(|(_, column)| column);
         self.spare.extend(columns);
         let symbolic = &self.structure.symbolic;
         symbolic.factorise(&self.values, damping, &mut self.factor)
@@ -307,12 +307,12 @@ impl NormalEquations<f64> for SparseNormalEquations {
         let symbolic = &self.structure.symbolic;
         symbolic.solve(&mut self.factor, right_side);
         // Schur complement: each fixed unknown is taken out of the solution along its column of the inverse.
-        for (held, column) in &self.amended {
-            let part = right_side[*held] / column[*held];
+        for (unknown, column) in &self.fixed {
+            let part = right_side[*unknown] / column[*unknown];
             for (entry, &column) in right_side.iter_mut().zip(column) {
                 *entry -= part * column;
             }
-            right_side[*held] = 0.0;
+            right_side[*unknown] = 0.0;
         }
     }
 }
@@ -354,7 +354,7 @@ mod tests {
         .unwrap();
         let mut results = equations.gradient().to_vec();
         results.push(equations.max_diagonal());
-        results.push(equations.hold(n / 2, 0.3));
+        results.push(equations.fix_unknown(n / 2, 0.3));
         results.extend_from_slice(equations.gradient());
         let mut solution = vec![1.0; n];
         assert!(equations.factorise(0.1));
@@ -445,7 +445,7 @@ mod tests {
                 problem.linearise(&before, &mut rows).unwrap();
                 problem.linearise(&before, &mut sparse).unwrap();
                 let cost = problem.each_residual(&after, |_, r| residuals.extend(r.iter()));
-                assert_eq!(problem.renew(&after, &mut sparse), cost);
+                assert_eq!(problem.update_residuals(&after, &mut sparse), cost);
             });
             let expected = rows.0.tr_mul(&DVector::from_vec(residuals));
             let same = |a: &[f64], b: &DVector<f64>| {
@@ -472,7 +472,7 @@ mod tests {
 
     /// Fixes unknowns that are far apart, and all but one of a star, which the closure of that star couples.
     #[test]
-    fn an_amended_factor_is_that_of_the_others() {
+    fn a_factor_with_fixed_unknowns_is_that_of_the_others() {
         for reduced in cut_waterbomb() {
             let mut sparse = SparseNormalEquations::new(reduced.view(), reduced.loops()).unwrap();
             let n = sparse.unknowns();
@@ -488,25 +488,25 @@ mod tests {
                     .unwrap();
                     assert!(sparse.factorise(damping));
                     for &unknown in &held {
-                        sparse.hold(unknown, 0.1);
-                        assert!(sparse.amend(unknown));
+                        sparse.fix_unknown(unknown, 0.1);
+                        assert!(sparse.fix_in_factor(unknown));
                     }
-                    let [mut amended, mut anew] = [vec![0.0; n], vec![0.0; n]];
-                    sparse.step(&mut amended);
+                    let [mut fixed, mut anew] = [vec![0.0; n], vec![0.0; n]];
+                    sparse.step(&mut fixed);
                     // Nothing is left of an unknown that was taken out.
-                    assert!(!sparse.amend(held[0]));
+                    assert!(!sparse.fix_in_factor(held[0]));
                     assert!(sparse.factorise(damping));
                     sparse.step(&mut anew);
                     let size = anew
                         .iter()
                         .fold(0.0, |most: f64, step| most.max(step.abs()));
-                    for (k, (amended, anew)) in amended.iter().zip(&anew).enumerate() {
-                        let apart = (amended - anew).abs() / size;
+                    for (k, (fixed, anew)) in fixed.iter().zip(&anew).enumerate() {
+                        let apart = (fixed - anew).abs() / size;
                         assert!(
                             apart <= 1e-13 + 1e-15 / damping,
                             "{n} {held:?} {damping} {k}: {apart:e}"
                         );
-                        assert!(*amended == 0.0 || !held.contains(&k));
+                        assert!(*fixed == 0.0 || !held.contains(&k));
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use foldpath_core::follower::Place;
+use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
@@ -149,7 +149,7 @@ impl StreamPath {
             hinges,
             self.stars()?,
             self.closure,
-            Place::default(),
+            FollowerPosition::default(),
         )
     }
 }

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use foldpath_core::follower::{Denial, Place, Reason, State};
+use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::message::ToHost;
@@ -32,7 +32,7 @@ pub struct Telemetry {
     /// Rate of the path clock: seconds of the path in a second.
     pub rate: f32,
     /// Position on the path.
-    pub place: Place<f32>,
+    pub place: FollowerPosition<f32>,
     /// Commanded angle of each group, radians.
     pub angles: Vec<f32>,
 }

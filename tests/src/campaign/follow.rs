@@ -1,7 +1,7 @@
 //! Feeds a follower with a controller's file: does it command nothing beyond the limits?
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, Options, Place, State};
+use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{GroupLimits, Spoke, StarsView};
 
@@ -41,7 +41,7 @@ pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
         return Ok(false);
     }
     let mut follower = Follower::<f32, GROUPS, KNOTS>::new(Options::default());
-    if follower.load(&sheet, Place::default()).is_err() {
+    if follower.load(&sheet, FollowerPosition::default()).is_err() {
         return Ok(false);
     }
     let (mut next, mut now) = (0, 0);

@@ -1,6 +1,6 @@
 //! One execution of the fuzzer: a controller, and a host that follows the protocol for a while and then sends anything.
 
-use foldpath_core::follower::{Place, State};
+use foldpath_core::follower::{FollowerPosition, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
@@ -338,7 +338,7 @@ impl Execution<'_> {
             group: GroupId(group),
             negative: false,
         });
-        let at = Place::default();
+        let at = FollowerPosition::default();
         let items = PathItems::new(
             view.unwrap(),
             &limits[..groups],
@@ -359,19 +359,19 @@ impl Execution<'_> {
     }
 
     /// Returns a place at a knot or behind it: the place where the sheet stands, or any.
-    fn place(&mut self, knot: u32) -> Place<f32> {
-        let stood = self.subject.device.follower().place();
+    fn place(&mut self, knot: u32) -> FollowerPosition<f32> {
+        let stood = self.subject.device.follower().position();
         match self.below(8) {
-            0 => Place {
+            0 => FollowerPosition {
                 knot,
                 into: self.number(),
             },
-            1 => Place {
+            1 => FollowerPosition {
                 knot,
                 into: 0.02 * self.part(),
             },
             2..5 if stood.knot <= 100 => stood,
-            _ => Place { knot, into: 0.0 },
+            _ => FollowerPosition { knot, into: 0.0 },
         }
     }
 
@@ -426,7 +426,7 @@ impl Execution<'_> {
             .as_ref()
             .map_or(self.first, |sent| sent.number.wrapping_add(1));
         if self.miura {
-            let items = self.path.items(Place::default());
+            let items = self.path.items(FollowerPosition::default());
             let mut scratch = [0; 256];
             let index = items.head() as u64 + u64::from(number.min(100));
             let Some(Item::Setpoint(setpoint)) = items.item(index, &mut scratch) else {

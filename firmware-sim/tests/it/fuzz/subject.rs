@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use foldpath_core::acceptance::Refusal;
-use foldpath_core::follower::{Place, Reason, State};
+use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::frame as wire;
 use foldpath_core::wire::message::{ItemRefusal, Report, ToHost};
@@ -73,7 +73,7 @@ pub(crate) struct Subject<'a> {
     last_tick: u64,
 }
 
-fn bits(place: Place<f32>) -> (u32, u32) {
+fn bits(place: FollowerPosition<f32>) -> (u32, u32) {
     (place.knot, place.into.to_bits())
 }
 
@@ -119,7 +119,7 @@ impl<'a> Subject<'a> {
             reason: follower.reason(),
             next: follower.next(),
             room: follower.room(),
-            place: bits(follower.place()),
+            place: bits(follower.position()),
             rate: follower.rate().to_bits(),
             angles,
         };
@@ -255,7 +255,7 @@ impl<'a> Subject<'a> {
         let before = self.look();
         self.now = self.now.max(now);
         self.device.tick(now);
-        let knot = self.device.follower().place().knot;
+        let knot = self.device.follower().position().knot;
         let on_path = !matches!(before.state, State::Idle | State::Ready);
         while on_path && self.taken.front().is_some_and(|sent| sent.number != knot) {
             self.taken.pop_front();
@@ -314,7 +314,7 @@ impl<'a> Subject<'a> {
     /// Checks that the commanded angles are the ones that were sent, and within their limits.
     fn executes(&self) {
         let follower = self.device.follower();
-        let (place, angles) = (follower.place(), follower.angles());
+        let (place, angles) = (follower.position(), follower.angles());
         assert_eq!(angles.len(), self.limits.len());
         assert!(!self.taken.is_empty(), "{place:?}");
         for (group, (angle, limits)) in angles.iter().zip(&self.limits).enumerate() {
@@ -339,7 +339,7 @@ impl<'a> Subject<'a> {
 
     /// Returns the angle of a group at a place of the path that was taken, from the sent setpoints; `None` between
     /// knots if half angles are interpolated.
-    fn sent(&self, place: Place<f32>, group: usize) -> Option<f64> {
+    fn sent(&self, place: FollowerPosition<f32>, group: usize) -> Option<f64> {
         let width = self.kind.width();
         let node = |sent: &Sent| {
             let numbers = &sent.nodes[width * group..][..2];
@@ -470,7 +470,7 @@ impl<'a> Subject<'a> {
     /// Resets the board, which keeps the place and the angles.
     pub(crate) fn reset(&mut self) {
         let follower = self.device.follower();
-        let (angles, place) = (follower.angles().to_vec(), follower.place());
+        let (angles, place) = (follower.angles().to_vec(), follower.position());
         self.boots += 1;
         let settings = Settings {
             boot: self.boots << 16,

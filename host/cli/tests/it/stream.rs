@@ -14,13 +14,15 @@ use crate::common::folder;
 use crate::session::session;
 use foldpath::stream::{Faulty, Outcome, Sim, StreamPath, Telemetry, Wish};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{self, Follower, Place, State};
+use foldpath_core::follower::{self, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
-use foldpath_core::trajectory_file::{GroupLimits, TrajectoryFile, write};
+use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
-use foldpath_core::{GroupId, Interpolation, Spoke, StarView, StarsView, local_foldability_matrix};
+use foldpath_core::{
+    GroupId, GroupLimits, Interpolation, Spoke, StarView, StarsView, local_foldability_matrix,
+};
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_test_support::Folder;
@@ -68,7 +70,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         closure: file.closure(),
     };
     let mut follower = Follower::<f32, 2, 64>::new(follower::Options::default());
-    follower.load(&sheet, Place::default()).unwrap();
+    follower.load(&sheet, FollowerPosition::default()).unwrap();
     for knot in 0..file.len() {
         let nodes = [0, 1].map(|group| file.node(knot, group).unwrap());
         let setpoint = Setpoint {
@@ -93,7 +95,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
 }
 
 /// Returns the angles at a place on the trajectory that the file holds.
-fn at(bytes: &[u8], place: Place<f32>) -> Vec<f32> {
+fn at(bytes: &[u8], place: FollowerPosition<f32>) -> Vec<f32> {
     let file = TrajectoryFile::read(bytes).unwrap();
     let stored: Trajectory<f32, 64, 128> = file.trajectory().unwrap();
     let knot = place.knot as usize;
@@ -282,7 +284,7 @@ fn faults_cost_time_alone() {
         read(&folder),
         std::fs::read(folder.path("path.traj")).unwrap(),
     );
-    let goal = at(&bytes, Place { knot: 5, into: 0.0 });
+    let goal = at(&bytes, FollowerPosition { knot: 5, into: 0.0 });
     let own = own_run(&bytes);
     let faults = Faults {
         drop: 0.1,
@@ -538,7 +540,7 @@ impl Served {
             self.device.tick(now);
             self.device.poll(now);
             self.knot
-                .store(self.device.follower().place().knot, Ordering::Relaxed);
+                .store(self.device.follower().position().knot, Ordering::Relaxed);
             outgoing.extend(core::iter::from_fn(|| self.device.take()));
             match line.write(&outgoing) {
                 Ok(count) => drop(outgoing.drain(..count)),
@@ -607,7 +609,7 @@ fn a_controller_behind_tcp_is_stopped_by_ctrl_c_and_goes_on() {
     assert_eq!(bits(&second[0].angles), bits(&first.last().unwrap().angles));
     // The controller is on the path bit by bit, and has executed no part of it twice.
     let device = thread.join().unwrap();
-    let goal = at(&bytes, device.follower().place());
+    let goal = at(&bytes, device.follower().position());
     assert_eq!(bits(device.follower().angles()), bits(&goal));
     assert_eq!(device.follower().state(), State::Done);
 }
@@ -662,7 +664,7 @@ fn a_controller_behind_a_serial_device_is_done_with_faults_too() {
 #[test]
 fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
     let folder = small();
-    let (port, _, thread) = served(1, |device| device.follower().place().knot >= 1);
+    let (port, _, thread) = served(1, |device| device.follower().position().knot >= 1);
     let stream = format!("stream path.traj --to tcp:{port} --json");
     let json = folder.run(&stream).with_status(1).json();
     assert_eq!(json["outcome"], "no_device", "{json}");

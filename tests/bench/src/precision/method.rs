@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use foldpath_core::least_squares::Steps;
+use foldpath_core::least_squares::FactorReuse;
 
 use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 
@@ -142,8 +142,8 @@ impl Method {
     pub fn solver<'a>(self, problem: &'a Problem) -> Box<dyn Solver + 'a> {
         let stars = problem.stars();
         match self {
-            LmF64 => ours::levenberg_marquardt_f64(stars, Steps::Repeated),
-            RoughLmF64 => ours::levenberg_marquardt_f64(stars, Steps::Rough),
+            LmF64 => ours::levenberg_marquardt_f64(stars, FactorReuse::Chord),
+            RoughLmF64 => ours::levenberg_marquardt_f64(stars, FactorReuse::InexactCg),
             LmF32 => ours::levenberg_marquardt_f32(stars),
             GradientF64 => ours::gradient::<f64>(stars),
             GradientF32 => ours::gradient::<f32>(stars),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use foldpath::planner::SparseNormalEquations;
 use foldpath_core::least_squares::{
-    ClosureProblem, Limits, NormalEquations, Options, Outcome, Report, Steps,
+    ClosureProblem, FactorReuse, Limits, NormalEquations, Options, Outcome, Report,
 };
 use foldpath_core::sampling::random_near;
 use foldpath_core::{
@@ -85,7 +85,7 @@ fn options<T: Scalar>(tolerance: f64) -> Options<T> {
 struct Lm<T> {
     memory: Memory<T>,
     equations: Equations<T>,
-    steps: Steps,
+    factor_reuse: FactorReuse,
 }
 
 enum Equations<T> {
@@ -100,7 +100,7 @@ impl<T: Scalar> Lm<T> {
         Self {
             memory: Memory::new(stars),
             equations: Equations::Dense(vec![T::zero(); memory]),
-            steps: Steps::Exact,
+            factor_reuse: FactorReuse::None,
         }
     }
 }
@@ -117,7 +117,7 @@ trait Solve<T> {
 }
 
 impl Lm<f64> {
-    fn new(stars: StarsView<'_, f64>, steps: Steps) -> Self {
+    fn new(stars: StarsView<'_, f64>, factor_reuse: FactorReuse) -> Self {
         let sparse = (stars.unknowns() > DENSE)
             .then(|| SparseNormalEquations::new(stars, LoopsView::none()))
             .flatten();
@@ -126,7 +126,7 @@ impl Lm<f64> {
             Some(sparse) => Self {
                 memory: Memory::new(stars),
                 equations: Equations::Sparse(Box::new(sparse)),
-                steps,
+                factor_reuse,
             },
         }
     }
@@ -143,7 +143,7 @@ impl Solve<f64> for Lm<f64> {
             Equations::Dense(dense) => solve_dense(&mut self.memory, dense, x, options),
             Equations::Sparse(sparse) => {
                 let options = Options {
-                    steps: self.steps,
+                    factor_reuse: self.factor_reuse,
                     ..*options
                 };
                 solve_with(&mut self.memory, sparse.as_mut(), x, &options)
@@ -221,7 +221,7 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
 
 /// Moves `x` to closure, as far as rounding allows. Returns `true` if `x` then closes.
 pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
-    let mut solver = Lm::<f64>::new(stars, Steps::Exact);
+    let mut solver = Lm::<f64>::new(stars, FactorReuse::None);
     let (report, _) = solver.solve(x, &Options::default(), Duration::MAX);
     report.outcome == Outcome::Converged
 }
@@ -233,7 +233,7 @@ pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
 /// If the solver takes more than 2^32 iterations.
 #[must_use]
 pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
-    let mut solver = Lm::<f64>::new(stars, Steps::Exact);
+    let mut solver = Lm::<f64>::new(stars, FactorReuse::None);
     let mut residuals = Vec::new();
     loop {
         let options = Options {
@@ -274,8 +274,11 @@ fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(solver: S) -> Box<dyn Solver + 'a> {
 }
 
 /// Returns Levenberg-Marquardt in f64; `steps` says how sparse equations reuse a factorisation.
-pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>, steps: Steps) -> Box<dyn Solver> {
-    boxed::<f64, _>(Lm::<f64>::new(stars, steps))
+pub(super) fn levenberg_marquardt_f64(
+    stars: StarsView<'_, f64>,
+    factor_reuse: FactorReuse,
+) -> Box<dyn Solver> {
+    boxed::<f64, _>(Lm::<f64>::new(stars, factor_reuse))
 }
 
 /// Returns Levenberg-Marquardt in f32, with dense matrices as on the controller.

@@ -155,15 +155,15 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
          evaluate with foldpath's kernels. Those that know no limits of the angles are let off them. Dense methods are \
          left out where one of their iterations would take minutes.\n\n\
          foldpath's Levenberg-Marquardt in f64, with more than 40 unknowns by sparse factors that are used again \
-         (`Steps::Repeated`):\n\n{repeated}\n\
-         The same with `Steps::Rough`: with more than 40 unknowns it makes steps far from closing by conjugate \
+         (`FactorReuse::Chord`):\n\n{repeated}\n\
+         The same with `FactorReuse::InexactCg`: with more than 40 unknowns it makes steps far from closing by conjugate \
          gradients, too:\n\n{rough}\n\
          Time of the fastest peer over that, by tolerance (alone: no peer reaches it):\n\n{ratios}\n{behind}\n\
          In how many problems each method reaches a tolerance, and its time over that of foldpath's rough \
          Levenberg-Marquardt in the median of these:\n\n{reach}\n\
          Time against closure, one line a method: {pictures}.\n\n\
          **Convergence.** Largest residual of Levenberg-Marquardt in f64 after each iteration with a factor of its own \
-         (`Steps::Exact`), from the first start, to 1e-14. Near the end each iteration doubles the digits or better, which is why precision costs so little \
+         (`FactorReuse::None`), from the first start, to 1e-14. Near the end each iteration doubles the digits or better, which is why precision costs so little \
          time:\n\n{iterations}\n\
          **Whole paths** from flat to the goal at bounds on deformation and gap, without the search for crossings \
          (medians of up to {plans} plans). The planner always closes to rounding where it can, so that a bound costs \

@@ -15,7 +15,7 @@ use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, SparseNormalEquations};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::least_squares::{
-    ClosureProblem, Limits, NormalEquations, Options, Outcome, Steps,
+    ClosureProblem, FactorReuse, Limits, NormalEquations, Options, Outcome,
 };
 use foldpath_core::{
     DenseNormalEquations, GroupId, HalfAngle, LoopsView, Scalar, Spoke, StarView, StarsView,
@@ -154,22 +154,22 @@ fn large_solvers_do_not_allocate() {
     fn solve(
         problem: &mut ClosureProblem<'_, f64>,
         equations: &mut impl NormalEquations<f64>,
-        (steps, max_iterations): (Steps, u32),
+        (factor_reuse, max_iterations): (FactorReuse, u32),
         x: &mut [f64],
         work: &mut [f64],
     ) -> Outcome {
         let options = Options {
             max_iterations,
-            steps,
+            factor_reuse,
             ..Options::default()
         };
         let limits = Limits::HalfTurn;
         levenberg_marquardt::solve(problem, equations, limits, &options, x, work).outcome
     }
-    let exact = [1, 2, 3, 100].map(|iterations| (Steps::Exact, iterations));
-    let repeated = [1, 100].map(|iterations| (Steps::Repeated, iterations));
-    let rough = [1, 2, 100].map(|iterations| (Steps::Rough, iterations));
-    for form in exact.into_iter().chain(repeated).chain(rough) {
+    let none = [1, 2, 3, 100].map(|iterations| (FactorReuse::None, iterations));
+    let chord = [1, 100].map(|iterations| (FactorReuse::Chord, iterations));
+    let inexact = [1, 2, 100].map(|iterations| (FactorReuse::InexactCg, iterations));
+    for form in none.into_iter().chain(chord).chain(inexact) {
         let (mut converged, mut cut_off) = (0, 0);
         let count = allocations(20, |call| {
             off(call, &mut x);
@@ -186,7 +186,7 @@ fn large_solvers_do_not_allocate() {
         let outcome = solve(
             &mut problem,
             &mut dense,
-            (Steps::Exact, 3),
+            (FactorReuse::None, 3),
             &mut x,
             &mut work,
         );

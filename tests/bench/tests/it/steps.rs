@@ -1,10 +1,9 @@
-//! How many factorisations does Levenberg-Marquardt take, with exact, chord and inexact steps, if every crease is an
-//! unknown?
+//! Counts the factorisations of Levenberg-Marquardt with each kind of [`FactorReuse`], with every crease as an unknown.
 
 use foldpath::planner::SparseNormalEquations;
 use foldpath_bench::precision::{Family, Problem};
 use foldpath_core::least_squares::{
-    Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Steps,
+    Accumulate, ClosureProblem, FactorReuse, Limits, NormalEquations, Options, Outcome,
 };
 use foldpath_core::{HalfAngle, LoopsView, Spoke, levenberg_marquardt};
 use nalgebra::Vector3;
@@ -46,12 +45,12 @@ impl NormalEquations<f64> for Counted {
         self.equations.max_diagonal()
     }
 
-    fn hold(&mut self, unknown: usize, by: f64) -> f64 {
-        self.equations.hold(unknown, by)
+    fn fix_unknown(&mut self, unknown: usize, by: f64) -> f64 {
+        self.equations.fix_unknown(unknown, by)
     }
 
-    fn amend(&mut self, held: usize) -> bool {
-        self.equations.amend(held)
+    fn fix_in_factor(&mut self, unknown: usize) -> bool {
+        self.equations.fix_in_factor(unknown)
     }
 
     fn clear_residuals(&mut self) {
@@ -62,8 +61,8 @@ impl NormalEquations<f64> for Counted {
         self.equations.add_residual(block, spokes, residual);
     }
 
-    fn rough_step(&mut self, damping: f64, step: &mut [f64]) {
-        self.equations.rough_step(damping, step);
+    fn inexact_step(&mut self, damping: f64, step: &mut [f64]) {
+        self.equations.inexact_step(damping, step);
     }
 
     fn factorise(&mut self, damping: f64) -> bool {
@@ -77,7 +76,7 @@ impl NormalEquations<f64> for Counted {
 }
 
 /// Returns the number of factorisations from `start` to closure, and the distance that the unknowns have moved.
-fn close(problem: &Problem, start: &[f64], steps: Steps) -> (u32, f64) {
+fn close(problem: &Problem, start: &[f64], factor_reuse: FactorReuse) -> (u32, f64) {
     let (stars, n) = (problem.stars(), start.len());
     let mut half = vec![HalfAngle::default(); n];
     let mut columns = vec![Vector3::zeros(); stars.max_degree()];
@@ -87,7 +86,7 @@ fn close(problem: &Problem, start: &[f64], steps: Steps) -> (u32, f64) {
         factorisations: 0,
     };
     let options = Options {
-        steps,
+        factor_reuse,
         ..Options::default()
     };
     let (mut x, mut work) = (start.to_vec(), vec![0.0; 2 * n]);
@@ -120,28 +119,36 @@ fn large_sheets_close_nearby_with_half_the_factorisations() {
     ] {
         let problem = Problem::new(family, rows, columns, false);
         for start in problem.starts(5) {
-            let ways = [Steps::Exact, Steps::Repeated, Steps::Rough];
-            let [exact, repeated, rough] = ways.map(|steps| close(&problem, &start, steps));
-            let what = format!("{}: {exact:?} {repeated:?} {rough:?}", problem.name());
-            assert!(2 * repeated.0 <= exact.0 + 1, "{what}");
-            assert!(rough.0 <= 2 && 2 * rough.0 <= exact.0, "{what}");
-            assert!(repeated.1.max(rough.1) <= 1.05 * exact.1, "{what}");
+            let ways = [
+                FactorReuse::None,
+                FactorReuse::Chord,
+                FactorReuse::InexactCg,
+            ];
+            let [none, chord, inexact] = ways.map(|reuse| close(&problem, &start, reuse));
+            let what = format!("{}: {none:?} {chord:?} {inexact:?}", problem.name());
+            assert!(2 * chord.0 <= none.0 + 1, "{what}");
+            assert!(inexact.0 <= 2 && 2 * inexact.0 <= none.0, "{what}");
+            assert!(chord.1.max(inexact.1) <= 1.05 * none.1, "{what}");
         }
     }
 }
 
-/// Hinges that reach a limit at half a turn, for which the factor is amended instead of made anew, and sheets that
+/// Hinges that reach a limit at half a turn, which are fixed in the factor instead of in a new one, and sheets that
 /// close at the flat configuration.
 #[test]
 fn sheets_with_limits_close_too() {
     for (rows, columns) in [(3, 4), (5, 5), (11, 11)] {
         let problem = Problem::new(Family::Quad, rows, columns, false);
         for start in problem.starts(5) {
-            let ways = [Steps::Exact, Steps::Repeated, Steps::Rough];
-            let [exact, repeated, rough] = ways.map(|steps| close(&problem, &start, steps));
-            let what = format!("{}: {exact:?} {repeated:?} {rough:?}", problem.name());
-            assert!(2 * repeated.0 <= exact.0 + 2, "{what}");
-            assert!(2 * rough.0 <= exact.0, "{what}");
+            let ways = [
+                FactorReuse::None,
+                FactorReuse::Chord,
+                FactorReuse::InexactCg,
+            ];
+            let [none, chord, inexact] = ways.map(|reuse| close(&problem, &start, reuse));
+            let what = format!("{}: {none:?} {chord:?} {inexact:?}", problem.name());
+            assert!(2 * chord.0 <= none.0 + 2, "{what}");
+            assert!(2 * inexact.0 <= none.0, "{what}");
         }
     }
 }

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use core::hint::black_box;
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, Options, Place, State};
+use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Node, Spoke, StarsView};
 
 /// `KNOTS`: number of knots of the path, which are all in the queue. `STEP`: seconds between two knots.
@@ -71,7 +71,9 @@ pub(super) fn tick() -> Box<dyn FnMut()> {
         closure: CLOSURE,
     };
     let mut follower = Box::new(Follower::<f32, 2, 512>::new(Options::default()));
-    follower.load(&sheet, Place::default()).expect("idle");
+    follower
+        .load(&sheet, FollowerPosition::default())
+        .expect("idle");
     for number in 0..KNOTS {
         let accepted = follower.accept(&sheet, setpoint(number));
         accepted.expect("a good setpoint");

@@ -8,7 +8,7 @@ use foldpath::planner::PlanOptions;
 use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, Options, Place};
+use foldpath_core::follower::{Follower, FollowerPosition, Options};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
@@ -84,9 +84,9 @@ impl Fold {
     }
 
     /// Returns the last place of the path, and the angles at that place.
-    pub(crate) fn end(&self) -> (Place<f32>, [f32; 2]) {
+    pub(crate) fn end(&self) -> (FollowerPosition<f32>, [f32; 2]) {
         let knot = self.len() - 1;
-        let place = Place {
+        let place = FollowerPosition {
             knot: u32::try_from(knot).unwrap(),
             into: 0.0,
         };
@@ -94,7 +94,7 @@ impl Fold {
     }
 
     /// Returns the seconds from the start of the path to a place.
-    pub(crate) fn time(&self, place: Place<f32>) -> f64 {
+    pub(crate) fn time(&self, place: FollowerPosition<f32>) -> f64 {
         f64::from(self.times[place.knot as usize]) + f64::from(place.into)
     }
 
@@ -116,13 +116,13 @@ impl Fold {
 
     /// Returns the fold as items for the line.
     pub(crate) fn items(&self) -> PathItems<'_> {
-        let place = Place::default();
+        let place = FollowerPosition::default();
         let (limits, hinges) = (&self.limits, &self.hinges);
         PathItems::new(self.view(), limits, hinges, self.stars(), CLOSURE, place).unwrap()
     }
 
     /// Returns the angles that a follower on this machine commands at a place.
-    pub(crate) fn follow(&self, place: Place<f32>) -> [f32; 2] {
+    pub(crate) fn follow(&self, place: FollowerPosition<f32>) -> [f32; 2] {
         let sheet = SheetView {
             interpolation: self.interpolation,
             limits: &self.limits,

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use foldpath_core::follower::{Place, Reason, State};
+use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::frame;
@@ -69,7 +69,7 @@ pub(crate) struct Sight {
     pub(crate) time: u64,
     pub(crate) state: State,
     pub(crate) rate: f32,
-    pub(crate) place: Place<f32>,
+    pub(crate) place: FollowerPosition<f32>,
     pub(crate) angles: Option<[f32; 2]>,
 }
 
