@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use foldpath_core::Interpolation;
 
-use super::follow::max_difference;
 use super::knots::Knot;
 use super::plan::{Outcome, Plan, Planning};
 use super::reduction::Reduction;
-use super::reuse::Found;
+use super::reuse::CandidatePath;
+use super::vectors::max_difference;
 use crate::certificate::{Closure, SheetCertifier};
 use crate::collision::{LatticeScene, SweepOptions};
 use crate::folding::Rigidity;
@@ -20,7 +20,7 @@ use crate::symmetry::Lattice;
 impl Planning<'_> {
     /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet at the
     /// knots.
-    pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
+    pub(super) fn judge_knots(mut self, reduction: &Reduction, found: &CandidatePath<'_>) -> Plan {
         self.watch.begin(Stage::Placing);
         let start = Instant::now();
         let most = self.options.max_knots.unwrap_or(usize::MAX);
@@ -50,7 +50,7 @@ impl Planning<'_> {
     }
 
     /// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges requires.
-    fn knots_of(&self, found: &Found<'_>) -> Vec<Knot> {
+    fn knots_of(&self, found: &CandidatePath<'_>) -> Vec<Knot> {
         let mut time = 0.0;
         let mut before: Option<&[f64]> = None;
         let knots = found.waypoints.iter().map(|waypoint| {

@@ -4,14 +4,14 @@ use std::time::Instant;
 
 use foldpath_core::Membership;
 
-use super::course::Course;
-use super::follow::max_difference;
 use super::judge::Judge;
 use super::knots::Knot;
 use super::options::Skips;
 use super::plan::{Outcome, Plan, Planning};
+use super::reduced_path::ReducedPath;
 use super::reduction::{CLOSED, Reduction};
-use super::reuse::{FIRST_PART, Found, LEAST_PART};
+use super::reuse::{CandidatePath, FIRST_PART, LEAST_PART};
+use super::vectors::max_difference;
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding};
 use crate::folding::Rigidity;
 use crate::progress::Stage;
@@ -95,8 +95,8 @@ impl Planning<'_> {
     pub(super) fn sweep(
         mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
     ) -> Plan {
         let mut start = Instant::now();
         self.watch.begin(Stage::Crossings);
@@ -282,7 +282,7 @@ impl Planning<'_> {
 
     /// Returns `true` if faces cross at a waypoint by more than any motion is off the course: however near to the
     /// course a motion is, it crosses there.
-    fn blocked(&mut self, reduction: &Reduction, found: &Found<'_>) -> bool {
+    fn blocked(&mut self, reduction: &Reduction, found: &CandidatePath<'_>) -> bool {
         let start = Instant::now();
         let mut judge = Judge::new(self.pattern, reduction, true);
         let deep = BLOCKING * self.pattern.median_edge();
@@ -298,7 +298,7 @@ impl Planning<'_> {
     /// Returns the plan with the motion nearer to the course: if layers touch, a motion that is as far off the course
     /// as the bound allows may cross. Returns `None` if the motion is as near as it gets, or the nearer one decides
     /// nothing.
-    pub(super) fn nearer(&self, reduction: &Reduction, found: &Found<'_>) -> Option<Plan> {
+    pub(super) fn nearer(&self, reduction: &Reduction, found: &CandidatePath<'_>) -> Option<Plan> {
         if found.part <= LEAST_PART || found.retreats {
             return None;
         }
@@ -308,7 +308,7 @@ impl Planning<'_> {
         };
         planning.plan.rigidity = Rigidity::default();
         planning.plan.max_closure = 0.0;
-        let nearer = Found {
+        let nearer = CandidatePath {
             part: found.part * NEARER,
             before: Some(&self.plan.path),
             ..*found
@@ -322,8 +322,8 @@ impl Planning<'_> {
     fn crossed(
         mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
         crossed: Crossed,
     ) -> Plan {
         let Crossed {
@@ -332,7 +332,7 @@ impl Planning<'_> {
             free,
         } = crossed;
         let [a, b] = crossing.faces;
-        let part = free.as_ref().map_or(0.0, |free| course.part(free));
+        let part = free.as_ref().map_or(0.0, |free| course.fraction(free));
         let reason = format!(
             "faces {a} and {b} pass through each other beyond {:.2} % of the path (between knots {segment} \
              and {}: {:.1e} median edges deep)",
@@ -345,8 +345,10 @@ impl Planning<'_> {
             .as_ref()
             .map_or(f64::INFINITY, |free| max_difference(free, goal));
         if let Some(free) = free.filter(|_| found.retreats && short <= RETREAT)
-            && let Some(waypoints) =
-                course.cut(&mut reduction.solver(self.options, found.accepted), free)
+            && let Some(waypoints) = course.cut(
+                &mut reduction.solver(self.options, found.closure_tolerance),
+                free,
+            )
         {
             self.plan.notes.push(format!(
                 "the goal itself does not close (residual {:.1e}), and near it {reason}: the path ends {:.3} degrees before",
@@ -356,7 +358,7 @@ impl Planning<'_> {
             let end = waypoints.last().map_or(&[][..], |last| &last.angles);
             self.plan.goal_error = reduction.distance(end, self.goal);
             self.plan.rigidity = Rigidity::default();
-            let shorter = Found {
+            let shorter = CandidatePath {
                 waypoints: &waypoints,
                 retreats: false,
                 before: None,

@@ -3,9 +3,10 @@
 //!
 //! The flat sheet is singular: more motions leave it to first order than the sheet can continue. So a path is followed
 //! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
-//! see [`depart`](super::depart).
+//! see [`branch`](super::branch).
 
 use super::solver::ClosureSolver;
+use super::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
 use crate::progress::Watch;
 
 /// A configuration on the path, in group angles.
@@ -61,12 +62,6 @@ impl Target<'_> {
             Self::Nearest(asked) => way_to(asked, angles),
         }
     }
-}
-
-/// Returns the difference from `angles` to the angles asked for, and 0 for free ones.
-pub(super) fn way_to(asked: &[Option<f64>], angles: &[f64]) -> Vec<f64> {
-    let pairs = asked.iter().zip(angles);
-    pairs.map(|(t, a)| t.map_or(0.0, |t| t - a)).collect()
 }
 
 /// Reason why path following stopped before the target.
@@ -560,32 +555,3 @@ pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> V
 
 /// Number of secants from which the tangent at flat is extrapolated.
 const SECANTS: usize = 4;
-
-fn unit(x: &[f64]) -> Vec<f64> {
-    let length = norm(x).max(f64::MIN_POSITIVE);
-    x.iter().map(|a| a / length).collect()
-}
-
-pub(super) fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|a| a * a).sum::<f64>().sqrt()
-}
-
-pub(super) fn cosine(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>() / (norm(x) * norm(y))
-}
-
-pub(super) fn max_norm(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |max, a| f64::max(max, a.abs()))
-}
-
-/// Returns the largest absolute angle asked for.
-pub(super) fn largest(asked: &[Option<f64>]) -> f64 {
-    let angles = asked.iter().flatten();
-    angles.fold(0.0, |max, a| f64::max(max, a.abs()))
-}
-
-pub(super) fn max_difference(x: &[f64], y: &[f64]) -> f64 {
-    x.iter()
-        .zip(y)
-        .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()))
-}

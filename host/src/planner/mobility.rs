@@ -9,10 +9,10 @@ use foldpath_core::least_squares::{Accumulate, ClosureProblem};
 use foldpath_core::{HalfAngle, Spoke};
 use nalgebra::{DMatrix, Vector3};
 
-use super::depart::{UNTURNED, departures};
-use super::follow::{largest, max_norm};
+use super::branch::{UNTURNED, branches_at_flat};
 use super::reduction::Reduction;
 use super::solver::Work;
+use super::vectors::{largest, max_norm};
 use super::{Goal, PlanOptions};
 use crate::joined::root;
 use crate::pattern::CreasePattern;
@@ -230,8 +230,16 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
             .map(|(asked, sign)| asked.unwrap_or(sign * most))
             .collect();
         let work = &mut Work::default();
-        let mut leave =
-            |accepted| departures(&reduction, &towards, &signs, accepted, &options, work);
+        let mut leave = |closure_tolerance| {
+            branches_at_flat(
+                &reduction,
+                &towards,
+                &signs,
+                closure_tolerance,
+                &options,
+                work,
+            )
+        };
         if let Some(x) = leave(0.0).first() {
             let creases = reduction.groups.expand(x);
             let least = UNTURNED * max_norm(x);
@@ -245,7 +253,7 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
                 single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
             };
         }
-        let bends = !leave(reduction.accepted(&options)).is_empty();
+        let bends = !leave(reduction.closure_tolerance(&options)).is_empty();
         tried = if bends || tried == FirstStep::Bends {
             FirstStep::Bends
         } else {

@@ -6,32 +6,33 @@
 //! sheet and judged there.
 
 mod at_knots;
-mod attempt;
+mod branch;
 mod cholesky;
 mod chord;
-mod course;
 mod crossings;
-mod depart;
+mod fold_sequence;
 mod follow;
 mod goal;
-mod in_turn;
 mod judge;
+mod knot_placement;
 mod knots;
 mod mobility;
 mod options;
 mod overshoot;
-mod place;
 mod plan;
 mod reachability;
+mod reduced_path;
 mod reduction;
 mod reuse;
+mod route;
 mod search;
 mod simple_folds;
 mod solver;
 mod sparse;
 pub mod timing;
+mod vectors;
 
-pub use depart::{Departure, leave_flat};
+pub use branch::{Departure, leave_flat};
 pub use foldpath_core::Objective;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use knots::{Knot, Path};

@@ -4,13 +4,14 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::attempt::{Attempt, End, Reach, straight};
-use super::follow::{Stop, Waypoint, largest, max_norm, way_to};
+use super::follow::{Stop, Waypoint};
 use super::judge::Judge;
 use super::knots::{Knot, Path};
-use super::reduction::{Blame, CLOSED, EXPECTED, Reduction, SAME, closure_of};
-use super::reuse::{CERTIFIED, FIRST_PART, Found};
+use super::reduction::{CLOSED, EXPECTED, Reduction, SAME, WorstClosure, closure_of};
+use super::reuse::{CERTIFIED, CandidatePath, FIRST_PART};
+use super::route::{Attempt, End, Reach, straight};
 use super::solver::Work;
+use super::vectors::{largest, max_norm, way_to};
 use super::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
@@ -435,7 +436,7 @@ impl<'a> Planning<'a> {
         self.plan.evaluations = work.evaluations;
         let reduction = &attempt.reduction;
         let open = |waypoint: &Waypoint| reduction.closure_of_sheet(&waypoint.angles);
-        let closes = |waypoint| open(waypoint) <= reduction.accepted(options);
+        let closes = |waypoint| open(waypoint) <= reduction.closure_tolerance(options);
         if attempt.waypoints.is_empty() || !attempt.waypoints.iter().all(closes) {
             return None;
         }
@@ -485,7 +486,7 @@ impl<'a> Planning<'a> {
             ));
         }
         self.plan.amplification = reduction.amplification;
-        self.plan.essential_tolerance = reduction.accepted(self.options);
+        self.plan.essential_tolerance = reduction.closure_tolerance(self.options);
         self.plan.groups = reduction.groups.len();
         self.plan.essential_vertices = reduction.essential.vertices().len();
         self.plan.unknowns = reduction.groups.len();
@@ -519,9 +520,9 @@ impl<'a> Planning<'a> {
             }
             End::NotClosed { .. } => return self.not_closed(attempt, symmetric),
         };
-        let found = Found {
+        let found = CandidatePath {
             waypoints: &attempt.waypoints,
-            accepted: attempt.accepted,
+            closure_tolerance: attempt.closure_tolerance,
             reached: attempt.reached,
             retreats: self.plan.goal_closure > CLOSED && self.unrounded.is_none(),
             part: self.part,
@@ -615,9 +616,9 @@ impl<'a> Planning<'a> {
             .map(|angle| Some(angle.unwrap_or(0.0)));
         let asked = attempt.reduction.groups.reduce(&asked.collect::<Vec<_>>());
         let asked: Vec<f64> = asked.into_iter().flatten().collect();
-        let blame = attempt.reduction.worst(self.pattern, &asked);
-        if let Some(blame) = blame.filter(|blame| blame.residual > CLOSED) {
-            reason += &format!("; there {blame}");
+        let worst = attempt.reduction.worst(self.pattern, &asked);
+        if let Some(worst) = worst.filter(|worst| worst.residual > CLOSED) {
+            reason += &format!("; there {worst}");
         }
         self.end(Outcome::GoalNotClosed, reason)
     }
@@ -659,9 +660,9 @@ impl<'a> Planning<'a> {
             *step = at + *step * (PROBE / far.max(PROBE));
         }
         if stop != Stop::Timeout
-            && let Some(blame) = reduction.worst(self.pattern, &ahead)
+            && let Some(worst) = reduction.worst(self.pattern, &ahead)
         {
-            reason += &format!("; going on straight, {blame}");
+            reason += &format!("; going on straight, {worst}");
         }
         reason
     }
@@ -707,9 +708,9 @@ impl<'a> Planning<'a> {
             "no exact motion leads to the goal; the sheet is taken there straight, deforming"
                 .into(),
         );
-        let found = Found {
+        let found = CandidatePath {
             waypoints: &waypoints,
-            accepted: self.options.bound,
+            closure_tolerance: self.options.bound,
             reached: 1.0,
             retreats: false,
             part: FIRST_PART,
@@ -734,7 +735,7 @@ const FARTHER: f64 = 0.01;
 /// Largest number of edges named in a reason.
 const NAMED: usize = 12;
 
-impl core::fmt::Display for Blame {
+impl core::fmt::Display for WorstClosure {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let edges = edge_list(&self.edges);
         write!(

@@ -46,7 +46,7 @@ pub(super) struct Reduction<'a> {
 }
 
 /// Vertex or hole that closes worst, for the reason of a plan.
-pub(super) struct Blame {
+pub(super) struct WorstClosure {
     /// The vertex or hole, in words.
     pub(super) place: String,
     pub(super) edges: Vec<EdgeId>,
@@ -60,7 +60,7 @@ pub(super) struct ClosedGoal {
     /// Largest difference from the goal as asked over all creases, radians.
     pub(super) error: f64,
     /// Closure residual up to which a local minimum counted as closed; 0 if it had to close to the tolerance.
-    pub(super) accepted: f64,
+    pub(super) closure_tolerance: f64,
 }
 
 impl<'a> Reduction<'a> {
@@ -123,7 +123,7 @@ impl<'a> Reduction<'a> {
         options: &PlanOptions,
         coarse: bool,
     ) -> Option<(Self, f64)> {
-        let most = self.accepted(options);
+        let most = self.closure_tolerance(options);
         let asked = self.groups.reduce(&goal.fold_angles);
         let within = |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(ROUNDED * most);
         let told = within(false);
@@ -152,10 +152,18 @@ impl<'a> Reduction<'a> {
             .flatten()
     }
 
-    /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `accepted`.
-    pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
-        let mut solver =
-            ClosureSolver::new(self.stars(), options.solver, accepted, &self.structure);
+    /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `closure_tolerance`.
+    pub(super) fn solver(
+        &self,
+        options: &PlanOptions,
+        closure_tolerance: f64,
+    ) -> ClosureSolver<'_> {
+        let mut solver = ClosureSolver::new(
+            self.stars(),
+            options.solver,
+            closure_tolerance,
+            &self.structure,
+        );
         solver.set_limits(self.limits.clone());
         solver.watched(self.watch)
     }
@@ -197,7 +205,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the vertex or hole with the largest residual at the group angles `x`, with its hinges.
-    pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
+    pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<WorstClosure> {
         let residuals = self.all.residuals(x).into_iter().enumerate();
         let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let vertices = self.all.vertices();
@@ -216,7 +224,7 @@ impl<'a> Reduction<'a> {
             }
         };
         let hinge = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
-        Some(Blame {
+        Some(WorstClosure {
             place,
             edges: edges.into_iter().filter(hinge).collect(),
             residual,
@@ -224,7 +232,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the essential tolerance: the closure residual that no vertex may exceed.
-    pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
+    pub(super) fn closure_tolerance(&self, options: &PlanOptions) -> f64 {
         self.tolerance(options.bound)
     }
 
@@ -278,31 +286,32 @@ impl<'a> Reduction<'a> {
         if exact.as_ref().is_some_and(|closed| closed.error <= NEARBY) {
             return exact;
         }
-        let rough = self.close_goal_to(self.accepted(options), goal, options, work);
+        let rough = self.close_goal_to(self.closure_tolerance(options), goal, options, work);
         match (exact, rough) {
             (Some(exact), Some(rough)) if exact.error <= rough.error => Some(exact),
             (exact, rough) => rough.or(exact),
         }
     }
 
-    /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `accepted` counts as closed.
+    /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
     pub(super) fn close_goal_to(
         &self,
-        accepted: f64,
+        closure_tolerance: f64,
         goal: &Goal,
         options: &PlanOptions,
         work: &mut Work,
     ) -> Option<ClosedGoal> {
         let (asked, signs) = self.asked(goal);
-        let mut solver = self.solver(options, accepted);
+        let mut solver = self.solver(options, closure_tolerance);
         solver.set_limits(self.orthant(&signs));
         let found = nearest_closed(&mut solver, &asked, &signs);
         *work += solver.work;
-        let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
+        let angles =
+            found.filter(|angles| self.closure(angles) <= self.closure_tolerance(options))?;
         Some(ClosedGoal {
             error: self.distance(&angles, goal),
             angles,
-            accepted,
+            closure_tolerance,
         })
     }
 }

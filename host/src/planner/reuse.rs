@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use foldpath_core::Curve;
 
-use super::course::Course;
 use super::follow::Waypoint;
 use super::judge::Judge;
+use super::knot_placement::{KnotSequence, PlacementConstraints, SheetBounds, place};
 use super::knots::{Knot, Path, curves};
 use super::options::Judged;
-use super::place::{Folded, Placed, Terms, place};
 use super::plan::{Outcome, Plan, Planning};
+use super::reduced_path::ReducedPath;
 use super::reduction::{CLOSED, Reduction};
 use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
@@ -37,11 +37,11 @@ pub(super) const LEAST_PART: f64 = 5e-5;
 const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// A path that is found but not yet certified.
-pub(super) struct Found<'a> {
+pub(super) struct CandidatePath<'a> {
     /// Waypoints, from flat.
     pub(super) waypoints: &'a [Waypoint],
     /// Closure residual up to which a local minimum counts as closed.
-    pub(super) accepted: f64,
+    pub(super) closure_tolerance: f64,
     /// Fraction of the way to the goal that the path goes.
     pub(super) reached: f64,
     /// `true` if the path may stop a little before its end so that nothing crosses.
@@ -53,17 +53,22 @@ pub(super) struct Found<'a> {
 }
 
 /// Stars, the largest closure residual between knots, the largest number of knots, and bounds on the whole sheet.
-type Between<'a> = (&'a ReducedStars, Option<f64>, usize, Option<Folded<'a>>);
+type Between<'a> = (
+    &'a ReducedStars,
+    Option<f64>,
+    usize,
+    Option<SheetBounds<'a>>,
+);
 
 impl Planning<'_> {
     /// Lifts a path to the whole sheet and judges it there.
-    pub(super) fn judge(mut self, reduction: &Reduction, found: &Found<'_>) -> Plan {
+    pub(super) fn judge(mut self, reduction: &Reduction, found: &CandidatePath<'_>) -> Plan {
         self.plan.reached = found.reached;
         self.plan.waypoints = found.waypoints.len();
         if self.options.judged == Judged::Knots {
             return self.judge_knots(reduction, found);
         }
-        let course = Course::new(found.waypoints);
+        let course = ReducedPath::new(found.waypoints);
         let Some(mut placed) = self.place(reduction, found, &course) else {
             self.plan.reached = 0.0;
             return self.unplaced();
@@ -81,7 +86,7 @@ impl Planning<'_> {
             return self.judge_motion(reduction, found, &course);
         };
         // The path ends where its proof ends, so that it is neither shortened nor brought nearer to its course.
-        let found = Found {
+        let found = CandidatePath {
             retreats: false,
             part: LEAST_PART,
             ..*found
@@ -94,7 +99,12 @@ impl Planning<'_> {
     }
 
     /// Looks for crossings along the motion, if asked to.
-    fn judge_motion(self, reduction: &Reduction, found: &Found<'_>, course: &Course) -> Plan {
+    fn judge_motion(
+        self,
+        reduction: &Reduction,
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
+    ) -> Plan {
         if !self.options.collision {
             return self.plan;
         }
@@ -110,8 +120,8 @@ impl Planning<'_> {
     fn cut(
         &mut self,
         reduction: &Reduction,
-        course: &Course,
-        placed: &mut Placed,
+        course: &ReducedPath,
+        placed: &mut KnotSequence,
     ) -> Option<String> {
         let certified = self.uncertified()?;
         if !placed.cut() {
@@ -120,7 +130,7 @@ impl Planning<'_> {
         self.certify(reduction, &reduction.all, placed);
         let end = &placed.knots.last()?.angles;
         self.plan.goal_error = reduction.distance(end, self.goal);
-        self.plan.reached *= course.part(end);
+        self.plan.reached *= course.fraction(end);
         Some(format!(
             "as far as {:.1} % of the goal's angles: the motion found beyond closes where it was looked at, but between \
              is certified only to {certified:.1e}, over the bound of {:.1e}",
@@ -133,13 +143,13 @@ impl Planning<'_> {
     fn place(
         &mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
-    ) -> Option<Placed> {
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
+    ) -> Option<KnotSequence> {
         let start = Instant::now();
         self.watch.begin(Stage::Placing);
         let aim = reduction.tolerance(self.options.bound.min(CERTIFIED) * found.part);
-        let open = most_open(&reduction.essential, found);
+        let open = max_residual(&reduction.essential, found);
         let placed = if self.measured {
             self.place_measured(reduction, found, course)
         } else if open <= CLOSED {
@@ -158,12 +168,12 @@ impl Planning<'_> {
     fn place_closed(
         &mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
         aim: f64,
-    ) -> Option<Placed> {
-        let terms = (&reduction.essential, Some(aim), self.most(), None);
-        let placed = self.place_to(reduction, found, course, terms)?;
+    ) -> Option<KnotSequence> {
+        let constraints = (&reduction.essential, Some(aim), self.most(), None);
+        let placed = self.place_to(reduction, found, course, constraints)?;
         self.certify(reduction, &reduction.all, &placed);
         Some(placed)
     }
@@ -176,15 +186,15 @@ impl Planning<'_> {
     fn place_roughly(
         &mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
-    ) -> Option<Placed> {
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
+    ) -> Option<KnotSequence> {
         let most = self.most();
         let few = most.min(MORE * found.waypoints.len());
         let mut near = |all: &ReducedStars, stars: &ReducedStars| {
-            let terms = (stars, Some(NEAR * most_open(stars, found)), few, None);
-            let placed = self.place_to(reduction, found, course, terms)?;
-            Some((self.adds_up(reduction, all, &placed), placed))
+            let constraints = (stars, Some(NEAR * max_residual(stars, found)), few, None);
+            let placed = self.place_to(reduction, found, course, constraints)?;
+            Some((self.bound_from_vertices(reduction, all, &placed), placed))
         };
         let together = near(&reduction.all, &reduction.essential);
         if let Some((true, placed)) = together {
@@ -197,7 +207,7 @@ impl Planning<'_> {
         }
         let every = self.place_to(reduction, found, course, (&stars, None, most, None));
         if let Some(placed) = &every
-            && self.adds_up(reduction, &apart, placed)
+            && self.bound_from_vertices(reduction, &apart, placed)
         {
             return every;
         }
@@ -216,9 +226,9 @@ impl Planning<'_> {
     fn place_measured(
         &mut self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
-    ) -> Option<Placed> {
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
+    ) -> Option<KnotSequence> {
         let memberships = reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.pattern, memberships);
         let bound = self.options.bound;
@@ -235,13 +245,13 @@ impl Planning<'_> {
                 return None;
             }
         }
-        let folded = Folded {
+        let folded = SheetBounds {
             certifier,
             aim,
             bound,
         };
-        let terms = (&reduction.essential, Some(aim), self.most(), Some(folded));
-        let placed = self.place_to(reduction, found, course, terms)?;
+        let constraints = (&reduction.essential, Some(aim), self.most(), Some(folded));
+        let placed = self.place_to(reduction, found, course, constraints)?;
         self.certify(reduction, &reduction.all, &placed);
         Some(placed)
     }
@@ -251,24 +261,24 @@ impl Planning<'_> {
     fn place_to(
         &self,
         reduction: &Reduction,
-        found: &Found<'_>,
-        course: &Course,
+        found: &CandidatePath<'_>,
+        course: &ReducedPath,
         (stars, closure, most, folded): Between<'_>,
-    ) -> Option<Placed> {
+    ) -> Option<KnotSequence> {
         let (_, signs) = reduction.asked(self.goal);
         let limits = reduction.orthant(&signs);
-        let mut solver = reduction.solver(self.options, found.accepted);
+        let mut solver = reduction.solver(self.options, found.closure_tolerance);
         solver.set_limits(limits.clone());
-        let terms = Terms {
+        let constraints = PlacementConstraints {
             stars,
             closure,
-            folded,
+            sheet: folded,
             limits: &limits,
             speed: self.options.max_speed,
             acceleration: self.options.max_acceleration.unwrap_or(f64::INFINITY),
-            most,
+            knot_budget: most,
         };
-        place(course, &terms, &mut solver, self.options)
+        place(course, &constraints, &mut solver, self.options)
     }
 
     /// Returns the largest number of knots of a path.
@@ -288,7 +298,12 @@ impl Planning<'_> {
 
     /// Turns the closure bound of every vertex into worst-case bounds on the whole sheet, and stores these in the plan;
     /// `all` are the stars of all vertices. Returns `true` if deformation and gap are within `options.bound`.
-    fn adds_up(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
+    fn bound_from_vertices(
+        &mut self,
+        reduction: &Reduction,
+        all: &ReducedStars,
+        placed: &KnotSequence,
+    ) -> bool {
         let closure = placed.closure();
         let sheet = SheetCertifier::new(self.pattern, &reduction.tree, all);
         self.plan.certified_closure = sheet.as_ref().map(|sheet| sheet.closure(&closure));
@@ -298,10 +313,15 @@ impl Planning<'_> {
         self.uncertified().is_none()
     }
 
-    /// Certifies as [`adds_up`](Self::adds_up) does. If the worst case is over the bound, bounds the sheet itself,
+    /// Certifies as [`bound_from_vertices`](Self::bound_from_vertices) does. If the worst case is over the bound, bounds the sheet itself,
     /// folded from its middle and from its rim. Returns `true` if one of the two is within the bound.
-    fn certify(&mut self, reduction: &Reduction, all: &ReducedStars, placed: &Placed) -> bool {
-        if self.adds_up(reduction, all, placed) {
+    fn certify(
+        &mut self,
+        reduction: &Reduction,
+        all: &ReducedStars,
+        placed: &KnotSequence,
+    ) -> bool {
+        if self.bound_from_vertices(reduction, all, placed) {
             return true;
         }
         let folded = self.folded(reduction, placed);
@@ -311,7 +331,7 @@ impl Planning<'_> {
 
     /// Returns a bound on deformation and gap of the sheet folded from its middle and from its rim, if that is within
     /// the bound and found in time.
-    fn folded(&self, reduction: &Reduction, placed: &Placed) -> Option<f64> {
+    fn folded(&self, reduction: &Reduction, placed: &KnotSequence) -> Option<f64> {
         let memberships = reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.pattern, memberships);
         let mut worst = 0.0;
@@ -446,7 +466,7 @@ impl Planning<'_> {
 }
 
 /// Returns the largest residual of these stars over all waypoints.
-fn most_open(stars: &ReducedStars, found: &Found<'_>) -> f64 {
+fn max_residual(stars: &ReducedStars, found: &CandidatePath<'_>) -> f64 {
     let waypoints = found.waypoints.iter();
     let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
     open.fold(0.0, larger)

@@ -9,10 +9,9 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::PlanOptions;
-use super::follow::{
-    Followed, NEAR, Rules, Stop, Waypoint, approach, max_difference, max_norm, norm, way_to,
-};
+use super::follow::{Followed, NEAR, Rules, Stop, Waypoint, approach};
 use super::solver::ClosureSolver;
+use super::vectors::{max_difference, max_norm, norm, way_to};
 
 /// Spread of the random part of a step, as a fraction of the sampling radius.
 const SPREAD: f64 = 0.5;

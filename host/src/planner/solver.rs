@@ -14,8 +14,8 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-use super::follow::max_norm;
 use super::sparse::{SparseNormalEquations, Structure};
+use super::vectors::max_norm;
 use super::{Solver, chord};
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
@@ -45,7 +45,7 @@ pub(super) struct ClosureSolver<'a> {
     loops: LoopsView<'a, f64>,
     kind: Solver,
     /// Closure residual up to which a local minimum counts as closed.
-    accepted: f64,
+    closure_tolerance: f64,
     /// Closure residual up to which a configuration counts as closed.
     tolerance: f64,
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
@@ -69,7 +69,7 @@ impl<'a> ClosureSolver<'a> {
     pub(super) fn new(
         reduced: &'a ReducedStars,
         kind: Solver,
-        accepted: f64,
+        closure_tolerance: f64,
         structure: &OnceCell<Option<Rc<Structure>>>,
     ) -> Self {
         let (stars, loops) = (reduced.view(), reduced.loops());
@@ -78,7 +78,7 @@ impl<'a> ClosureSolver<'a> {
             stars,
             loops,
             kind,
-            accepted,
+            closure_tolerance,
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
             watch: Watch::default(),
@@ -155,7 +155,7 @@ impl<'a> ClosureSolver<'a> {
             unreachable!("memory for all unknowns, the largest star and the largest loop")
         };
         let mut options = Options {
-            acceptable: self.accepted,
+            acceptable: self.closure_tolerance,
             tolerance: self.tolerance,
             max_iterations: self.most_iterations,
             ..Options::default()
@@ -197,7 +197,7 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Moves `x` to the closed configuration near it. Returns `true` if `x` then closes: to the tolerance or, if
-    /// rounded coordinates leave no such configuration, at a local minimum of the residual within `accepted`.
+    /// rounded coordinates leave no such configuration, at a local minimum of the residual within `closure_tolerance`.
     pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
         if self.is_late() {
             return false;
@@ -208,7 +208,7 @@ impl<'a> ClosureSolver<'a> {
         let report = self.close(x);
         match report.outcome {
             Outcome::Converged => true,
-            Outcome::Stalled => report.residual <= self.accepted,
+            Outcome::Stalled => report.residual <= self.closure_tolerance,
             _ => false,
         }
     }
@@ -217,7 +217,7 @@ impl<'a> ClosureSolver<'a> {
     /// that closes, as only damping keeps a step short then.
     fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
         self.near = None;
-        let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
+        let exact = self.closure_tolerance <= f64::CLOSURE_TOLERANCE;
         let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
             (self.kind, &mut self.equations, exact)
         else {
@@ -243,7 +243,7 @@ impl<'a> ClosureSolver<'a> {
 
     /// Returns the largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
     pub(super) fn objective_tolerance(&self) -> f64 {
-        self.tolerance.max(self.accepted) * core::f64::consts::SQRT_2
+        self.tolerance.max(self.closure_tolerance) * core::f64::consts::SQRT_2
     }
 
     /// Returns the report's objective at `x`.

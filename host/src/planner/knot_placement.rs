@@ -1,4 +1,4 @@
-//! Places knots on a course: as few as the bound on closure between them and the limits on angle, speed and
+//! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and
 //! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
 
 use core::f64::consts::PI;
@@ -6,24 +6,24 @@ use std::collections::HashMap;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::course::{Course, Site};
-use super::follow::max_norm;
 use super::knots::Knot;
 use super::options::{PlanOptions, Timing};
 use super::overshoot::peaks;
+use super::reduced_path::{PathPoint, ReducedPath};
 use super::solver::ClosureSolver;
-use super::timing::Law;
+use super::timing::OptimalTimeLaw;
+use super::vectors::max_norm;
 use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
 use crate::symmetry::ReducedStars;
 
 /// Conditions that the motion between knots has to keep.
-pub(super) struct Terms<'a> {
+pub(super) struct PlacementConstraints<'a> {
     /// One star for each distinct closure condition, and the loops round holes.
     pub(super) stars: &'a ReducedStars,
     /// Largest closure residual; with `None` any residual is allowed, and all waypoints are knots.
     pub(super) closure: Option<f64>,
     /// Bounds that the whole sheet has to keep, if any.
-    pub(super) folded: Option<Folded<'a>>,
+    pub(super) sheet: Option<SheetBounds<'a>>,
     /// Lower and upper bound of each group angle, radians.
     pub(super) limits: &'a [(f64, f64)],
     /// Largest speed of a hinge, radians per second.
@@ -31,12 +31,12 @@ pub(super) struct Terms<'a> {
     /// Largest acceleration of a hinge, radians per second squared; infinite for any.
     pub(super) acceleration: f64,
     /// Largest number of knots.
-    pub(super) most: usize,
+    pub(super) knot_budget: usize,
 }
 
 /// Bounds on deformation and gap of the whole sheet.
 #[derive(Clone)]
-pub(super) struct Folded<'a> {
+pub(super) struct SheetBounds<'a> {
     pub(super) certifier: FoldingCertifier<'a>,
     /// Bound for which knots are added as long as that helps.
     pub(super) aim: f64,
@@ -44,36 +44,39 @@ pub(super) struct Folded<'a> {
     pub(super) bound: f64,
 }
 
-/// Time law along the course.
-enum Pace {
+/// Time law along the path.
+enum TimeLaw {
     /// As fast as speed and acceleration of the hinges allow.
-    Optimal(Law),
+    Optimal(OptimalTimeLaw),
     /// Time is proportional to the angle of this group.
     Angle(usize),
     /// Time is proportional to the tangent of half the angle of this group.
     HalfAngle(usize),
     /// Time is proportional to the path length in group angles.
-    Way,
+    ArcLength,
 }
 
-impl Pace {
+impl TimeLaw {
     /// Returns the time at a configuration, and the speed there: path length per time.
-    fn at(&self, site: &Site) -> [f64; 2] {
+    fn at(&self, point: &PathPoint) -> [f64; 2] {
         match self {
-            Self::Optimal(law) => [law.time_at(site.way), law.speed_at(site.way)],
-            Self::Angle(lead) => [site.angles[*lead].abs(), 1.0 / site.tangent[*lead].abs()],
+            Self::Optimal(law) => [
+                law.time_at(point.arc_length),
+                law.speed_at(point.arc_length),
+            ],
+            Self::Angle(lead) => [point.angles[*lead].abs(), 1.0 / point.tangent[*lead].abs()],
             Self::HalfAngle(lead) => {
-                let tangent = (site.angles[*lead] / 2.0).tan();
-                let rate = site.tangent[*lead] * (1.0 + tangent * tangent) / 2.0;
+                let tangent = (point.angles[*lead] / 2.0).tan();
+                let rate = point.tangent[*lead] * (1.0 + tangent * tangent) / 2.0;
                 [tangent.abs(), 1.0 / rate.abs()]
             }
-            Self::Way => [site.way, 1.0],
+            Self::ArcLength => [point.arc_length, 1.0],
         }
     }
 }
 
 /// Knots, the interpolation between them, and bounds on the motion.
-pub(super) struct Placed {
+pub(super) struct KnotSequence {
     pub(super) interpolation: Interpolation,
     pub(super) knots: Vec<Knot>,
     /// Bounds on the closure over the whole motion.
@@ -86,7 +89,7 @@ pub(super) struct Placed {
 struct Open {
     segment: usize,
     /// Path length to the start of the segment.
-    way: f64,
+    arc_length: f64,
     /// Bounds on the closure before the segment.
     before: Bounds,
 }
@@ -118,7 +121,7 @@ impl Bounds {
     }
 }
 
-impl Placed {
+impl KnotSequence {
     pub(super) fn closure(&self) -> Closure<'_> {
         self.bounds.closure()
     }
@@ -135,7 +138,9 @@ impl Placed {
 
     /// Returns the path length up to which the motion keeps the closure condition; infinite if all of it does.
     fn closes_to(&self) -> f64 {
-        self.open.as_ref().map_or(f64::INFINITY, |open| open.way)
+        self.open
+            .as_ref()
+            .map_or(f64::INFINITY, |open| open.arc_length)
     }
 
     /// Returns the seconds from the first knot to the last.
@@ -144,28 +149,28 @@ impl Placed {
     }
 }
 
-/// Places knots on a course, with the interpolation asked for or the one that needs the fewest.
+/// Places knots on a path, with the interpolation asked for or the one that needs the fewest.
 ///
 /// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
 /// `None` if no interpolation keeps the conditions with the largest number of knots.
 pub(super) fn place(
-    course: &Course,
-    terms: &Terms<'_>,
+    path: &ReducedPath,
+    constraints: &PlacementConstraints<'_>,
     solver: &mut ClosureSolver<'_>,
     options: &PlanOptions,
-) -> Option<Placed> {
-    let mut placer = Placer {
-        course,
-        terms,
+) -> Option<KnotSequence> {
+    let mut placer = KnotPlacer {
+        path,
+        constraints,
         solver,
-        most: terms.most,
+        knot_budget: constraints.knot_budget,
         certifier: SegmentCertifier::default(),
-        folded: terms.folded.clone(),
+        sheet: constraints.sheet.clone(),
         found: Vec::new(),
         curves: Vec::new(),
         known: HashMap::new(),
     };
-    if course.ways().len() < 2 {
+    if path.arc_lengths().len() < 2 {
         return placer.alone();
     }
     let all = [
@@ -177,30 +182,30 @@ pub(super) fn place(
         Some(kind) => core::slice::from_ref(kind),
         // Without conditions hinges turn evenly. If nothing closes, no interpolation is nearer to closing, and Hermite
         // is the best to follow.
-        None if terms.stars.is_empty() || terms.folded.is_some() => &all[1..2],
+        None if constraints.stars.is_empty() || constraints.sheet.is_some() => &all[1..2],
         None => &all,
     };
-    let optimal = (options.pace == Timing::Optimal).then(|| [fastest(course, terms)]);
-    let mut best: Option<Placed> = None;
+    let optimal = (options.pace == Timing::Optimal).then(|| [fastest(path, constraints)]);
+    let mut best: Option<KnotSequence> = None;
     for &kind in kinds {
         if let Some(best) = best.as_ref().filter(|best| best.open.is_none()) {
             if best.knots.len() <= FEW {
                 break;
             }
-            placer.most = match kind {
+            placer.knot_budget = match kind {
                 Interpolation::Homogeneous => best.knots.len() / WORTH,
                 _ => best.knots.len() - 1,
             };
         }
         let sparse;
-        let paces: &[Pace] = if let Some(optimal) = &optimal {
+        let laws: &[TimeLaw] = if let Some(optimal) = &optimal {
             optimal
         } else {
-            sparse = sparse_paces(course, kind);
+            sparse = sparse_laws(path, kind);
             &sparse
         };
-        for pace in paces {
-            let Some(placed) = placer.place(kind, pace) else {
+        for law in laws {
+            let Some(placed) = placer.place(kind, law) else {
                 continue;
             };
             let better = best.as_ref().is_none_or(|best| {
@@ -212,7 +217,7 @@ pub(super) fn place(
             });
             if better {
                 if placed.open.is_none() {
-                    placer.most = placer.most.min(placed.knots.len());
+                    placer.knot_budget = placer.knot_budget.min(placed.knots.len());
                 }
                 best = Some(placed);
             }
@@ -221,26 +226,26 @@ pub(super) fn place(
     best
 }
 
-/// Returns the fastest time law of a course.
-fn fastest(course: &Course, terms: &Terms<'_>) -> Pace {
-    let groups = terms.limits.len();
+/// Returns the fastest time law of a path.
+fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
+    let groups = constraints.limits.len();
     let parts = (GRID / groups.max(1)).clamp(1, PARTS);
-    match course.fastest(parts, terms) {
-        Ok(law) => Pace::Optimal(law),
-        Err(_) => Pace::Way,
+    match path.fastest(parts, constraints.speed, constraints.acceleration) {
+        Ok(law) => TimeLaw::Optimal(law),
+        Err(_) => TimeLaw::ArcLength,
     }
 }
 
 /// Returns the time laws with which an interpolation may need few knots.
-fn sparse_paces(course: &Course, kind: Interpolation) -> Vec<Pace> {
-    let leads = 0..course.site(0).angles.len().min(LEADS);
+fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
+    let leads = 0..path.point(0).angles.len().min(LEADS);
     match kind {
-        Interpolation::HalfAngle => leads.map(Pace::HalfAngle).collect(),
+        Interpolation::HalfAngle => leads.map(TimeLaw::HalfAngle).collect(),
         Interpolation::Homogeneous => {
-            let angles = leads.clone().map(Pace::Angle);
-            angles.chain(leads.map(Pace::HalfAngle)).collect()
+            let angles = leads.clone().map(TimeLaw::Angle);
+            angles.chain(leads.map(TimeLaw::HalfAngle)).collect()
         }
-        Interpolation::Linear | Interpolation::Hermite => vec![Pace::Way],
+        Interpolation::Linear | Interpolation::Hermite => vec![TimeLaw::ArcLength],
     }
 }
 
@@ -255,24 +260,24 @@ const GRID: usize = 4096;
 /// Largest number of groups that are tried as the one to whose angle or half angle time is proportional.
 const LEADS: usize = 8;
 
-/// Places knots on a course.
-struct Placer<'a, 's> {
-    course: &'a Course,
-    terms: &'a Terms<'a>,
+/// Places knots on a path.
+struct KnotPlacer<'a, 's> {
+    path: &'a ReducedPath,
+    constraints: &'a PlacementConstraints<'a>,
     solver: &'a mut ClosureSolver<'s>,
     /// Largest number of knots.
-    most: usize,
+    knot_budget: usize,
     certifier: SegmentCertifier,
-    folded: Option<Folded<'a>>,
-    /// Configurations found on the course in addition to its waypoints.
-    found: Vec<Site>,
+    sheet: Option<SheetBounds<'a>>,
+    /// Configurations found on the path in addition to its waypoints.
+    found: Vec<PathPoint>,
     curves: Vec<Curve<f64>>,
     /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
     known: HashMap<[u64; 2], Bounds>,
 }
 
 /// Fraction by which a hinge may exceed its limits before time is stretched at the end.
-const HASTE: f64 = 0.02;
+const LIMIT_EXCESS: f64 = 0.02;
 /// Fraction by which time is stretched in addition, so that rounding the knots passes no limit.
 const MARGIN: f64 = 1e-5;
 /// Distance of two knots, as a fraction of that of the waypoints around them, below which no knot is put between them.
@@ -292,11 +297,15 @@ fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
     lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
 }
 
-impl Placer<'_, '_> {
-    /// Returns the single configuration of a course of length 0.
-    fn alone(&mut self) -> Option<Placed> {
-        let first = self.course.ways().first().map(|_| self.course.site(0))?;
-        Some(Placed {
+impl KnotPlacer<'_, '_> {
+    /// Returns the single configuration of a path of length 0.
+    fn alone(&mut self) -> Option<KnotSequence> {
+        let first = self
+            .path
+            .arc_lengths()
+            .first()
+            .map(|_| self.path.point(0))?;
+        Some(KnotSequence {
             interpolation: Interpolation::Hermite,
             knots: vec![Knot {
                 rates: vec![0.0; first.angles.len()],
@@ -310,81 +319,89 @@ impl Placer<'_, '_> {
 
     /// Places the fewest knots found with this interpolation and time law. If even the densest knots do not keep the
     /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, or the
-    /// interpolation does not pass where the course does.
-    fn place(&mut self, kind: Interpolation, pace: &Pace) -> Option<Placed> {
+    /// interpolation does not pass where the path does.
+    fn place(&mut self, kind: Interpolation, law: &TimeLaw) -> Option<KnotSequence> {
         self.known.clear();
-        let maker = Maker::new(self.course, kind, pace);
-        let last = self.course.ways().len().checked_sub(1)?;
-        let mut sites = vec![self.course.site(0)];
-        let mut open = vec![self.course.site(last)];
-        if self.terms.closure.is_none() {
-            open.extend(self.course.inner().rev().map(|index| self.waypoint(index)));
-            sites.extend(open.drain(..).rev());
-            self.stay_within(&maker, &mut sites)?;
-            return self.knots(&maker, &sites);
+        let builder = SegmentBuilder::new(self.path, kind, law);
+        let last = self.path.arc_lengths().len().checked_sub(1)?;
+        let mut points = vec![self.path.point(0)];
+        let mut open = vec![self.path.point(last)];
+        if self.constraints.closure.is_none() {
+            open.extend(self.path.inner().rev().map(|index| self.waypoint(index)));
+            points.extend(open.drain(..).rev());
+            self.stay_within(&builder, &mut points)?;
+            return self.knots(&builder, &points);
         }
         // Knots are needed first of all at configurations where the motion rests, a phase ends, or accelerations jump.
-        let mut needed: Vec<Site> = self
-            .course
+        let mut needed: Vec<PathPoint> = self
+            .path
             .inner()
             .map(|index| self.waypoint(index))
             .collect();
-        needed.retain(Site::stays);
-        if let (Pace::Optimal(law), true) = (pace, self.terms.acceleration.is_finite()) {
+        needed.retain(PathPoint::stays);
+        if let (TimeLaw::Optimal(law), true) = (law, self.constraints.acceleration.is_finite()) {
             let switches = law.switches().iter().map(|k| law.parameters()[*k]);
-            let (start, end) = (sites[0].way, open[0].way);
-            let inner = switches.filter(|way| *way > start && *way < end);
-            needed.extend(inner.filter_map(|way| self.site_at(way)));
+            let (start, end) = (points[0].arc_length, open[0].arc_length);
+            let inner = switches.filter(|arc_length| *arc_length > start && *arc_length < end);
+            needed.extend(inner.filter_map(|arc_length| self.point_at(arc_length)));
         }
-        needed.sort_by(|a, b| b.way.total_cmp(&a.way).then(a.rests().cmp(&b.rests())));
+        needed.sort_by(|a, b| {
+            b.arc_length
+                .total_cmp(&a.arc_length)
+                .then(a.rests().cmp(&b.rests()))
+        });
         needed.dedup_by(|a, b| {
-            let same = a.way.to_bits() == b.way.to_bits();
+            let same = a.arc_length.to_bits() == b.arc_length.to_bits();
             b.ends_phase |= same && a.ends_phase;
             same
         });
         open.extend(needed);
         let mut fits = true;
-        while let (Some(from), Some(to)) = (sites.last(), open.last()) {
+        while let (Some(from), Some(to)) = (points.last(), open.last()) {
             let (from, to) = (from.clone(), to.clone());
-            if self.fits(&maker, &from, &to)? {
-                sites.extend(open.pop());
+            if self.fits(&builder, &from, &to)? {
+                points.extend(open.pop());
             } else if let Some(between) = self.between(&from, &to) {
                 open.push(between);
-            } else if self.deforms_within(|folded| folded.bound) {
+            } else if self.deforms_within(|sheet| sheet.bound) {
                 fits = false;
-                sites.extend(open.pop());
+                points.extend(open.pop());
             } else {
                 return None;
             }
             // Halving a segment that does not fit leaves less than twice the knots needed.
-            if sites.len() + open.len() > self.most.saturating_mul(2) {
+            if points.len() + open.len() > self.knot_budget.saturating_mul(2) {
                 return None;
             }
         }
-        self.thin(&maker, &mut sites)?;
+        self.thin(&builder, &mut points)?;
         if !fits {
-            self.stay_within(&maker, &mut sites)?;
+            self.stay_within(&builder, &mut points)?;
         }
-        if sites.len() > self.most {
+        if points.len() > self.knot_budget {
             return None;
         }
-        self.knots(&maker, &sites)
+        self.knots(&builder, &points)
     }
 
     /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
     /// only roughly. The hinge then turns from one angle to the other and no farther.
-    fn stay_within(&mut self, maker: &Maker<'_>, sites: &mut [Site]) -> Option<()> {
+    fn stay_within(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        points: &mut [PathPoint],
+    ) -> Option<()> {
         let mut turned = true;
         while core::mem::take(&mut turned) {
-            for index in 1..sites.len() {
-                self.span(maker, &sites[index - 1], &sites[index])?;
-                for (group, pair) in self.curves.iter().zip(self.terms.limits).enumerate() {
+            for index in 1..points.len() {
+                self.span(builder, &points[index - 1], &points[index])?;
+                for (group, pair) in self.curves.iter().zip(self.constraints.limits).enumerate() {
                     if is_within(pair) {
                         continue;
                     }
-                    for site in &mut sites[index - 1..=index] {
-                        turned |= site.tangent[group].abs() > 0.0;
-                        site.tangent[group] = 0.0;
+                    for point in &mut points[index - 1..=index] {
+                        turned |= point.tangent[group].abs() > 0.0;
+                        point.tangent[group] = 0.0;
                     }
                     self.known.clear();
                 }
@@ -394,11 +411,13 @@ impl Placer<'_, '_> {
     }
 
     /// Removes knots while the motion between those that remain keeps the conditions.
-    fn thin(&mut self, maker: &Maker<'_>, sites: &mut Vec<Site>) -> Option<()> {
+    fn thin(&mut self, builder: &SegmentBuilder<'_>, points: &mut Vec<PathPoint>) -> Option<()> {
         let mut index = 1;
-        while index + 1 < sites.len() {
-            if !sites[index].stays() && self.fits(maker, &sites[index - 1], &sites[index + 1])? {
-                sites.remove(index);
+        while index + 1 < points.len() {
+            if !points[index].stays()
+                && self.fits(builder, &points[index - 1], &points[index + 1])?
+            {
+                points.remove(index);
             } else {
                 index += 1;
             }
@@ -408,34 +427,44 @@ impl Placer<'_, '_> {
 
     /// Makes the curves between two configurations, and returns the time between them. Returns `None` if there are no
     /// such curves, or time is up.
-    fn span(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<f64> {
+    fn span(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+    ) -> Option<f64> {
         if self.solver.is_late() {
             return None;
         }
-        maker.curves(from, to, &mut self.curves)
+        builder.curves(from, to, &mut self.curves)
     }
 
     /// Returns `true` if the motion between two configurations keeps the conditions; `None` if there are no curves
     /// between them, or time is up.
-    fn fits(&mut self, maker: &Maker<'_>, from: &Site, to: &Site) -> Option<bool> {
-        let span = self.span(maker, from, to)?;
-        let terms = self.terms;
-        let within = self.curves.iter().zip(terms.limits).all(is_within);
-        let paced = matches!(maker.pace, Pace::Optimal(_));
-        if !within || paced && self.is_hasty(maker, from, to, span) {
+    fn fits(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+    ) -> Option<bool> {
+        let span = self.span(builder, from, to)?;
+        let constraints = self.constraints;
+        let within = self.curves.iter().zip(constraints.limits).all(is_within);
+        let optimal = matches!(builder.law, TimeLaw::Optimal(_));
+        if !within || optimal && self.exceeds_limits(builder, from, to, span) {
             return Some(false);
         }
-        let Some(most) = terms.closure else {
+        let Some(most) = constraints.closure else {
             return Some(true);
         };
         // Most segments that do not close well enough show it in the middle.
         let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
-        if terms.stars.largest_residual(&middle) > most {
+        if constraints.stars.largest_residual(&middle) > most {
             return Some(false);
         }
         let bounds = self.bounds();
         let closes = bounds.closure().worst() <= most;
-        let fits = closes && self.deforms_within(|folded| folded.aim);
+        let fits = closes && self.deforms_within(|sheet| sheet.aim);
         if fits {
             self.known.insert(key(from, to), bounds);
         }
@@ -444,8 +473,8 @@ impl Placer<'_, '_> {
 
     /// Returns `true` if the whole sheet deforms by no more than `most` over the present curves, or no bound on it is
     /// asked for.
-    fn deforms_within(&mut self, most: fn(&Folded<'_>) -> f64) -> bool {
-        let Some(folded) = &mut self.folded else {
+    fn deforms_within(&mut self, most: fn(&SheetBounds<'_>) -> f64) -> bool {
+        let Some(folded) = &mut self.sheet else {
             return true;
         };
         let most = most(folded);
@@ -454,7 +483,7 @@ impl Placer<'_, '_> {
 
     /// Returns bounds on the closure over the present curves.
     fn bounds(&mut self) -> Bounds {
-        let stars = self.terms.stars;
+        let stars = self.constraints.stars;
         let (stars, loops) = (stars.view(), stars.loops());
         let Closure { stars, loops } = self.certifier.closure(stars, loops, &self.curves);
         Bounds {
@@ -466,135 +495,146 @@ impl Placer<'_, '_> {
     /// Returns the bounds of a motion in which nothing moves.
     fn closed(&self) -> Bounds {
         Bounds {
-            stars: vec![0.0; self.terms.stars.vertices().len()],
-            loops: vec![[0.0; 2]; self.terms.stars.holes().len()],
+            stars: vec![0.0; self.constraints.stars.vertices().len()],
+            loops: vec![[0.0; 2]; self.constraints.stars.holes().len()],
         }
     }
 
     /// Returns `true` if hinges of the present curves, made between these configurations, are too fast, and more knots
     /// between could mend that. They cannot if a hinge is too fast at one of the two: while one hinge rests at its
     /// limit, others may be faster than the time law allows.
-    fn is_hasty(&self, maker: &Maker<'_>, from: &Site, to: &Site, span: f64) -> bool {
-        let haste = self.haste(maker.kind, span) / (1.0 + HASTE);
-        let mut rates = maker.nodes(from).chain(maker.nodes(to));
-        haste > 1.0 && rates.all(|node| node.rate.abs() < haste * self.terms.speed)
+    fn exceeds_limits(
+        &self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+        span: f64,
+    ) -> bool {
+        let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS);
+        let mut rates = builder.nodes(from).chain(builder.nodes(to));
+        limit_ratio > 1.0
+            && rates.all(|node| node.rate.abs() < limit_ratio * self.constraints.speed)
     }
 
     /// Returns the factor by which time has to be stretched so that the hinges of the present curves keep their limits.
-    fn haste(&self, kind: Interpolation, span: f64) -> f64 {
+    fn limit_ratio(&self, kind: Interpolation, span: f64) -> f64 {
         let peaks = self.curves.iter().map(peaks);
         let most = peaks.fold([0.0; 2], |most, peaks| {
             [0, 1].map(|k| f64::max(most[k], peaks[k]))
         });
-        let speed = most[0] / (span * self.terms.speed);
+        let speed = most[0] / (span * self.constraints.speed);
         if kind == Interpolation::Linear {
             return speed;
         }
-        speed.max((most[1] / (span * span * self.terms.acceleration)).sqrt())
+        speed.max((most[1] / (span * span * self.constraints.acceleration)).sqrt())
     }
 
     /// Returns the waypoint of this number, which is not an end.
-    fn waypoint(&mut self, index: usize) -> Site {
-        let site = self.course.site(index);
-        self.within_limits(site)
+    fn waypoint(&mut self, index: usize) -> PathPoint {
+        let point = self.path.point(index);
+        self.within_limits(point)
     }
 
     /// Corrects a configuration between the ends. A hinge at its limit has just reached the limit or is about to leave
     /// it, so that its rate is 0.
-    fn within_limits(&mut self, mut site: Site) -> Site {
-        let hinges = site.angles.iter().zip(&site.tangent);
-        let limits = hinges.zip(self.terms.limits);
+    fn within_limits(&mut self, mut point: PathPoint) -> PathPoint {
+        let hinges = point.angles.iter().zip(&point.tangent);
+        let limits = hinges.zip(self.constraints.limits);
         let at_limit = limits.map(|((angle, rate), (lower, upper))| {
             let near = AT_LIMIT.max(RESTING * rate.abs());
             let mut limits = [*lower, *upper].into_iter();
             limits.find(|limit| (angle - limit).abs() <= near)
         });
         let at_limit: Vec<Option<f64>> = at_limit.collect();
-        let mut rates = at_limit.iter().zip(&site.tangent);
+        let mut rates = at_limit.iter().zip(&point.tangent);
         if rates.any(|(limit, rate)| limit.is_some() && rate.abs() > 0.0) {
-            let angles = site.angles.iter().zip(&at_limit);
+            let angles = point.angles.iter().zip(&at_limit);
             let angles: Vec<f64> = angles.map(|(a, limit)| limit.unwrap_or(*a)).collect();
-            let held = self.solver.project_on_motions(&angles, &mut site.tangent);
+            let held = self.solver.project_on_motions(&angles, &mut point.tangent);
             if held.is_none() {
-                site.tangent.fill(0.0);
+                point.tangent.fill(0.0);
             }
-            let rates = site.tangent.iter_mut().zip(&at_limit);
+            let rates = point.tangent.iter_mut().zip(&at_limit);
             rates
                 .filter(|(_, limit)| limit.is_some())
                 .for_each(|(rate, _)| *rate = 0.0);
         }
-        site
+        point
     }
 
     /// Returns a configuration between two others, if they are far enough apart.
-    fn between(&mut self, from: &Site, to: &Site) -> Option<Site> {
-        if let Some(index) = self.course.waypoint_between(from.way, to.way) {
+    fn between(&mut self, from: &PathPoint, to: &PathPoint) -> Option<PathPoint> {
+        if let Some(index) = self.path.waypoint_between(from.arc_length, to.arc_length) {
             return Some(self.waypoint(index));
         }
-        let middle = (from.way + to.way) / 2.0;
-        let ways = self.course.ways();
-        let next = ways.partition_point(|way| *way <= middle);
-        let around = ways.get(next)? - ways.get(next.checked_sub(1)?)?;
-        if to.way - from.way <= NARROWEST * around {
+        let middle = (from.arc_length + to.arc_length) / 2.0;
+        let arc_lengths = self.path.arc_lengths();
+        let next = arc_lengths.partition_point(|arc_length| *arc_length <= middle);
+        let around = arc_lengths.get(next)? - arc_lengths.get(next.checked_sub(1)?)?;
+        if to.arc_length - from.arc_length <= NARROWEST * around {
             return None;
         }
-        self.site_at(middle)
+        self.point_at(middle)
     }
 
     /// Returns the closed configuration at a path length.
-    fn site_at(&mut self, way: f64) -> Option<Site> {
+    fn point_at(&mut self, arc_length: f64) -> Option<PathPoint> {
         let known = self
             .found
             .iter()
-            .find(|site| site.way.to_bits() == way.to_bits());
-        if let Some(site) = known {
-            return Some(site.clone());
+            .find(|point| point.arc_length.to_bits() == arc_length.to_bits());
+        if let Some(point) = known {
+            return Some(point.clone());
         }
-        let site = self.course.closed(self.solver, way)?;
-        let site = self.within_limits(site);
-        self.found.push(site.clone());
-        Some(site)
+        let point = self.path.closed(self.solver, arc_length)?;
+        let point = self.within_limits(point);
+        self.found.push(point.clone());
+        Some(point)
     }
 
     /// Makes the knots at these configurations, with time stretched so that no hinge is too fast.
-    fn knots(&mut self, maker: &Maker<'_>, sites: &[Site]) -> Option<Placed> {
+    fn knots(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        points: &[PathPoint],
+    ) -> Option<KnotSequence> {
         let (mut bounds, mut open) = (self.closed(), None);
-        let most = self.terms.closure.unwrap_or(f64::INFINITY);
+        let most = self.constraints.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
-        for (segment, pair) in sites.windows(2).enumerate() {
-            let span = self.span(maker, &pair[0], &pair[1])?;
+        for (segment, pair) in points.windows(2).enumerate() {
+            let span = self.span(builder, &pair[0], &pair[1])?;
             let known = self.known.remove(&key(&pair[0], &pair[1]));
-            let deforms = known.is_none() && !self.deforms_within(|folded| folded.bound);
+            let deforms = known.is_none() && !self.deforms_within(|sheet| sheet.bound);
             let here = known.unwrap_or_else(|| self.bounds());
             if open.is_none() && (deforms || here.closure().worst() > most) {
                 open = Some(Open {
                     segment,
-                    way: pair[0].way,
+                    arc_length: pair[0].arc_length,
                     before: bounds.clone(),
                 });
             }
             bounds.take_in(&here);
-            stretch = f64::max(stretch, self.haste(maker.kind, span));
+            stretch = f64::max(stretch, self.limit_ratio(builder.kind, span));
         }
         stretch *= 1.0 + MARGIN;
-        let start = maker.pace.at(&sites[0])[0];
-        let knots = sites.iter().map(|site| {
-            let nodes: Vec<Node<f64>> = maker.nodes(site).collect();
-            let homogeneous = maker.kind == Interpolation::Homogeneous;
+        let start = builder.law.at(&points[0])[0];
+        let knots = points.iter().map(|point| {
+            let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
+            let homogeneous = builder.kind == Interpolation::Homogeneous;
             let weights = nodes.iter().filter(|_| homogeneous);
             Knot {
-                time: (maker.pace.at(site)[0] - start) * stretch,
-                angles: site.angles.clone(),
+                time: (builder.law.at(point)[0] - start) * stretch,
+                angles: point.angles.clone(),
                 rates: nodes.iter().map(|node| node.rate / stretch).collect(),
                 weights: weights
                     .map(|node| [node.weight[0], node.weight[1] / stretch])
                     .collect(),
-                ends_phase: site.ends_phase,
+                ends_phase: point.ends_phase,
                 ..Knot::default()
             }
         });
-        Some(Placed {
-            interpolation: maker.kind,
+        Some(KnotSequence {
+            interpolation: builder.kind,
             knots: knots.collect(),
             bounds,
             open,
@@ -603,54 +643,59 @@ impl Placer<'_, '_> {
 }
 
 /// Returns the key of the segment between two configurations.
-fn key(from: &Site, to: &Site) -> [u64; 2] {
-    [from, to].map(|site| site.way.to_bits())
+fn key(from: &PathPoint, to: &PathPoint) -> [u64; 2] {
+    [from, to].map(|point| point.arc_length.to_bits())
 }
 
 /// Makes the curves between configurations.
-struct Maker<'a> {
+struct SegmentBuilder<'a> {
     kind: Interpolation,
-    pace: &'a Pace,
+    law: &'a TimeLaw,
     /// Group whose half angle's cosine all groups share in homogeneous half angles; `None` for tangents of half angles.
     lead: Option<usize>,
 }
 
-impl<'a> Maker<'a> {
-    fn new(course: &Course, kind: Interpolation, pace: &'a Pace) -> Self {
-        let last = course.site(course.ways().len() - 1);
+impl<'a> SegmentBuilder<'a> {
+    fn new(path: &ReducedPath, kind: Interpolation, law: &'a TimeLaw) -> Self {
+        let last = path.point(path.arc_lengths().len() - 1);
         let widest = |group: &usize| last.angles[*group].abs();
-        let lead = match pace {
-            Pace::Angle(lead) => Some(*lead),
-            Pace::HalfAngle(_) => None,
+        let lead = match law {
+            TimeLaw::Angle(lead) => Some(*lead),
+            TimeLaw::HalfAngle(_) => None,
             _ => (0..last.angles.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))),
         };
-        Self { kind, pace, lead }
+        Self { kind, law, lead }
     }
 
     /// Makes the curves between two configurations, and returns the time between them. Returns `None` if a
     /// configuration is not on its curve, or time stands still there or runs backwards.
-    fn curves(&self, from: &Site, to: &Site, curves: &mut Vec<Curve<f64>>) -> Option<f64> {
-        let span = self.pace.at(to)[0] - self.pace.at(from)[0];
+    fn curves(
+        &self,
+        from: &PathPoint,
+        to: &PathPoint,
+        curves: &mut Vec<Curve<f64>>,
+    ) -> Option<f64> {
+        let span = self.law.at(to)[0] - self.law.at(from)[0];
         curves.clear();
         let nodes = self.nodes(from).zip(self.nodes(to));
         curves.extend(nodes.map(|(from, to)| Curve::between(self.kind, span, from, to)));
         let passes = span > 0.0
-            && [from, to].into_iter().all(|site| {
+            && [from, to].into_iter().all(|point| {
                 let tangents = self.kind == Interpolation::HalfAngle;
-                let sharp = !tangents || max_norm(&site.angles) < PI - BLUNT;
-                sharp && self.pace.at(site)[1].is_finite()
+                let sharp = !tangents || max_norm(&point.angles) < PI - BLUNT;
+                sharp && self.law.at(point)[1].is_finite()
             });
         passes.then_some(span)
     }
 
     /// Returns one node for each group.
-    fn nodes<'n>(&'n self, site: &'n Site) -> impl Iterator<Item = Node<f64>> + 'n {
-        let speed = self.pace.at(site)[1];
-        (0..site.angles.len()).map(move |group| Node {
-            angle: site.angles[group],
-            rate: site.tangent[group] * speed,
+    fn nodes<'n>(&'n self, point: &'n PathPoint) -> impl Iterator<Item = Node<f64>> + 'n {
+        let speed = self.law.at(point)[1];
+        (0..point.angles.len()).map(move |group| Node {
+            angle: point.angles[group],
+            rate: point.tangent[group] * speed,
             weight: if self.kind == Interpolation::Homogeneous {
-                self.weight(site, group, speed)
+                self.weight(point, group, speed)
             } else {
                 [1.0, 0.0]
             },
@@ -660,21 +705,21 @@ impl<'a> Maker<'a> {
     /// Returns the weight of a homogeneous half angle and the rate of the weight. The cosines of all groups are the
     /// same function of time, that of the lead, so that groups whose tangents of half angles keep their ratio move
     /// exactly.
-    fn weight(&self, site: &Site, group: usize, speed: f64) -> [f64; 2] {
-        let (sin, cos) = (site.angles[group] / 2.0).sin_cos();
-        let turn = site.tangent[group] * speed / 2.0;
+    fn weight(&self, point: &PathPoint, group: usize, speed: f64) -> [f64; 2] {
+        let (sin, cos) = (point.angles[group] / 2.0).sin_cos();
+        let turn = point.tangent[group] * speed / 2.0;
         let (lead_cos, lead_rate) = match self.lead {
             Some(lead) => {
-                let (sin, cos) = (site.angles[lead] / 2.0).sin_cos();
-                (cos, -sin * site.tangent[lead] * speed / 2.0)
+                let (sin, cos) = (point.angles[lead] / 2.0).sin_cos();
+                (cos, -sin * point.tangent[lead] * speed / 2.0)
             }
             None => (1.0, 0.0),
         };
         if cos.abs() < FOLDED_FLAT || lead_cos.abs() < FOLDED_FLAT {
             // Both cosines vanish, and their ratio is that of the rates.
-            let ratio = self
-                .lead
-                .map_or(1.0, |lead| (site.tangent[lead] / site.tangent[group]).abs());
+            let ratio = self.lead.map_or(1.0, |lead| {
+                (point.tangent[lead] / point.tangent[group]).abs()
+            });
             let sound = ratio.is_finite() && ratio > 0.0;
             return [if sound { ratio } else { 1.0 }, 0.0];
         }

@@ -9,9 +9,9 @@ use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
-use super::follow::{cosine, max_norm};
 use super::reduction::Reduction;
 use super::solver::{ClosureSolver, Work};
+use super::vectors::{cosine, max_norm};
 use super::{PlanOptions, Vertices};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
@@ -39,15 +39,15 @@ const GROWN: f64 = 2.0;
 
 /// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
 /// turn most hinges come first, and among these the nearest to the direction of `towards`.
-pub(super) fn departures(
+pub(super) fn branches_at_flat(
     reduction: &Reduction,
     towards: &[f64],
     signs: &[f64],
-    accepted: f64,
+    closure_tolerance: f64,
     options: &PlanOptions,
     work: &mut Work,
 ) -> Vec<Vec<f64>> {
-    let mut leaving = Leaving::new(reduction, options, accepted, signs);
+    let mut switcher = BranchSwitcher::new(reduction, options, closure_tolerance, signs);
     let first_step = FIRST_STEP.min(options.max_step / 2.0);
     let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
@@ -74,7 +74,8 @@ pub(super) fn departures(
     let mut found: Vec<Vec<f64>> = Vec::new();
     for start in starts {
         let mut x = start;
-        let new = leaving.land(&mut x) && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
+        let new =
+            switcher.land(&mut x) && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
         if new {
             found.push(x);
         }
@@ -85,14 +86,14 @@ pub(super) fn departures(
             .cmp(&unturned(b))
             .then(far(a).total_cmp(&far(b)))
     });
-    for solver in [&leaving.free, &leaving.held] {
+    for solver in [&switcher.free, &switcher.held] {
         *work += solver.work;
     }
     found
 }
 
 /// Closes small steps from flat on branches with given signs.
-struct Leaving<'a> {
+struct BranchSwitcher<'a> {
     free: ClosureSolver<'a>,
     held: ClosureSolver<'a>,
     /// Limits between which each unknown turns in the direction of its sign.
@@ -100,16 +101,16 @@ struct Leaving<'a> {
     signs: &'a [f64],
 }
 
-impl<'a> Leaving<'a> {
+impl<'a> BranchSwitcher<'a> {
     fn new(
         reduction: &'a Reduction<'a>,
         options: &PlanOptions,
-        accepted: f64,
+        closure_tolerance: f64,
         signs: &'a [f64],
     ) -> Self {
         Self {
-            free: reduction.solver(options, accepted),
-            held: reduction.solver(options, accepted),
+            free: reduction.solver(options, closure_tolerance),
+            held: reduction.solver(options, closure_tolerance),
             orthant: reduction.orthant(signs),
             signs,
         }
@@ -193,7 +194,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let letters = |&id| pattern.edge(id).letter.sign();
     let signs = in_groups(&mut pattern.creases().iter().map(letters));
     let start = in_groups(&mut start.iter().copied());
-    let mut leaving = Leaving::new(&reduction, &options, 0.0, &signs);
+    let mut switcher = BranchSwitcher::new(&reduction, &options, 0.0, &signs);
     let signed = |size: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let pairs = start.iter().zip(&signs);
         let turned = |(x, sign): (&f64, &f64)| {
@@ -209,7 +210,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let starts = [start.clone(), signed(&f64::abs), signed(&|_| largest)];
     let mut first = None;
     for mut x in starts {
-        let leaves = leaving.land(&mut x);
+        let leaves = switcher.land(&mut x);
         let least = UNTURNED * max_norm(&x);
         let pairs = x.iter().zip(&signs).zip(pattern.creases());
         let against =

@@ -4,17 +4,15 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::depart::departures;
-use super::follow::{
-    Followed, Homeward, Rules, Stop, Target, Waypoint, follow, largest, max_difference, max_norm,
-    tangent_at_flat,
-};
+use super::branch::branches_at_flat;
+use super::follow::{Followed, Homeward, Rules, Stop, Target, Waypoint, follow, tangent_at_flat};
 use super::goal::GoalKind;
 use super::judge::Judge;
 use super::knots::Knot;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
 use super::search::{polyline, search};
 use super::solver::{ClosureSolver, Work};
+use super::vectors::{largest, max_difference, max_norm};
 use super::{Goal, Judged, PlanOptions, Search};
 use crate::pattern::CreasePattern;
 
@@ -51,7 +49,7 @@ pub(super) struct Attempt<'a> {
     /// The closed configuration at the goal, if one is known.
     pub(super) goal: Option<Vec<f64>>,
     /// Closure residual up to which a local minimum counts as closed.
-    pub(super) accepted: f64,
+    pub(super) closure_tolerance: f64,
     pub(super) end: End,
     /// `true` if the goal had to close exactly.
     pub(super) exactly: bool,
@@ -96,7 +94,7 @@ struct Route<'a> {
     asked: Vec<Option<f64>>,
     signs: Vec<f64>,
     notes: Vec<String>,
-    accepted: f64,
+    closure_tolerance: f64,
     /// Number of motions found that leave the flat sheet.
     branches: usize,
 }
@@ -120,7 +118,7 @@ impl<'a> Attempt<'a> {
             asked,
             signs,
             notes: Vec::new(),
-            accepted: 0.0,
+            closure_tolerance: 0.0,
             branches: 0,
         };
         let start = Instant::now();
@@ -152,11 +150,11 @@ impl<'a> Attempt<'a> {
                 route.branches
             ));
         }
-        let (notes, accepted) = (route.notes, route.accepted);
+        let (notes, closure_tolerance) = (route.notes, route.closure_tolerance);
         Self {
             waypoints,
             goal: closed,
-            accepted,
+            closure_tolerance,
             end,
             exactly: reach.exactly,
             reached,
@@ -197,8 +195,8 @@ impl<'a> Route<'a> {
     }
 
     /// Makes a solver of configurations in which no hinge turns against its sign.
-    fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
-        let mut solver = self.reduction.solver(self.options, accepted);
+    fn solver(&self, closure_tolerance: f64) -> ClosureSolver<'a> {
+        let mut solver = self.reduction.solver(self.options, closure_tolerance);
         solver.set_limits(self.reduction.orthant(&self.signs));
         let solver = solver.at_most(ITERATIONS);
         if self.options.judged == Judged::Motion {
@@ -225,7 +223,7 @@ impl<'a> Route<'a> {
             let closed = self.reduction.close_goal(goal, self.options, work);
             let near = |closed: &ClosedGoal| {
                 closed.error <= reach.radians.min(goal.reach)
-                    && !(reach.exactly && closed.accepted > 0.0)
+                    && !(reach.exactly && closed.closure_tolerance > 0.0)
                     // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
                     // the goal.
                     && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
@@ -283,7 +281,7 @@ impl<'a> Route<'a> {
                 None => self.forwards(None, work),
             },
             Some(last) => {
-                let mut solver = self.solver(self.accepted);
+                let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
                 *work += solver.work;
@@ -312,7 +310,7 @@ impl<'a> Route<'a> {
         };
         let targets = route.targets(reach, work).ok()?;
         let (mut waypoints, _) = route.best(&targets, work);
-        let accepted = route.accepted;
+        let closure_tolerance = route.closure_tolerance;
         let short = |w: &Waypoint| {
             let mut pairs = self.asked.iter().zip(&w.angles);
             pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
@@ -320,8 +318,8 @@ impl<'a> Route<'a> {
         let beyond = waypoints.iter().position(|w| !short(w))?;
         let before = waypoints.get(beyond.checked_sub(1)?)?.clone();
         waypoints.truncate(beyond);
-        self.accepted = accepted;
-        let mut solver = self.solver(accepted);
+        self.closure_tolerance = closure_tolerance;
+        let mut solver = self.solver(closure_tolerance);
         let target = Target::Nearest(&self.asked);
         let came = Some(before.tangent.as_slice());
         let last = follow(&mut solver, &before.angles, came, target, self.rules());
@@ -345,13 +343,14 @@ impl<'a> Route<'a> {
         }
         // The goal closes exactly, but the path from it may not, as happens with rounded coordinates: start from a
         // local minimum of the residual near the goal.
-        if target.accepted <= 0.0 && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
+        if target.closure_tolerance <= 0.0
+            && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
         {
-            let accepted = self.reduction.accepted(self.options);
+            let closure_tolerance = self.reduction.closure_tolerance(self.options);
             let goal = self.goal.via.first().unwrap_or(self.goal);
             let rough = self
                 .reduction
-                .close_goal_to(accepted, goal, self.options, work);
+                .close_goal_to(closure_tolerance, goal, self.options, work);
             let near = |rough: &ClosedGoal| {
                 max_difference(&rough.angles, &target.angles) <= self.options.max_step
             };
@@ -407,8 +406,8 @@ impl<'a> Route<'a> {
 
     /// Follows the motion from the target to flat, and returns the path reversed.
     fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
-        let mut solver = self.solver(target.accepted);
-        self.accepted = target.accepted;
+        let mut solver = self.solver(target.closure_tolerance);
+        self.closure_tolerance = target.closure_tolerance;
         let manners = [Homeward::Straight, Homeward::Together];
         let mut followed = Followed {
             waypoints: Vec::new(),
@@ -437,8 +436,8 @@ impl<'a> Route<'a> {
         if let Some(straight) = self.straight_way(from, &to.angles) {
             return straight;
         }
-        let accepted = self.accepted.max(to.accepted);
-        let mut solver = self.solver(accepted);
+        let closure_tolerance = self.closure_tolerance.max(to.closure_tolerance);
+        let mut solver = self.solver(closure_tolerance);
         let mut followed = follow(
             &mut solver,
             from,
@@ -461,14 +460,14 @@ impl<'a> Route<'a> {
     /// because coordinates are rounded, through local minima of the residual.
     fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
         let exact = self.forwards_to(target, 0.0, work);
-        self.accepted = 0.0;
+        self.closure_tolerance = 0.0;
         if matches!(exact.stop, None | Some(Stop::Timeout)) {
             return exact;
         }
-        let accepted = self.reduction.accepted(self.options);
-        let rough = self.forwards_to(target, accepted, work);
+        let closure_tolerance = self.reduction.closure_tolerance(self.options);
+        let rough = self.forwards_to(target, closure_tolerance, work);
         if rough.stop.is_none() {
-            self.accepted = accepted;
+            self.closure_tolerance = closure_tolerance;
             return rough;
         }
         exact
@@ -478,7 +477,7 @@ impl<'a> Route<'a> {
     fn forwards_to(
         &mut self,
         target: Option<&ClosedGoal>,
-        accepted: f64,
+        closure_tolerance: f64,
         work: &mut Work,
     ) -> Followed {
         let towards: Vec<f64> = match target {
@@ -486,18 +485,18 @@ impl<'a> Route<'a> {
             None => self.guess(),
         };
         let flat = vec![0.0; towards.len()];
-        let mut solver = self.solver(accepted);
+        let mut solver = self.solver(closure_tolerance);
         let at_flat = |tangent: Vec<f64>| Waypoint::new(flat.clone(), tangent);
         let mut best = Followed {
             waypoints: vec![at_flat(flat.clone())],
             stop: Some(Stop::Singular),
         };
         let mut best_part = 0.0;
-        let branches = departures(
+        let branches = branches_at_flat(
             self.reduction,
             &towards,
             &self.signs,
-            accepted,
+            closure_tolerance,
             self.options,
             work,
         );
@@ -565,7 +564,7 @@ impl<'a> Route<'a> {
         let tolerance = if exact {
             0.0
         } else {
-            self.reduction.accepted(options)
+            self.reduction.closure_tolerance(options)
         };
         let mut solver = self.solver(tolerance).content_with(tolerance);
         let mut judge = Judge::new(self.pattern, self.reduction, options.collision && !exact);
@@ -592,7 +591,7 @@ impl<'a> Route<'a> {
             feasible,
         );
         *work += solver.work;
-        self.accepted = tolerance;
+        self.closure_tolerance = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (followed.waypoints, end)
     }

@@ -6,13 +6,13 @@ use std::rc::Rc;
 
 use fixedbitset::FixedBitSet;
 
-use super::attempt::{Attempt, End};
 use super::judge::Judge;
 use super::knots::Knot;
 use super::mobility::independent_parts;
 use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
 use super::reduction::{CLOSED, rounding};
 use super::reuse::{FIRST_PART, LEAST_PART};
+use super::route::{Attempt, End};
 use super::simple_folds::simple_folds;
 use super::{Goal, GoalKind, Search};
 use crate::folding::{FoldingMap, SpanningTree};
@@ -57,7 +57,7 @@ impl Planning<'_> {
         let mut orders = Orders {
             pattern,
             judge: Judge::new(pattern, &reduction, options.collision),
-            accepted: reduction.accepted(options),
+            closure_tolerance: reduction.closure_tolerance(options),
             tree: &reduction.tree,
             groups: &reduction.groups,
             in_the_way: vec![0; goal.len()],
@@ -98,7 +98,7 @@ impl Planning<'_> {
     /// parts then.
     fn rounding(&self, attempt: &Attempt) -> Option<f64> {
         let stars = ReducedStars::of_creases(self.pattern);
-        let most = attempt.reduction.accepted(self.options);
+        let most = attempt.reduction.closure_tolerance(self.options);
         rounding(&stars, &self.goal.fold_angles, most, false)
     }
 
@@ -222,7 +222,7 @@ struct Orders<'a> {
     judge: Judge<'a>,
     tree: &'a SpanningTree,
     /// Closure residual up to which a configuration counts as closed.
-    accepted: f64,
+    closure_tolerance: f64,
     groups: &'a CreaseGroups,
     /// Fold angles of the creases when all are folded, radians.
     goal: Vec<f64>,
@@ -279,7 +279,7 @@ impl Orders<'_> {
         };
         let free = self.free.len() < MOST_SETS
             && self.judge.judge(&mut knot).is_none()
-            && knot.closure <= self.accepted;
+            && knot.closure <= self.closure_tolerance;
         self.free.insert(folded.clone(), free);
         free
     }
