@@ -38,15 +38,15 @@ const SHRUNK: f64 = 0.1;
 const GROWN: f64 = 2.0;
 
 /// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
-/// turn most hinges come first, and among these the nearest to the direction of `towards`.
+/// turn most hinges come first, and among these the nearest to the direction of `towards`. Returns the work of the solver
+/// too.
 pub(super) fn branches_at_flat(
     reduction: &Reduction,
     towards: &[f64],
     signs: &[f64],
     closure_tolerance: f64,
     options: &PlanOptions,
-    work: &mut Work,
-) -> Vec<Vec<f64>> {
+) -> (Vec<Vec<f64>>, Work) {
     let mut switcher = BranchSwitcher::new(reduction, options, closure_tolerance, signs);
     let first_step = FIRST_STEP.min(options.max_step / 2.0);
     let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
@@ -86,10 +86,9 @@ pub(super) fn branches_at_flat(
             .cmp(&unturned(b))
             .then(far(a).total_cmp(&far(b)))
     });
-    for solver in [&switcher.free, &switcher.held] {
-        *work += solver.work;
-    }
-    found
+    let mut work = switcher.free.work;
+    work += switcher.held.work;
+    (found, work)
 }
 
 /// Closes small steps from flat on branches with given signs.

@@ -9,194 +9,184 @@ use fixedbitset::FixedBitSet;
 use super::judge::Judge;
 use super::knots::Knot;
 use super::mobility::independent_parts;
-use super::plan::{FEW_CREASES, Outcome, Plan, Planning};
-use super::reduction::{CLOSED, rounding};
-use super::reuse::{FIRST_PART, LEAST_PART};
-use super::route::{Attempt, End};
+use super::pipeline;
+use super::plan::{Outcome, Plan};
+use super::problem::PlanningProblem;
+use super::reason::Note;
+use super::reduction::{CLOSED, Reduction, rounding};
+use super::route::{End, Route};
 use super::simple_folds::simple_folds;
+use super::whole_sheet::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
 use super::{Goal, GoalKind, Search};
 use crate::folding::{FoldingMap, SpanningTree};
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::FaceId;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
+/// Largest number of creases of a sheet whose folds are put in sequence.
+const MAX_CREASES: usize = 200;
 /// Largest number of sequences that are tried as plans.
-const TRIES: usize = 200;
+const MAX_TRIES: usize = 200;
 /// Largest number of sets of folded creases that are judged.
-const MOST_SETS: usize = 2000;
+const MAX_SETS: usize = 2000;
 /// Largest number of steps in the search for sequences.
-const MOST_STEPS: usize = 100_000;
+const MAX_STEPS: usize = 100_000;
 /// Largest number of configurations of the path at which creases that move each other are found.
-const LOOKS: usize = 16;
+const MAX_CONFIGURATIONS: usize = 16;
 
-impl Planning<'_> {
-    /// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads
-    /// to where `attempt` does and no faces cross; with as few stops as it takes.
-    ///
-    /// Sequences are found depth first. If a part cannot be next because two faces cross, it is not tried again in any
-    /// sequence that has folded the creases between these two faces in the same order: those creases alone determine
-    /// where the two faces are, and which one lies on the other. Source, for the assembly of parts: R. Wilson,
-    /// J.-C. Latombe, "Geometric reasoning about mechanical assembly", 1994.
-    pub(super) fn in_turn(&self, attempt: &Attempt) -> Option<Plan> {
-        let (pattern, options) = (self.pattern, self.options);
-        let fits = self.goal.via.is_empty()
-            && self.goal.kind != GoalKind::Driven
-            && options.search == Search::Path
-            && pattern.creases().len() <= FEW_CREASES;
-        let end = match attempt.end {
-            End::Reached => Some(attempt.last()),
-            _ => attempt.goal.as_deref(),
-        };
-        let end =
-            end.filter(|_| fits && (self.unrounded.is_some() || self.rounding(attempt).is_none()))?;
-        let goal = attempt.reduction.groups.expand(end);
-        let turned = goal.iter().enumerate();
-        let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
-        let all = set(&goal, turned.map(|(crease, _)| crease));
-        let groups = CreaseGroups::trivial(pattern);
-        let reduction = self.reduction(groups);
-        let mut orders = Orders {
-            pattern,
-            judge: Judge::new(pattern, &reduction, options.collision),
-            closure_tolerance: reduction.closure_tolerance(options),
-            tree: &reduction.tree,
-            groups: &reduction.groups,
-            in_the_way: vec![0; goal.len()],
-            parts: self.parts(attempt, &goal).unwrap_or_default(),
-            goal,
-            all,
-            moves: HashMap::new(),
-            free: HashMap::new(),
-            dead: HashSet::new(),
-            barred: Vec::new(),
-            steps: 0,
-        };
-        if !orders.is_free(&orders.all.clone()) {
+/// Returns the fold angles (radians) to which creases may be folded one after the other, if they may be: the goal of
+/// `route`, if that closes as it is or its errors are snapped, and the sheet is small.
+pub(super) fn goal_of_sequences(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+) -> Option<Vec<f64>> {
+    let fits = problem.goal.via.is_empty()
+        && problem.goal.kind != GoalKind::Driven
+        && problem.options.search == Search::Path
+        && problem.pattern.creases().len() <= MAX_CREASES;
+    let end = match route.end {
+        End::Reached => Some(route.last()),
+        _ => route.goal.as_deref(),
+    };
+    let closes = || problem.errors.is_snapped() || closing_angle(problem, route).is_none();
+    let end = end.filter(|_| fits && closes())?;
+    Some(route.reduction.groups.expand(end))
+}
+
+/// Returns the angle (radians) by which creases are off, if the goal closes but for rounding; so do the goal's parts
+/// then.
+fn closing_angle(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<f64> {
+    let stars = ReducedStars::of_creases(problem.pattern);
+    let most = route.reduction.closure_tolerance(problem.options);
+    rounding(&stars, &problem.goal.fold_angles, most, false)
+}
+
+/// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads to
+/// `goal` and no faces cross; with as few stops as it takes. `goal` is that of [`goal_of_sequences`].
+///
+/// Sequences are found depth first. If a part cannot be next because two faces cross, it is not tried again in any
+/// sequence that has folded the creases between these two faces in the same order: those creases alone determine where
+/// the two faces are, and which one lies on the other. Source, for the assembly of parts: R. Wilson, J.-C. Latombe,
+/// "Geometric reasoning about mechanical assembly", 1994.
+pub(super) fn fold_in_sequence(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    goal: Vec<f64>,
+) -> Option<Plan> {
+    let (pattern, options) = (problem.pattern, problem.options);
+    let turned = goal.iter().enumerate();
+    let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
+    let all = set(&goal, turned.map(|(crease, _)| crease));
+    let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
+    let mut orders = Orders {
+        problem,
+        judge: Judge::new(pattern, &reduction, options.collision),
+        closure_tolerance: reduction.closure_tolerance(options),
+        tree: &reduction.tree,
+        groups: &reduction.groups,
+        in_the_way: vec![0; goal.len()],
+        parts: parts(problem, route, &goal).unwrap_or_default(),
+        goal,
+        all,
+        moves: HashMap::new(),
+        free: HashMap::new(),
+        dead: HashSet::new(),
+        barred: Vec::new(),
+        steps: 0,
+    };
+    if !orders.is_free(&orders.all.clone()) {
+        return None;
+    }
+    let mut effort = Plan::default();
+    for _ in 0..MAX_TRIES {
+        let mut order = Vec::new();
+        if problem.is_late() || orders.extend(&mut order).is_err() {
             return None;
         }
-        let mut effort = Plan::default();
-        for _ in 0..TRIES {
-            let mut order = Vec::new();
-            if self.is_late() || orders.extend(&mut order).is_err() {
-                return None;
+        // The motion is placed as near to its path as it gets, so that only a path that crosses is rejected.
+        let plan = orders.plan_by_way_of(&orders.stops(&order), LEAST_BOUND_FRACTION);
+        if plan.outcome == Outcome::Planned {
+            let mut plan = with_fewer_stops(&mut orders, plan, order);
+            plan.add_effort(&effort);
+            return Some(plan);
+        }
+        let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
+        let next = phases.count().min(order.len() - 1);
+        orders.bar(&order[..next], &order[next], &plan.outcome);
+        effort.add_effort(&plan);
+    }
+    None
+}
+
+/// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
+/// folded at once if no faces cross then.
+fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBitSet>) -> Plan {
+    let mut effort = Plan::default();
+    let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
+    let stops = |orders: &Orders<'_>, phases: &[Vec<_>]| {
+        let phases: Vec<_> = phases.iter().map(|once| orders.folded(once)).collect();
+        orders.stops(&phases)
+    };
+    let mut run = phases.len().div_ceil(2);
+    while run > 1 {
+        let mut from = 0;
+        while from + 1 < phases.len() && phases.len() > run {
+            let to = phases.len().min(from + run);
+            let once = phases[from..to].concat();
+            let next = orders.moves(&orders.folded(&phases[..from].concat()));
+            let mut fewer = phases.clone();
+            fewer.splice(from..to, [once.clone()]);
+            from += run - 1;
+            if !once.iter().all(|creases| next.contains(creases)) {
+                continue;
             }
-            // The motion is placed as near to its course as it gets, so that only a course that crosses is rejected.
-            let plan = self.by_way_of(&orders, &orders.stops(&order), LEAST_PART);
-            if plan.outcome == Outcome::Planned {
-                let mut plan = self.with_fewer_stops(&mut orders, plan, order);
-                plan.add_effort(&effort);
-                return Some(plan);
+            let mut other = orders.plan_by_way_of(&stops(orders, &fewer), LEAST_BOUND_FRACTION);
+            if other.outcome == Outcome::Planned {
+                core::mem::swap(&mut plan, &mut other);
+                phases = fewer;
+                from -= run - 1;
             }
-            let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-            let next = phases.count().min(order.len() - 1);
-            orders.bar(&order[..next], &order[next], &plan.outcome);
-            effort.add_effort(&plan);
+            effort.add_effort(&other);
         }
-        None
+        run = run.div_ceil(2).min(run - 1);
     }
+    let mut other = orders.plan_by_way_of(&stops(orders, &phases), FIRST_BOUND_FRACTION);
+    if other.outcome == Outcome::Planned {
+        core::mem::swap(&mut plan, &mut other);
+    }
+    plan.add_effort(&other);
+    plan.add_effort(&effort);
+    plan.notes.push(Note::Phases(phases.len()));
+    plan
+}
 
-    /// Returns the angle (radians) by which creases are off, if the goal closes but for rounding; so do the goal's
-    /// parts then.
-    fn rounding(&self, attempt: &Attempt) -> Option<f64> {
-        let stars = ReducedStars::of_creases(self.pattern);
-        let most = attempt.reduction.closure_tolerance(self.options);
-        rounding(&stars, &self.goal.fold_angles, most, false)
+/// Returns the sets of creases that turn and move each other along `route`; creases of different sets do not.
+fn parts(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    goal: &[f64],
+) -> Option<Vec<FixedBitSet>> {
+    let groups = &route.reduction.groups;
+    let waypoints = &route.waypoints;
+    // The sheet is singular where it is flat, and often at the goal: only configurations between are used.
+    let inner = waypoints.get(1..waypoints.len().checked_sub(1)?)?;
+    let step = inner.len().div_ceil(MAX_CONFIGURATIONS).max(1);
+    let looks = inner.iter().step_by(step);
+    let mut looks: Vec<_> = looks.map(|w| groups.expand(&w.angles)).collect();
+    if looks.is_empty() {
+        looks.push(goal.iter().map(|angle| angle / 2.0).collect());
     }
-
-    /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
-    /// folded at once if no faces cross then.
-    fn with_fewer_stops(
-        &self,
-        orders: &mut Orders<'_>,
-        mut plan: Plan,
-        order: Vec<FixedBitSet>,
-    ) -> Plan {
-        let mut effort = Plan::default();
-        let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
-        let stops = |orders: &Orders<'_>, phases: &[Vec<_>]| {
-            let phases: Vec<_> = phases.iter().map(|once| orders.folded(once)).collect();
-            orders.stops(&phases)
-        };
-        let mut run = phases.len().div_ceil(2);
-        while run > 1 {
-            let mut from = 0;
-            while from + 1 < phases.len() && phases.len() > run {
-                let to = phases.len().min(from + run);
-                let once = phases[from..to].concat();
-                let next = orders.moves(&orders.folded(&phases[..from].concat()));
-                let mut fewer = phases.clone();
-                fewer.splice(from..to, [once.clone()]);
-                from += run - 1;
-                if !once.iter().all(|creases| next.contains(creases)) {
-                    continue;
-                }
-                let mut other = self.by_way_of(orders, &stops(orders, &fewer), LEAST_PART);
-                if other.outcome == Outcome::Planned {
-                    core::mem::swap(&mut plan, &mut other);
-                    phases = fewer;
-                    from -= run - 1;
-                }
-                effort.add_effort(&other);
-            }
-            run = run.div_ceil(2).min(run - 1);
-        }
-        let mut other = self.by_way_of(orders, &stops(orders, &phases), FIRST_PART);
-        if other.outcome == Outcome::Planned {
-            core::mem::swap(&mut plan, &mut other);
-        }
-        plan.add_effort(&other);
-        plan.add_effort(&effort);
-        plan.notes.push(format!(
-            "folded in {} phases: all creases cannot turn at once",
-            phases.len()
-        ));
-        plan
-    }
-
-    /// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first.
-    fn by_way_of(&self, orders: &Orders<'_>, stops: &[FixedBitSet], part: f64) -> Plan {
-        let via = stops.iter().map(|folded| {
-            let angles = orders.angles(folded).into_iter().map(Some).collect();
-            Goal::chosen(self.pattern, angles, "a part of the goal".into())
-        });
-        let goal = Goal {
-            via: via.collect(),
-            ..self.goal.clone()
-        };
-        let planning = Planning {
-            part,
-            unrounded: self.unrounded,
-            measured: self.measured,
-            ..Planning::new(self.pattern, &goal, self.options, self.watch)
-        };
-        planning.run()
-    }
-
-    /// Returns the sets of creases that turn and move each other on the way of `attempt`; creases of different sets do
-    /// not.
-    fn parts(&self, attempt: &Attempt, goal: &[f64]) -> Option<Vec<FixedBitSet>> {
-        let groups = &attempt.reduction.groups;
-        let waypoints = &attempt.waypoints;
-        // The sheet is singular where it is flat, and often at the goal: only configurations between are used.
-        let inner = waypoints.get(1..waypoints.len().checked_sub(1)?)?;
-        let step = inner.len().div_ceil(LOOKS).max(1);
-        let looks = inner.iter().step_by(step);
-        let mut looks: Vec<_> = looks.map(|w| groups.expand(&w.angles)).collect();
-        if looks.is_empty() {
-            looks.push(goal.iter().map(|angle| angle / 2.0).collect());
-        }
-        let stars = ReducedStars::of_creases(self.pattern);
-        let stars = if self.unrounded.is_some() {
-            stars.unrounded(attempt.reduction.within).0
-        } else {
-            stars
-        };
-        let parts = independent_parts(&stars, &looks)?;
-        let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
-        let parts = parts
-            .into_iter()
-            .map(|part| part.into_iter().filter(turned));
-        Some(parts.map(|part| set(goal, part)).collect())
-    }
+    let stars = ReducedStars::of_creases(problem.pattern);
+    let stars = if problem.errors.is_snapped() {
+        stars.unrounded(route.reduction.within).0
+    } else {
+        stars
+    };
+    let parts = independent_parts(&stars, &looks)?;
+    let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
+    let parts = parts
+        .into_iter()
+        .map(|part| part.into_iter().filter(turned));
+    Some(parts.map(|part| set(goal, part)).collect())
 }
 
 /// Makes a set of creases with room for as many creases as a list has items.
@@ -218,7 +208,7 @@ struct Barred {
 
 /// Search for sequences in which sets of creases can be folded.
 struct Orders<'a> {
-    pattern: &'a CreasePattern,
+    problem: &'a PlanningProblem<'a>,
     judge: Judge<'a>,
     tree: &'a SpanningTree,
     /// Closure residual up to which a configuration counts as closed.
@@ -267,6 +257,30 @@ impl Orders<'_> {
             .collect()
     }
 
+    /// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first.
+    fn plan_by_way_of(&self, stops: &[FixedBitSet], bound_fraction: f64) -> Plan {
+        let via = stops.iter().map(|folded| {
+            let angles = self.angles(folded).into_iter().map(Some).collect();
+            Goal::chosen(self.problem.pattern, angles, "a part of the goal".into())
+        });
+        let goal = Goal {
+            via: via.collect(),
+            ..self.problem.goal.clone()
+        };
+        let problem = PlanningProblem {
+            goal: &goal,
+            ..*self.problem
+        };
+        let pass = pipeline::run(&problem, bound_fraction);
+        pass.map_or_else(
+            || Plan {
+                outcome: Outcome::Partial,
+                ..Plan::default()
+            },
+            |pass| pass.plan,
+        )
+    }
+
     fn is_free(&mut self, folded: &FixedBitSet) -> bool {
         if let Some(&free) = self.free.get(folded) {
             return free;
@@ -277,7 +291,7 @@ impl Orders<'_> {
             angles: angles.into_iter().flatten().collect(),
             ..Knot::default()
         };
-        let free = self.free.len() < MOST_SETS
+        let free = self.free.len() < MAX_SETS
             && self.judge.judge(&mut knot).is_none()
             && knot.closure <= self.closure_tolerance;
         self.free.insert(folded.clone(), free);
@@ -290,12 +304,12 @@ impl Orders<'_> {
         if let Some(moves) = self.moves.get(folded) {
             return moves.clone();
         }
-        let map = FoldingMap::new(self.pattern, self.tree, &self.angles(folded));
+        let map = FoldingMap::new(self.problem.pattern, self.tree, &self.angles(folded));
         let mut turns = vec![0.0; self.goal.len()];
         for crease in self.all.difference(folded) {
             turns[crease] = self.goal[crease];
         }
-        let folds = simple_folds(self.pattern, map.vertices(), &turns);
+        let folds = simple_folds(self.problem.pattern, map.vertices(), &turns);
         let rest = self
             .parts
             .iter()
@@ -322,7 +336,7 @@ impl Orders<'_> {
             return Ok(());
         }
         self.steps += 1;
-        if self.steps > MOST_STEPS {
+        if self.steps > MAX_STEPS {
             return Err(false);
         }
         let mut in_any_order = true;

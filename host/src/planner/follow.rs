@@ -3,8 +3,9 @@
 //!
 //! The flat sheet is singular: more motions leave it to first order than the sheet can continue. So a path is followed
 //! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
-//! see [`branch`](super::branch).
+//! see `branch.rs`.
 
+use super::reason::Stop;
 use super::solver::ClosureSolver;
 use super::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
 use crate::progress::Watch;
@@ -62,23 +63,6 @@ impl Target<'_> {
             Self::Nearest(asked) => way_to(asked, angles),
         }
     }
-}
-
-/// Reason why path following stopped before the target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// No motion leads on.
-    Singular,
-    /// The corrector finds no closed configuration within the smallest step.
-    Closure,
-    /// The motion leads no nearer to the target, but has not reached it.
-    Nearest,
-    /// This unknown is at its limit.
-    Limit(usize),
-    /// Out of time.
-    Timeout,
-    /// The motion goes on without coming nearer to the target.
-    TooLong,
 }
 
 /// Outcome of path following: waypoints in the order travelled, and the reason why they end before the target, if they

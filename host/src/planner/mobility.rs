@@ -11,7 +11,6 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::branch::{UNTURNED, branches_at_flat};
 use super::reduction::Reduction;
-use super::solver::Work;
 use super::vectors::{largest, max_norm};
 use super::{Goal, PlanOptions};
 use crate::joined::root;
@@ -229,17 +228,8 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
         let towards: Vec<f64> = towards
             .map(|(asked, sign)| asked.unwrap_or(sign * most))
             .collect();
-        let work = &mut Work::default();
-        let mut leave = |closure_tolerance| {
-            branches_at_flat(
-                &reduction,
-                &towards,
-                &signs,
-                closure_tolerance,
-                &options,
-                work,
-            )
-        };
+        let leave =
+            |tolerance| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
         if let Some(x) = leave(0.0).first() {
             let creases = reduction.groups.expand(x);
             let least = UNTURNED * max_norm(x);

@@ -5,6 +5,8 @@ use core::f64::consts::PI;
 use std::rc::Rc;
 
 use super::follow::{approach, same_signs};
+use super::problem::PlanningProblem;
+use super::reason::{ClosureSite, WorstClosure};
 use super::solver::{ClosureSolver, Work};
 use super::sparse::Structure;
 use super::{Goal, PlanOptions, Vertices};
@@ -45,14 +47,6 @@ pub(super) struct Reduction<'a> {
     lattice: OnceCell<Option<Lattice>>,
 }
 
-/// Vertex or hole that closes worst, for the reason of a plan.
-pub(super) struct WorstClosure {
-    /// The vertex or hole, in words.
-    pub(super) place: String,
-    pub(super) edges: Vec<EdgeId>,
-    pub(super) residual: f64,
-}
-
 /// A closed configuration near the goal.
 pub(super) struct ClosedGoal {
     /// Group angles, radians.
@@ -72,6 +66,21 @@ impl<'a> Reduction<'a> {
     ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
         Self::of_stars(pattern, groups, all, options, watch)
+    }
+
+    /// Makes the reduction of a problem to these groups, with the stars as they are.
+    pub(super) fn of(problem: &PlanningProblem<'a>, groups: CreaseGroups) -> Self {
+        let reduction = Self::new(problem.pattern, groups, problem.options, problem.watch);
+        // Errors of rounded coordinates do not add up. The errors of the sheet have to be measured then.
+        let expected = if problem.errors.is_measured() {
+            EXPECTED
+        } else {
+            f64::INFINITY
+        };
+        Self {
+            expected,
+            ..reduction
+        }
     }
 
     /// Makes the reduction with these stars.
@@ -101,22 +110,13 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// Assumes that errors of vertices do not add up, as those of rounded coordinates do not. The errors of the sheet
-    /// have to be measured then.
-    pub(super) fn measured(self) -> Self {
-        Self {
-            expected: EXPECTED,
-            ..self
-        }
-    }
-
     /// Returns the reduction to stars that fold flat exactly where they nearly do, and the largest angle (radians) by
     /// which a crease is turned for that.
     ///
     /// With `coarse`, the angle up to which creases may be turned is the largest with which the goal closes, otherwise
     /// little more than the smallest; either is within what the bound allows. Returns `None` if no crease is turned by
     /// more than rounding, or if `coarse` allows no larger angle.
-    pub(super) fn unrounded(
+    pub(super) fn snapped(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
@@ -133,13 +133,13 @@ impl<'a> Reduction<'a> {
         }
         let (all, turned) = self.all.unrounded(within);
         let groups = self.groups.clone();
-        let unrounded = || Self {
+        let snapped = || Self {
             rounded: Some(self.distinct.clone()),
             within,
             expected: self.expected,
             ..Self::of_stars(pattern, groups, all, options, self.watch)
         };
-        (turned > ROUNDING).then(|| (unrounded(), turned))
+        (turned > ROUNDING).then(|| (snapped(), turned))
     }
 
     /// Returns the lattice along which to look for crossings, if the groups have one and the sheet has more than a few
@@ -209,23 +209,23 @@ impl<'a> Reduction<'a> {
         let residuals = self.all.residuals(x).into_iter().enumerate();
         let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let vertices = self.all.vertices();
-        let (place, edges): (_, Vec<EdgeId>) = match vertices.get(worst) {
+        let (site, edges): (_, Vec<EdgeId>) = match vertices.get(worst) {
             Some(&vertex) => (
-                format!("vertex {}", vertex.index()),
+                ClosureSite::Vertex(vertex),
                 pattern.stars()[vertex.index()].to_vec(),
             ),
             None => {
                 let way = &pattern.holes()[self.all.holes()[worst - vertices.len()]];
-                let at = way.first().map_or(0, |passage| passage.at.index());
+                let at = way.first().map(|passage| passage.at);
                 (
-                    format!("the hole at vertex {at}"),
+                    ClosureSite::Hole(at.unwrap_or_default()),
                     way.iter().map(|passage| passage.edge).collect(),
                 )
             }
         };
         let hinge = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
         Some(WorstClosure {
-            place,
+            site,
             edges: edges.into_iter().filter(hinge).collect(),
             residual,
         })
@@ -280,17 +280,18 @@ impl<'a> Reduction<'a> {
         &self,
         goal: &Goal,
         options: &PlanOptions,
-        work: &mut Work,
-    ) -> Option<ClosedGoal> {
-        let exact = self.close_goal_to(0.0, goal, options, work);
+    ) -> (Option<ClosedGoal>, Work) {
+        let (exact, mut work) = self.close_goal_to(0.0, goal, options);
         if exact.as_ref().is_some_and(|closed| closed.error <= NEARBY) {
-            return exact;
+            return (exact, work);
         }
-        let rough = self.close_goal_to(self.closure_tolerance(options), goal, options, work);
-        match (exact, rough) {
+        let (rough, more) = self.close_goal_to(self.closure_tolerance(options), goal, options);
+        work += more;
+        let closed = match (exact, rough) {
             (Some(exact), Some(rough)) if exact.error <= rough.error => Some(exact),
             (exact, rough) => rough.or(exact),
-        }
+        };
+        (closed, work)
     }
 
     /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
@@ -299,20 +300,18 @@ impl<'a> Reduction<'a> {
         closure_tolerance: f64,
         goal: &Goal,
         options: &PlanOptions,
-        work: &mut Work,
-    ) -> Option<ClosedGoal> {
+    ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
         let mut solver = self.solver(options, closure_tolerance);
         solver.set_limits(self.orthant(&signs));
         let found = nearest_closed(&mut solver, &asked, &signs);
-        *work += solver.work;
-        let angles =
-            found.filter(|angles| self.closure(angles) <= self.closure_tolerance(options))?;
-        Some(ClosedGoal {
+        let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
+        let closed = found.filter(closes).map(|angles| ClosedGoal {
             error: self.distance(&angles, goal),
             angles,
             closure_tolerance,
-        })
+        });
+        (closed, solver.work)
     }
 }
 

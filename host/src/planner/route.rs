@@ -1,22 +1,23 @@
-//! One attempt at a path on given crease groups, from flat to the goal or as near as the motion leads: backwards from
-//! the goal, or else forwards from flat, or else by the randomised search.
+//! The route on given crease groups, from flat to the goal or as near as the motion leads: backwards from the goal, or
+//! else forwards from flat, or else by the randomised search.
 
 use core::time::Duration;
 use std::time::Instant;
 
 use super::branch::branches_at_flat;
-use super::follow::{Followed, Homeward, Rules, Stop, Target, Waypoint, follow, tangent_at_flat};
+use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
 use super::goal::GoalKind;
 use super::judge::Judge;
 use super::knots::Knot;
+use super::problem::PlanningProblem;
+use super::reason::{Note, Stop};
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
 use super::search::{polyline, search};
 use super::solver::{ClosureSolver, Work};
 use super::vectors::{largest, max_difference, max_norm};
-use super::{Goal, Judged, PlanOptions, Search};
-use crate::pattern::CreasePattern;
+use super::{Judged, PlanOptions, Search};
 
-/// Outcome of an attempt.
+/// Way in which a route ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
     /// The path ends at the goal, or at the closed configuration nearest to it.
@@ -41,8 +42,8 @@ pub(super) struct Reach {
     pub(super) exactly: bool,
 }
 
-/// A path in group angles, and the reason why it ended.
-pub(super) struct Attempt<'a> {
+/// A path in group angles, and the way in which it ends.
+pub(super) struct Route<'a> {
     pub(super) reduction: Reduction<'a>,
     /// Waypoints, from flat.
     pub(super) waypoints: Vec<Waypoint>,
@@ -55,9 +56,12 @@ pub(super) struct Attempt<'a> {
     pub(super) exactly: bool,
     /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
     pub(super) reached: f64,
-    /// Times for closing the goal and for the rest.
-    pub(super) times: [Duration; 2],
-    pub(super) notes: Vec<String>,
+    /// Time for closing the goal.
+    pub(super) closing: Duration,
+    /// Time for following the motion.
+    pub(super) following: Duration,
+    pub(super) work: Work,
+    pub(super) notes: Vec<Note>,
 }
 
 /// Distance from the angle asked for up to which a hinge counts as being there, radians.
@@ -85,80 +89,70 @@ const LAST_RESORT_UNKNOWNS: usize = 200;
 /// Number of restarts of the randomised search if it is asked for.
 const RESTARTS: usize = 20;
 
-/// State shared by all steps of an attempt.
-struct Route<'a> {
-    pattern: &'a CreasePattern,
-    goal: &'a Goal,
-    options: &'a PlanOptions,
+/// State shared by all steps of the search for a route.
+struct RouteFinder<'a> {
+    problem: PlanningProblem<'a>,
     reduction: &'a Reduction<'a>,
+    /// Group angles that the goal asks for.
     asked: Vec<Option<f64>>,
     signs: Vec<f64>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
+    /// Closure residual up to which a local minimum counted as closed on the path found last.
     closure_tolerance: f64,
     /// Number of motions found that leave the flat sheet.
     branches: usize,
+    work: Work,
 }
 
-impl<'a> Attempt<'a> {
-    /// Looks for a path.
-    pub(super) fn new(
-        pattern: &CreasePattern,
+impl<'a> Route<'a> {
+    /// Looks for a route to the goal of `problem`.
+    pub(super) fn find(
+        problem: &PlanningProblem<'_>,
         reduction: Reduction<'a>,
-        goal: &Goal,
         reach: Reach,
-        options: &PlanOptions,
-        work: &mut Work,
     ) -> Self {
-        let (asked, signs) = reduction.asked(goal);
-        let mut route = Route {
-            pattern,
-            goal,
-            options,
-            reduction: &reduction,
-            asked,
-            signs,
-            notes: Vec::new(),
-            closure_tolerance: 0.0,
-            branches: 0,
-        };
+        let mut finder = RouteFinder::new(*problem, &reduction);
         let start = Instant::now();
-        let targets = route.targets(reach, work);
+        let targets = finder.targets(reach);
         let closing = start.elapsed();
         let start = Instant::now();
-        let goals = route.goal.via.len() + 1;
+        let goals = problem.goal.via.len() + 1;
         let known = targets
             .as_ref()
             .ok()
             .filter(|targets| targets.len() == goals);
-        let closed = known.and_then(|targets| Some(targets.last()?.angles.clone()));
+        let goal = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
-            Ok(targets) if options.search == Search::Random => {
-                route.random(&targets, RESTARTS, work)
+            Ok(targets) if problem.options.search == Search::Random => {
+                finder.random(&targets, RESTARTS)
             }
-            Ok(targets) => route.best(&targets, work),
+            Ok(targets) => finder.best(&targets),
             Err(end) => (Vec::new(), end),
         };
         let reached = match (end, waypoints.last()) {
             (End::Reached, _) => 1.0,
-            (_, Some(last)) => route.part(&last.angles),
+            (_, Some(last)) => finder.fraction(&last.angles),
             (_, None) => 0.0,
         };
-        if route.branches > 1 {
-            route.notes.push(format!(
-                "{} first steps found that leave the flat sheet with these signs; the path takes that which \
-                 leads farthest",
-                route.branches
-            ));
+        if finder.branches > 1 {
+            finder.notes.push(Note::Branches(finder.branches));
         }
-        let (notes, closure_tolerance) = (route.notes, route.closure_tolerance);
+        let RouteFinder {
+            notes,
+            closure_tolerance,
+            work,
+            ..
+        } = finder;
         Self {
             waypoints,
-            goal: closed,
+            goal,
             closure_tolerance,
             end,
             exactly: reach.exactly,
             reached,
-            times: [closing, start.elapsed()],
+            closing,
+            following: start.elapsed(),
+            work,
             notes,
             reduction,
         }
@@ -169,12 +163,12 @@ impl<'a> Attempt<'a> {
         self.waypoints.last().map_or(&[], |last| &last.angles)
     }
 
-    /// Returns `true` if no other attempt can do better.
+    /// Returns `true` if no other route can do better.
     pub(super) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
     }
 
-    /// Returns the rank of the attempt; a larger one is better.
+    /// Returns the rank of the route; a larger one is better.
     pub(super) fn rank(&self) -> f64 {
         match self.end {
             End::Reached => 2.0,
@@ -184,27 +178,43 @@ impl<'a> Attempt<'a> {
     }
 }
 
-impl<'a> Route<'a> {
+impl<'a> RouteFinder<'a> {
+    fn new(problem: PlanningProblem<'a>, reduction: &'a Reduction<'a>) -> Self {
+        let (asked, signs) = reduction.asked(problem.goal);
+        Self {
+            problem,
+            reduction,
+            asked,
+            signs,
+            notes: Vec::new(),
+            closure_tolerance: 0.0,
+            branches: 0,
+            work: Work::default(),
+        }
+    }
+
     fn rules(&self) -> Rules<'_> {
         Rules {
             signs: &self.signs,
-            max_step: self.options.max_step,
-            tangents: self.options.judged == Judged::Motion,
+            max_step: self.problem.options.max_step,
+            tangents: self.problem.options.judged == Judged::Motion,
             watch: self.reduction.watch,
         }
     }
 
     /// Makes a solver of configurations in which no hinge turns against its sign.
     fn solver(&self, closure_tolerance: f64) -> ClosureSolver<'a> {
-        let mut solver = self.reduction.solver(self.options, closure_tolerance);
+        let mut solver = self
+            .reduction
+            .solver(self.problem.options, closure_tolerance);
         solver.set_limits(self.reduction.orthant(&self.signs));
         let solver = solver.at_most(ITERATIONS);
-        if self.options.judged == Judged::Motion {
+        if self.problem.options.judged == Judged::Motion {
             return solver;
         }
         // The search for crossings along a lattice needs the faces where the lattice has them.
         let alone = self.reduction.groups.is_trivial();
-        let rough = ROUGH * self.reduction.tolerance(self.options.bound);
+        let rough = ROUGH * self.reduction.tolerance(self.problem.options.bound);
         solver
             .with_rough_motions()
             .content_with(if alone { rough } else { 0.0 })
@@ -212,15 +222,16 @@ impl<'a> Route<'a> {
 
     /// Returns the closed configurations to pass through, with the goal last; without the goal if it is not a
     /// configuration. `Err` names the phase that does not close.
-    fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, End> {
+    fn targets(&mut self, reach: Reach) -> Result<Vec<ClosedGoal>, End> {
         let mut targets = Vec::new();
-        let goals = self.goal.via.iter().chain([self.goal]);
+        let goals = self.problem.goal.via.iter().chain([self.problem.goal]);
         for (index, goal) in goals.enumerate() {
-            let last = index == self.goal.via.len();
+            let last = index == self.problem.goal.via.len();
             if last && (goal.kind == GoalKind::Driven || !self.reduction.allows(goal)) {
                 continue;
             }
-            let closed = self.reduction.close_goal(goal, self.options, work);
+            let (closed, work) = self.reduction.close_goal(goal, self.problem.options);
+            self.work += work;
             let near = |closed: &ClosedGoal| {
                 closed.error <= reach.radians.min(goal.reach)
                     && !(reach.exactly && closed.closure_tolerance > 0.0)
@@ -252,22 +263,22 @@ impl<'a> Route<'a> {
     }
 
     /// Returns the path through all targets, or as far as it leads.
-    fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
-        let whole = targets.len() == self.goal.via.len() + 1;
+    fn best(&mut self, targets: &[ClosedGoal]) -> (Vec<Waypoint>, End) {
+        let whole = targets.len() == self.problem.goal.via.len() + 1;
         let mut waypoints: Vec<Waypoint> = Vec::new();
         for (index, target) in targets.iter().enumerate() {
             let followed = match waypoints.last() {
-                None => self.reach_first(target, work),
+                None => self.reach_first(target),
                 Some(last) => {
                     let from = last.angles.clone();
-                    self.between(&from, target, work)
+                    self.between(&from, target)
                 }
             };
             append(&mut waypoints, followed.waypoints);
             if let Some(stop) = followed.stop {
                 return (waypoints, End::Stopped(stop));
             }
-            if let (Some(end), true) = (waypoints.last_mut(), index < self.goal.via.len()) {
+            if let (Some(end), true) = (waypoints.last_mut(), index < self.problem.goal.via.len()) {
                 end.ends_phase = true;
             }
         }
@@ -276,15 +287,15 @@ impl<'a> Route<'a> {
         }
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
-            None => match self.guided(work) {
+            None => match self.guided() {
                 Some(guided) => guided,
-                None => self.forwards(None, work),
+                None => self.forwards(None),
             },
             Some(last) => {
                 let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
-                *work += solver.work;
+                self.work += solver.work;
                 followed
             }
         };
@@ -294,23 +305,25 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.
-    fn guided(&mut self, work: &mut Work) -> Option<Followed> {
-        let guide = self.goal.guide.as_deref()?;
-        let (asked, signs) = self.reduction.asked(guide);
-        let mut route = Route {
+    fn guided(&mut self) -> Option<Followed> {
+        let guide = self.problem.goal.guide.as_deref()?;
+        let problem = PlanningProblem {
             goal: guide,
-            asked,
-            signs,
-            notes: Vec::new(),
-            ..*self
+            ..self.problem
+        };
+        let mut finder = RouteFinder {
+            closure_tolerance: self.closure_tolerance,
+            ..RouteFinder::new(problem, self.reduction)
         };
         let reach = Reach {
             radians: guide.reach,
             exactly: false,
         };
-        let targets = route.targets(reach, work).ok()?;
-        let (mut waypoints, _) = route.best(&targets, work);
-        let closure_tolerance = route.closure_tolerance;
+        let targets = finder.targets(reach);
+        let best = targets.map(|targets| finder.best(&targets));
+        self.work += finder.work;
+        let (mut waypoints, _) = best.ok()?;
+        let closure_tolerance = finder.closure_tolerance;
         let short = |w: &Waypoint| {
             let mut pairs = self.asked.iter().zip(&w.angles);
             pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
@@ -323,7 +336,7 @@ impl<'a> Route<'a> {
         let target = Target::Nearest(&self.asked);
         let came = Some(before.tangent.as_slice());
         let last = follow(&mut solver, &before.angles, came, target, self.rules());
-        *work += solver.work;
+        self.work += solver.work;
         append(&mut waypoints, last.waypoints);
         last.stop.is_none().then_some(Followed {
             waypoints,
@@ -333,11 +346,11 @@ impl<'a> Route<'a> {
 
     /// Leads from flat to the first target: on the straight way, or else followed backwards from the target, or else
     /// followed forwards from flat, or else by the randomised search.
-    fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+    fn reach_first(&mut self, target: &ClosedGoal) -> Followed {
         if let Some(straight) = self.straight_way(&vec![0.0; target.angles.len()], &target.angles) {
             return straight;
         }
-        let backwards = self.backwards(target, work);
+        let backwards = self.backwards(target);
         if matches!(backwards.stop, None | Some(Stop::Timeout)) {
             return backwards;
         }
@@ -346,33 +359,34 @@ impl<'a> Route<'a> {
         if target.closure_tolerance <= 0.0
             && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
         {
-            let closure_tolerance = self.reduction.closure_tolerance(self.options);
-            let goal = self.goal.via.first().unwrap_or(self.goal);
-            let rough = self
+            let closure_tolerance = self.reduction.closure_tolerance(self.problem.options);
+            let goal = self.problem.goal.via.first().unwrap_or(self.problem.goal);
+            let options = self.problem.options;
+            let (rough, work) = self
                 .reduction
-                .close_goal_to(closure_tolerance, goal, self.options, work);
+                .close_goal_to(closure_tolerance, goal, options);
+            self.work += work;
             let near = |rough: &ClosedGoal| {
-                max_difference(&rough.angles, &target.angles) <= self.options.max_step
+                max_difference(&rough.angles, &target.angles) <= self.problem.options.max_step
             };
             if let Some(rough) = rough.filter(near) {
-                let followed = self.backwards(&rough, work);
+                let followed = self.backwards(&rough);
                 if followed.stop.is_none() {
                     return followed;
                 }
             }
         }
-        let forwards = self.forwards(Some(target), work);
+        let forwards = self.forwards(Some(target));
         if matches!(forwards.stop, None | Some(Stop::Timeout)) {
             return forwards;
         }
         if self.asked.len() > LAST_RESORT_UNKNOWNS {
             return forwards;
         }
-        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT, work);
+        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT);
         match end {
             End::Reached => {
-                self.notes
-                    .push("the path was found by the randomised search".into());
+                self.notes.push(Note::FoundAtRandom);
                 Followed {
                     waypoints,
                     stop: None,
@@ -389,7 +403,7 @@ impl<'a> Route<'a> {
         if far <= 0.0 {
             return None;
         }
-        let steps = (far / self.options.max_step).ceil().max(STEPS);
+        let steps = (far / self.problem.options.max_step).ceil().max(STEPS);
         let parts = core::iter::successors(Some(0.0), |step| Some(step + 1.0));
         let parts = parts.take_while(|step| *step <= steps);
         let knots = parts.map(|step| {
@@ -405,7 +419,7 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the motion from the target to flat, and returns the path reversed.
-    fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+    fn backwards(&mut self, target: &ClosedGoal) -> Followed {
         let mut solver = self.solver(target.closure_tolerance);
         self.closure_tolerance = target.closure_tolerance;
         let manners = [Homeward::Straight, Homeward::Together];
@@ -420,7 +434,7 @@ impl<'a> Route<'a> {
                 break;
             }
         }
-        *work += solver.work;
+        self.work += solver.work;
         if followed.stop.is_some() {
             // Waypoints that do not begin at flat are no part of a path.
             followed.waypoints = vec![Waypoint::new(
@@ -432,7 +446,7 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the motion from one target to the next, or else backwards.
-    fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
+    fn between(&mut self, from: &[f64], to: &ClosedGoal) -> Followed {
         if let Some(straight) = self.straight_way(from, &to.angles) {
             return straight;
         }
@@ -452,20 +466,20 @@ impl<'a> Route<'a> {
                 followed = back.reversed();
             }
         }
-        *work += solver.work;
+        self.work += solver.work;
         followed
     }
 
     /// Follows the motion from flat along the signs of the goal: with exact closure or, if only that leads all the way
     /// because coordinates are rounded, through local minima of the residual.
-    fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
-        let exact = self.forwards_to(target, 0.0, work);
+    fn forwards(&mut self, target: Option<&ClosedGoal>) -> Followed {
+        let exact = self.forwards_to(target, 0.0);
         self.closure_tolerance = 0.0;
         if matches!(exact.stop, None | Some(Stop::Timeout)) {
             return exact;
         }
-        let closure_tolerance = self.reduction.closure_tolerance(self.options);
-        let rough = self.forwards_to(target, closure_tolerance, work);
+        let closure_tolerance = self.reduction.closure_tolerance(self.problem.options);
+        let rough = self.forwards_to(target, closure_tolerance);
         if rough.stop.is_none() {
             self.closure_tolerance = closure_tolerance;
             return rough;
@@ -474,12 +488,7 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the motion from flat on the branch that leads farthest.
-    fn forwards_to(
-        &mut self,
-        target: Option<&ClosedGoal>,
-        closure_tolerance: f64,
-        work: &mut Work,
-    ) -> Followed {
+    fn forwards_to(&mut self, target: Option<&ClosedGoal>, closure_tolerance: f64) -> Followed {
         let towards: Vec<f64> = match target {
             Some(closed) => closed.angles.clone(),
             None => self.guess(),
@@ -492,15 +501,15 @@ impl<'a> Route<'a> {
             stop: Some(Stop::Singular),
         };
         let mut best_part = 0.0;
-        let branches = branches_at_flat(
+        let (branches, work) = branches_at_flat(
             self.reduction,
             &towards,
             &self.signs,
             closure_tolerance,
-            self.options,
-            work,
+            self.problem.options,
         );
-        let near = |near: &&Vec<f64>| max_norm(near) <= self.options.max_step;
+        self.work += work;
+        let near = |near: &&Vec<f64>| max_norm(near) <= self.problem.options.max_step;
         for near in branches.iter().filter(near).take(BRANCHES) {
             let tangent = tangent_at_flat(&mut solver, near);
             let target = match target {
@@ -511,7 +520,7 @@ impl<'a> Route<'a> {
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
                 // Waypoints beyond the one nearest to the goal are not part of the path.
-                let parts = followed.waypoints.iter().map(|w| self.part(&w.angles));
+                let parts = followed.waypoints.iter().map(|w| self.fraction(&w.angles));
                 let far =
                     parts.enumerate().fold(
                         (0, 0.0),
@@ -522,7 +531,7 @@ impl<'a> Route<'a> {
                 followed.waypoints.truncate(far.0 + 1);
             }
             let last = followed.waypoints.last();
-            let part = last.map_or(0.0, |last| self.part(&last.angles));
+            let part = last.map_or(0.0, |last| self.fraction(&last.angles));
             let done = followed.stop.is_none();
             if done || part > best_part {
                 (best, best_part) = (followed, part);
@@ -534,7 +543,7 @@ impl<'a> Route<'a> {
         if solver.is_late() && best.stop.is_some() {
             best.stop = Some(Stop::Timeout);
         }
-        *work += solver.work;
+        self.work += solver.work;
         if branches.len() > 1 {
             self.branches = branches.len();
         }
@@ -552,13 +561,8 @@ impl<'a> Route<'a> {
     }
 
     /// Searches at random for a path to the last of the targets.
-    fn random(
-        &mut self,
-        targets: &[ClosedGoal],
-        restarts: usize,
-        work: &mut Work,
-    ) -> (Vec<Waypoint>, End) {
-        let options = self.options;
+    fn random(&mut self, targets: &[ClosedGoal], restarts: usize) -> (Vec<Waypoint>, End) {
+        let options = self.problem.options;
         let exact = options.search != Search::Random;
         // As in the report, a closure residual that the deformation bound allows is enough.
         let tolerance = if exact {
@@ -567,7 +571,11 @@ impl<'a> Route<'a> {
             self.reduction.closure_tolerance(options)
         };
         let mut solver = self.solver(tolerance).content_with(tolerance);
-        let mut judge = Judge::new(self.pattern, self.reduction, options.collision && !exact);
+        let mut judge = Judge::new(
+            self.problem.pattern,
+            self.reduction,
+            options.collision && !exact,
+        );
         let closed = targets.last().map(|closed| closed.angles.as_slice());
         let asked: Vec<Option<f64>> = match closed {
             Some(closed) => closed.iter().map(|&angle| Some(angle)).collect(),
@@ -590,14 +598,14 @@ impl<'a> Route<'a> {
             options,
             feasible,
         );
-        *work += solver.work;
+        self.work += solver.work;
         self.closure_tolerance = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (followed.waypoints, end)
     }
 
     /// Returns the fraction of the goal's angles that a configuration has, 0 to 1.
-    fn part(&self, angles: &[f64]) -> f64 {
+    fn fraction(&self, angles: &[f64]) -> f64 {
         let pairs = self.asked.iter().zip(angles);
         let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
             let asked = asked.unwrap_or(0.0);

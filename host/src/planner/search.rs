@@ -9,7 +9,8 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::PlanOptions;
-use super::follow::{Followed, NEAR, Rules, Stop, Waypoint, approach};
+use super::follow::{Followed, NEAR, Rules, Waypoint, approach};
+use super::reason::Stop;
 use super::solver::ClosureSolver;
 use super::vectors::{max_difference, max_norm, norm, way_to};
 
