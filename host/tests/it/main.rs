@@ -11,6 +11,7 @@ mod lattice;
 mod lattice_scene;
 mod nonsense;
 mod overshoot;
+mod planner_order;
 mod progress;
 mod sweep;
 mod symmetry;

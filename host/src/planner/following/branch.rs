@@ -10,10 +10,10 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::reduction::Reduction;
-use super::solver::{ClosureSolver, Work};
-use super::vectors::{cosine, max_norm};
-use super::{PlanOptions, Vertices};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::vectors::{cosine, max_norm};
+use crate::planner::{PlanOptions, Vertices};
 use crate::progress::Watch;
 use crate::symmetry::CreaseGroups;
 
@@ -23,7 +23,7 @@ const FIRST_STEP: f64 = 0.1;
 /// Number of random first steps tried beside the one straight towards the goal.
 const RANDOM_STEPS: usize = 8;
 /// Angle below which a hinge has not turned, as a fraction of the largest angle.
-pub(super) const UNTURNED: f64 = 1e-3;
+pub(crate) const UNTURNED: f64 = 1e-3;
 /// Least angles of every hinge, as fractions of the largest angle, tried one after the other. Without such a limit, the
 /// sheet lands on motions that turn only some of its hinges.
 const LEAST: [f64; 3] = [0.1, 0.01, 0.0];
@@ -40,7 +40,7 @@ const GROWN: f64 = 2.0;
 /// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
 /// turn most hinges come first, and among these the nearest to the direction of `towards`. Returns the work of the solver
 /// too.
-pub(super) fn branches_at_flat(
+pub(crate) fn branches_at_flat(
     reduction: &Reduction,
     towards: &[f64],
     signs: &[f64],

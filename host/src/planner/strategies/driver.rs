@@ -3,17 +3,17 @@
 
 use std::time::Instant;
 
-use super::certified_motion::CERTIFIED_DEFORMATION;
 use super::fold_sequence::{fold_in_sequence, goal_of_sequences};
 use super::pipeline::{self, Ending};
-use super::plan::{Attempt, Outcome, Plan, Strategy};
-use super::problem::{ErrorModel, PlanningProblem};
-use super::reason::{GroupsDropped, Note, Reason};
-use super::reduction::{CLOSED, EXPECTED, closure_of};
-use super::route_selection::FARTHER;
-use super::whole_sheet::FIRST_BOUND_FRACTION;
-use super::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::pattern::CreasePattern;
+use crate::planner::following::reduction::{CLOSED, EXPECTED, closure_of};
+use crate::planner::following::route_selection::FARTHER;
+use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
+use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
+use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
+use crate::planner::problem::{ErrorModel, PlanningProblem};
+use crate::planner::reason::{GroupsDropped, Note, Reason};
+use crate::planner::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 
 /// Largest number of creases of a sheet that is planned once more without its crease groups to prove a smaller

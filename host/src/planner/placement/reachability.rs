@@ -108,7 +108,7 @@ enum Regime {
 }
 
 /// A path with its limits, both checked.
-pub(super) struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     path: SampledPath<'a>,
     limits: RateLimits<'a>,
     groups: usize,
@@ -121,7 +121,7 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         path: SampledPath<'a>,
         limits: RateLimits<'a>,
         rests: Rests<'_>,
@@ -287,7 +287,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the largest σ̇² at each point.
-    pub(super) fn fastest(&self) -> Vec<f64> {
+    pub(crate) fn fastest(&self) -> Vec<f64> {
         let mut squares = self.ceiling.clone();
         if self.limited.is_empty() {
             return squares;
@@ -312,7 +312,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the points at which the regime changes.
-    pub(super) fn switches(&self, squares: &[f64]) -> Vec<usize> {
+    pub(crate) fn switches(&self, squares: &[f64]) -> Vec<usize> {
         let mut switches = Vec::new();
         let mut regime = None;
         for k in (0..squares.len() - 1).filter(|&k| self.span(k) > 0.0) {

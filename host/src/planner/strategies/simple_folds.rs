@@ -20,7 +20,7 @@ const UNLIKE: f64 = 1e-3;
 ///
 /// `shape` has the folded position of each vertex, `turns` the angle (radians) by which each crease has still to turn,
 /// 0 if it stays. Cost: O(edges) for each line.
-pub(super) fn simple_folds(
+pub(crate) fn simple_folds(
     pattern: &CreasePattern,
     shape: &[Vector3<f64>],
     turns: &[f64],

@@ -4,35 +4,35 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::certified_motion::Certificate;
-use super::judge::Judge;
-use super::knots::{Knot, Path};
-use super::plan::{Failure, Outcome};
-use super::problem::PlanningProblem;
-use super::reason::Reason;
-use super::reduction::{CLOSED, Reduction};
 use crate::certificate::{Closure, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::numbers::larger;
 use crate::pattern::CreasePattern;
+use crate::planner::following::judge::Judge;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Knot, Path};
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::Reason;
 
 /// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// Knots with the errors of the sheet at them.
-pub(super) struct MeasuredMotion {
+pub(crate) struct MeasuredMotion {
     /// The knots; those before `late`, if time ran out.
-    pub(super) knots: Vec<Knot>,
+    pub(crate) knots: Vec<Knot>,
     /// Number of the knot at which time ran out, if it did.
-    pub(super) late: Option<usize>,
+    pub(crate) late: Option<usize>,
     /// Largest errors of the essential crease pattern and its number of faces, if they were measured.
-    pub(super) essential: Option<(Rigidity, usize)>,
+    pub(crate) essential: Option<(Rigidity, usize)>,
     /// Time spent folding.
-    pub(super) time: Duration,
+    pub(crate) time: Duration,
 }
 
 impl MeasuredMotion {
     /// Returns the largest errors over all knots; the closure residual takes the place of the twist.
-    pub(super) fn worst(&self) -> Rigidity {
+    pub(crate) fn worst(&self) -> Rigidity {
         let errors = self.knots.iter().map(|knot| Rigidity {
             deformation: knot.deformation,
             gap: knot.gap,
@@ -42,14 +42,14 @@ impl MeasuredMotion {
     }
 
     /// Returns the largest closure residual over all knots, or `before` if that is larger.
-    pub(super) fn max_closure(&self, before: f64) -> f64 {
+    pub(crate) fn max_closure(&self, before: f64) -> f64 {
         let closure = self.knots.iter().map(|knot| knot.closure);
         closure.fold(before, f64::max)
     }
 }
 
 /// Folds the sheet at knots and measures it there.
-pub(super) fn measure(
+pub(crate) fn measure(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     mut knots: Vec<Knot>,
@@ -80,7 +80,7 @@ pub(super) fn measure(
 
 /// Measures the sheet at knots or, if vertices need not be kept and that suffices, bounds its errors there by the
 /// closure of its essential vertices.
-pub(super) fn measure_or_bound(
+pub(crate) fn measure_or_bound(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     mut knots: Vec<Knot>,
@@ -142,17 +142,17 @@ fn bound_at(
 
 /// Largest errors of a sheet over all knots.
 #[derive(Clone, Copy)]
-pub(super) struct SheetErrors {
+pub(crate) struct SheetErrors {
     /// Those of the whole sheet.
-    pub(super) whole: Rigidity,
+    pub(crate) whole: Rigidity,
     /// Largest closure residual.
-    pub(super) closure: f64,
+    pub(crate) closure: f64,
     /// Those of the essential crease pattern.
-    pub(super) essential: Rigidity,
+    pub(crate) essential: Rigidity,
 }
 
 /// Returns the failure of a sheet that breaks the bound at its knots, or is not proved to keep the bound between them.
-pub(super) fn torn(
+pub(crate) fn torn(
     bound: f64,
     knots: &[Knot],
     errors: SheetErrors,
@@ -193,7 +193,7 @@ pub(super) fn torn(
 
 /// Returns the failure of a sheet that breaks the bound when it is folded from its rim, and the time spent. From there,
 /// errors of vertices that do not close add up over a longer way.
-pub(super) fn torn_from_rim(
+pub(crate) fn torn_from_rim(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     path: &Path,

@@ -4,38 +4,38 @@ use core::ops::Range;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::follow::Waypoint;
-use super::solver::ClosureSolver;
 use super::timing::{OptimalTimeLaw, RateLimits, Rests, SampledPath, TimingError};
-use super::vectors::{max_difference, max_norm, norm};
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::vectors::{max_difference, max_norm, norm};
 
 /// Waypoints, and the Euclidean path length in group angles to each of them.
-pub(super) struct ReducedPath {
+pub(crate) struct ReducedPath {
     waypoints: Vec<Waypoint>,
     arc_lengths: Vec<f64>,
 }
 
 /// A configuration on the path.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PathPoint {
+pub(crate) struct PathPoint {
     /// Path length from the start.
-    pub(super) arc_length: f64,
+    pub(crate) arc_length: f64,
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Derivative of the angles by the path length.
-    pub(super) tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// `true` if one phase of the motion ends here and another begins.
-    pub(super) ends_phase: bool,
+    pub(crate) ends_phase: bool,
 }
 
 impl PathPoint {
     /// Returns `true` if the motion rests here, as at a corner.
-    pub(super) fn rests(&self) -> bool {
+    pub(crate) fn rests(&self) -> bool {
         max_norm(&self.tangent) <= 0.0
     }
 
     /// Returns `true` if there has to be a knot here.
-    pub(super) fn stays(&self) -> bool {
+    pub(crate) fn stays(&self) -> bool {
         self.rests() || self.ends_phase
     }
 }
@@ -48,7 +48,7 @@ const ASTRAY: f64 = 0.1;
 const TOO_NEAR: f64 = 1.0 / 1024.0;
 
 impl ReducedPath {
-    pub(super) fn new(waypoints: &[Waypoint]) -> Self {
+    pub(crate) fn new(waypoints: &[Waypoint]) -> Self {
         let waypoints = spread(waypoints);
         let mut arc_length = 0.0;
         let pairs = waypoints.windows(2);
@@ -68,12 +68,12 @@ impl ReducedPath {
     }
 
     /// Returns the path lengths to the waypoints.
-    pub(super) fn arc_lengths(&self) -> &[f64] {
+    pub(crate) fn arc_lengths(&self) -> &[f64] {
         &self.arc_lengths
     }
 
     /// Returns the waypoint of this number.
-    pub(super) fn point(&self, index: usize) -> PathPoint {
+    pub(crate) fn point(&self, index: usize) -> PathPoint {
         PathPoint {
             arc_length: self.arc_lengths[index],
             angles: self.waypoints[index].angles.clone(),
@@ -83,12 +83,12 @@ impl ReducedPath {
     }
 
     /// Returns the numbers of the waypoints between the ends.
-    pub(super) fn inner(&self) -> Range<usize> {
+    pub(crate) fn inner(&self) -> Range<usize> {
         1..self.waypoints.len().saturating_sub(1)
     }
 
     /// Returns the number of the waypoint between two path lengths that is nearest to their middle.
-    pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
+    pub(crate) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
         let middle = (from + to) / 2.0;
         let first = self
             .arc_lengths
@@ -117,7 +117,7 @@ impl ReducedPath {
 
     /// Returns the fraction of the path before a configuration on the path, 0 to 1, by the nearest point of the
     /// polyline.
-    pub(super) fn fraction(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn fraction(&self, angles: &[f64]) -> f64 {
         let along = |pair: &[Waypoint]| {
             let [from, to] = [&pair[0].angles, &pair[1].angles];
             let (mut dot, mut square) = (0.0, 0.0);
@@ -147,7 +147,7 @@ impl ReducedPath {
 
     /// Cuts the path at a configuration near its end. Returns the waypoints before that configuration, and the
     /// configuration itself, closed.
-    pub(super) fn cut(
+    pub(crate) fn cut(
         &self,
         solver: &mut ClosureSolver<'_>,
         mut end: Vec<f64>,
@@ -175,7 +175,7 @@ impl ReducedPath {
 
     /// Computes the fastest motion along the path, sampled on `parts` intervals of each segment, with hinges that
     /// keep these limits (radians per second, and per second squared).
-    pub(super) fn fastest(
+    pub(crate) fn fastest(
         &self,
         parts: usize,
         max_speed: f64,
@@ -216,7 +216,7 @@ impl ReducedPath {
     }
 
     /// Returns the closed configuration at a path length, if it is found near the prediction.
-    pub(super) fn closed(
+    pub(crate) fn closed(
         &self,
         solver: &mut ClosureSolver<'_>,
         arc_length: f64,

@@ -14,9 +14,10 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
+use super::chord;
 use super::sparse::{SparseNormalEquations, Structure};
-use super::vectors::max_norm;
-use super::{Solver, chord};
+use crate::planner::Solver;
+use crate::planner::vectors::max_norm;
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
@@ -27,9 +28,9 @@ const GRADIENT_SLICE: u32 = 500;
 
 /// Number of iterations and evaluations so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Work {
-    pub(super) iterations: u64,
-    pub(super) evaluations: u64,
+pub(crate) struct Work {
+    pub(crate) iterations: u64,
+    pub(crate) evaluations: u64,
 }
 
 impl AddAssign for Work {
@@ -40,7 +41,7 @@ impl AddAssign for Work {
 }
 
 /// Closure conditions of some stars and loops, with all memory that solving them needs.
-pub(super) struct ClosureSolver<'a> {
+pub(crate) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
     loops: LoopsView<'a, f64>,
     kind: Solver,
@@ -61,12 +62,12 @@ pub(super) struct ClosureSolver<'a> {
     columns: Vec<Vector3<f64>>,
     equations: Equations,
     workspace: Vec<f64>,
-    pub(super) work: Work,
+    pub(crate) work: Work,
 }
 
 impl<'a> ClosureSolver<'a> {
     /// Makes a solver. `structure` holds the sparse structure of these stars, once one solver has found it.
-    pub(super) fn new(
+    pub(crate) fn new(
         reduced: &'a ReducedStars,
         kind: Solver,
         closure_tolerance: f64,
@@ -94,42 +95,42 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Sets the lower and upper bounds (radians) of the unknowns.
-    pub(super) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
+    pub(crate) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
         self.limits = limits;
     }
 
     /// Raises the tolerance to this closure residual.
-    pub(super) fn content_with(mut self, tolerance: f64) -> Self {
+    pub(crate) fn content_with(mut self, tolerance: f64) -> Self {
         self.tolerance = self.tolerance.max(tolerance);
         self
     }
 
     /// Limits Levenberg-Marquardt to this number of iterations for a configuration.
-    pub(super) fn at_most(mut self, iterations: u32) -> Self {
+    pub(crate) fn at_most(mut self, iterations: u32) -> Self {
         self.most_iterations = iterations;
         self
     }
 
     /// Lets projections at a configuration that the chord method closed use the factor of the predicted configuration.
     /// This saves half of all factorisations.
-    pub(super) fn with_rough_motions(mut self) -> Self {
+    pub(crate) fn with_rough_motions(mut self) -> Self {
         self.rough = true;
         self
     }
 
     /// Watches a call: once the call is over, no configuration closes any more.
-    pub(super) fn watched(mut self, watch: Watch<'a>) -> Self {
+    pub(crate) fn watched(mut self, watch: Watch<'a>) -> Self {
         self.watch = watch;
         self
     }
 
     /// Returns `true` once the call is over.
-    pub(super) fn is_late(&self) -> bool {
+    pub(crate) fn is_late(&self) -> bool {
         self.watch.is_over()
     }
 
     /// Returns the factor of `direction` by which `x` can go until an unknown reaches its limit, and that unknown.
-    pub(super) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
+    pub(crate) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
         let limits = Limits::Each(&self.limits);
         let tiny = SIDEWAYS * max_norm(direction);
         let rooms = x.iter().zip(direction).enumerate();
@@ -146,7 +147,7 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Moves `x` to the closed configuration near it, or to a local minimum of the residual.
-    pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
+    pub(crate) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
         self.near = None;
         let n = self.stars.unknowns();
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
@@ -198,7 +199,7 @@ impl<'a> ClosureSolver<'a> {
 
     /// Moves `x` to the closed configuration near it. Returns `true` if `x` then closes: to the tolerance or, if
     /// rounded coordinates leave no such configuration, at a local minimum of the residual within `closure_tolerance`.
-    pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
+    pub(crate) fn closes(&mut self, x: &mut [f64]) -> bool {
         if self.is_late() {
             return false;
         }
@@ -242,19 +243,19 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Returns the largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
-    pub(super) fn objective_tolerance(&self) -> f64 {
+    pub(crate) fn objective_tolerance(&self) -> f64 {
         self.tolerance.max(self.closure_tolerance) * core::f64::consts::SQRT_2
     }
 
     /// Returns the report's objective at `x`.
-    pub(super) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
+    pub(crate) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
         let value = objective.value(self.stars, x, &mut self.half_angles);
         value.unwrap_or(f64::NAN)
     }
 
     /// Replaces `direction` by the nearest infinitesimal motion at `x` that moves no unknown past its limit, by an
     /// active-set method. Returns the unknowns that are held for that, or `None` if there is no projection.
-    pub(super) fn project_on_motions(
+    pub(crate) fn project_on_motions(
         &mut self,
         x: &[f64],
         direction: &mut [f64],
@@ -263,7 +264,7 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// As [`project_on_motions`](Self::project_on_motions), with each unknown measured in units of its weight, above 0.
-    pub(super) fn project_weighted(
+    pub(crate) fn project_weighted(
         &mut self,
         x: &[f64],
         direction: &mut [f64],

@@ -6,16 +6,18 @@ use std::time::Instant;
 
 use foldpath_core::Curve;
 
-use super::follow::Waypoint;
-use super::knot_placement::{KnotSequence, PlacementConstraints, SheetBounds, place};
-use super::knots::{Path, curves};
-use super::plan::{Failure, Outcome};
-use super::problem::PlanningProblem;
-use super::reason::{Reason, TimeoutAt};
-use super::reduced_path::ReducedPath;
-use super::reduction::{CLOSED, Reduction};
 use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::numbers::larger;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Path, curves};
+use crate::planner::placement::knot_placement::{
+    KnotSequence, PlacementConstraints, SheetBounds, place,
+};
+use crate::planner::placement::reduced_path::ReducedPath;
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Reason, TimeoutAt};
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
 
@@ -23,40 +25,40 @@ use crate::symmetry::ReducedStars;
 const MAX_KNOTS: usize = 20_000;
 /// Deformation for which the motion between knots is certified if the bound allows more, as a fraction of lengths: the
 /// default bound of `check`.
-pub(super) const CERTIFIED_DEFORMATION: f64 = 1e-3;
+pub(crate) const CERTIFIED_DEFORMATION: f64 = 1e-3;
 /// Largest closure residual between knots, in multiples of the largest at a waypoint, if waypoints do not close.
 const RESIDUAL_RATIO: f64 = 1.25;
 /// Largest number of knots for each waypoint on such a motion.
 const KNOTS_PER_WAYPOINT: usize = 4;
 
 /// A path that is found but not yet certified.
-pub(super) struct CandidatePath<'a> {
+pub(crate) struct CandidatePath<'a> {
     /// Waypoints, from flat.
-    pub(super) waypoints: &'a [Waypoint],
+    pub(crate) waypoints: &'a [Waypoint],
     /// Closure residual up to which a local minimum counts as closed.
-    pub(super) closure_tolerance: f64,
+    pub(crate) closure_tolerance: f64,
     /// Fraction of the way to the goal that the path goes.
-    pub(super) reached: f64,
+    pub(crate) reached: f64,
     /// `true` if the path may stop a little before its end so that nothing crosses.
-    pub(super) retreats: bool,
+    pub(crate) retreats: bool,
     /// Fraction of the bound for which the motion between knots is certified.
-    pub(super) bound_fraction: f64,
+    pub(crate) bound_fraction: f64,
     /// Motion that was placed for a larger fraction, and whose sweep did not find it free of crossings.
-    pub(super) before: Option<&'a Path>,
+    pub(crate) before: Option<&'a Path>,
 }
 
 /// Bounds on the whole sheet over the whole motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Certificate {
+pub(crate) struct Certificate {
     /// Bound on the closure residual of every real vertex and hole; `None` if unknown.
-    pub(super) closure: Option<f64>,
+    pub(crate) closure: Option<f64>,
     /// Bound on deformation and gap; infinite if unknown.
-    pub(super) deformation: f64,
+    pub(crate) deformation: f64,
 }
 
 impl Certificate {
     /// Returns the certified deformation if it is over the bound.
-    pub(super) fn over(&self, bound: f64) -> Option<f64> {
+    pub(crate) fn over(&self, bound: f64) -> Option<f64> {
         let over = self.deformation > bound || self.deformation.is_nan();
         over.then_some(self.deformation)
     }
@@ -64,13 +66,13 @@ impl Certificate {
 
 /// Knots that were placed, and what is proved of the motion.
 #[derive(Default)]
-pub(super) struct Placement {
+pub(crate) struct Placement {
     /// The knots; `None` if none could be placed.
-    pub(super) knots: Option<KnotSequence>,
+    pub(crate) knots: Option<KnotSequence>,
     /// Bounds on the motion with these knots; without knots, those on the motion that was tried last, if one was.
-    pub(super) certificate: Option<Certificate>,
+    pub(crate) certificate: Option<Certificate>,
     /// Time spent.
-    pub(super) time: Duration,
+    pub(crate) time: Duration,
 }
 
 impl Placement {
@@ -97,7 +99,7 @@ impl Placement {
 }
 
 /// Places knots on the path, certified between them.
-pub(super) fn place_knots(
+pub(crate) fn place_knots(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     candidate: &CandidatePath<'_>,
@@ -135,7 +137,7 @@ pub(super) fn place_knots(
 }
 
 /// Returns the failure to place knots.
-pub(super) fn unplaced(problem: &PlanningProblem<'_>) -> Failure {
+pub(crate) fn unplaced(problem: &PlanningProblem<'_>) -> Failure {
     if problem.is_late() {
         return Failure::out_of_time(TimeoutAt::PlacingKnots);
     }
@@ -149,20 +151,20 @@ pub(super) fn unplaced(problem: &PlanningProblem<'_>) -> Failure {
 }
 
 /// The part of a motion that is proved to keep the bound.
-pub(super) struct ProvedPart {
+pub(crate) struct ProvedPart {
     /// Deformation that is certified of the whole motion, over the bound.
-    pub(super) whole: f64,
+    pub(crate) whole: f64,
     /// Bounds on this part.
-    pub(super) certificate: Certificate,
+    pub(crate) certificate: Certificate,
     /// Largest difference of a crease at the end of this part from the goal as asked, radians.
-    pub(super) goal_error: f64,
+    pub(crate) goal_error: f64,
     /// Fraction of the path that this part goes.
-    pub(super) fraction: f64,
+    pub(crate) fraction: f64,
 }
 
 /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
 /// known to close well enough. Returns `None` if the motion stays as it is.
-pub(super) fn cut(
+pub(crate) fn cut(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     path: &ReducedPath,

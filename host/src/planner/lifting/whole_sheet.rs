@@ -6,33 +6,33 @@ use std::time::Instant;
 use foldpath_core::Interpolation;
 
 use super::certified_motion::{CandidatePath, Certificate, cut, place_knots, unplaced};
-use super::follow::Waypoint;
-use super::knots::Knot;
 use super::measured_motion::{
     MeasuredMotion, SheetErrors, measure, measure_or_bound, torn, torn_from_rim,
 };
-use super::options::Judged;
-use super::plan::{Failure, Outcome, Plan};
-use super::problem::PlanningProblem;
-use super::reason::{Note, Reason, TimeoutAt};
-use super::reduced_path::ReducedPath;
-use super::reduction::Reduction;
 use super::swept_motion::{
     MAX_SWEPT_FACES, Swept, SweptKnots, crossed_knot, ends_at_knot, is_blocked, is_torn, lattice,
     sweep_all, sweep_knots, sweep_knots_or_lattice, sweep_lattice, sweep_options,
 };
-use super::vectors::max_difference;
 use crate::collision::{Crossing, SweepVerdict};
 use crate::folding::Rigidity;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::following::reduction::Reduction;
+use crate::planner::knots::Knot;
+use crate::planner::options::Judged;
+use crate::planner::placement::reduced_path::ReducedPath;
+use crate::planner::plan::{Failure, Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Note, Reason, TimeoutAt};
+use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
 
 /// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
 /// sharp.
-pub(super) const FIRST_BOUND_FRACTION: f64 = 0.5;
+pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
 const NEARER_FACTOR: f64 = 0.01;
 /// Smallest fraction of the certified deformation that is aimed for.
-pub(super) const LEAST_BOUND_FRACTION: f64 = 5e-5;
+pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
 /// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const MAX_RETREAT_RAD: f64 = 0.02;
 /// Distance that such a path keeps from the configuration at which faces meet, radians.
@@ -43,7 +43,7 @@ const MAX_TORN_FACES: usize = 400;
 
 /// Lifts a path to the whole sheet and judges it there. `plan` is the plan so far; the motion, its errors and what ends
 /// it are stored in the plan that is returned.
-pub(super) fn lift(
+pub(crate) fn lift(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     candidate: &CandidatePath<'_>,

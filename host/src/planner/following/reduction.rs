@@ -5,13 +5,13 @@ use core::f64::consts::PI;
 use std::rc::Rc;
 
 use super::follow::{approach, same_signs};
-use super::problem::PlanningProblem;
-use super::reason::{ClosureSite, WorstClosure};
-use super::solver::{ClosureSolver, Work};
-use super::sparse::Structure;
-use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::closing::sparse::Structure;
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{ClosureSite, WorstClosure};
+use crate::planner::{Goal, PlanOptions, Vertices};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
@@ -19,26 +19,26 @@ use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 const FEW_FACES: usize = 20;
 
 /// The unknowns and conditions of a plan.
-pub(super) struct Reduction<'a> {
-    pub(super) groups: CreaseGroups,
+pub(crate) struct Reduction<'a> {
+    pub(crate) groups: CreaseGroups,
     /// Stars of all real vertices, and loops round all holes.
-    pub(super) all: ReducedStars,
+    pub(crate) all: ReducedStars,
     /// One star for each distinct condition.
-    pub(super) essential: ReducedStars,
+    pub(crate) essential: ReducedStars,
     /// The stars of `all` without those that equal another one in every bit.
     distinct: ReducedStars,
     /// The distinct stars with the directions of the sheet, if `all` has unrounded directions.
     rounded: Option<ReducedStars>,
     /// Largest angle by which creases may have been turned to unround the stars, radians.
-    pub(super) within: f64,
+    pub(crate) within: f64,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
-    pub(super) watch: Watch<'a>,
+    pub(crate) watch: Watch<'a>,
     /// Spanning tree along which the whole sheet is folded.
-    pub(super) tree: SpanningTree,
+    pub(crate) tree: SpanningTree,
     /// Largest ratio of the errors of the whole sheet to the closure residuals; `None` if unknown.
-    pub(super) amplification: Option<f64>,
+    pub(crate) amplification: Option<f64>,
     /// Largest ratio that is assumed, whatever the worst case is; infinite to assume the worst case.
     expected: f64,
     /// Sparse structure of the stars to solve, once a solver has found it.
@@ -48,17 +48,17 @@ pub(super) struct Reduction<'a> {
 }
 
 /// A closed configuration near the goal.
-pub(super) struct ClosedGoal {
+pub(crate) struct ClosedGoal {
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Largest difference from the goal as asked over all creases, radians.
-    pub(super) error: f64,
+    pub(crate) error: f64,
     /// Closure residual up to which a local minimum counted as closed; 0 if it had to close to the tolerance.
-    pub(super) closure_tolerance: f64,
+    pub(crate) closure_tolerance: f64,
 }
 
 impl<'a> Reduction<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         pattern: &CreasePattern,
         groups: CreaseGroups,
         options: &PlanOptions,
@@ -69,7 +69,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Makes the reduction of a problem to these groups, with the stars as they are.
-    pub(super) fn of(problem: &PlanningProblem<'a>, groups: CreaseGroups) -> Self {
+    pub(crate) fn of(problem: &PlanningProblem<'a>, groups: CreaseGroups) -> Self {
         let reduction = Self::new(problem.pattern, groups, problem.options, problem.watch);
         // Errors of rounded coordinates do not add up. The errors of the sheet have to be measured then.
         let expected = if problem.errors.is_measured() {
@@ -116,7 +116,7 @@ impl<'a> Reduction<'a> {
     /// With `coarse`, the angle up to which creases may be turned is the largest with which the goal closes, otherwise
     /// little more than the smallest; either is within what the bound allows. Returns `None` if no crease is turned by
     /// more than rounding, or if `coarse` allows no larger angle.
-    pub(super) fn snapped(
+    pub(crate) fn snapped(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
@@ -144,7 +144,7 @@ impl<'a> Reduction<'a> {
 
     /// Returns the lattice along which to look for crossings, if the groups have one and the sheet has more than a few
     /// faces.
-    pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
+    pub(crate) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
         let lattice = || Lattice::find(pattern, self.groups.memberships());
         // Without crease groups no two hinges turn alike, so that there is no lattice.
         (!self.groups.is_trivial() && pattern.faces().len() > FEW_FACES)
@@ -153,7 +153,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `closure_tolerance`.
-    pub(super) fn solver(
+    pub(crate) fn solver(
         &self,
         options: &PlanOptions,
         closure_tolerance: f64,
@@ -169,7 +169,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns limits between which each group turns in the direction of its sign or stays flat.
-    pub(super) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
+    pub(crate) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
         let limits = signs.iter().enumerate().map(|(group, &sign)| {
             let (lower, upper) = self.limits.get(group).copied().unwrap_or((-PI, PI));
             match sign {
@@ -182,7 +182,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns `true` if the limits allow a goal.
-    pub(super) fn allows(&self, goal: &Goal) -> bool {
+    pub(crate) fn allows(&self, goal: &Goal) -> bool {
         let asked = self.groups.reduce(&goal.fold_angles);
         let mut pairs = asked.iter().zip(&self.limits);
         pairs.all(|(asked, (lower, upper))| {
@@ -192,7 +192,7 @@ impl<'a> Reduction<'a> {
 
     /// Returns the goal in group angles, and for each group the sign with which it turns: of its goal angle, or else of
     /// its assignments.
-    pub(super) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
+    pub(crate) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
         let asked = self.groups.reduce(&goal.fold_angles);
         let letters: Vec<_> = goal.signs.iter().map(|&sign| Some(sign)).collect();
         let letters = self.groups.reduce(&letters);
@@ -205,7 +205,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the vertex or hole with the largest residual at the group angles `x`, with its hinges.
-    pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<WorstClosure> {
+    pub(crate) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<WorstClosure> {
         let residuals = self.all.residuals(x).into_iter().enumerate();
         let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let vertices = self.all.vertices();
@@ -232,12 +232,12 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the essential tolerance: the closure residual that no vertex may exceed.
-    pub(super) fn closure_tolerance(&self, options: &PlanOptions) -> f64 {
+    pub(crate) fn closure_tolerance(&self, options: &PlanOptions) -> f64 {
         self.tolerance(options.bound)
     }
 
     /// Returns the closure residual that all vertices may reach while the whole sheet keeps a bound.
-    pub(super) fn tolerance(&self, bound: f64) -> f64 {
+    pub(crate) fn tolerance(&self, bound: f64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
         // If the amplification is unknown, the error of each vertex may add to that of the next.
@@ -255,18 +255,18 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the largest closure residual of all stars and loops.
-    pub(super) fn closure(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn closure(&self, angles: &[f64]) -> f64 {
         self.distinct.largest_residual(angles)
     }
 
     /// Returns the largest closure residual of all stars and loops with the directions of the sheet.
-    pub(super) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
         let stars = self.rounded.as_ref().unwrap_or(&self.distinct);
         stars.largest_residual(angles)
     }
 
     /// Returns the largest difference of a crease between a configuration and a goal, radians.
-    pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
+    pub(crate) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
         let creases = self.groups.expand(angles);
         let asked = creases.iter().zip(&goal.fold_angles);
         let errors = asked.filter_map(|(a, b)| Some((a - (*b)?).abs()));
@@ -276,7 +276,7 @@ impl<'a> Reduction<'a> {
     /// Moves the goal to the closed configuration near it. Returns `None` if there is none near, or the nearest turns a
     /// crease against the goal. If no configuration closes exactly because coordinates are rounded, returns one at a
     /// local minimum of the residual.
-    pub(super) fn close_goal(
+    pub(crate) fn close_goal(
         &self,
         goal: &Goal,
         options: &PlanOptions,
@@ -295,7 +295,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
-    pub(super) fn close_goal_to(
+    pub(crate) fn close_goal_to(
         &self,
         closure_tolerance: f64,
         goal: &Goal,
@@ -335,7 +335,7 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 }
 
 /// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
-pub(super) const EXPECTED: f64 = 4.0;
+pub(crate) const EXPECTED: f64 = 4.0;
 /// Distance up to which an exactly closed configuration is the goal that was meant, radians.
 const NEARBY: f64 = 0.02;
 /// Angle (radians) by which a crease may be turned if the goal does not tell, as a fraction of the closure residual
@@ -381,14 +381,14 @@ fn nearest_closed(
 /// Largest closure residual of a goal that counts as exact: above the rounding of angles in degrees.
 pub const CLOSED: f64 = 1e-9;
 /// Largest difference of angles that are equal but for rounding, radians.
-pub(super) const SAME: f64 = 1e-7;
+pub(crate) const SAME: f64 = 1e-7;
 
 /// Returns the angle (radians), at most `most`, by which creases are off because coordinates are rounded; `None` if the
 /// goal closes as it is, closes with no such angle, or lacks an angle.
 ///
 /// The angle is little more than the smallest with which the goal closes, as a larger one may let the sheet fold flat
 /// where it was not meant to. With `coarse`, it is the largest with which the goal closes.
-pub(super) fn rounding(
+pub(crate) fn rounding(
     stars: &ReducedStars,
     goal: &[Option<f64>],
     most: f64,

@@ -8,11 +8,11 @@ use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
-use super::PlanOptions;
 use super::follow::{Followed, NEAR, Rules, Waypoint, approach};
-use super::reason::Stop;
-use super::solver::ClosureSolver;
-use super::vectors::{max_difference, max_norm, norm, way_to};
+use crate::planner::PlanOptions;
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::reason::Stop;
+use crate::planner::vectors::{max_difference, max_norm, norm, way_to};
 
 /// Spread of the random part of a step, as a fraction of the sampling radius.
 const SPREAD: f64 = 0.5;
@@ -28,7 +28,7 @@ const NARROWEST: f64 = 1e-3;
 /// Searches from flat to `asked`, or as near as it comes. `closed` is the closed configuration at the goal, if one is
 /// known; `feasible` judges configurations that would become knots. Gives up after `most_restarts` restarts without a
 /// success between them.
-pub(super) fn search(
+pub(crate) fn search(
     solver: &mut ClosureSolver<'_>,
     asked: &[Option<f64>],
     closed: Option<&[f64]>,
@@ -111,7 +111,7 @@ pub(super) fn search(
 
 /// Makes waypoints of configurations that no motion joins. The tangent at each one is that of the chord between its
 /// neighbours.
-pub(super) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
+pub(crate) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
     let last = knots.len() - 1;
     let waypoint = |k: usize| {
         let (from, to) = (&knots[k.saturating_sub(1)], &knots[(k + 1).min(last)]);

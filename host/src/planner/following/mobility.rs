@@ -11,10 +11,10 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::branch::{UNTURNED, branches_at_flat};
 use super::reduction::Reduction;
-use super::vectors::{largest, max_norm};
-use super::{Goal, PlanOptions};
 use crate::joined::root;
 use crate::pattern::CreasePattern;
+use crate::planner::vectors::{largest, max_norm};
+use crate::planner::{Goal, PlanOptions};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -57,7 +57,7 @@ impl Mobility {
 
 /// Returns the unknowns that turn, in sets that turn independently of each other at each of these configurations
 /// (union-find). Unknowns that turn at none of them are in no set. Returns `None` if that would take long.
-pub(super) fn independent_parts(
+pub(crate) fn independent_parts(
     stars: &ReducedStars,
     looks: &[Vec<f64>],
 ) -> Option<Vec<Vec<usize>>> {

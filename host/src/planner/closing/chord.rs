@@ -18,18 +18,18 @@ const NEAR: f64 = 1e-2;
 const CONTRACTION: f64 = 0.1;
 
 /// Outcome of the chord method.
-pub(super) struct Chord {
+pub(crate) struct Chord {
     /// `true` if every star closes.
-    pub(super) closed: bool,
+    pub(crate) closed: bool,
     /// Damping of the factor.
-    pub(super) damping: f64,
+    pub(crate) damping: f64,
     /// Number of steps, each with one evaluation; one more evaluation was made at the start.
-    pub(super) steps: u32,
+    pub(crate) steps: u32,
 }
 
 /// Moves `x` (radians) to the closed configuration near it; leaves `x` as it is if the residual does not shrink fast or
 /// a limit is passed. `workspace` needs 2n numbers.
-pub(super) fn close(
+pub(crate) fn close(
     problem: &mut ClosureProblem<'_, f64>,
     equations: &mut SparseNormalEquations,
     limits: Limits<'_, f64>,

@@ -6,20 +6,20 @@ use std::time::Instant;
 
 use super::branch::branches_at_flat;
 use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
-use super::goal::GoalKind;
 use super::judge::Judge;
-use super::knots::Knot;
-use super::problem::PlanningProblem;
-use super::reason::{Note, Stop};
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
 use super::search::{polyline, search};
-use super::solver::{ClosureSolver, Work};
-use super::vectors::{largest, max_difference, max_norm};
-use super::{Judged, PlanOptions, Search};
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::goal::GoalKind;
+use crate::planner::knots::Knot;
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Note, Stop};
+use crate::planner::vectors::{largest, max_difference, max_norm};
+use crate::planner::{Judged, PlanOptions, Search};
 
 /// Way in which a route ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
+pub(crate) enum End {
     /// The path ends at the goal, or at the closed configuration nearest to it.
     Reached,
     /// The path ends before the goal.
@@ -35,33 +35,33 @@ pub(super) enum End {
 
 /// Conditions on a closed configuration that stands for a goal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(crate) struct Reach {
     /// Largest distance of a crease from its goal angle, radians.
-    pub(super) radians: f64,
+    pub(crate) radians: f64,
     /// `true` if the goal has to close to the tolerance: a local minimum of the residual does not count.
-    pub(super) exactly: bool,
+    pub(crate) exactly: bool,
 }
 
 /// A path in group angles, and the way in which it ends.
-pub(super) struct Route<'a> {
-    pub(super) reduction: Reduction<'a>,
+pub(crate) struct Route<'a> {
+    pub(crate) reduction: Reduction<'a>,
     /// Waypoints, from flat.
-    pub(super) waypoints: Vec<Waypoint>,
+    pub(crate) waypoints: Vec<Waypoint>,
     /// The closed configuration at the goal, if one is known.
-    pub(super) goal: Option<Vec<f64>>,
+    pub(crate) goal: Option<Vec<f64>>,
     /// Closure residual up to which a local minimum counts as closed.
-    pub(super) closure_tolerance: f64,
-    pub(super) end: End,
+    pub(crate) closure_tolerance: f64,
+    pub(crate) end: End,
     /// `true` if the goal had to close exactly.
-    pub(super) exactly: bool,
+    pub(crate) exactly: bool,
     /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
-    pub(super) reached: f64,
+    pub(crate) reached: f64,
     /// Time for closing the goal.
-    pub(super) closing: Duration,
+    pub(crate) closing: Duration,
     /// Time for following the motion.
-    pub(super) following: Duration,
-    pub(super) work: Work,
-    pub(super) notes: Vec<Note>,
+    pub(crate) following: Duration,
+    pub(crate) work: Work,
+    pub(crate) notes: Vec<Note>,
 }
 
 /// Distance from the angle asked for up to which a hinge counts as being there, radians.
@@ -106,7 +106,7 @@ struct RouteFinder<'a> {
 
 impl<'a> Route<'a> {
     /// Looks for a route to the goal of `problem`.
-    pub(super) fn find(
+    pub(crate) fn find(
         problem: &PlanningProblem<'_>,
         reduction: Reduction<'a>,
         reach: Reach,
@@ -159,17 +159,17 @@ impl<'a> Route<'a> {
     }
 
     /// Returns the configuration at the end of the path; empty if there is no path.
-    pub(super) fn last(&self) -> &[f64] {
+    pub(crate) fn last(&self) -> &[f64] {
         self.waypoints.last().map_or(&[], |last| &last.angles)
     }
 
     /// Returns `true` if no other route can do better.
-    pub(super) fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
     }
 
     /// Returns the rank of the route; a larger one is better.
-    pub(super) fn rank(&self) -> f64 {
+    pub(crate) fn rank(&self) -> f64 {
         match self.end {
             End::Reached => 2.0,
             End::Stopped(_) => self.reached,
@@ -621,7 +621,7 @@ impl<'a> RouteFinder<'a> {
 
 /// Makes the straight path from flat to the group angles `goal`, as a sheet that may deform could go. Each
 /// configuration is moved to the local minimum of the residual, if that is near.
-pub(super) fn straight(
+pub(crate) fn straight(
     reduction: &Reduction,
     goal: &[f64],
     options: &PlanOptions,

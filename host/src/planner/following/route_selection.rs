@@ -4,42 +4,42 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::Symmetry;
 use super::follow::Waypoint;
-use super::problem::{ErrorModel, PlanningProblem};
-use super::reason::{GroupsDropped, Note};
 use super::reduction::{CLOSED, Reduction, SAME, closure_of};
 use super::route::{End, Reach, Route};
-use super::solver::Work;
 use crate::pattern::CreasePattern;
+use crate::planner::Symmetry;
+use crate::planner::closing::solver::Work;
+use crate::planner::problem::{ErrorModel, PlanningProblem};
+use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
 
 /// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
 /// less symmetry or moved coordinates.
-pub(super) const FARTHER: f64 = 0.01;
+pub(crate) const FARTHER: f64 = 0.01;
 
 /// The route that leads farthest, with what was found on the way to it.
-pub(super) struct SelectedRoute<'a> {
-    pub(super) route: Route<'a>,
+pub(crate) struct SelectedRoute<'a> {
+    pub(crate) route: Route<'a>,
     /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
     /// farther without them.
-    pub(super) symmetric: Option<Reduction<'a>>,
+    pub(crate) symmetric: Option<Reduction<'a>>,
     /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
     /// residual was needed.
-    pub(super) asked_closure: Option<f64>,
-    pub(super) notes: Vec<Note>,
+    pub(crate) asked_closure: Option<f64>,
+    pub(crate) notes: Vec<Note>,
     /// Time for finding groups and closing the goal.
-    pub(super) symmetry: Duration,
+    pub(crate) symmetry: Duration,
     /// Time for following motions.
-    pub(super) following: Duration,
+    pub(crate) following: Duration,
     /// Work on all routes that were tried.
-    pub(super) work: Work,
+    pub(crate) work: Work,
 }
 
 /// Finds the route that leads farthest. Returns `None` if the error model changes nothing of this sheet, or allows no
 /// path.
-pub(super) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
     match problem.errors {
         ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
         ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),

@@ -6,20 +6,20 @@ use std::rc::Rc;
 
 use fixedbitset::FixedBitSet;
 
-use super::judge::Judge;
-use super::knots::Knot;
-use super::mobility::independent_parts;
 use super::pipeline;
-use super::plan::{Outcome, Plan};
-use super::problem::PlanningProblem;
-use super::reason::Note;
-use super::reduction::{CLOSED, Reduction, rounding};
-use super::route::{End, Route};
 use super::simple_folds::simple_folds;
-use super::whole_sheet::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
-use super::{Goal, GoalKind, Search};
 use crate::folding::{FoldingMap, SpanningTree};
 use crate::pattern::FaceId;
+use crate::planner::following::judge::Judge;
+use crate::planner::following::mobility::independent_parts;
+use crate::planner::following::reduction::{CLOSED, Reduction, rounding};
+use crate::planner::following::route::{End, Route};
+use crate::planner::knots::Knot;
+use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
+use crate::planner::plan::{Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::Note;
+use crate::planner::{Goal, GoalKind, Search};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of creases of a sheet whose folds are put in sequence.
@@ -35,7 +35,7 @@ const MAX_CONFIGURATIONS: usize = 16;
 
 /// Returns the fold angles (radians) to which creases may be folded one after the other, if they may be: the goal of
 /// `route`, if that closes as it is or its errors are snapped, and the sheet is small.
-pub(super) fn goal_of_sequences(
+pub(crate) fn goal_of_sequences(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
 ) -> Option<Vec<f64>> {
@@ -67,7 +67,7 @@ fn closing_angle(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<f64
 /// sequence that has folded the creases between these two faces in the same order: those creases alone determine where
 /// the two faces are, and which one lies on the other. Source, for the assembly of parts: R. Wilson, J.-C. Latombe,
 /// "Geometric reasoning about mechanical assembly", 1994.
-pub(super) fn fold_in_sequence(
+pub(crate) fn fold_in_sequence(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
     goal: Vec<f64>,

@@ -6,42 +6,42 @@ use std::collections::HashMap;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::knots::Knot;
-use super::options::{PlanOptions, Timing};
 use super::overshoot::peaks;
 use super::reduced_path::{PathPoint, ReducedPath};
-use super::solver::ClosureSolver;
 use super::timing::OptimalTimeLaw;
-use super::vectors::max_norm;
 use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::knots::Knot;
+use crate::planner::options::{PlanOptions, Timing};
+use crate::planner::vectors::max_norm;
 use crate::symmetry::ReducedStars;
 
 /// Conditions that the motion between knots has to keep.
-pub(super) struct PlacementConstraints<'a> {
+pub(crate) struct PlacementConstraints<'a> {
     /// One star for each distinct closure condition, and the loops round holes.
-    pub(super) stars: &'a ReducedStars,
+    pub(crate) stars: &'a ReducedStars,
     /// Largest closure residual; with `None` any residual is allowed, and all waypoints are knots.
-    pub(super) closure: Option<f64>,
+    pub(crate) closure: Option<f64>,
     /// Bounds that the whole sheet has to keep, if any.
-    pub(super) sheet: Option<SheetBounds<'a>>,
+    pub(crate) sheet: Option<SheetBounds<'a>>,
     /// Lower and upper bound of each group angle, radians.
-    pub(super) limits: &'a [(f64, f64)],
+    pub(crate) limits: &'a [(f64, f64)],
     /// Largest speed of a hinge, radians per second.
-    pub(super) speed: f64,
+    pub(crate) speed: f64,
     /// Largest acceleration of a hinge, radians per second squared; infinite for any.
-    pub(super) acceleration: f64,
+    pub(crate) acceleration: f64,
     /// Largest number of knots.
-    pub(super) knot_budget: usize,
+    pub(crate) knot_budget: usize,
 }
 
 /// Bounds on deformation and gap of the whole sheet.
 #[derive(Clone)]
-pub(super) struct SheetBounds<'a> {
-    pub(super) certifier: FoldingCertifier<'a>,
+pub(crate) struct SheetBounds<'a> {
+    pub(crate) certifier: FoldingCertifier<'a>,
     /// Bound for which knots are added as long as that helps.
-    pub(super) aim: f64,
+    pub(crate) aim: f64,
     /// Bound that is kept in any case.
-    pub(super) bound: f64,
+    pub(crate) bound: f64,
 }
 
 /// Time law along the path.
@@ -76,9 +76,9 @@ impl TimeLaw {
 }
 
 /// Knots, the interpolation between them, and bounds on the motion.
-pub(super) struct KnotSequence {
-    pub(super) interpolation: Interpolation,
-    pub(super) knots: Vec<Knot>,
+pub(crate) struct KnotSequence {
+    pub(crate) interpolation: Interpolation,
+    pub(crate) knots: Vec<Knot>,
     /// Bounds on the closure over the whole motion.
     bounds: Bounds,
     /// First segment that does not keep the closure condition, if any.
@@ -122,12 +122,12 @@ impl Bounds {
 }
 
 impl KnotSequence {
-    pub(super) fn closure(&self) -> Closure<'_> {
+    pub(crate) fn closure(&self) -> Closure<'_> {
         self.bounds.closure()
     }
 
     /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
-    pub(super) fn cut(&mut self) -> bool {
+    pub(crate) fn cut(&mut self) -> bool {
         let Some(open) = self.open.take() else {
             return false;
         };
@@ -153,7 +153,7 @@ impl KnotSequence {
 ///
 /// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
 /// `None` if no interpolation keeps the conditions with the largest number of knots.
-pub(super) fn place(
+pub(crate) fn place(
     path: &ReducedPath,
     constraints: &PlacementConstraints<'_>,
     solver: &mut ClosureSolver<'_>,

@@ -5,26 +5,26 @@
 //! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
 //! see `branch.rs`.
 
-use super::reason::Stop;
-use super::solver::ClosureSolver;
-use super::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::reason::Stop;
+use crate::planner::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
 use crate::progress::Watch;
 
 /// A configuration on the path, in group angles.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Waypoint {
+pub(crate) struct Waypoint {
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Derivative of the angles along the path, of Euclidean length 1; zero at a corner of the path, where it has to
     /// rest.
-    pub(super) tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// `true` if this is a goal on the way, where one phase of the motion ends and another begins.
-    pub(super) ends_phase: bool,
+    pub(crate) ends_phase: bool,
 }
 
 impl Waypoint {
     /// Makes a waypoint within a phase.
-    pub(super) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
+    pub(crate) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
         Self {
             angles,
             tangent,
@@ -35,7 +35,7 @@ impl Waypoint {
 
 /// Target of path following.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target<'a> {
+pub(crate) enum Target<'a> {
     /// The flat sheet.
     Flat(Homeward),
     /// A closed configuration.
@@ -47,7 +47,7 @@ pub(super) enum Target<'a> {
 
 /// Way in which hinges return to flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Homeward {
+pub(crate) enum Homeward {
     /// The straightest way. A hinge that is flat stays flat.
     Straight,
     /// Hinges that are turned little move more slowly, so that all arrive together.
@@ -68,14 +68,14 @@ impl Target<'_> {
 /// Outcome of path following: waypoints in the order travelled, and the reason why they end before the target, if they
 /// do.
 #[derive(Clone, Debug)]
-pub(super) struct Followed {
-    pub(super) waypoints: Vec<Waypoint>,
-    pub(super) stop: Option<Stop>,
+pub(crate) struct Followed {
+    pub(crate) waypoints: Vec<Waypoint>,
+    pub(crate) stop: Option<Stop>,
 }
 
 impl Followed {
     /// Returns the path travelled the other way.
-    pub(super) fn reversed(mut self) -> Self {
+    pub(crate) fn reversed(mut self) -> Self {
         self.waypoints.reverse();
         for waypoint in &mut self.waypoints {
             for entry in &mut waypoint.tangent {
@@ -107,7 +107,7 @@ const PATIENCE: usize = 50;
 /// the largest step.
 const LOST: usize = 360;
 /// Distance at which the angles asked for are reached, radians.
-pub(super) const NEAR: f64 = 1e-12;
+pub(crate) const NEAR: f64 = 1e-12;
 /// Distance at which the angles asked for are reached if the motion leads no nearer, radians.
 const ARRIVED: f64 = 1e-8;
 /// Angle below which all hinges have the same weight, as a fraction of the largest angle.
@@ -119,25 +119,25 @@ const AT_LIMIT: f64 = 1e-3;
 
 /// Rules that all steps keep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rules<'a> {
+pub(crate) struct Rules<'a> {
     /// For each unknown the direction in which it may turn: -1, 1, or 0 for both. None passes through flat on the way.
-    pub(super) signs: &'a [f64],
+    pub(crate) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
-    pub(super) max_step: f64,
+    pub(crate) max_step: f64,
     /// `true` if the tangent at flat is needed, which takes as long as some steps.
-    pub(super) tangents: bool,
+    pub(crate) tangents: bool,
     /// Receives the fraction of the way that is done.
-    pub(super) watch: Watch<'a>,
+    pub(crate) watch: Watch<'a>,
 }
 
 impl Rules<'_> {
     /// Reports that the distance `left` of `whole` remains to the target.
-    pub(super) fn tell(&self, left: f64, whole: f64) {
+    pub(crate) fn tell(&self, left: f64, whole: f64) {
         self.watch.part(1.0 - left / whole);
     }
 
     /// Returns `true` if each hinge turns in its direction at `next`, or is flat, coming from `angles`.
-    pub(super) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
+    pub(crate) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
         let mut triples = next.iter().zip(angles).zip(self.signs);
         triples.all(|((next, angle), sign)| {
             let way = if angle.abs() > FLAT { *angle } else { *sign };
@@ -148,7 +148,7 @@ impl Rules<'_> {
 
 /// Follows the motion from the closed configuration `start` to the target by the rules. `came` is the direction in
 /// which the path arrived at the start, if it did.
-pub(super) fn follow(
+pub(crate) fn follow(
     solver: &mut ClosureSolver<'_>,
     start: &[f64],
     came: Option<&[f64]>,
@@ -417,7 +417,7 @@ const APPROACHES: usize = 50;
 
 /// Returns the closed configuration nearest to the angles asked for, as far as descent along the closed configurations
 /// from `angles` finds it. No hinge turns against the angle asked of it.
-pub(super) fn approach(
+pub(crate) fn approach(
     solver: &mut ClosureSolver<'_>,
     mut angles: Vec<f64>,
     asked: &[Option<f64>],
@@ -442,7 +442,7 @@ pub(super) fn approach(
 }
 
 /// Returns `true` if no hinge turns against the angle asked of it.
-pub(super) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
+pub(crate) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
     let mut pairs = angles.iter().zip(asked);
     pairs.all(|(angle, asked)| angle * asked.unwrap_or(0.0) >= 0.0)
 }
@@ -514,7 +514,7 @@ fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
 ///
 /// The mirror image of a motion at the flat sheet is a motion, so that secants have only even powers of their length.
 /// Their limit is extrapolated as in Romberg's method. Shorter secants would be rounding.
-pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
+pub(crate) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
     let mut closed = near.to_vec();
     let mut limit: Vec<Vec<f64>> = vec![unit(near)];
     for _ in 1..SECANTS {

@@ -3,19 +3,19 @@
 
 use std::time::Instant;
 
-use super::certified_motion::CandidatePath;
-use super::judge::Judge;
-use super::knots::Knot;
-use super::plan::{Failure, Outcome, Plan};
-use super::problem::PlanningProblem;
-use super::reason::{Note, Reason, Stop, TimeoutAt};
-use super::reduction::{CLOSED, Reduction, SAME, closure_of};
-use super::route::{End, Route, straight};
-use super::route_selection::{SelectedRoute, select_route};
-use super::vectors::{largest, max_norm, way_to};
-use super::whole_sheet::{FIRST_BOUND_FRACTION, lift};
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::following::judge::Judge;
+use crate::planner::following::reduction::{CLOSED, Reduction, SAME, closure_of};
+use crate::planner::following::route::{End, Route, straight};
+use crate::planner::following::route_selection::{SelectedRoute, select_route};
+use crate::planner::knots::Knot;
+use crate::planner::lifting::certified_motion::CandidatePath;
+use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, lift};
+use crate::planner::plan::{Failure, Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
+use crate::planner::vectors::{largest, max_norm, way_to};
 
 /// Largest turn of a crease in the step that shows which vertex stands in the way, radians.
 const PROBE_RAD: f64 = 0.1;
@@ -23,17 +23,17 @@ const PROBE_RAD: f64 = 0.1;
 const SAME_GOAL_RAD: f64 = 1e-2;
 
 /// Result of one pass.
-pub(super) struct Pass<'a> {
-    pub(super) plan: Plan,
+pub(crate) struct Pass<'a> {
+    pub(crate) plan: Plan,
     /// The route that was found.
-    pub(super) route: Route<'a>,
+    pub(crate) route: Route<'a>,
     /// Part of the work that made the plan.
-    pub(super) ending: Ending,
+    pub(crate) ending: Ending,
 }
 
 /// Way in which a pass ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ending {
+pub(crate) enum Ending {
     /// The plan follows the route, or there is none to follow.
     Route,
     /// The plan follows the route, but faces cross on it although it reaches the goal, or it ends before the goal:
@@ -45,7 +45,7 @@ pub(super) enum Ending {
 
 /// Runs all stages. The motion between knots is certified for `bound_fraction` of the bound at first. Returns `None` if
 /// the error model changes nothing of this sheet, or allows no path.
-pub(super) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
+pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
     let SelectedRoute {
         mut route,
         symmetric,

@@ -5,33 +5,33 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::certified_motion::CandidatePath;
-use super::judge::Judge;
-use super::knots::{Knot, Path};
-use super::options::Skips;
-use super::plan::{Failure, Outcome};
-use super::problem::PlanningProblem;
-use super::reason::{Reason, TimeoutAt};
-use super::reduction::{CLOSED, Reduction};
 use crate::collision::{
     Crossing, LatticeScene, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding,
 };
+use crate::planner::following::judge::Judge;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Knot, Path};
+use crate::planner::options::Skips;
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Reason, TimeoutAt};
 use crate::symmetry::Lattice;
 
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
 /// Largest number of faces for which the motion between knots is swept without a lattice.
-pub(super) const MAX_SWEPT_FACES: usize = 4000;
+pub(crate) const MAX_SWEPT_FACES: usize = 4000;
 
 /// Result of a search for crossings over a motion.
-pub(super) struct Swept {
-    pub(super) verdict: SweepVerdict,
-    pub(super) counts: SweepCounts,
+pub(crate) struct Swept {
+    pub(crate) verdict: SweepVerdict,
+    pub(crate) counts: SweepCounts,
 }
 
 /// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, of which the deformation
 /// `certified` is proved.
-pub(super) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> SweepOptions {
+pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> SweepOptions {
     let usual = SweepOptions::default();
     SweepOptions {
         gap: certified.unwrap_or(0.0).max(gap),
@@ -51,12 +51,12 @@ pub(super) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> S
 
 /// Returns `true` if the sheet may be torn by more than faces may lie across each other. Such a sheet crosses elsewhere
 /// than its path does.
-pub(super) fn is_torn(options: SweepOptions) -> bool {
+pub(crate) fn is_torn(options: SweepOptions) -> bool {
     options.gap > SweepOptions::default().tolerance
 }
 
 /// Returns the lattice along which to look for crossings, if there is one and it may be used.
-pub(super) fn lattice<'r>(
+pub(crate) fn lattice<'r>(
     problem: &PlanningProblem<'_>,
     reduction: &'r Reduction<'_>,
 ) -> Option<&'r Lattice> {
@@ -66,7 +66,7 @@ pub(super) fn lattice<'r>(
 
 /// Looks for crossings along the lattice, on a motion whose vertices close to within `closure`. Returns `None` if the
 /// faces may be far from where the lattice has them, or the lattice does not decide.
-pub(super) fn sweep_lattice(
+pub(crate) fn sweep_lattice(
     problem: &PlanningProblem<'_>,
     lattice: &Lattice,
     path: &Path,
@@ -99,7 +99,7 @@ pub(super) fn sweep_lattice(
 }
 
 /// Looks for crossings of all faces over the whole motion.
-pub(super) fn sweep_all(
+pub(crate) fn sweep_all(
     problem: &PlanningProblem<'_>,
     path: &Path,
     options: SweepOptions,
@@ -113,7 +113,7 @@ pub(super) fn sweep_all(
 
 /// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex
 /// may lie across each other by as much as the gap, but not at the knots, where the sheet is hardly torn.
-pub(super) fn crossed_knot(
+pub(crate) fn crossed_knot(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     knots: &[Knot],
@@ -125,7 +125,7 @@ pub(super) fn crossed_knot(
 
 /// Returns `true` if faces cross at a waypoint by more than any motion is off the path: however near to the path a
 /// motion is, it crosses there.
-pub(super) fn is_blocked(
+pub(crate) fn is_blocked(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     candidate: &CandidatePath<'_>,
@@ -143,16 +143,16 @@ pub(super) fn is_blocked(
 }
 
 /// Result of a search for crossings at the knots alone.
-pub(super) struct SweptKnots {
+pub(crate) struct SweptKnots {
     /// The first knot at which faces cross or time ran out, and the crossing.
-    pub(super) end: Option<(usize, Option<Crossing>)>,
-    pub(super) counts: SweepCounts,
+    pub(crate) end: Option<(usize, Option<Crossing>)>,
+    pub(crate) counts: SweepCounts,
     /// Time spent.
-    pub(super) time: Duration,
+    pub(crate) time: Duration,
 }
 
 /// Looks for crossings of all faces at the knots.
-pub(super) fn sweep_knots(
+pub(crate) fn sweep_knots(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     knots: &[Knot],
@@ -169,7 +169,7 @@ pub(super) fn sweep_knots(
 
 /// Looks for crossings at the knots of a sheet with this closure residual and gap: along the lattice if faces are near
 /// enough to where the lattice has them, and of all faces otherwise.
-pub(super) fn sweep_knots_or_lattice(
+pub(crate) fn sweep_knots_or_lattice(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     knots: &[Knot],
@@ -220,7 +220,7 @@ fn first_crossed(
 }
 
 /// Returns the failure of a path that ends before a knot at which faces cross, or time ran out.
-pub(super) fn ends_at_knot(knots: &[Knot], index: usize, crossing: Option<Crossing>) -> Failure {
+pub(crate) fn ends_at_knot(knots: &[Knot], index: usize, crossing: Option<Crossing>) -> Failure {
     let Some(crossing) = crossing else {
         return Failure::out_of_time(TimeoutAt::JudgingKnot(index));
     };
