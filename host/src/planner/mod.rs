@@ -53,7 +53,7 @@
 //! goal, knots, vectors < reason < messages, plan < options < problem
 //! < closing (cholesky < sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
-//! < placement (overshoot, reachability < timing < reduced_path < knot_placement)
+//! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (simple_folds, pipeline < fold_sequence < driver)
 //! ```

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 33] = [
+const ORDER: [&str; 34] = [
     "goal",
     "knots",
     "vectors",
@@ -29,6 +29,7 @@ const ORDER: [&str; 33] = [
     "placement/reachability",
     "placement/timing",
     "placement/reduced_path",
+    "placement/segment",
     "placement/knot_placement",
     "lifting/certified_motion",
     "lifting/measured_motion",

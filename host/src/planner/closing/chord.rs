@@ -12,10 +12,10 @@ use super::sparse::SparseNormalEquations;
 
 /// Largest closure residual from which the chord method starts: from farther away only the damping of
 /// Levenberg-Marquardt keeps a step short.
-const NEAR: f64 = 1e-2;
+const MAX_START_RESIDUAL: f64 = 1e-2;
 /// Largest fraction of the residual that a step may leave. If more is left, the factor does not fit this configuration
 /// any more. On Miura sheets the first step leaves about 1e-5, later steps a hundredth.
-const CONTRACTION: f64 = 0.1;
+const MAX_CONTRACTION_RATIO: f64 = 0.1;
 
 /// Outcome of the chord method.
 pub(crate) struct Chord {
@@ -44,7 +44,7 @@ pub(crate) fn close(
         steps: 0,
     };
     let mut residual = problem.linearise(x, equations)?.max();
-    if residual > NEAR {
+    if residual > MAX_START_RESIDUAL {
         return Some(chord);
     }
     if residual > tolerance {
@@ -59,7 +59,7 @@ pub(crate) fn close(
         advance(equations, step, trial);
         let next = problem.renew(trial, equations)?.max();
         chord.steps += 1;
-        let shrinks = next <= tolerance || next <= CONTRACTION * residual;
+        let shrinks = next <= tolerance || next <= MAX_CONTRACTION_RATIO * residual;
         if !shrinks || !limits.contain(trial) {
             return Some(chord);
         }

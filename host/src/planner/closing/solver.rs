@@ -22,9 +22,9 @@ use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
 /// Largest number of steps of the gradient solver, which converges linearly.
-const GRADIENT_ITERATIONS: u32 = 20_000;
+const MAX_GRADIENT_ITERATIONS: u32 = 20_000;
 /// Number of steps after which the gradient solver looks at the clock.
-const GRADIENT_SLICE: u32 = 500;
+const GRADIENT_STEPS_PER_LOOK: u32 = 500;
 
 /// Number of iterations and evaluations so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,7 +132,7 @@ impl<'a> ClosureSolver<'a> {
     /// Returns the factor of `direction` by which `x` can go until an unknown reaches its limit, and that unknown.
     pub(crate) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
         let limits = Limits::Each(&self.limits);
-        let tiny = SIDEWAYS * max_norm(direction);
+        let tiny = SIDEWAYS_RATIO * max_norm(direction);
         let rooms = x.iter().zip(direction).enumerate();
         let rooms = rooms
             .filter(|(_, (_, d))| d.abs() > tiny)
@@ -166,10 +166,10 @@ impl<'a> ClosureSolver<'a> {
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
             (Solver::Gradient, _) => {
-                options.max_iterations = GRADIENT_SLICE;
+                options.max_iterations = GRADIENT_STEPS_PER_LOOK;
                 let mut sum = gradient::solve(&mut problem, limits, &options, x, work);
                 while sum.outcome == Outcome::IterationLimit
-                    && sum.iterations < GRADIENT_ITERATIONS
+                    && sum.iterations < MAX_GRADIENT_ITERATIONS
                     && !watch.is_over()
                 {
                     let report = gradient::solve(&mut problem, limits, &options, x, work);
@@ -278,7 +278,7 @@ impl<'a> ClosureSolver<'a> {
                 return None;
             }
             let limits = Limits::Each(&self.limits);
-            let tiny = SIDEWAYS * max_norm(direction);
+            let tiny = SIDEWAYS_RATIO * max_norm(direction);
             let blocked = direction.iter().zip(x).enumerate();
             let blocked = blocked.filter(|&(k, (&d, &x))| {
                 d.abs() > tiny && limits.blocks(k, x, -d) && !held.contains(&k)
@@ -304,7 +304,7 @@ impl<'a> ClosureSolver<'a> {
             && weights.is_none()
             && held.is_empty()
         {
-            return project_by_factor(equations.as_mut(), *damping, ROUGHLY, direction);
+            return project_by_factor(equations.as_mut(), *damping, FACTOR_APPLICATIONS, direction);
         }
         self.near = None;
         self.work.evaluations += 1;
@@ -388,14 +388,14 @@ impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
 }
 
 /// Fraction of a direction's largest entry below which an entry is rounding and moves no unknown past its limit.
-const SIDEWAYS: f64 = 1e-6;
+const SIDEWAYS_RATIO: f64 = 1e-6;
 
 /// Number of times that a projection applies the factor of the predicted configuration: the error that is left then is
 /// less than the error of the factor.
-const ROUGHLY: u32 = 2;
+const FACTOR_APPLICATIONS: u32 = 2;
 
 /// Largest number of unknowns for which a dense matrix is faster.
-const DENSE: usize = 40;
+const MAX_DENSE_UNKNOWNS: usize = 40;
 
 /// Workspace of the normal equations.
 enum Equations {
@@ -411,7 +411,7 @@ impl Equations {
     ) -> Self {
         let n = stars.unknowns();
         let find = || Structure::new(stars, loops).map(Rc::new);
-        let structure = (n > DENSE)
+        let structure = (n > MAX_DENSE_UNKNOWNS)
             .then(|| structure.get_or_init(find).clone())
             .flatten();
         match structure {

@@ -19,23 +19,23 @@ use crate::symmetry::CreaseGroups;
 
 /// Largest angle of the first step, radians. Small enough that branches are straight, large enough that the
 /// second-order conditions that choose between branches are far above rounding.
-const FIRST_STEP: f64 = 0.1;
+const FIRST_STEP_RAD: f64 = 0.1;
 /// Number of random first steps tried beside the one straight towards the goal.
 const RANDOM_STEPS: usize = 8;
 /// Angle below which a hinge has not turned, as a fraction of the largest angle.
-pub(crate) const UNTURNED: f64 = 1e-3;
+pub(crate) const UNTURNED_RATIO: f64 = 1e-3;
 /// Least angles of every hinge, as fractions of the largest angle, tried one after the other. Without such a limit, the
 /// sheet lands on motions that turn only some of its hinges.
-const LEAST: [f64; 3] = [0.1, 0.01, 0.0];
+const MIN_TURN_RATIOS: [f64; 3] = [0.1, 0.01, 0.0];
 /// Cosine between the directions of two branches above which they are the same branch.
-const SAME_BRANCH: f64 = 0.999;
+const SAME_BRANCH_COSINE: f64 = 0.999;
 /// Smallest cosine between a configuration of a branch and the one at a quarter of its size if the branch leads to
 /// flat.
-const STRAIGHT: f64 = 0.9;
+const STRAIGHT_COSINE: f64 = 0.9;
 /// Size of a closed first step below which it has fallen back to flat, as a fraction of its size before closing.
-const SHRUNK: f64 = 0.1;
+const MIN_SIZE_RATIO: f64 = 0.1;
 /// Size of a closed first step above which it has gone elsewhere, as a multiple of its size before closing.
-const GROWN: f64 = 2.0;
+const MAX_SIZE_RATIO: f64 = 2.0;
 
 /// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
 /// turn most hinges come first, and among these the nearest to the direction of `towards`. Returns the work of the solver
@@ -48,7 +48,7 @@ pub(crate) fn branches_at_flat(
     options: &PlanOptions,
 ) -> (Vec<Vec<f64>>, Work) {
     let mut switcher = BranchSwitcher::new(reduction, options, closure_tolerance, signs);
-    let first_step = FIRST_STEP.min(options.max_step / 2.0);
+    let first_step = FIRST_STEP_RAD.min(options.max_step / 2.0);
     let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
@@ -65,7 +65,7 @@ pub(crate) fn branches_at_flat(
         starts.push(start);
     }
     let unturned = |x: &[f64]| {
-        let least = UNTURNED * max_norm(x);
+        let least = UNTURNED_RATIO * max_norm(x);
         let pairs = x.iter().zip(signs);
         pairs
             .filter(|(x, sign)| sign.abs() > 0.0 && x.abs() < least)
@@ -74,8 +74,10 @@ pub(crate) fn branches_at_flat(
     let mut found: Vec<Vec<f64>> = Vec::new();
     for start in starts {
         let mut x = start;
-        let new =
-            switcher.land(&mut x) && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
+        let new = switcher.land(&mut x)
+            && found
+                .iter()
+                .all(|other| cosine(other, &x) < SAME_BRANCH_COSINE);
         if new {
             found.push(x);
         }
@@ -126,7 +128,7 @@ impl<'a> BranchSwitcher<'a> {
         let Some((largest, size)) = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             return false;
         };
-        LEAST.iter().any(|least| {
+        MIN_TURN_RATIOS.iter().any(|least| {
             let mut limits = self.orthant.clone();
             for ((lower, upper), sign) in limits.iter_mut().zip(self.signs) {
                 if *sign > 0.0 {
@@ -147,12 +149,14 @@ impl<'a> BranchSwitcher<'a> {
     fn is_good(&mut self, x: &[f64], start: &[f64]) -> bool {
         let mut signs = x.iter().zip(self.signs);
         let (size, first) = (max_norm(x), max_norm(start));
-        if size < SHRUNK * first || size > GROWN * first || !signs.all(|(x, sign)| x * sign >= 0.0)
+        if size < MIN_SIZE_RATIO * first
+            || size > MAX_SIZE_RATIO * first
+            || !signs.all(|(x, sign)| x * sign >= 0.0)
         {
             return false;
         }
         let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
-        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT
+        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT_COSINE
     }
 }
 
@@ -210,7 +214,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let mut first = None;
     for mut x in starts {
         let leaves = switcher.land(&mut x);
-        let least = UNTURNED * max_norm(&x);
+        let least = UNTURNED_RATIO * max_norm(&x);
         let pairs = x.iter().zip(&signs).zip(pattern.creases());
         let against =
             pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));

@@ -16,7 +16,7 @@ use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
 /// Largest number of faces for which testing all pairs of faces is faster than finding and folding a lattice.
-const FEW_FACES: usize = 20;
+const MAX_FACES_WITHOUT_LATTICE: usize = 20;
 
 /// The unknowns and conditions of a plan.
 pub(crate) struct Reduction<'a> {
@@ -73,7 +73,7 @@ impl<'a> Reduction<'a> {
         let reduction = Self::new(problem.pattern, groups, problem.options, problem.watch);
         // Errors of rounded coordinates do not add up. The errors of the sheet have to be measured then.
         let expected = if problem.errors.is_measured() {
-            EXPECTED
+            EXPECTED_AMPLIFICATION
         } else {
             f64::INFINITY
         };
@@ -125,7 +125,8 @@ impl<'a> Reduction<'a> {
     ) -> Option<(Self, f64)> {
         let most = self.closure_tolerance(options);
         let asked = self.groups.reduce(&goal.fold_angles);
-        let within = |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(ROUNDED * most);
+        let within =
+            |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(SNAP_RATIO * most);
         let told = within(false);
         let within = if coarse { within(true) } else { told };
         if coarse && within <= told {
@@ -139,7 +140,7 @@ impl<'a> Reduction<'a> {
             expected: self.expected,
             ..Self::of_stars(pattern, groups, all, options, self.watch)
         };
-        (turned > ROUNDING).then(|| (snapped(), turned))
+        (turned > ROUNDING_RESIDUAL).then(|| (snapped(), turned))
     }
 
     /// Returns the lattice along which to look for crossings, if the groups have one and the sheet has more than a few
@@ -147,7 +148,7 @@ impl<'a> Reduction<'a> {
     pub(crate) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
         let lattice = || Lattice::find(pattern, self.groups.memberships());
         // Without crease groups no two hinges turn alike, so that there is no lattice.
-        (!self.groups.is_trivial() && pattern.faces().len() > FEW_FACES)
+        (!self.groups.is_trivial() && pattern.faces().len() > MAX_FACES_WITHOUT_LATTICE)
             .then(|| self.lattice.get_or_init(lattice).as_ref())
             .flatten()
     }
@@ -186,7 +187,7 @@ impl<'a> Reduction<'a> {
         let asked = self.groups.reduce(&goal.fold_angles);
         let mut pairs = asked.iter().zip(&self.limits);
         pairs.all(|(asked, (lower, upper))| {
-            asked.is_none_or(|asked| asked >= lower - SAME && asked <= upper + SAME)
+            asked.is_none_or(|asked| asked >= lower - SAME_RAD && asked <= upper + SAME_RAD)
         })
     }
 
@@ -242,7 +243,7 @@ impl<'a> Reduction<'a> {
         let vertices = self.all.vertices().len().max(1) as f64;
         // If the amplification is unknown, the error of each vertex may add to that of the next.
         let worst = self.amplification.unwrap_or(vertices);
-        (bound / worst.min(self.expected)).max(ROUNDING)
+        (bound / worst.min(self.expected)).max(ROUNDING_RESIDUAL)
     }
 
     /// Returns the stars to solve.
@@ -282,7 +283,10 @@ impl<'a> Reduction<'a> {
         options: &PlanOptions,
     ) -> (Option<ClosedGoal>, Work) {
         let (exact, mut work) = self.close_goal_to(0.0, goal, options);
-        if exact.as_ref().is_some_and(|closed| closed.error <= NEARBY) {
+        if exact
+            .as_ref()
+            .is_some_and(|closed| closed.error <= NEARBY_RAD)
+        {
             return (exact, work);
         }
         let (rough, more) = self.close_goal_to(self.closure_tolerance(options), goal, options);
@@ -335,28 +339,28 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 }
 
 /// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
-pub(crate) const EXPECTED: f64 = 4.0;
+pub(crate) const EXPECTED_AMPLIFICATION: f64 = 4.0;
 /// Distance up to which an exactly closed configuration is the goal that was meant, radians.
-const NEARBY: f64 = 0.02;
+const NEARBY_RAD: f64 = 0.02;
 /// Angle (radians) by which a crease may be turned if the goal does not tell, as a fraction of the closure residual
 /// allowed.
-const ROUNDED: f64 = 0.25;
-/// Number of powers of [`FINE`] that are tried, as fractions of the residual allowed, for the angle by which creases
-/// are off.
-const FINER: i32 = 10;
+const SNAP_RATIO: f64 = 0.25;
+/// Number of powers of [`SNAP_FACTOR`] that are tried, as fractions of the residual allowed, for the angle by which
+/// creases are off.
+const SNAP_POWERS: i32 = 10;
 /// Ratio of an angle that is tried to the next larger one.
-const FINE: f64 = 0.25;
-/// Number of powers of [`FINE`] by which lines may be off by more than the goal is.
-const MORE: i32 = 2;
+const SNAP_FACTOR: f64 = 0.25;
+/// Number of powers of [`SNAP_FACTOR`] by which lines may be off by more than the goal is.
+const LINE_POWERS: i32 = 2;
 /// Closure residual that rounding may leave at a vertex of many creases.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_RESIDUAL: f64 = 1e-12;
 /// Starts tried one after the other, as fractions of the goal. At a flat-folded goal itself hinges stand at their
 /// limits, so that no way may lead from there to the closed configuration near it, although the goal closes but for
 /// rounding.
-const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
+const START_RATIOS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
 /// Angle from flat at which free hinges start, in the directions of their assignments, if flat itself leads nowhere,
 /// radians.
-const AJAR: f64 = 0.5;
+const AJAR_RAD: f64 = 0.5;
 
 /// Returns the closed configuration nearest to `asked` in which no hinge turns against its sign, as far as descent from
 /// there finds it. Free hinges (`None`) start flat, or else ajar, and follow.
@@ -366,9 +370,9 @@ fn nearest_closed(
     signs: &[f64],
 ) -> Option<Vec<f64>> {
     let free = asked.iter().any(Option::is_none);
-    let ajar = [0.0, AJAR];
+    let ajar = [0.0, AJAR_RAD];
     let starts = ajar[..=usize::from(free)].iter();
-    let mut starts = starts.flat_map(|ajar| STARTS.map(|part| (part, *ajar)));
+    let mut starts = starts.flat_map(|ajar| START_RATIOS.map(|part| (part, *ajar)));
     let start = starts.find_map(|(part, ajar)| {
         let pairs = asked.iter().zip(signs);
         let start = pairs.map(|(asked, sign)| asked.map_or(sign * ajar, |asked| asked * part));
@@ -381,7 +385,7 @@ fn nearest_closed(
 /// Largest closure residual of a goal that counts as exact: above the rounding of angles in degrees.
 pub const CLOSED: f64 = 1e-9;
 /// Largest difference of angles that are equal but for rounding, radians.
-pub(crate) const SAME: f64 = 1e-7;
+pub(crate) const SAME_RAD: f64 = 1e-7;
 
 /// Returns the angle (radians), at most `most`, by which creases are off because coordinates are rounded; `None` if the
 /// goal closes as it is, closes with no such angle, or lacks an angle.
@@ -399,12 +403,12 @@ pub(crate) fn rounding(
     if closes(stars) {
         return None;
     }
-    let mut tried = (0..=FINER).rev().map(|k| most * FINE.powi(k));
+    let mut tried = (0..=SNAP_POWERS).rev().map(|k| most * SNAP_FACTOR.powi(k));
     let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
     let within = tried.find(closes_within)?;
     // Lines that are part of the goal may be off by more than the goal is.
-    let more = (0..=if coarse { FINER } else { MORE }).rev();
-    let mut more = more.map(|k| most.min(within * FINE.powi(-k)));
+    let more = (0..=if coarse { SNAP_POWERS } else { LINE_POWERS }).rev();
+    let mut more = more.map(|k| most.min(within * SNAP_FACTOR.powi(-k)));
     more.find(closes_within)
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::branch::branches_at_flat;
 use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
 use super::judge::Judge;
-use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
+use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use super::search::{polyline, search};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::goal::GoalKind;
@@ -65,29 +65,29 @@ pub(crate) struct Route<'a> {
 }
 
 /// Distance from the angle asked for up to which a hinge counts as being there, radians.
-const NEARLY: f64 = 1e-6;
+const NEARLY_RAD: f64 = 1e-6;
 /// Largest distance by which a goal may be moved, as a fraction of the largest angle asked for.
-const MOVED: f64 = 0.5;
+const MAX_MOVED_RATIO: f64 = 0.5;
 /// Angle that the nearest closed configuration has to reach, as a fraction of the largest angle asked for.
-const TURNED: f64 = 0.1;
+const MIN_TURNED_RATIO: f64 = 0.1;
 /// Closure residual to which configurations are closed if knots alone are judged, as a fraction of the residual that
 /// the bound allows.
-const ROUGH: f64 = 1e-2;
+const ROUGH_RESIDUAL_RATIO: f64 = 1e-2;
 /// Largest number of iterations to close a predicted configuration: a handful suffice, unless nothing closes there.
-const ITERATIONS: u32 = 25;
+const MAX_ITERATIONS: u32 = 25;
 /// Closure residual that rounding may leave on a straight way between two configurations.
-const STRAIGHT: f64 = 1e-12;
+const STRAIGHT_RESIDUAL: f64 = 1e-12;
 /// Smallest number of steps on a straight way: its two ends close in any case.
-const STEPS: f64 = 4.0;
+const MIN_STEPS: f64 = 4.0;
 /// Largest number of branches that are followed from flat.
-const BRANCHES: usize = 4;
+const MAX_BRANCHES: usize = 4;
 /// Number of restarts of the randomised search as a last resort.
-const LAST_RESORT: usize = 3;
+const LAST_RESORT_RESTARTS: usize = 3;
 /// Number of unknowns above which the randomised search is not tried as a last resort: samples are too costly and too
 /// rarely good.
-const LAST_RESORT_UNKNOWNS: usize = 200;
+const MAX_LAST_RESORT_UNKNOWNS: usize = 200;
 /// Number of restarts of the randomised search if it is asked for.
-const RESTARTS: usize = 20;
+const SEARCH_RESTARTS: usize = 20;
 
 /// State shared by all steps of the search for a route.
 struct RouteFinder<'a> {
@@ -124,7 +124,7 @@ impl<'a> Route<'a> {
         let goal = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
             Ok(targets) if problem.options.search == Search::Random => {
-                finder.random(&targets, RESTARTS)
+                finder.random(&targets, SEARCH_RESTARTS)
             }
             Ok(targets) => finder.best(&targets),
             Err(end) => (Vec::new(), end),
@@ -208,13 +208,13 @@ impl<'a> RouteFinder<'a> {
             .reduction
             .solver(self.problem.options, closure_tolerance);
         solver.set_limits(self.reduction.orthant(&self.signs));
-        let solver = solver.at_most(ITERATIONS);
+        let solver = solver.at_most(MAX_ITERATIONS);
         if self.problem.options.judged == Judged::Motion {
             return solver;
         }
         // The search for crossings along a lattice needs the faces where the lattice has them.
         let alone = self.reduction.groups.is_trivial();
-        let rough = ROUGH * self.reduction.tolerance(self.problem.options.bound);
+        let rough = ROUGH_RESIDUAL_RATIO * self.reduction.tolerance(self.problem.options.bound);
         solver
             .with_rough_motions()
             .content_with(if alone { rough } else { 0.0 })
@@ -237,13 +237,14 @@ impl<'a> RouteFinder<'a> {
                     && !(reach.exactly && closed.closure_tolerance > 0.0)
                     // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
                     // the goal.
-                    && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
+                    && (reach.radians > SAME_RAD || self.reduction.closure(&closed.angles) <= CLOSED)
             };
             // The flat sheet always closes, but is not what was asked for.
             let asked = largest(&goal.fold_angles);
             let turned = |closed: &ClosedGoal| {
-                let moved = goal.kind == GoalKind::Letters || closed.error <= MOVED * asked;
-                moved && max_norm(&closed.angles) >= TURNED * asked
+                let moved =
+                    goal.kind == GoalKind::Letters || closed.error <= MAX_MOVED_RATIO * asked;
+                moved && max_norm(&closed.angles) >= MIN_TURNED_RATIO * asked
             };
             let near = closed
                 .as_ref()
@@ -326,7 +327,7 @@ impl<'a> RouteFinder<'a> {
         let closure_tolerance = finder.closure_tolerance;
         let short = |w: &Waypoint| {
             let mut pairs = self.asked.iter().zip(&w.angles);
-            pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
+            pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY_RAD < a.abs()))
         };
         let beyond = waypoints.iter().position(|w| !short(w))?;
         let before = waypoints.get(beyond.checked_sub(1)?)?.clone();
@@ -380,10 +381,10 @@ impl<'a> RouteFinder<'a> {
         if matches!(forwards.stop, None | Some(Stop::Timeout)) {
             return forwards;
         }
-        if self.asked.len() > LAST_RESORT_UNKNOWNS {
+        if self.asked.len() > MAX_LAST_RESORT_UNKNOWNS {
             return forwards;
         }
-        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT);
+        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT_RESTARTS);
         match end {
             End::Reached => {
                 self.notes.push(Note::FoundAtRandom);
@@ -403,13 +404,13 @@ impl<'a> RouteFinder<'a> {
         if far <= 0.0 {
             return None;
         }
-        let steps = (far / self.problem.options.max_step).ceil().max(STEPS);
+        let steps = (far / self.problem.options.max_step).ceil().max(MIN_STEPS);
         let parts = core::iter::successors(Some(0.0), |step| Some(step + 1.0));
         let parts = parts.take_while(|step| *step <= steps);
         let knots = parts.map(|step| {
             let pairs = from.iter().zip(to);
             let angles: Vec<f64> = pairs.map(|(a, b)| a + (b - a) * (step / steps)).collect();
-            (self.reduction.closure(&angles) <= STRAIGHT).then_some(angles)
+            (self.reduction.closure(&angles) <= STRAIGHT_RESIDUAL).then_some(angles)
         });
         let knots: Vec<_> = knots.collect::<Option<_>>()?;
         Some(Followed {
@@ -510,7 +511,7 @@ impl<'a> RouteFinder<'a> {
         );
         self.work += work;
         let near = |near: &&Vec<f64>| max_norm(near) <= self.problem.options.max_step;
-        for near in branches.iter().filter(near).take(BRANCHES) {
+        for near in branches.iter().filter(near).take(MAX_BRANCHES) {
             let tangent = tangent_at_flat(&mut solver, near);
             let target = match target {
                 Some(closed) => Target::Closed(&closed.angles),
@@ -636,7 +637,7 @@ pub(crate) fn straight(
         // The last configuration is the goal itself.
         let moves = step < steps && solver.closes(&mut near);
         let same = moves
-            && max_difference(&near, &exact) <= SHIFT * options.max_step
+            && max_difference(&near, &exact) <= MAX_SHIFT_RATIO * options.max_step
             && near.iter().zip(goal).all(|(near, goal)| near * goal >= 0.0);
         knots.push(if same { near } else { exact });
         step += 1.0;
@@ -645,12 +646,12 @@ pub(crate) fn straight(
 }
 
 /// Largest distance that a configuration of the straight path may be moved, as a fraction of the largest step.
-const SHIFT: f64 = 0.25;
+const MAX_SHIFT_RATIO: f64 = 0.25;
 
 /// Appends waypoints to a path, which rests where the two join at a corner.
 fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
     if let (Some(corner), Some(first)) = (waypoints.last_mut(), next.first()) {
-        if max_difference(&corner.tangent, &first.tangent) > SMOOTH {
+        if max_difference(&corner.tangent, &first.tangent) > SMOOTH_TURN {
             corner.tangent.fill(0.0);
         }
         waypoints.extend(next.into_iter().skip(1));
@@ -660,4 +661,4 @@ fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
 }
 
 /// Largest change of a unit tangent that is no corner.
-const SMOOTH: f64 = 1e-6;
+const SMOOTH_TURN: f64 = 1e-6;

@@ -5,7 +5,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::follow::Waypoint;
-use super::reduction::{CLOSED, Reduction, SAME, closure_of};
+use super::reduction::{CLOSED, Reduction, SAME_RAD, closure_of};
 use super::route::{End, Reach, Route};
 use crate::pattern::CreasePattern;
 use crate::planner::Symmetry;
@@ -17,7 +17,7 @@ use crate::symmetry::CreaseGroups;
 
 /// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
 /// less symmetry or moved coordinates.
-pub(crate) const FARTHER: f64 = 0.01;
+pub(crate) const FARTHER_RATIO: f64 = 0.01;
 
 /// The route that leads farthest, with what was found on the way to it.
 pub(crate) struct SelectedRoute<'a> {
@@ -74,7 +74,7 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
         // A goal far away is not what was asked for: with every crease free, one may be nearer. If the goal closes as
         // asked, with every crease on its own, a goal beside it is not what was asked for either.
         let radians = if exact && !groups.is_trivial() {
-            SAME
+            SAME_RAD
         } else {
             goal.reach
         };
@@ -86,7 +86,7 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
         following += route.following;
         work += route.work;
         let dropped = match best.take() {
-            Some(before) if before.rank() + FARTHER >= route.rank() => {
+            Some(before) if before.rank() + FARTHER_RATIO >= route.rank() => {
                 best = Some(before);
                 None
             }

@@ -1,19 +1,17 @@
 //! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and
 //! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
 
-use core::f64::consts::PI;
 use std::collections::HashMap;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
 use super::overshoot::peaks;
 use super::reduced_path::{PathPoint, ReducedPath};
-use super::timing::OptimalTimeLaw;
+use super::segment::{SegmentBuilder, TimeLaw};
 use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
 use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::knots::Knot;
 use crate::planner::options::{PlanOptions, Timing};
-use crate::planner::vectors::max_norm;
 use crate::symmetry::ReducedStars;
 
 /// Conditions that the motion between knots has to keep.
@@ -42,37 +40,6 @@ pub(crate) struct SheetBounds<'a> {
     pub(crate) aim: f64,
     /// Bound that is kept in any case.
     pub(crate) bound: f64,
-}
-
-/// Time law along the path.
-enum TimeLaw {
-    /// As fast as speed and acceleration of the hinges allow.
-    Optimal(OptimalTimeLaw),
-    /// Time is proportional to the angle of this group.
-    Angle(usize),
-    /// Time is proportional to the tangent of half the angle of this group.
-    HalfAngle(usize),
-    /// Time is proportional to the path length in group angles.
-    ArcLength,
-}
-
-impl TimeLaw {
-    /// Returns the time at a configuration, and the speed there: path length per time.
-    fn at(&self, point: &PathPoint) -> [f64; 2] {
-        match self {
-            Self::Optimal(law) => [
-                law.time_at(point.arc_length),
-                law.speed_at(point.arc_length),
-            ],
-            Self::Angle(lead) => [point.angles[*lead].abs(), 1.0 / point.tangent[*lead].abs()],
-            Self::HalfAngle(lead) => {
-                let tangent = (point.angles[*lead] / 2.0).tan();
-                let rate = point.tangent[*lead] * (1.0 + tangent * tangent) / 2.0;
-                [tangent.abs(), 1.0 / rate.abs()]
-            }
-            Self::ArcLength => [point.arc_length, 1.0],
-        }
-    }
 }
 
 /// Knots, the interpolation between them, and bounds on the motion.
@@ -189,11 +156,11 @@ pub(crate) fn place(
     let mut best: Option<KnotSequence> = None;
     for &kind in kinds {
         if let Some(best) = best.as_ref().filter(|best| best.open.is_none()) {
-            if best.knots.len() <= FEW {
+            if best.knots.len() <= FEW_KNOTS {
                 break;
             }
             placer.knot_budget = match kind {
-                Interpolation::Homogeneous => best.knots.len() / WORTH,
+                Interpolation::Homogeneous => best.knots.len() / HOMOGENEOUS_SAVING,
                 _ => best.knots.len() - 1,
             };
         }
@@ -229,7 +196,7 @@ pub(crate) fn place(
 /// Returns the fastest time law of a path.
 fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
     let groups = constraints.limits.len();
-    let parts = (GRID / groups.max(1)).clamp(1, PARTS);
+    let parts = (MAX_GRID_ANGLES / groups.max(1)).clamp(1, MAX_INTERVALS);
     match path.fastest(parts, constraints.speed, constraints.acceleration) {
         Ok(law) => TimeLaw::Optimal(law),
         Err(_) => TimeLaw::ArcLength,
@@ -238,7 +205,7 @@ fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLa
 
 /// Returns the time laws with which an interpolation may need few knots.
 fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
-    let leads = 0..path.point(0).angles.len().min(LEADS);
+    let leads = 0..path.point(0).angles.len().min(MAX_LEADS);
     match kind {
         Interpolation::HalfAngle => leads.map(TimeLaw::HalfAngle).collect(),
         Interpolation::Homogeneous => {
@@ -250,15 +217,15 @@ fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
 }
 
 /// Number of knots that is few enough to try no other interpolation.
-const FEW: usize = 12;
+const FEW_KNOTS: usize = 12;
 /// Factor by which homogeneous half angles have to reduce the number of knots.
-const WORTH: usize = 4;
+const HOMOGENEOUS_SAVING: usize = 4;
 /// Largest number of intervals between two waypoints on which the fastest motion is computed.
-const PARTS: usize = 8;
+const MAX_INTERVALS: usize = 8;
 /// Number of group angles between two waypoints above which there are fewer intervals.
-const GRID: usize = 4096;
+const MAX_GRID_ANGLES: usize = 4096;
 /// Largest number of groups that are tried as the one to whose angle or half angle time is proportional.
-const LEADS: usize = 8;
+const MAX_LEADS: usize = 8;
 
 /// Places knots on a path.
 struct KnotPlacer<'a, 's> {
@@ -277,24 +244,21 @@ struct KnotPlacer<'a, 's> {
 }
 
 /// Fraction by which a hinge may exceed its limits before time is stretched at the end.
-const LIMIT_EXCESS: f64 = 0.02;
+const LIMIT_EXCESS_RATIO: f64 = 0.02;
 /// Fraction by which time is stretched in addition, so that rounding the knots passes no limit.
-const MARGIN: f64 = 1e-5;
+const STRETCH_MARGIN_RATIO: f64 = 1e-5;
 /// Distance of two knots, as a fraction of that of the waypoints around them, below which no knot is put between them.
-const NARROWEST: f64 = 1.0 / 256.0;
+const MIN_SPACING_RATIO: f64 = 1.0 / 256.0;
 /// Path length from its limit within which a hinge is put to rest at the limit: while others move on, solving would
 /// move it to and fro.
-const RESTING: f64 = 1e-4;
-/// Distance from half a turn, radians, below which the digits that an angle is written with leave too few digits of its
-/// half angle's tangent to prove again what is proved of the tangent.
-const BLUNT: f64 = 1e-4;
+const RESTING_LENGTH: f64 = 1e-4;
 /// Distance beyond its limit up to which a hinge counts as being at the limit, radians.
-const AT_LIMIT: f64 = 1e-9;
+const AT_LIMIT_RAD: f64 = 1e-9;
 
 /// Returns `true` if a hinge keeps its limits all along its curve.
 fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
     let [lower, upper] = range(curve);
-    lower >= limit.0 - AT_LIMIT && upper <= limit.1 + AT_LIMIT
+    lower >= limit.0 - AT_LIMIT_RAD && upper <= limit.1 + AT_LIMIT_RAD
 }
 
 impl KnotPlacer<'_, '_> {
@@ -454,16 +418,16 @@ impl KnotPlacer<'_, '_> {
         if !within || optimal && self.exceeds_limits(builder, from, to, span) {
             return Some(false);
         }
-        let Some(most) = constraints.closure else {
+        let Some(max_residual) = constraints.closure else {
             return Some(true);
         };
         // Most segments that do not close well enough show it in the middle.
         let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
-        if constraints.stars.largest_residual(&middle) > most {
+        if constraints.stars.largest_residual(&middle) > max_residual {
             return Some(false);
         }
         let bounds = self.bounds();
-        let closes = bounds.closure().worst() <= most;
+        let closes = bounds.closure().worst() <= max_residual;
         let fits = closes && self.deforms_within(|sheet| sheet.aim);
         if fits {
             self.known.insert(key(from, to), bounds);
@@ -474,11 +438,11 @@ impl KnotPlacer<'_, '_> {
     /// Returns `true` if the whole sheet deforms by no more than `most` over the present curves, or no bound on it is
     /// asked for.
     fn deforms_within(&mut self, most: fn(&SheetBounds<'_>) -> f64) -> bool {
-        let Some(folded) = &mut self.sheet else {
+        let Some(sheet) = &mut self.sheet else {
             return true;
         };
-        let most = most(folded);
-        folded.certifier.rigidity(&self.curves, most).is_some()
+        let most = most(sheet);
+        sheet.certifier.rigidity(&self.curves, most).is_some()
     }
 
     /// Returns bounds on the closure over the present curves.
@@ -510,7 +474,7 @@ impl KnotPlacer<'_, '_> {
         to: &PathPoint,
         span: f64,
     ) -> bool {
-        let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS);
+        let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS_RATIO);
         let mut rates = builder.nodes(from).chain(builder.nodes(to));
         limit_ratio > 1.0
             && rates.all(|node| node.rate.abs() < limit_ratio * self.constraints.speed)
@@ -541,7 +505,7 @@ impl KnotPlacer<'_, '_> {
         let hinges = point.angles.iter().zip(&point.tangent);
         let limits = hinges.zip(self.constraints.limits);
         let at_limit = limits.map(|((angle, rate), (lower, upper))| {
-            let near = AT_LIMIT.max(RESTING * rate.abs());
+            let near = AT_LIMIT_RAD.max(RESTING_LENGTH * rate.abs());
             let mut limits = [*lower, *upper].into_iter();
             limits.find(|limit| (angle - limit).abs() <= near)
         });
@@ -571,7 +535,7 @@ impl KnotPlacer<'_, '_> {
         let arc_lengths = self.path.arc_lengths();
         let next = arc_lengths.partition_point(|arc_length| *arc_length <= middle);
         let around = arc_lengths.get(next)? - arc_lengths.get(next.checked_sub(1)?)?;
-        if to.arc_length - from.arc_length <= NARROWEST * around {
+        if to.arc_length - from.arc_length <= MIN_SPACING_RATIO * around {
             return None;
         }
         self.point_at(middle)
@@ -616,7 +580,7 @@ impl KnotPlacer<'_, '_> {
             bounds.take_in(&here);
             stretch = f64::max(stretch, self.limit_ratio(builder.kind, span));
         }
-        stretch *= 1.0 + MARGIN;
+        stretch *= 1.0 + STRETCH_MARGIN_RATIO;
         let start = builder.law.at(&points[0])[0];
         let knots = points.iter().map(|point| {
             let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
@@ -646,87 +610,3 @@ impl KnotPlacer<'_, '_> {
 fn key(from: &PathPoint, to: &PathPoint) -> [u64; 2] {
     [from, to].map(|point| point.arc_length.to_bits())
 }
-
-/// Makes the curves between configurations.
-struct SegmentBuilder<'a> {
-    kind: Interpolation,
-    law: &'a TimeLaw,
-    /// Group whose half angle's cosine all groups share in homogeneous half angles; `None` for tangents of half angles.
-    lead: Option<usize>,
-}
-
-impl<'a> SegmentBuilder<'a> {
-    fn new(path: &ReducedPath, kind: Interpolation, law: &'a TimeLaw) -> Self {
-        let last = path.point(path.arc_lengths().len() - 1);
-        let widest = |group: &usize| last.angles[*group].abs();
-        let lead = match law {
-            TimeLaw::Angle(lead) => Some(*lead),
-            TimeLaw::HalfAngle(_) => None,
-            _ => (0..last.angles.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))),
-        };
-        Self { kind, law, lead }
-    }
-
-    /// Makes the curves between two configurations, and returns the time between them. Returns `None` if a
-    /// configuration is not on its curve, or time stands still there or runs backwards.
-    fn curves(
-        &self,
-        from: &PathPoint,
-        to: &PathPoint,
-        curves: &mut Vec<Curve<f64>>,
-    ) -> Option<f64> {
-        let span = self.law.at(to)[0] - self.law.at(from)[0];
-        curves.clear();
-        let nodes = self.nodes(from).zip(self.nodes(to));
-        curves.extend(nodes.map(|(from, to)| Curve::between(self.kind, span, from, to)));
-        let passes = span > 0.0
-            && [from, to].into_iter().all(|point| {
-                let tangents = self.kind == Interpolation::HalfAngle;
-                let sharp = !tangents || max_norm(&point.angles) < PI - BLUNT;
-                sharp && self.law.at(point)[1].is_finite()
-            });
-        passes.then_some(span)
-    }
-
-    /// Returns one node for each group.
-    fn nodes<'n>(&'n self, point: &'n PathPoint) -> impl Iterator<Item = Node<f64>> + 'n {
-        let speed = self.law.at(point)[1];
-        (0..point.angles.len()).map(move |group| Node {
-            angle: point.angles[group],
-            rate: point.tangent[group] * speed,
-            weight: if self.kind == Interpolation::Homogeneous {
-                self.weight(point, group, speed)
-            } else {
-                [1.0, 0.0]
-            },
-        })
-    }
-
-    /// Returns the weight of a homogeneous half angle and the rate of the weight. The cosines of all groups are the
-    /// same function of time, that of the lead, so that groups whose tangents of half angles keep their ratio move
-    /// exactly.
-    fn weight(&self, point: &PathPoint, group: usize, speed: f64) -> [f64; 2] {
-        let (sin, cos) = (point.angles[group] / 2.0).sin_cos();
-        let turn = point.tangent[group] * speed / 2.0;
-        let (lead_cos, lead_rate) = match self.lead {
-            Some(lead) => {
-                let (sin, cos) = (point.angles[lead] / 2.0).sin_cos();
-                (cos, -sin * point.tangent[lead] * speed / 2.0)
-            }
-            None => (1.0, 0.0),
-        };
-        if cos.abs() < FOLDED_FLAT || lead_cos.abs() < FOLDED_FLAT {
-            // Both cosines vanish, and their ratio is that of the rates.
-            let ratio = self.lead.map_or(1.0, |lead| {
-                (point.tangent[lead] / point.tangent[group]).abs()
-            });
-            let sound = ratio.is_finite() && ratio > 0.0;
-            return [if sound { ratio } else { 1.0 }, 0.0];
-        }
-        let weight = lead_cos / cos;
-        [weight, (lead_rate + weight * turn * sin) / cos]
-    }
-}
-
-/// Cosine of half an angle below which the angle is half a turn.
-const FOLDED_FLAT: f64 = 1e-6;

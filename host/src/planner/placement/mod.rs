@@ -6,4 +6,5 @@ pub(super) mod knot_placement;
 pub(super) mod overshoot;
 pub(super) mod reachability;
 pub(super) mod reduced_path;
+mod segment;
 pub mod timing;

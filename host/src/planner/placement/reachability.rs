@@ -71,13 +71,13 @@ pub enum TimingError {
 }
 
 /// Largest derivative that counts as 0, as a fraction of the largest on the path.
-const STILL: f64 = 1e-8;
+const STILL_RATIO: f64 = 1e-8;
 /// Largest number of steps of Newton's method for a controllable set. The method ends by itself after a handful, each
 /// on another pair of limits; rounding may let it creep.
-const STEPS: u32 = 64;
+const MAX_NEWTON_STEPS: u32 = 64;
 /// Difference of load, as a fraction of the limit, up to which a regime goes on although another limit is nearer to
 /// being active: more than rounding.
-const SAME_REGIME: f64 = 1e-6;
+const SAME_REGIME_RATIO: f64 = 1e-6;
 
 /// The line y = offset + slope x.
 #[derive(Clone, Copy)]
@@ -140,7 +140,7 @@ impl<'a> Problem<'a> {
                 .filter(|(_, a)| a.is_finite())
                 .map(|(g, _)| g)
                 .collect(),
-            still: STILL * largest,
+            still: STILL_RATIO * largest,
             ceiling: Vec::new(),
         };
         problem.ceiling = problem.speed_ceiling();
@@ -270,7 +270,7 @@ impl<'a> Problem<'a> {
     /// Returns the largest x at `point` from which the interval after it leads to some y up to `top`.
     fn controllable(&self, point: usize, top: f64) -> f64 {
         let mut x = self.ceiling[point];
-        for _ in 0..STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let Reach { low, high, most } = self.reach(point, x, top);
             let next = if low.at(x) > high.at(x) {
                 (high.offset - low.offset) / (low.slope - high.slope)
@@ -328,7 +328,7 @@ impl<'a> Problem<'a> {
                     same = f64::max(same, load);
                 }
             }
-            if same < most.0 - SAME_REGIME {
+            if same < most.0 - SAME_REGIME_RATIO {
                 switches.extend(regime.map(|_| k));
                 regime = most.1;
             }

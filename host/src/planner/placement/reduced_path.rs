@@ -41,11 +41,11 @@ impl PathPoint {
 }
 
 /// Largest distance of a closed configuration from its prediction, as a fraction of the distance between waypoints.
-const ASTRAY: f64 = 0.1;
+const MAX_CORRECTION_RATIO: f64 = 0.1;
 
 /// Distance from the waypoint before, as a fraction of the largest such distance, below which a waypoint is left out.
 /// If a motion turns back at a limit or passes a singular configuration, tangents there are not those of a smooth path.
-const TOO_NEAR: f64 = 1.0 / 1024.0;
+const MIN_SPACING_RATIO: f64 = 1.0 / 1024.0;
 
 impl ReducedPath {
     pub(crate) fn new(waypoints: &[Waypoint]) -> Self {
@@ -234,8 +234,8 @@ impl ReducedPath {
             .map(|curve| (curve.angle(s), curve.derivatives(s)[0] / span))
             .unzip();
         let mut angles = predicted.clone();
-        let near =
-            solver.closes(&mut angles) && max_difference(&angles, &predicted) <= ASTRAY * span;
+        let near = solver.closes(&mut angles)
+            && max_difference(&angles, &predicted) <= MAX_CORRECTION_RATIO * span;
         if !near {
             return None;
         }
@@ -260,7 +260,7 @@ impl ReducedPath {
 fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     let pairs = waypoints.windows(2);
     let widest = pairs.map(|pair| arc_between(&pair[0], &pair[1]));
-    let least = TOO_NEAR * widest.fold(0.0, f64::max);
+    let least = MIN_SPACING_RATIO * widest.fold(0.0, f64::max);
     let mut kept: Vec<Waypoint> = Vec::with_capacity(waypoints.len());
     for (index, waypoint) in waypoints.iter().enumerate() {
         let stays = waypoint.ends_phase || max_norm(&waypoint.tangent) <= 0.0;

@@ -6,8 +6,8 @@ use std::time::Instant;
 use super::fold_sequence::{fold_in_sequence, goal_of_sequences};
 use super::pipeline::{self, Ending};
 use crate::pattern::CreasePattern;
-use crate::planner::following::reduction::{CLOSED, EXPECTED, closure_of};
-use crate::planner::following::route_selection::FARTHER;
+use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION, closure_of};
+use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
@@ -132,7 +132,7 @@ fn nearly_closes(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
         Outcome::GoalNotClosed | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
-    let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED;
+    let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED_AMPLIFICATION;
     open && problem.options.judged == Judged::Motion && off().is_some_and(near)
 }
 
@@ -144,7 +144,7 @@ fn proves_less_deformation(new: &Plan, best: &Plan) -> bool {
 /// Returns `true` if a plan is found or, where the best so far ends before the goal, a path that leads farther.
 fn leads_farther(new: &Plan, best: &Plan) -> bool {
     let short = matches!(best.outcome, Outcome::Partial | Outcome::GoalNotClosed);
-    let farther = new.outcome == Outcome::Partial && new.reached > best.reached + FARTHER;
+    let farther = new.outcome == Outcome::Partial && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || short && farther
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
-use crate::planner::following::reduction::{CLOSED, Reduction, SAME, closure_of};
+use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD, closure_of};
 use crate::planner::following::route::{End, Route, straight};
 use crate::planner::following::route_selection::{SelectedRoute, select_route};
 use crate::planner::knots::Knot;
@@ -179,7 +179,7 @@ fn note_moved_goal(
     });
     plan.goal_closure = closure.unwrap_or(0.0);
     plan.times.symmetry += start.elapsed();
-    let moved = !problem.errors.is_snapped() || plan.goal_error > SAME;
+    let moved = !problem.errors.is_snapped() || plan.goal_error > SAME_RAD;
     if plan.goal_closure > CLOSED && moved {
         plan.notes.push(Note::GoalMoved {
             goal: goal.source.clone(),
