@@ -241,7 +241,8 @@ impl Tally {
     }
 
     fn note(&mut self, seed: u64, plan: &Plan, crosses: bool) {
-        let reason = plan.reason.as_deref().unwrap_or_default();
+        let reason = plan.reason.as_ref().map(ToString::to_string);
+        let reason = reason.unwrap_or_default();
         if reason.is_empty() {
             self.silent.push(seed);
         }

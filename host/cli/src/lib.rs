@@ -137,7 +137,7 @@ fn say(line: &str) {
     let _gone = writeln!(std::io::stderr(), "{line}");
 }
 
-fn print_notes(quiet: bool, notes: &[String]) {
+fn print_notes(quiet: bool, notes: &[impl core::fmt::Display]) {
     for note in notes.iter().filter(|_| !quiet) {
         say(&format!("note: {note}"));
     }

@@ -82,15 +82,17 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         file,
         goal,
         plan,
+        held_flat,
         read,
         write,
     } = watched(&args.report, quiet, |progress| {
         planned(args, options, progress)
     })?;
     let times = plan.times;
+    let reason = plan.reason.as_ref().map(ToString::to_string);
     let json = PlanJson {
         outcome: plan.outcome.name(),
-        reason: plan.reason.as_deref(),
+        reason: reason.as_deref(),
         reached: plan.reached,
         creases: file.pattern.creases().len(),
         real_vertices: file.pattern.real_vertices().count(),
@@ -130,6 +132,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     print_notes(quiet, file.pattern.repairs());
     print_notes(quiet, file.pattern.assumptions());
     print_notes(quiet, &plan.notes);
+    print_notes(quiet, &held_flat);
     if args.goal.is_none() && args.fold.is_none() && args.crease.is_none() {
         let open = plan.outcome == Outcome::GoalNotClosed;
         let closure = if open {
@@ -153,6 +156,8 @@ struct Planned {
     file: PatternFile,
     goal: Goal,
     plan: planner::Plan,
+    /// A note for each limit that holds its crease flat.
+    held_flat: Vec<String>,
     read: Duration,
     write: Duration,
 }
@@ -175,7 +180,6 @@ fn planned(
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
     let mut plan = planner::plan_watched(&file.pattern, &goal, &options, progress);
-    plan.notes.extend(held_flat(args, &file.pattern, &goal));
     progress.begin(Stage::Writing);
     let start = Instant::now();
     if let Some(motion) = &mut plan.motion {
@@ -186,6 +190,7 @@ fn planned(
     }
     let write = start.elapsed();
     Ok(Planned {
+        held_flat: held_flat(args, &file.pattern, &goal),
         file,
         goal,
         plan,

@@ -41,7 +41,7 @@ pub enum GoalKind {
 pub const CHOSEN_REACH: f64 = 0.2;
 
 /// Largest angle of a goal that counts as flat, radians.
-const FLAT: f64 = 1e-9;
+const FLAT_RAD: f64 = 1e-9;
 
 /// Reason why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -102,7 +102,7 @@ impl Goal {
         let letter = pattern.edge(pattern.creases()[crease.index()]).letter;
         let degrees = angle.to_degrees();
         let against = angle * letter.sign() < 0.0;
-        if !(angle.abs() > FLAT && angle.abs() <= core::f64::consts::PI) || against {
+        if !(angle.abs() > FLAT_RAD && angle.abs() <= core::f64::consts::PI) || against {
             return Err(GoalError::Crease {
                 edge,
                 letter: letter.code(),
@@ -131,7 +131,7 @@ impl Goal {
         if fold_angles
             .iter()
             .flatten()
-            .all(|angle| angle.abs() <= FLAT)
+            .all(|angle| angle.abs() <= FLAT_RAD)
         {
             return Err(GoalError::Flat);
         }

@@ -4,42 +4,86 @@
 //! The path is followed from the goal, which is a regular configuration, back to the flat sheet, which is singular. As
 //! few knots are placed on the path as a bound on the error between them allows. The motion is then lifted to the whole
 //! sheet and judged there.
+//!
+//! # Stages
+//!
+//! Planning is a pipeline of values. Each stage is a function from one value to the next; a stage that does not lead on
+//! returns the place and the size of what is in the way.
+//!
+//! ```text
+//! PlanningProblem          sheet, goal, options, error model          problem.rs
+//!   | select_route           crease groups, closed goal, motion       following/
+//! Route                    waypoints in group angles
+//!   | ReducedPath::new       geometry alone, by path length           placement/
+//!   | place                  fewest knots, with times
+//! KnotSequence
+//!   | certify                bounds between knots                     lifting/certified_motion.rs
+//! Certificate
+//!   | measure                the whole sheet folded at the knots      lifting/measured_motion.rs
+//! MeasuredMotion
+//!   | sweep                  crossings over the whole motion          lifting/swept_motion.rs
+//! Swept
+//!   | lift, run              what was found, in one answer            lifting/whole_sheet.rs, strategies/pipeline.rs
+//! Plan
+//! ```
+//!
+//! # Strategies
+//!
+//! `strategies/driver.rs` runs this pipeline for the rows of a table, keeps the best answer, and lists what was tried as
+//! [`Plan::attempts`]:
+//!
+//! ```text
+//! crease groups                        always
+//! every crease                         if less deformation may be proved without groups
+//! snapped coordinates (fine)           if there is no plan yet
+//! snapped coordinates (coarse)         if there is no plan yet
+//! measured error                       if there is no plan yet and the goal nearly closes
+//! snapped coordinates, measured error  if there is no plan yet and the goal nearly closes
+//! ```
+//!
+//! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion
+//! crosses or ends early, folds in sequence are tried: each sequence is the same pipeline again, by way of the
+//! configurations between its folds. Nothing calls the driver but its user.
+//!
+//! # Order of the files
+//!
+//! A file uses only files to its left:
+//!
+//! ```text
+//! goal, knots, vectors < reason < messages, plan < options < problem
+//! < closing (cholesky < sparse < chord < solver)
+//! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
+//! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
+//! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
+//! < strategies (simple_folds, pipeline < fold_sequence < driver)
+//! ```
 
-mod at_knots;
-mod attempt;
-mod cholesky;
-mod chord;
-mod course;
-mod crossings;
-mod depart;
-mod follow;
+mod closing;
+mod following;
 mod goal;
-mod in_turn;
-mod judge;
 mod knots;
-mod mobility;
+mod lifting;
+mod messages;
 mod options;
-mod overshoot;
-mod place;
+mod placement;
 mod plan;
-mod reachability;
-mod reduction;
-mod reuse;
-mod search;
-mod simple_folds;
-mod solver;
-mod sparse;
-pub mod timing;
+mod problem;
+mod reason;
+mod strategies;
+mod vectors;
 
-pub use depart::{Departure, leave_flat};
+pub use closing::sparse::SparseNormalEquations;
 pub use foldpath_core::Objective;
+pub use following::branch::{Departure, leave_flat};
+pub use following::mobility::{FirstStep, Mobility, first_step};
+pub use following::reduction::{CLOSED, closure_of};
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
-pub use mobility::{FirstStep, Mobility, first_step};
 pub use options::{
     HingeLimit, Judged, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing,
     Vertices,
 };
-pub use overshoot::Overshoot;
-pub use plan::{Outcome, Plan, Times, plan, plan_watched};
-pub use reduction::{CLOSED, closure_of};
-pub use sparse::SparseNormalEquations;
+pub use placement::overshoot::Overshoot;
+pub use placement::timing;
+pub use plan::{Attempt, Outcome, Plan, Strategy, Times};
+pub use reason::{ClosureSite, GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+pub use strategies::driver::{plan, plan_watched};

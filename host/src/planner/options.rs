@@ -200,7 +200,7 @@ impl OptionsError {
 }
 
 /// Smallest speed that may be asked for, radians per second: below it times become too large to tell knots apart.
-const SLOWEST: f64 = 1e-9;
+const MIN_SPEED_RAD_PER_S: f64 = 1e-9;
 
 impl PlanOptions {
     /// Checks that each option is in its range.
@@ -249,7 +249,7 @@ impl PlanOptions {
                 found: found.to_degrees(),
             });
         }
-        if self.max_speed < SLOWEST {
+        if self.max_speed < MIN_SPEED_RAD_PER_S {
             return Err(OptionsError {
                 option: "max_speed",
                 expected: "at least 1e-9 radians per second",

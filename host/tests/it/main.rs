@@ -12,6 +12,7 @@ mod lattice_scene;
 mod module_order;
 mod nonsense;
 mod overshoot;
+mod planner_order;
 mod progress;
 mod sweep;
 mod symmetry;

@@ -2,7 +2,7 @@
 
 use crate::common::near;
 use foldpath::planner::Overshoot;
-use foldpath::planner::timing::{Law, RateLimits, Rests, SampledPath};
+use foldpath::planner::timing::{OptimalTimeLaw, RateLimits, Rests, SampledPath};
 use foldpath_core::Interpolation;
 use foldpath_core::trajectory::TrajectoryView;
 
@@ -149,7 +149,7 @@ fn knots_where_the_law_switches_keep_the_limits() {
         end: true,
         corners: &[],
     };
-    let law = Law::time_optimal(path, limits, rests).unwrap();
+    let law = OptimalTimeLaw::time_optimal(path, limits, rests).unwrap();
     let used = |times: &[f64]| {
         let at = |&time: &f64| {
             let sigma = law.sigma_at(time);

@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_8, TAU};
 
 use crate::common::near;
-use foldpath::planner::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
+use foldpath::planner::timing::{OptimalTimeLaw, RateLimits, Rests, SampledPath, TimingError};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -48,7 +48,7 @@ impl Case {
         self
     }
 
-    fn law(&self, rests: Rests<'_>) -> Result<Law, TimingError> {
+    fn law(&self, rests: Rests<'_>) -> Result<OptimalTimeLaw, TimingError> {
         let path = SampledPath {
             parameters: &self.parameters,
             first: &self.first,
@@ -58,16 +58,16 @@ impl Case {
             speeds: &self.speeds,
             accelerations: &self.accelerations,
         };
-        Law::time_optimal(path, limits, rests)
+        OptimalTimeLaw::time_optimal(path, limits, rests)
     }
 
-    fn at_rest(&self) -> Law {
+    fn at_rest(&self) -> OptimalTimeLaw {
         self.law(AT_REST).unwrap()
     }
 
     /// Returns the largest fractions of the limits on speed and acceleration that are used on the path itself, sampled
     /// at 10 kHz.
-    fn used(&self, law: &Law, path: Derivatives<'_>) -> [f64; 2] {
+    fn used(&self, law: &OptimalTimeLaw, path: Derivatives<'_>) -> [f64; 2] {
         let mut used = [0.0_f64; 2];
         let mut time = 0.0;
         while time < law.duration() {

@@ -467,7 +467,10 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
         percent(theirs.worst()),
         percent(reused.worst()),
         answer.outcome.name(),
-        answer.reason.unwrap_or_default()
+        answer
+            .reason
+            .map(|reason| reason.to_string())
+            .unwrap_or_default()
     );
     show(out, 8, &text)
 }

@@ -8,27 +8,27 @@ use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
-use super::PlanOptions;
-use super::follow::{
-    Followed, NEAR, Rules, Stop, Waypoint, approach, max_difference, max_norm, norm, way_to,
-};
-use super::solver::ClosureSolver;
+use super::follow::{Followed, REACHED_RAD, Rules, Waypoint, approach};
+use crate::planner::PlanOptions;
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::reason::Stop;
+use crate::planner::vectors::{max_difference, max_norm, norm, way_to};
 
 /// Spread of the random part of a step, as a fraction of the sampling radius.
-const SPREAD: f64 = 0.5;
+const SPREAD_RATIO: f64 = 0.5;
 /// Number of failures in a row after which the sampling radius shrinks.
-const PATIENCE: usize = 5;
+const MAX_FAILURES: usize = 5;
 /// Factor on the sampling radius after these failures.
-const NARROWER: f64 = 0.6;
+const NARROWING_FACTOR: f64 = 0.6;
 /// Factor on the sampling radius after a success.
-const WIDER: f64 = 1.3;
+const WIDENING_FACTOR: f64 = 1.3;
 /// Sampling radius, as a fraction of the largest step, below which the search restarts with the largest step.
-const NARROWEST: f64 = 1e-3;
+const MIN_RADIUS_RATIO: f64 = 1e-3;
 
 /// Searches from flat to `asked`, or as near as it comes. `closed` is the closed configuration at the goal, if one is
 /// known; `feasible` judges configurations that would become knots. Gives up after `most_restarts` restarts without a
 /// success between them.
-pub(super) fn search(
+pub(crate) fn search(
     solver: &mut ClosureSolver<'_>,
     asked: &[Option<f64>],
     closed: Option<&[f64]>,
@@ -47,7 +47,7 @@ pub(super) fn search(
         let way = way_to(asked, here);
         let (far, longest) = (norm(&way), max_norm(&way));
         rules.tell(far, whole);
-        if far <= NEAR {
+        if far <= REACHED_RAD {
             break None;
         }
         if let Some(closed) = closed.filter(|closed| max_difference(closed, here) <= max_step) {
@@ -56,7 +56,7 @@ pub(super) fn search(
         }
         if closed.is_none() && longest <= max_step {
             let last = approach(solver, here.clone(), asked);
-            let there = norm(&way_to(asked, &last)) <= NEAR;
+            let there = norm(&way_to(asked, &last)) <= REACHED_RAD;
             if there
                 && max_difference(&last, here) <= max_step
                 && rules.allow(here, &last)
@@ -78,7 +78,7 @@ pub(super) fn search(
         random_near(
             &mut rng,
             &ahead,
-            SPREAD * radius,
+            SPREAD_RATIO * radius,
             Limits::HalfTurn,
             &mut next,
         );
@@ -90,14 +90,14 @@ pub(super) fn search(
             && feasible(&next);
         if good {
             knots.push(next);
-            radius = (radius * WIDER).min(max_step);
+            radius = (radius * WIDENING_FACTOR).min(max_step);
             (failures, restarts) = (0, 0);
             continue;
         }
         failures += 1;
-        if failures == PATIENCE {
-            (radius, failures) = (radius * NARROWER, 0);
-            if radius < NARROWEST * max_step {
+        if failures == MAX_FAILURES {
+            (radius, failures) = (radius * NARROWING_FACTOR, 0);
+            if radius < MIN_RADIUS_RATIO * max_step {
                 radius = max_step;
                 restarts += 1;
             }
@@ -111,7 +111,7 @@ pub(super) fn search(
 
 /// Makes waypoints of configurations that no motion joins. The tangent at each one is that of the chord between its
 /// neighbours.
-pub(super) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
+pub(crate) fn polyline(knots: &[Vec<f64>]) -> Vec<Waypoint> {
     let last = knots.len() - 1;
     let waypoint = |k: usize| {
         let (from, to) = (&knots[k.saturating_sub(1)], &knots[(k + 1).min(last)]);

@@ -77,7 +77,7 @@ impl Overshoot {
 }
 
 /// Returns the largest absolute first and second derivative on a segment, by its parameter from 0 to 1.
-pub(super) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
+pub(crate) fn peaks(curve: &Curve<f64>) -> [f64; 2] {
     let at = |s: f64| curve.derivatives(s).map(f64::abs);
     match curve {
         Curve::Angle(angle) => {

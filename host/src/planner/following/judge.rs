@@ -3,28 +3,28 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use super::knots::Knot;
 use super::reduction::Reduction;
 use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
+use crate::planner::knots::Knot;
 use crate::symmetry::essential_pattern;
 
 /// A whole sheet that is folded at one configuration after another.
-pub(super) struct Judge<'a> {
+pub(crate) struct Judge<'a> {
     pattern: &'a CreasePattern,
     reduction: &'a Reduction<'a>,
     tree: &'a SpanningTree,
     map: FoldingMap,
     scene: Option<CollisionScene>,
     /// `true` if judged knots keep the folded positions of the vertices.
-    pub(super) keep_vertices: bool,
+    pub(crate) keep_vertices: bool,
     /// Time spent folding and measuring.
-    pub(super) fold: Duration,
+    pub(crate) fold: Duration,
 }
 
 impl<'a> Judge<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         pattern: &'a CreasePattern,
         reduction: &'a Reduction<'a>,
         collision: bool,
@@ -45,7 +45,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Folds the sheet at a knot, stores the measured errors in the knot, and returns the deepest crossing.
-    pub(super) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
+    pub(crate) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
         let start = Instant::now();
         self.place(&knot.angles);
         let rigidity = self.map.rigidity(self.pattern, self.tree);
@@ -63,7 +63,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Returns the deepest crossing at these group angles.
-    pub(super) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
+    pub(crate) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.place(angles);
         // Measured afresh: the gap of a knot may be a bound.
         let gap = self.map.rigidity(self.pattern, self.tree).gap;
@@ -78,7 +78,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Returns the number of pairs that the searches for crossings looked at and skipped.
-    pub(super) fn counts(&self) -> SweepCounts {
+    pub(crate) fn counts(&self) -> SweepCounts {
         let counts = self.scene.as_ref().map(CollisionScene::counts);
         let CollisionCounts {
             pairs,
@@ -100,7 +100,7 @@ impl<'a> Judge<'a> {
 
     /// Returns the largest deformation and gap of the essential crease pattern over some configurations, and its number
     /// of faces.
-    pub(super) fn essential<'k>(
+    pub(crate) fn essential<'k>(
         &mut self,
         configurations: impl Iterator<Item = &'k [f64]>,
     ) -> (Rigidity, usize) {
@@ -120,7 +120,7 @@ impl<'a> Judge<'a> {
     /// Returns the first knot at which faces cross, and the deepest crossing of the whole sheet there. If vertices
     /// close `alike`, knots without a crossing of the essential crease pattern are skipped, as faces round all other
     /// vertices cross only if those round its vertices do.
-    pub(super) fn first_crossing(
+    pub(crate) fn first_crossing(
         &mut self,
         knots: &[Knot],
         alike: bool,

@@ -14,22 +14,23 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-use super::follow::max_norm;
+use super::chord;
 use super::sparse::{SparseNormalEquations, Structure};
-use super::{Solver, chord};
+use crate::planner::Solver;
+use crate::planner::vectors::max_norm;
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
 /// Largest number of steps of the gradient solver, which converges linearly.
-const GRADIENT_ITERATIONS: u32 = 20_000;
+const MAX_GRADIENT_ITERATIONS: u32 = 20_000;
 /// Number of steps after which the gradient solver looks at the clock.
-const GRADIENT_SLICE: u32 = 500;
+const GRADIENT_STEPS_PER_LOOK: u32 = 500;
 
 /// Number of iterations and evaluations so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Work {
-    pub(super) iterations: u64,
-    pub(super) evaluations: u64,
+pub(crate) struct Work {
+    pub(crate) iterations: u64,
+    pub(crate) evaluations: u64,
 }
 
 impl AddAssign for Work {
@@ -40,12 +41,12 @@ impl AddAssign for Work {
 }
 
 /// Closure conditions of some stars and loops, with all memory that solving them needs.
-pub(super) struct ClosureSolver<'a> {
+pub(crate) struct ClosureSolver<'a> {
     stars: StarsView<'a, f64>,
     loops: LoopsView<'a, f64>,
     kind: Solver,
     /// Closure residual up to which a local minimum counts as closed.
-    accepted: f64,
+    closure_tolerance: f64,
     /// Closure residual up to which a configuration counts as closed.
     tolerance: f64,
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
@@ -61,15 +62,15 @@ pub(super) struct ClosureSolver<'a> {
     columns: Vec<Vector3<f64>>,
     equations: Equations,
     workspace: Vec<f64>,
-    pub(super) work: Work,
+    pub(crate) work: Work,
 }
 
 impl<'a> ClosureSolver<'a> {
     /// Makes a solver. `structure` holds the sparse structure of these stars, once one solver has found it.
-    pub(super) fn new(
+    pub(crate) fn new(
         reduced: &'a ReducedStars,
         kind: Solver,
-        accepted: f64,
+        closure_tolerance: f64,
         structure: &OnceCell<Option<Rc<Structure>>>,
     ) -> Self {
         let (stars, loops) = (reduced.view(), reduced.loops());
@@ -78,7 +79,7 @@ impl<'a> ClosureSolver<'a> {
             stars,
             loops,
             kind,
-            accepted,
+            closure_tolerance,
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
             watch: Watch::default(),
@@ -94,44 +95,44 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Sets the lower and upper bounds (radians) of the unknowns.
-    pub(super) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
+    pub(crate) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
         self.limits = limits;
     }
 
     /// Raises the tolerance to this closure residual.
-    pub(super) fn content_with(mut self, tolerance: f64) -> Self {
+    pub(crate) fn content_with(mut self, tolerance: f64) -> Self {
         self.tolerance = self.tolerance.max(tolerance);
         self
     }
 
     /// Limits Levenberg-Marquardt to this number of iterations for a configuration.
-    pub(super) fn at_most(mut self, iterations: u32) -> Self {
+    pub(crate) fn at_most(mut self, iterations: u32) -> Self {
         self.most_iterations = iterations;
         self
     }
 
     /// Lets projections at a configuration that the chord method closed use the factor of the predicted configuration.
     /// This saves half of all factorisations.
-    pub(super) fn with_rough_motions(mut self) -> Self {
+    pub(crate) fn with_rough_motions(mut self) -> Self {
         self.rough = true;
         self
     }
 
     /// Watches a call: once the call is over, no configuration closes any more.
-    pub(super) fn watched(mut self, watch: Watch<'a>) -> Self {
+    pub(crate) fn watched(mut self, watch: Watch<'a>) -> Self {
         self.watch = watch;
         self
     }
 
     /// Returns `true` once the call is over.
-    pub(super) fn is_late(&self) -> bool {
+    pub(crate) fn is_late(&self) -> bool {
         self.watch.is_over()
     }
 
     /// Returns the factor of `direction` by which `x` can go until an unknown reaches its limit, and that unknown.
-    pub(super) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
+    pub(crate) fn room(&self, x: &[f64], direction: &[f64]) -> (f64, usize) {
         let limits = Limits::Each(&self.limits);
-        let tiny = SIDEWAYS * max_norm(direction);
+        let tiny = SIDEWAYS_RATIO * max_norm(direction);
         let rooms = x.iter().zip(direction).enumerate();
         let rooms = rooms
             .filter(|(_, (_, d))| d.abs() > tiny)
@@ -146,7 +147,7 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Moves `x` to the closed configuration near it, or to a local minimum of the residual.
-    pub(super) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
+    pub(crate) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
         self.near = None;
         let n = self.stars.unknowns();
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
@@ -155,7 +156,7 @@ impl<'a> ClosureSolver<'a> {
             unreachable!("memory for all unknowns, the largest star and the largest loop")
         };
         let mut options = Options {
-            acceptable: self.accepted,
+            acceptable: self.closure_tolerance,
             tolerance: self.tolerance,
             max_iterations: self.most_iterations,
             ..Options::default()
@@ -165,10 +166,10 @@ impl<'a> ClosureSolver<'a> {
         let work = &mut self.workspace;
         let report = match (self.kind, &mut self.equations) {
             (Solver::Gradient, _) => {
-                options.max_iterations = GRADIENT_SLICE;
+                options.max_iterations = GRADIENT_STEPS_PER_LOOK;
                 let mut sum = gradient::solve(&mut problem, limits, &options, x, work);
                 while sum.outcome == Outcome::IterationLimit
-                    && sum.iterations < GRADIENT_ITERATIONS
+                    && sum.iterations < MAX_GRADIENT_ITERATIONS
                     && !watch.is_over()
                 {
                     let report = gradient::solve(&mut problem, limits, &options, x, work);
@@ -197,8 +198,8 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Moves `x` to the closed configuration near it. Returns `true` if `x` then closes: to the tolerance or, if
-    /// rounded coordinates leave no such configuration, at a local minimum of the residual within `accepted`.
-    pub(super) fn closes(&mut self, x: &mut [f64]) -> bool {
+    /// rounded coordinates leave no such configuration, at a local minimum of the residual within `closure_tolerance`.
+    pub(crate) fn closes(&mut self, x: &mut [f64]) -> bool {
         if self.is_late() {
             return false;
         }
@@ -208,7 +209,7 @@ impl<'a> ClosureSolver<'a> {
         let report = self.close(x);
         match report.outcome {
             Outcome::Converged => true,
-            Outcome::Stalled => report.residual <= self.accepted,
+            Outcome::Stalled => report.residual <= self.closure_tolerance,
             _ => false,
         }
     }
@@ -217,7 +218,7 @@ impl<'a> ClosureSolver<'a> {
     /// that closes, as only damping keeps a step short then.
     fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
         self.near = None;
-        let exact = self.accepted <= f64::CLOSURE_TOLERANCE;
+        let exact = self.closure_tolerance <= f64::CLOSURE_TOLERANCE;
         let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
             (self.kind, &mut self.equations, exact)
         else {
@@ -242,19 +243,19 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// Returns the largest value of the objective that counts as closed: ‖L − I‖ is √2 times the residual.
-    pub(super) fn objective_tolerance(&self) -> f64 {
-        self.tolerance.max(self.accepted) * core::f64::consts::SQRT_2
+    pub(crate) fn objective_tolerance(&self) -> f64 {
+        self.tolerance.max(self.closure_tolerance) * core::f64::consts::SQRT_2
     }
 
     /// Returns the report's objective at `x`.
-    pub(super) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
+    pub(crate) fn objective(&mut self, objective: Objective, x: &[f64]) -> f64 {
         let value = objective.value(self.stars, x, &mut self.half_angles);
         value.unwrap_or(f64::NAN)
     }
 
     /// Replaces `direction` by the nearest infinitesimal motion at `x` that moves no unknown past its limit, by an
     /// active-set method. Returns the unknowns that are held for that, or `None` if there is no projection.
-    pub(super) fn project_on_motions(
+    pub(crate) fn project_on_motions(
         &mut self,
         x: &[f64],
         direction: &mut [f64],
@@ -263,7 +264,7 @@ impl<'a> ClosureSolver<'a> {
     }
 
     /// As [`project_on_motions`](Self::project_on_motions), with each unknown measured in units of its weight, above 0.
-    pub(super) fn project_weighted(
+    pub(crate) fn project_weighted(
         &mut self,
         x: &[f64],
         direction: &mut [f64],
@@ -277,7 +278,7 @@ impl<'a> ClosureSolver<'a> {
                 return None;
             }
             let limits = Limits::Each(&self.limits);
-            let tiny = SIDEWAYS * max_norm(direction);
+            let tiny = SIDEWAYS_RATIO * max_norm(direction);
             let blocked = direction.iter().zip(x).enumerate();
             let blocked = blocked.filter(|&(k, (&d, &x))| {
                 d.abs() > tiny && limits.blocks(k, x, -d) && !held.contains(&k)
@@ -303,7 +304,7 @@ impl<'a> ClosureSolver<'a> {
             && weights.is_none()
             && held.is_empty()
         {
-            return project_by_factor(equations.as_mut(), *damping, ROUGHLY, direction);
+            return project_by_factor(equations.as_mut(), *damping, FACTOR_APPLICATIONS, direction);
         }
         self.near = None;
         self.work.evaluations += 1;
@@ -387,14 +388,14 @@ impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
 }
 
 /// Fraction of a direction's largest entry below which an entry is rounding and moves no unknown past its limit.
-const SIDEWAYS: f64 = 1e-6;
+const SIDEWAYS_RATIO: f64 = 1e-6;
 
 /// Number of times that a projection applies the factor of the predicted configuration: the error that is left then is
 /// less than the error of the factor.
-const ROUGHLY: u32 = 2;
+const FACTOR_APPLICATIONS: u32 = 2;
 
 /// Largest number of unknowns for which a dense matrix is faster.
-const DENSE: usize = 40;
+const MAX_DENSE_UNKNOWNS: usize = 40;
 
 /// Workspace of the normal equations.
 enum Equations {
@@ -410,7 +411,7 @@ impl Equations {
     ) -> Self {
         let n = stars.unknowns();
         let find = || Structure::new(stars, loops).map(Rc::new);
-        let structure = (n > DENSE)
+        let structure = (n > MAX_DENSE_UNKNOWNS)
             .then(|| structure.get_or_init(find).clone())
             .flatten();
         match structure {

@@ -4,78 +4,78 @@ use core::ops::Range;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::follow::{Waypoint, max_difference, max_norm, norm};
-use super::place::Terms;
-use super::solver::ClosureSolver;
-use super::timing::{Law, RateLimits, Rests, SampledPath, TimingError};
+use super::timing::{OptimalTimeLaw, RateLimits, Rests, SampledPath, TimingError};
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::vectors::{max_difference, max_norm, norm};
 
 /// Waypoints, and the Euclidean path length in group angles to each of them.
-pub(super) struct Course {
+pub(crate) struct ReducedPath {
     waypoints: Vec<Waypoint>,
-    ways: Vec<f64>,
+    arc_lengths: Vec<f64>,
 }
 
-/// A configuration on the course.
+/// A configuration on the path.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Site {
+pub(crate) struct PathPoint {
     /// Path length from the start.
-    pub(super) way: f64,
+    pub(crate) arc_length: f64,
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Derivative of the angles by the path length.
-    pub(super) tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// `true` if one phase of the motion ends here and another begins.
-    pub(super) ends_phase: bool,
+    pub(crate) ends_phase: bool,
 }
 
-impl Site {
+impl PathPoint {
     /// Returns `true` if the motion rests here, as at a corner.
-    pub(super) fn rests(&self) -> bool {
+    pub(crate) fn rests(&self) -> bool {
         max_norm(&self.tangent) <= 0.0
     }
 
     /// Returns `true` if there has to be a knot here.
-    pub(super) fn stays(&self) -> bool {
+    pub(crate) fn stays(&self) -> bool {
         self.rests() || self.ends_phase
     }
 }
 
 /// Largest distance of a closed configuration from its prediction, as a fraction of the distance between waypoints.
-const ASTRAY: f64 = 0.1;
+const MAX_CORRECTION_RATIO: f64 = 0.1;
 
 /// Distance from the waypoint before, as a fraction of the largest such distance, below which a waypoint is left out.
 /// If a motion turns back at a limit or passes a singular configuration, tangents there are not those of a smooth path.
-const TOO_NEAR: f64 = 1.0 / 1024.0;
+const MIN_SPACING_RATIO: f64 = 1.0 / 1024.0;
 
-impl Course {
-    pub(super) fn new(waypoints: &[Waypoint]) -> Self {
+impl ReducedPath {
+    pub(crate) fn new(waypoints: &[Waypoint]) -> Self {
         let waypoints = spread(waypoints);
-        let mut way = 0.0;
+        let mut arc_length = 0.0;
         let pairs = waypoints.windows(2);
-        let ways = pairs.map(|pair| {
-            way += arc_length(&pair[0], &pair[1]);
-            way
+        let arc_lengths = pairs.map(|pair| {
+            arc_length += arc_between(&pair[0], &pair[1]);
+            arc_length
         });
         Self {
-            ways: waypoints
+            arc_lengths: waypoints
                 .first()
                 .map(|_| 0.0)
                 .into_iter()
-                .chain(ways)
+                .chain(arc_lengths)
                 .collect(),
             waypoints,
         }
     }
 
     /// Returns the path lengths to the waypoints.
-    pub(super) fn ways(&self) -> &[f64] {
-        &self.ways
+    pub(crate) fn arc_lengths(&self) -> &[f64] {
+        &self.arc_lengths
     }
 
     /// Returns the waypoint of this number.
-    pub(super) fn site(&self, index: usize) -> Site {
-        Site {
-            way: self.ways[index],
+    pub(crate) fn point(&self, index: usize) -> PathPoint {
+        PathPoint {
+            arc_length: self.arc_lengths[index],
             angles: self.waypoints[index].angles.clone(),
             tangent: self.waypoints[index].tangent.clone(),
             ends_phase: self.waypoints[index].ends_phase,
@@ -83,23 +83,27 @@ impl Course {
     }
 
     /// Returns the numbers of the waypoints between the ends.
-    pub(super) fn inner(&self) -> Range<usize> {
+    pub(crate) fn inner(&self) -> Range<usize> {
         1..self.waypoints.len().saturating_sub(1)
     }
 
     /// Returns the number of the waypoint between two path lengths that is nearest to their middle.
-    pub(super) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
+    pub(crate) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
         let middle = (from + to) / 2.0;
-        let first = self.ways.partition_point(|way| *way <= from);
-        let end = self.ways.partition_point(|way| *way < to);
-        let distance = |index: &usize| (self.ways[*index] - middle).abs();
+        let first = self
+            .arc_lengths
+            .partition_point(|arc_length| *arc_length <= from);
+        let end = self
+            .arc_lengths
+            .partition_point(|arc_length| *arc_length < to);
+        let distance = |index: &usize| (self.arc_lengths[*index] - middle).abs();
         (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
     /// Returns, for each group, its cubic Hermite curve from the waypoint of this number to the next, by path length.
     fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
         let [from, to] = [&self.waypoints[segment], &self.waypoints[segment + 1]];
-        let span = self.ways[segment + 1] - self.ways[segment];
+        let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
         let node = |waypoint: &Waypoint, group: usize| Node {
             angle: waypoint.angles[group],
             rate: waypoint.tangent[group],
@@ -111,9 +115,9 @@ impl Course {
         })
     }
 
-    /// Returns the fraction of the path before a configuration on the course, 0 to 1, by the nearest point of the
+    /// Returns the fraction of the path before a configuration on the path, 0 to 1, by the nearest point of the
     /// polyline.
-    pub(super) fn part(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn fraction(&self, angles: &[f64]) -> f64 {
         let along = |pair: &[Waypoint]| {
             let [from, to] = [&pair[0].angles, &pair[1].angles];
             let (mut dot, mut square) = (0.0, 0.0);
@@ -132,18 +136,18 @@ impl Course {
         };
         let segments = self.waypoints.windows(2).map(along).enumerate();
         let nearest = segments.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        match (nearest, self.ways.last()) {
+        match (nearest, self.arc_lengths.last()) {
             (Some((segment, (_, s))), Some(whole)) if *whole > 0.0 => {
-                let span = self.ways[segment + 1] - self.ways[segment];
-                (self.ways[segment] + s * span) / whole
+                let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
+                (self.arc_lengths[segment] + s * span) / whole
             }
             _ => 0.0,
         }
     }
 
-    /// Cuts the course at a configuration near its end. Returns the waypoints before that configuration, and the
+    /// Cuts the path at a configuration near its end. Returns the waypoints before that configuration, and the
     /// configuration itself, closed.
-    pub(super) fn cut(
+    pub(crate) fn cut(
         &self,
         solver: &mut ClosureSolver<'_>,
         mut end: Vec<f64>,
@@ -169,17 +173,23 @@ impl Course {
         Some(waypoints)
     }
 
-    /// Computes the fastest motion along the course, sampled on `parts` intervals of each segment.
-    pub(super) fn fastest(&self, parts: usize, terms: &Terms<'_>) -> Result<Law, TimingError> {
-        let (mut ways, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
-        for segment in 0..self.ways.len().saturating_sub(1) {
-            let span = self.ways[segment + 1] - self.ways[segment];
+    /// Computes the fastest motion along the path, sampled on `parts` intervals of each segment, with hinges that
+    /// keep these limits (radians per second, and per second squared).
+    pub(crate) fn fastest(
+        &self,
+        parts: usize,
+        max_speed: f64,
+        max_acceleration: f64,
+    ) -> Result<OptimalTimeLaw, TimingError> {
+        let (mut arc_lengths, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
+        for segment in 0..self.arc_lengths.len().saturating_sub(1) {
+            let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
             let curves: Vec<Curve<f64>> = self.curves(segment).collect();
             // Both ends of a segment are sampled, as second derivatives jump at waypoints.
             for part in 0..=parts {
                 #[allow(clippy::cast_precision_loss, reason = "few parts")]
                 let s = part as f64 / parts as f64;
-                ways.push(self.ways[segment] + s * span);
+                arc_lengths.push(self.arc_lengths[segment] + s * span);
                 for curve in &curves {
                     let [once, twice] = curve.derivatives(s);
                     first.push(once / span);
@@ -189,35 +199,43 @@ impl Course {
         }
         let groups = self.waypoints.first().map_or(0, |w| w.angles.len());
         let path = SampledPath {
-            parameters: &ways,
+            parameters: &arc_lengths,
             first: &first,
             second: &second,
         };
         let limits = RateLimits {
-            speeds: &vec![terms.speed; groups],
-            accelerations: &vec![terms.acceleration; groups],
+            speeds: &vec![max_speed; groups],
+            accelerations: &vec![max_acceleration; groups],
         };
         let rests = Rests {
             start: true,
             end: true,
             corners: &[],
         };
-        Law::time_optimal(path, limits, rests)
+        OptimalTimeLaw::time_optimal(path, limits, rests)
     }
 
     /// Returns the closed configuration at a path length, if it is found near the prediction.
-    pub(super) fn closed(&self, solver: &mut ClosureSolver<'_>, way: f64) -> Option<Site> {
-        let after = self.ways.partition_point(|known| *known <= way);
-        let segment = after.checked_sub(1)?.min(self.ways.len().checked_sub(2)?);
-        let span = self.ways[segment + 1] - self.ways[segment];
-        let s = (way - self.ways[segment]) / span;
+    pub(crate) fn closed(
+        &self,
+        solver: &mut ClosureSolver<'_>,
+        arc_length: f64,
+    ) -> Option<PathPoint> {
+        let after = self
+            .arc_lengths
+            .partition_point(|known| *known <= arc_length);
+        let segment = after
+            .checked_sub(1)?
+            .min(self.arc_lengths.len().checked_sub(2)?);
+        let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
+        let s = (arc_length - self.arc_lengths[segment]) / span;
         let curves = self.curves(segment);
         let (predicted, mut tangent): (Vec<f64>, Vec<f64>) = curves
             .map(|curve| (curve.angle(s), curve.derivatives(s)[0] / span))
             .unzip();
         let mut angles = predicted.clone();
-        let near =
-            solver.closes(&mut angles) && max_difference(&angles, &predicted) <= ASTRAY * span;
+        let near = solver.closes(&mut angles)
+            && max_difference(&angles, &predicted) <= MAX_CORRECTION_RATIO * span;
         if !near {
             return None;
         }
@@ -228,8 +246,8 @@ impl Course {
             for entry in &mut tangent {
                 *entry *= size / projected;
             }
-            Site {
-                way,
+            PathPoint {
+                arc_length,
                 angles,
                 tangent,
                 ends_phase: false,
@@ -241,12 +259,12 @@ impl Course {
 /// Returns the waypoints that are not too near to the one before. The ends, corners and ends of phases always stay.
 fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     let pairs = waypoints.windows(2);
-    let widest = pairs.map(|pair| arc_length(&pair[0], &pair[1]));
-    let least = TOO_NEAR * widest.fold(0.0, f64::max);
+    let widest = pairs.map(|pair| arc_between(&pair[0], &pair[1]));
+    let least = MIN_SPACING_RATIO * widest.fold(0.0, f64::max);
     let mut kept: Vec<Waypoint> = Vec::with_capacity(waypoints.len());
     for (index, waypoint) in waypoints.iter().enumerate() {
         let stays = waypoint.ends_phase || max_norm(&waypoint.tangent) <= 0.0;
-        let near = |last: &Waypoint| arc_length(last, waypoint) < least;
+        let near = |last: &Waypoint| arc_between(last, waypoint) < least;
         if index + 1 == waypoints.len() || stays || !kept.last().is_some_and(near) {
             kept.push(waypoint.clone());
         }
@@ -256,7 +274,7 @@ fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
 
 /// Returns the length of the path between two waypoints: that of the circular arc over their chord whose ends enclose
 /// the angle of their tangents. The error is of fourth order in the chord.
-fn arc_length(from: &Waypoint, to: &Waypoint) -> f64 {
+fn arc_between(from: &Waypoint, to: &Waypoint) -> f64 {
     let squares = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
     let chord = squares(&from.angles, &to.angles).sqrt();
     // The tangents have length 1, so that their difference is twice the sine of half the angle. At a corner one of them

@@ -5,38 +5,40 @@ use core::f64::consts::PI;
 use std::rc::Rc;
 
 use super::follow::{approach, same_signs};
-use super::solver::{ClosureSolver, Work};
-use super::sparse::Structure;
-use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::closing::sparse::Structure;
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{ClosureSite, WorstClosure};
+use crate::planner::{Goal, PlanOptions, Vertices};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
 
 /// Largest number of faces for which testing all pairs of faces is faster than finding and folding a lattice.
-const FEW_FACES: usize = 20;
+const MAX_FACES_WITHOUT_LATTICE: usize = 20;
 
 /// The unknowns and conditions of a plan.
-pub(super) struct Reduction<'a> {
-    pub(super) groups: CreaseGroups,
+pub(crate) struct Reduction<'a> {
+    pub(crate) groups: CreaseGroups,
     /// Stars of all real vertices, and loops round all holes.
-    pub(super) all: ReducedStars,
+    pub(crate) all: ReducedStars,
     /// One star for each distinct condition.
-    pub(super) essential: ReducedStars,
+    pub(crate) essential: ReducedStars,
     /// The stars of `all` without those that equal another one in every bit.
     distinct: ReducedStars,
     /// The distinct stars with the directions of the sheet, if `all` has unrounded directions.
     rounded: Option<ReducedStars>,
     /// Largest angle by which creases may have been turned to unround the stars, radians.
-    pub(super) within: f64,
+    pub(crate) within: f64,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
     limits: Vec<(f64, f64)>,
-    pub(super) watch: Watch<'a>,
+    pub(crate) watch: Watch<'a>,
     /// Spanning tree along which the whole sheet is folded.
-    pub(super) tree: SpanningTree,
+    pub(crate) tree: SpanningTree,
     /// Largest ratio of the errors of the whole sheet to the closure residuals; `None` if unknown.
-    pub(super) amplification: Option<f64>,
+    pub(crate) amplification: Option<f64>,
     /// Largest ratio that is assumed, whatever the worst case is; infinite to assume the worst case.
     expected: f64,
     /// Sparse structure of the stars to solve, once a solver has found it.
@@ -45,26 +47,18 @@ pub(super) struct Reduction<'a> {
     lattice: OnceCell<Option<Lattice>>,
 }
 
-/// Vertex or hole that closes worst, for the reason of a plan.
-pub(super) struct Blame {
-    /// The vertex or hole, in words.
-    pub(super) place: String,
-    pub(super) edges: Vec<EdgeId>,
-    pub(super) residual: f64,
-}
-
 /// A closed configuration near the goal.
-pub(super) struct ClosedGoal {
+pub(crate) struct ClosedGoal {
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Largest difference from the goal as asked over all creases, radians.
-    pub(super) error: f64,
+    pub(crate) error: f64,
     /// Closure residual up to which a local minimum counted as closed; 0 if it had to close to the tolerance.
-    pub(super) accepted: f64,
+    pub(crate) closure_tolerance: f64,
 }
 
 impl<'a> Reduction<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         pattern: &CreasePattern,
         groups: CreaseGroups,
         options: &PlanOptions,
@@ -72,6 +66,21 @@ impl<'a> Reduction<'a> {
     ) -> Self {
         let all = ReducedStars::all(pattern, &groups);
         Self::of_stars(pattern, groups, all, options, watch)
+    }
+
+    /// Makes the reduction of a problem to these groups, with the stars as they are.
+    pub(crate) fn of(problem: &PlanningProblem<'a>, groups: CreaseGroups) -> Self {
+        let reduction = Self::new(problem.pattern, groups, problem.options, problem.watch);
+        // Errors of rounded coordinates do not add up. The errors of the sheet have to be measured then.
+        let expected = if problem.errors.is_measured() {
+            EXPECTED_AMPLIFICATION
+        } else {
+            f64::INFINITY
+        };
+        Self {
+            expected,
+            ..reduction
+        }
     }
 
     /// Makes the reduction with these stars.
@@ -101,31 +110,23 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// Assumes that errors of vertices do not add up, as those of rounded coordinates do not. The errors of the sheet
-    /// have to be measured then.
-    pub(super) fn measured(self) -> Self {
-        Self {
-            expected: EXPECTED,
-            ..self
-        }
-    }
-
     /// Returns the reduction to stars that fold flat exactly where they nearly do, and the largest angle (radians) by
     /// which a crease is turned for that.
     ///
     /// With `coarse`, the angle up to which creases may be turned is the largest with which the goal closes, otherwise
     /// little more than the smallest; either is within what the bound allows. Returns `None` if no crease is turned by
     /// more than rounding, or if `coarse` allows no larger angle.
-    pub(super) fn unrounded(
+    pub(crate) fn snapped(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
         options: &PlanOptions,
         coarse: bool,
     ) -> Option<(Self, f64)> {
-        let most = self.accepted(options);
+        let most = self.closure_tolerance(options);
         let asked = self.groups.reduce(&goal.fold_angles);
-        let within = |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(ROUNDED * most);
+        let within =
+            |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(SNAP_RATIO * most);
         let told = within(false);
         let within = if coarse { within(true) } else { told };
         if coarse && within <= told {
@@ -133,35 +134,43 @@ impl<'a> Reduction<'a> {
         }
         let (all, turned) = self.all.unrounded(within);
         let groups = self.groups.clone();
-        let unrounded = || Self {
+        let snapped = || Self {
             rounded: Some(self.distinct.clone()),
             within,
             expected: self.expected,
             ..Self::of_stars(pattern, groups, all, options, self.watch)
         };
-        (turned > ROUNDING).then(|| (unrounded(), turned))
+        (turned > ROUNDING_RESIDUAL).then(|| (snapped(), turned))
     }
 
     /// Returns the lattice along which to look for crossings, if the groups have one and the sheet has more than a few
     /// faces.
-    pub(super) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
+    pub(crate) fn lattice(&self, pattern: &CreasePattern) -> Option<&Lattice> {
         let lattice = || Lattice::find(pattern, self.groups.memberships());
         // Without crease groups no two hinges turn alike, so that there is no lattice.
-        (!self.groups.is_trivial() && pattern.faces().len() > FEW_FACES)
+        (!self.groups.is_trivial() && pattern.faces().len() > MAX_FACES_WITHOUT_LATTICE)
             .then(|| self.lattice.get_or_init(lattice).as_ref())
             .flatten()
     }
 
-    /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `accepted`.
-    pub(super) fn solver(&self, options: &PlanOptions, accepted: f64) -> ClosureSolver<'_> {
-        let mut solver =
-            ClosureSolver::new(self.stars(), options.solver, accepted, &self.structure);
+    /// Makes a solver of the stars to solve. A local minimum of the residual counts as closed up to `closure_tolerance`.
+    pub(crate) fn solver(
+        &self,
+        options: &PlanOptions,
+        closure_tolerance: f64,
+    ) -> ClosureSolver<'_> {
+        let mut solver = ClosureSolver::new(
+            self.stars(),
+            options.solver,
+            closure_tolerance,
+            &self.structure,
+        );
         solver.set_limits(self.limits.clone());
         solver.watched(self.watch)
     }
 
     /// Returns limits between which each group turns in the direction of its sign or stays flat.
-    pub(super) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
+    pub(crate) fn orthant(&self, signs: &[f64]) -> Vec<(f64, f64)> {
         let limits = signs.iter().enumerate().map(|(group, &sign)| {
             let (lower, upper) = self.limits.get(group).copied().unwrap_or((-PI, PI));
             match sign {
@@ -174,17 +183,17 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns `true` if the limits allow a goal.
-    pub(super) fn allows(&self, goal: &Goal) -> bool {
+    pub(crate) fn allows(&self, goal: &Goal) -> bool {
         let asked = self.groups.reduce(&goal.fold_angles);
         let mut pairs = asked.iter().zip(&self.limits);
         pairs.all(|(asked, (lower, upper))| {
-            asked.is_none_or(|asked| asked >= lower - SAME && asked <= upper + SAME)
+            asked.is_none_or(|asked| asked >= lower - SAME_RAD && asked <= upper + SAME_RAD)
         })
     }
 
     /// Returns the goal in group angles, and for each group the sign with which it turns: of its goal angle, or else of
     /// its assignments.
-    pub(super) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
+    pub(crate) fn asked(&self, goal: &Goal) -> (Vec<Option<f64>>, Vec<f64>) {
         let asked = self.groups.reduce(&goal.fold_angles);
         let letters: Vec<_> = goal.signs.iter().map(|&sign| Some(sign)).collect();
         let letters = self.groups.reduce(&letters);
@@ -197,44 +206,44 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the vertex or hole with the largest residual at the group angles `x`, with its hinges.
-    pub(super) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<Blame> {
+    pub(crate) fn worst(&self, pattern: &CreasePattern, x: &[f64]) -> Option<WorstClosure> {
         let residuals = self.all.residuals(x).into_iter().enumerate();
         let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let vertices = self.all.vertices();
-        let (place, edges): (_, Vec<EdgeId>) = match vertices.get(worst) {
+        let (site, edges): (_, Vec<EdgeId>) = match vertices.get(worst) {
             Some(&vertex) => (
-                format!("vertex {}", vertex.index()),
+                ClosureSite::Vertex(vertex),
                 pattern.stars()[vertex.index()].to_vec(),
             ),
             None => {
                 let way = &pattern.holes()[self.all.holes()[worst - vertices.len()]];
-                let at = way.first().map_or(0, |passage| passage.at.index());
+                let at = way.first().map(|passage| passage.at);
                 (
-                    format!("the hole at vertex {at}"),
+                    ClosureSite::Hole(at.unwrap_or_default()),
                     way.iter().map(|passage| passage.edge).collect(),
                 )
             }
         };
         let hinge = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
-        Some(Blame {
-            place,
+        Some(WorstClosure {
+            site,
             edges: edges.into_iter().filter(hinge).collect(),
             residual,
         })
     }
 
     /// Returns the essential tolerance: the closure residual that no vertex may exceed.
-    pub(super) fn accepted(&self, options: &PlanOptions) -> f64 {
+    pub(crate) fn closure_tolerance(&self, options: &PlanOptions) -> f64 {
         self.tolerance(options.bound)
     }
 
     /// Returns the closure residual that all vertices may reach while the whole sheet keeps a bound.
-    pub(super) fn tolerance(&self, bound: f64) -> f64 {
+    pub(crate) fn tolerance(&self, bound: f64) -> f64 {
         #[allow(clippy::cast_precision_loss, reason = "a scale")]
         let vertices = self.all.vertices().len().max(1) as f64;
         // If the amplification is unknown, the error of each vertex may add to that of the next.
         let worst = self.amplification.unwrap_or(vertices);
-        (bound / worst.min(self.expected)).max(ROUNDING)
+        (bound / worst.min(self.expected)).max(ROUNDING_RESIDUAL)
     }
 
     /// Returns the stars to solve.
@@ -247,18 +256,18 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns the largest closure residual of all stars and loops.
-    pub(super) fn closure(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn closure(&self, angles: &[f64]) -> f64 {
         self.distinct.largest_residual(angles)
     }
 
     /// Returns the largest closure residual of all stars and loops with the directions of the sheet.
-    pub(super) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
+    pub(crate) fn closure_of_sheet(&self, angles: &[f64]) -> f64 {
         let stars = self.rounded.as_ref().unwrap_or(&self.distinct);
         stars.largest_residual(angles)
     }
 
     /// Returns the largest difference of a crease between a configuration and a goal, radians.
-    pub(super) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
+    pub(crate) fn distance(&self, angles: &[f64], goal: &Goal) -> f64 {
         let creases = self.groups.expand(angles);
         let asked = creases.iter().zip(&goal.fold_angles);
         let errors = asked.filter_map(|(a, b)| Some((a - (*b)?).abs()));
@@ -268,42 +277,45 @@ impl<'a> Reduction<'a> {
     /// Moves the goal to the closed configuration near it. Returns `None` if there is none near, or the nearest turns a
     /// crease against the goal. If no configuration closes exactly because coordinates are rounded, returns one at a
     /// local minimum of the residual.
-    pub(super) fn close_goal(
+    pub(crate) fn close_goal(
         &self,
         goal: &Goal,
         options: &PlanOptions,
-        work: &mut Work,
-    ) -> Option<ClosedGoal> {
-        let exact = self.close_goal_to(0.0, goal, options, work);
-        if exact.as_ref().is_some_and(|closed| closed.error <= NEARBY) {
-            return exact;
+    ) -> (Option<ClosedGoal>, Work) {
+        let (exact, mut work) = self.close_goal_to(0.0, goal, options);
+        if exact
+            .as_ref()
+            .is_some_and(|closed| closed.error <= NEARBY_RAD)
+        {
+            return (exact, work);
         }
-        let rough = self.close_goal_to(self.accepted(options), goal, options, work);
-        match (exact, rough) {
+        let (rough, more) = self.close_goal_to(self.closure_tolerance(options), goal, options);
+        work += more;
+        let closed = match (exact, rough) {
             (Some(exact), Some(rough)) if exact.error <= rough.error => Some(exact),
             (exact, rough) => rough.or(exact),
-        }
+        };
+        (closed, work)
     }
 
-    /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `accepted` counts as closed.
-    pub(super) fn close_goal_to(
+    /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
+    pub(crate) fn close_goal_to(
         &self,
-        accepted: f64,
+        closure_tolerance: f64,
         goal: &Goal,
         options: &PlanOptions,
-        work: &mut Work,
-    ) -> Option<ClosedGoal> {
+    ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
-        let mut solver = self.solver(options, accepted);
+        let mut solver = self.solver(options, closure_tolerance);
         solver.set_limits(self.orthant(&signs));
         let found = nearest_closed(&mut solver, &asked, &signs);
-        *work += solver.work;
-        let angles = found.filter(|angles| self.closure(angles) <= self.accepted(options))?;
-        Some(ClosedGoal {
+        let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
+        let closed = found.filter(closes).map(|angles| ClosedGoal {
             error: self.distance(&angles, goal),
             angles,
-            accepted,
-        })
+            closure_tolerance,
+        });
+        (closed, solver.work)
     }
 }
 
@@ -327,28 +339,28 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 }
 
 /// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
-pub(super) const EXPECTED: f64 = 4.0;
+pub(crate) const EXPECTED_AMPLIFICATION: f64 = 4.0;
 /// Distance up to which an exactly closed configuration is the goal that was meant, radians.
-const NEARBY: f64 = 0.02;
+const NEARBY_RAD: f64 = 0.02;
 /// Angle (radians) by which a crease may be turned if the goal does not tell, as a fraction of the closure residual
 /// allowed.
-const ROUNDED: f64 = 0.25;
-/// Number of powers of [`FINE`] that are tried, as fractions of the residual allowed, for the angle by which creases
-/// are off.
-const FINER: i32 = 10;
+const SNAP_RATIO: f64 = 0.25;
+/// Number of powers of [`SNAP_FACTOR`] that are tried, as fractions of the residual allowed, for the angle by which
+/// creases are off.
+const SNAP_POWERS: i32 = 10;
 /// Ratio of an angle that is tried to the next larger one.
-const FINE: f64 = 0.25;
-/// Number of powers of [`FINE`] by which lines may be off by more than the goal is.
-const MORE: i32 = 2;
+const SNAP_FACTOR: f64 = 0.25;
+/// Number of powers of [`SNAP_FACTOR`] by which lines may be off by more than the goal is.
+const LINE_POWERS: i32 = 2;
 /// Closure residual that rounding may leave at a vertex of many creases.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_RESIDUAL: f64 = 1e-12;
 /// Starts tried one after the other, as fractions of the goal. At a flat-folded goal itself hinges stand at their
 /// limits, so that no way may lead from there to the closed configuration near it, although the goal closes but for
 /// rounding.
-const STARTS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
+const START_RATIOS: [f64; 6] = [1.0, 0.999, 0.99, 0.95, 0.9, 0.8];
 /// Angle from flat at which free hinges start, in the directions of their assignments, if flat itself leads nowhere,
 /// radians.
-const AJAR: f64 = 0.5;
+const AJAR_RAD: f64 = 0.5;
 
 /// Returns the closed configuration nearest to `asked` in which no hinge turns against its sign, as far as descent from
 /// there finds it. Free hinges (`None`) start flat, or else ajar, and follow.
@@ -358,9 +370,9 @@ fn nearest_closed(
     signs: &[f64],
 ) -> Option<Vec<f64>> {
     let free = asked.iter().any(Option::is_none);
-    let ajar = [0.0, AJAR];
+    let ajar = [0.0, AJAR_RAD];
     let starts = ajar[..=usize::from(free)].iter();
-    let mut starts = starts.flat_map(|ajar| STARTS.map(|part| (part, *ajar)));
+    let mut starts = starts.flat_map(|ajar| START_RATIOS.map(|part| (part, *ajar)));
     let start = starts.find_map(|(part, ajar)| {
         let pairs = asked.iter().zip(signs);
         let start = pairs.map(|(asked, sign)| asked.map_or(sign * ajar, |asked| asked * part));
@@ -373,14 +385,14 @@ fn nearest_closed(
 /// Largest closure residual of a goal that counts as exact: above the rounding of angles in degrees.
 pub const CLOSED: f64 = 1e-9;
 /// Largest difference of angles that are equal but for rounding, radians.
-pub(super) const SAME: f64 = 1e-7;
+pub(crate) const SAME_RAD: f64 = 1e-7;
 
 /// Returns the angle (radians), at most `most`, by which creases are off because coordinates are rounded; `None` if the
 /// goal closes as it is, closes with no such angle, or lacks an angle.
 ///
 /// The angle is little more than the smallest with which the goal closes, as a larger one may let the sheet fold flat
 /// where it was not meant to. With `coarse`, it is the largest with which the goal closes.
-pub(super) fn rounding(
+pub(crate) fn rounding(
     stars: &ReducedStars,
     goal: &[Option<f64>],
     most: f64,
@@ -391,12 +403,12 @@ pub(super) fn rounding(
     if closes(stars) {
         return None;
     }
-    let mut tried = (0..=FINER).rev().map(|k| most * FINE.powi(k));
+    let mut tried = (0..=SNAP_POWERS).rev().map(|k| most * SNAP_FACTOR.powi(k));
     let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
     let within = tried.find(closes_within)?;
     // Lines that are part of the goal may be off by more than the goal is.
-    let more = (0..=if coarse { FINER } else { MORE }).rev();
-    let mut more = more.map(|k| most.min(within * FINE.powi(-k)));
+    let more = (0..=if coarse { SNAP_POWERS } else { LINE_POWERS }).rev();
+    let mut more = more.map(|k| most.min(within * SNAP_FACTOR.powi(-k)));
     more.find(closes_within)
 }
 

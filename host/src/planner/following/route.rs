@@ -1,26 +1,25 @@
-//! One attempt at a path on given crease groups, from flat to the goal or as near as the motion leads: backwards from
-//! the goal, or else forwards from flat, or else by the randomised search.
+//! The route on given crease groups, from flat to the goal or as near as the motion leads: backwards from the goal, or
+//! else forwards from flat, or else by the randomised search.
 
 use core::time::Duration;
 use std::time::Instant;
 
-use super::depart::departures;
-use super::follow::{
-    Followed, Homeward, Rules, Stop, Target, Waypoint, follow, largest, max_difference, max_norm,
-    tangent_at_flat,
-};
-use super::goal::GoalKind;
+use super::branch::branches_at_flat;
+use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
 use super::judge::Judge;
-use super::knots::Knot;
-use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME};
+use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use super::search::{polyline, search};
-use super::solver::{ClosureSolver, Work};
-use super::{Goal, Judged, PlanOptions, Search};
-use crate::pattern::CreasePattern;
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::goal::GoalKind;
+use crate::planner::knots::Knot;
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Note, Stop};
+use crate::planner::vectors::{largest, max_difference, max_norm};
+use crate::planner::{Judged, PlanOptions, Search};
 
-/// Outcome of an attempt.
+/// Way in which a route ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
+pub(crate) enum End {
     /// The path ends at the goal, or at the closed configuration nearest to it.
     Reached,
     /// The path ends before the goal.
@@ -36,148 +35,141 @@ pub(super) enum End {
 
 /// Conditions on a closed configuration that stands for a goal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(crate) struct Reach {
     /// Largest distance of a crease from its goal angle, radians.
-    pub(super) radians: f64,
+    pub(crate) radians: f64,
     /// `true` if the goal has to close to the tolerance: a local minimum of the residual does not count.
-    pub(super) exactly: bool,
+    pub(crate) exactly: bool,
 }
 
-/// A path in group angles, and the reason why it ended.
-pub(super) struct Attempt<'a> {
-    pub(super) reduction: Reduction<'a>,
+/// A path in group angles, and the way in which it ends.
+pub(crate) struct Route<'a> {
+    pub(crate) reduction: Reduction<'a>,
     /// Waypoints, from flat.
-    pub(super) waypoints: Vec<Waypoint>,
+    pub(crate) waypoints: Vec<Waypoint>,
     /// The closed configuration at the goal, if one is known.
-    pub(super) goal: Option<Vec<f64>>,
+    pub(crate) goal: Option<Vec<f64>>,
     /// Closure residual up to which a local minimum counts as closed.
-    pub(super) accepted: f64,
-    pub(super) end: End,
+    pub(crate) closure_tolerance: f64,
+    pub(crate) end: End,
     /// `true` if the goal had to close exactly.
-    pub(super) exactly: bool,
+    pub(crate) exactly: bool,
     /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
-    pub(super) reached: f64,
-    /// Times for closing the goal and for the rest.
-    pub(super) times: [Duration; 2],
-    pub(super) notes: Vec<String>,
+    pub(crate) reached: f64,
+    /// Time for closing the goal.
+    pub(crate) closing: Duration,
+    /// Time for following the motion.
+    pub(crate) following: Duration,
+    pub(crate) work: Work,
+    pub(crate) notes: Vec<Note>,
 }
 
 /// Distance from the angle asked for up to which a hinge counts as being there, radians.
-const NEARLY: f64 = 1e-6;
+const NEARLY_RAD: f64 = 1e-6;
 /// Largest distance by which a goal may be moved, as a fraction of the largest angle asked for.
-const MOVED: f64 = 0.5;
+const MAX_MOVED_RATIO: f64 = 0.5;
 /// Angle that the nearest closed configuration has to reach, as a fraction of the largest angle asked for.
-const TURNED: f64 = 0.1;
+const MIN_TURNED_RATIO: f64 = 0.1;
 /// Closure residual to which configurations are closed if knots alone are judged, as a fraction of the residual that
 /// the bound allows.
-const ROUGH: f64 = 1e-2;
+const ROUGH_RESIDUAL_RATIO: f64 = 1e-2;
 /// Largest number of iterations to close a predicted configuration: a handful suffice, unless nothing closes there.
-const ITERATIONS: u32 = 25;
+const MAX_ITERATIONS: u32 = 25;
 /// Closure residual that rounding may leave on a straight way between two configurations.
-const STRAIGHT: f64 = 1e-12;
+const STRAIGHT_RESIDUAL: f64 = 1e-12;
 /// Smallest number of steps on a straight way: its two ends close in any case.
-const STEPS: f64 = 4.0;
+const MIN_STEPS: f64 = 4.0;
 /// Largest number of branches that are followed from flat.
-const BRANCHES: usize = 4;
+const MAX_BRANCHES: usize = 4;
 /// Number of restarts of the randomised search as a last resort.
-const LAST_RESORT: usize = 3;
+const LAST_RESORT_RESTARTS: usize = 3;
 /// Number of unknowns above which the randomised search is not tried as a last resort: samples are too costly and too
 /// rarely good.
-const LAST_RESORT_UNKNOWNS: usize = 200;
+const MAX_LAST_RESORT_UNKNOWNS: usize = 200;
 /// Number of restarts of the randomised search if it is asked for.
-const RESTARTS: usize = 20;
+const SEARCH_RESTARTS: usize = 20;
 
-/// State shared by all steps of an attempt.
-struct Route<'a> {
-    pattern: &'a CreasePattern,
-    goal: &'a Goal,
-    options: &'a PlanOptions,
+/// State shared by all steps of the search for a route.
+struct RouteFinder<'a> {
+    problem: PlanningProblem<'a>,
     reduction: &'a Reduction<'a>,
+    /// Group angles that the goal asks for.
     asked: Vec<Option<f64>>,
     signs: Vec<f64>,
-    notes: Vec<String>,
-    accepted: f64,
+    notes: Vec<Note>,
+    /// Closure residual up to which a local minimum counted as closed on the path found last.
+    closure_tolerance: f64,
     /// Number of motions found that leave the flat sheet.
     branches: usize,
+    work: Work,
 }
 
-impl<'a> Attempt<'a> {
-    /// Looks for a path.
-    pub(super) fn new(
-        pattern: &CreasePattern,
+impl<'a> Route<'a> {
+    /// Looks for a route to the goal of `problem`.
+    pub(crate) fn find(
+        problem: &PlanningProblem<'_>,
         reduction: Reduction<'a>,
-        goal: &Goal,
         reach: Reach,
-        options: &PlanOptions,
-        work: &mut Work,
     ) -> Self {
-        let (asked, signs) = reduction.asked(goal);
-        let mut route = Route {
-            pattern,
-            goal,
-            options,
-            reduction: &reduction,
-            asked,
-            signs,
-            notes: Vec::new(),
-            accepted: 0.0,
-            branches: 0,
-        };
+        let mut finder = RouteFinder::new(*problem, &reduction);
         let start = Instant::now();
-        let targets = route.targets(reach, work);
+        let targets = finder.targets(reach);
         let closing = start.elapsed();
         let start = Instant::now();
-        let goals = route.goal.via.len() + 1;
+        let goals = problem.goal.via.len() + 1;
         let known = targets
             .as_ref()
             .ok()
             .filter(|targets| targets.len() == goals);
-        let closed = known.and_then(|targets| Some(targets.last()?.angles.clone()));
+        let goal = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
-            Ok(targets) if options.search == Search::Random => {
-                route.random(&targets, RESTARTS, work)
+            Ok(targets) if problem.options.search == Search::Random => {
+                finder.random(&targets, SEARCH_RESTARTS)
             }
-            Ok(targets) => route.best(&targets, work),
+            Ok(targets) => finder.best(&targets),
             Err(end) => (Vec::new(), end),
         };
         let reached = match (end, waypoints.last()) {
             (End::Reached, _) => 1.0,
-            (_, Some(last)) => route.part(&last.angles),
+            (_, Some(last)) => finder.fraction(&last.angles),
             (_, None) => 0.0,
         };
-        if route.branches > 1 {
-            route.notes.push(format!(
-                "{} first steps found that leave the flat sheet with these signs; the path takes that which \
-                 leads farthest",
-                route.branches
-            ));
+        if finder.branches > 1 {
+            finder.notes.push(Note::Branches(finder.branches));
         }
-        let (notes, accepted) = (route.notes, route.accepted);
+        let RouteFinder {
+            notes,
+            closure_tolerance,
+            work,
+            ..
+        } = finder;
         Self {
             waypoints,
-            goal: closed,
-            accepted,
+            goal,
+            closure_tolerance,
             end,
             exactly: reach.exactly,
             reached,
-            times: [closing, start.elapsed()],
+            closing,
+            following: start.elapsed(),
+            work,
             notes,
             reduction,
         }
     }
 
     /// Returns the configuration at the end of the path; empty if there is no path.
-    pub(super) fn last(&self) -> &[f64] {
+    pub(crate) fn last(&self) -> &[f64] {
         self.waypoints.last().map_or(&[], |last| &last.angles)
     }
 
-    /// Returns `true` if no other attempt can do better.
-    pub(super) fn is_complete(&self) -> bool {
+    /// Returns `true` if no other route can do better.
+    pub(crate) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))
     }
 
-    /// Returns the rank of the attempt; a larger one is better.
-    pub(super) fn rank(&self) -> f64 {
+    /// Returns the rank of the route; a larger one is better.
+    pub(crate) fn rank(&self) -> f64 {
         match self.end {
             End::Reached => 2.0,
             End::Stopped(_) => self.reached,
@@ -186,27 +178,43 @@ impl<'a> Attempt<'a> {
     }
 }
 
-impl<'a> Route<'a> {
+impl<'a> RouteFinder<'a> {
+    fn new(problem: PlanningProblem<'a>, reduction: &'a Reduction<'a>) -> Self {
+        let (asked, signs) = reduction.asked(problem.goal);
+        Self {
+            problem,
+            reduction,
+            asked,
+            signs,
+            notes: Vec::new(),
+            closure_tolerance: 0.0,
+            branches: 0,
+            work: Work::default(),
+        }
+    }
+
     fn rules(&self) -> Rules<'_> {
         Rules {
             signs: &self.signs,
-            max_step: self.options.max_step,
-            tangents: self.options.judged == Judged::Motion,
+            max_step: self.problem.options.max_step,
+            tangents: self.problem.options.judged == Judged::Motion,
             watch: self.reduction.watch,
         }
     }
 
     /// Makes a solver of configurations in which no hinge turns against its sign.
-    fn solver(&self, accepted: f64) -> ClosureSolver<'a> {
-        let mut solver = self.reduction.solver(self.options, accepted);
+    fn solver(&self, closure_tolerance: f64) -> ClosureSolver<'a> {
+        let mut solver = self
+            .reduction
+            .solver(self.problem.options, closure_tolerance);
         solver.set_limits(self.reduction.orthant(&self.signs));
-        let solver = solver.at_most(ITERATIONS);
-        if self.options.judged == Judged::Motion {
+        let solver = solver.at_most(MAX_ITERATIONS);
+        if self.problem.options.judged == Judged::Motion {
             return solver;
         }
         // The search for crossings along a lattice needs the faces where the lattice has them.
         let alone = self.reduction.groups.is_trivial();
-        let rough = ROUGH * self.reduction.tolerance(self.options.bound);
+        let rough = ROUGH_RESIDUAL_RATIO * self.reduction.tolerance(self.problem.options.bound);
         solver
             .with_rough_motions()
             .content_with(if alone { rough } else { 0.0 })
@@ -214,27 +222,29 @@ impl<'a> Route<'a> {
 
     /// Returns the closed configurations to pass through, with the goal last; without the goal if it is not a
     /// configuration. `Err` names the phase that does not close.
-    fn targets(&mut self, reach: Reach, work: &mut Work) -> Result<Vec<ClosedGoal>, End> {
+    fn targets(&mut self, reach: Reach) -> Result<Vec<ClosedGoal>, End> {
         let mut targets = Vec::new();
-        let goals = self.goal.via.iter().chain([self.goal]);
+        let goals = self.problem.goal.via.iter().chain([self.problem.goal]);
         for (index, goal) in goals.enumerate() {
-            let last = index == self.goal.via.len();
+            let last = index == self.problem.goal.via.len();
             if last && (goal.kind == GoalKind::Driven || !self.reduction.allows(goal)) {
                 continue;
             }
-            let closed = self.reduction.close_goal(goal, self.options, work);
+            let (closed, work) = self.reduction.close_goal(goal, self.problem.options);
+            self.work += work;
             let near = |closed: &ClosedGoal| {
                 closed.error <= reach.radians.min(goal.reach)
-                    && !(reach.exactly && closed.accepted > 0.0)
+                    && !(reach.exactly && closed.closure_tolerance > 0.0)
                     // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
                     // the goal.
-                    && (reach.radians > SAME || self.reduction.closure(&closed.angles) <= CLOSED)
+                    && (reach.radians > SAME_RAD || self.reduction.closure(&closed.angles) <= CLOSED)
             };
             // The flat sheet always closes, but is not what was asked for.
             let asked = largest(&goal.fold_angles);
             let turned = |closed: &ClosedGoal| {
-                let moved = goal.kind == GoalKind::Letters || closed.error <= MOVED * asked;
-                moved && max_norm(&closed.angles) >= TURNED * asked
+                let moved =
+                    goal.kind == GoalKind::Letters || closed.error <= MAX_MOVED_RATIO * asked;
+                moved && max_norm(&closed.angles) >= MIN_TURNED_RATIO * asked
             };
             let near = closed
                 .as_ref()
@@ -254,22 +264,22 @@ impl<'a> Route<'a> {
     }
 
     /// Returns the path through all targets, or as far as it leads.
-    fn best(&mut self, targets: &[ClosedGoal], work: &mut Work) -> (Vec<Waypoint>, End) {
-        let whole = targets.len() == self.goal.via.len() + 1;
+    fn best(&mut self, targets: &[ClosedGoal]) -> (Vec<Waypoint>, End) {
+        let whole = targets.len() == self.problem.goal.via.len() + 1;
         let mut waypoints: Vec<Waypoint> = Vec::new();
         for (index, target) in targets.iter().enumerate() {
             let followed = match waypoints.last() {
-                None => self.reach_first(target, work),
+                None => self.reach_first(target),
                 Some(last) => {
                     let from = last.angles.clone();
-                    self.between(&from, target, work)
+                    self.between(&from, target)
                 }
             };
             append(&mut waypoints, followed.waypoints);
             if let Some(stop) = followed.stop {
                 return (waypoints, End::Stopped(stop));
             }
-            if let (Some(end), true) = (waypoints.last_mut(), index < self.goal.via.len()) {
+            if let (Some(end), true) = (waypoints.last_mut(), index < self.problem.goal.via.len()) {
                 end.ends_phase = true;
             }
         }
@@ -278,15 +288,15 @@ impl<'a> Route<'a> {
         }
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
-            None => match self.guided(work) {
+            None => match self.guided() {
                 Some(guided) => guided,
-                None => self.forwards(None, work),
+                None => self.forwards(None),
             },
             Some(last) => {
-                let mut solver = self.solver(self.accepted);
+                let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
-                *work += solver.work;
+                self.work += solver.work;
                 followed
             }
         };
@@ -296,36 +306,38 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.
-    fn guided(&mut self, work: &mut Work) -> Option<Followed> {
-        let guide = self.goal.guide.as_deref()?;
-        let (asked, signs) = self.reduction.asked(guide);
-        let mut route = Route {
+    fn guided(&mut self) -> Option<Followed> {
+        let guide = self.problem.goal.guide.as_deref()?;
+        let problem = PlanningProblem {
             goal: guide,
-            asked,
-            signs,
-            notes: Vec::new(),
-            ..*self
+            ..self.problem
+        };
+        let mut finder = RouteFinder {
+            closure_tolerance: self.closure_tolerance,
+            ..RouteFinder::new(problem, self.reduction)
         };
         let reach = Reach {
             radians: guide.reach,
             exactly: false,
         };
-        let targets = route.targets(reach, work).ok()?;
-        let (mut waypoints, _) = route.best(&targets, work);
-        let accepted = route.accepted;
+        let targets = finder.targets(reach);
+        let best = targets.map(|targets| finder.best(&targets));
+        self.work += finder.work;
+        let (mut waypoints, _) = best.ok()?;
+        let closure_tolerance = finder.closure_tolerance;
         let short = |w: &Waypoint| {
             let mut pairs = self.asked.iter().zip(&w.angles);
-            pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY < a.abs()))
+            pairs.any(|(asked, angle)| asked.is_some_and(|a| angle.abs() + NEARLY_RAD < a.abs()))
         };
         let beyond = waypoints.iter().position(|w| !short(w))?;
         let before = waypoints.get(beyond.checked_sub(1)?)?.clone();
         waypoints.truncate(beyond);
-        self.accepted = accepted;
-        let mut solver = self.solver(accepted);
+        self.closure_tolerance = closure_tolerance;
+        let mut solver = self.solver(closure_tolerance);
         let target = Target::Nearest(&self.asked);
         let came = Some(before.tangent.as_slice());
         let last = follow(&mut solver, &before.angles, came, target, self.rules());
-        *work += solver.work;
+        self.work += solver.work;
         append(&mut waypoints, last.waypoints);
         last.stop.is_none().then_some(Followed {
             waypoints,
@@ -335,45 +347,47 @@ impl<'a> Route<'a> {
 
     /// Leads from flat to the first target: on the straight way, or else followed backwards from the target, or else
     /// followed forwards from flat, or else by the randomised search.
-    fn reach_first(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
+    fn reach_first(&mut self, target: &ClosedGoal) -> Followed {
         if let Some(straight) = self.straight_way(&vec![0.0; target.angles.len()], &target.angles) {
             return straight;
         }
-        let backwards = self.backwards(target, work);
+        let backwards = self.backwards(target);
         if matches!(backwards.stop, None | Some(Stop::Timeout)) {
             return backwards;
         }
         // The goal closes exactly, but the path from it may not, as happens with rounded coordinates: start from a
         // local minimum of the residual near the goal.
-        if target.accepted <= 0.0 && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
+        if target.closure_tolerance <= 0.0
+            && matches!(backwards.stop, Some(Stop::Closure | Stop::Singular))
         {
-            let accepted = self.reduction.accepted(self.options);
-            let goal = self.goal.via.first().unwrap_or(self.goal);
-            let rough = self
+            let closure_tolerance = self.reduction.closure_tolerance(self.problem.options);
+            let goal = self.problem.goal.via.first().unwrap_or(self.problem.goal);
+            let options = self.problem.options;
+            let (rough, work) = self
                 .reduction
-                .close_goal_to(accepted, goal, self.options, work);
+                .close_goal_to(closure_tolerance, goal, options);
+            self.work += work;
             let near = |rough: &ClosedGoal| {
-                max_difference(&rough.angles, &target.angles) <= self.options.max_step
+                max_difference(&rough.angles, &target.angles) <= self.problem.options.max_step
             };
             if let Some(rough) = rough.filter(near) {
-                let followed = self.backwards(&rough, work);
+                let followed = self.backwards(&rough);
                 if followed.stop.is_none() {
                     return followed;
                 }
             }
         }
-        let forwards = self.forwards(Some(target), work);
+        let forwards = self.forwards(Some(target));
         if matches!(forwards.stop, None | Some(Stop::Timeout)) {
             return forwards;
         }
-        if self.asked.len() > LAST_RESORT_UNKNOWNS {
+        if self.asked.len() > MAX_LAST_RESORT_UNKNOWNS {
             return forwards;
         }
-        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT, work);
+        let (waypoints, end) = self.random(core::slice::from_ref(target), LAST_RESORT_RESTARTS);
         match end {
             End::Reached => {
-                self.notes
-                    .push("the path was found by the randomised search".into());
+                self.notes.push(Note::FoundAtRandom);
                 Followed {
                     waypoints,
                     stop: None,
@@ -390,13 +404,13 @@ impl<'a> Route<'a> {
         if far <= 0.0 {
             return None;
         }
-        let steps = (far / self.options.max_step).ceil().max(STEPS);
+        let steps = (far / self.problem.options.max_step).ceil().max(MIN_STEPS);
         let parts = core::iter::successors(Some(0.0), |step| Some(step + 1.0));
         let parts = parts.take_while(|step| *step <= steps);
         let knots = parts.map(|step| {
             let pairs = from.iter().zip(to);
             let angles: Vec<f64> = pairs.map(|(a, b)| a + (b - a) * (step / steps)).collect();
-            (self.reduction.closure(&angles) <= STRAIGHT).then_some(angles)
+            (self.reduction.closure(&angles) <= STRAIGHT_RESIDUAL).then_some(angles)
         });
         let knots: Vec<_> = knots.collect::<Option<_>>()?;
         Some(Followed {
@@ -406,9 +420,9 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the motion from the target to flat, and returns the path reversed.
-    fn backwards(&mut self, target: &ClosedGoal, work: &mut Work) -> Followed {
-        let mut solver = self.solver(target.accepted);
-        self.accepted = target.accepted;
+    fn backwards(&mut self, target: &ClosedGoal) -> Followed {
+        let mut solver = self.solver(target.closure_tolerance);
+        self.closure_tolerance = target.closure_tolerance;
         let manners = [Homeward::Straight, Homeward::Together];
         let mut followed = Followed {
             waypoints: Vec::new(),
@@ -421,7 +435,7 @@ impl<'a> Route<'a> {
                 break;
             }
         }
-        *work += solver.work;
+        self.work += solver.work;
         if followed.stop.is_some() {
             // Waypoints that do not begin at flat are no part of a path.
             followed.waypoints = vec![Waypoint::new(
@@ -433,12 +447,12 @@ impl<'a> Route<'a> {
     }
 
     /// Follows the motion from one target to the next, or else backwards.
-    fn between(&mut self, from: &[f64], to: &ClosedGoal, work: &mut Work) -> Followed {
+    fn between(&mut self, from: &[f64], to: &ClosedGoal) -> Followed {
         if let Some(straight) = self.straight_way(from, &to.angles) {
             return straight;
         }
-        let accepted = self.accepted.max(to.accepted);
-        let mut solver = self.solver(accepted);
+        let closure_tolerance = self.closure_tolerance.max(to.closure_tolerance);
+        let mut solver = self.solver(closure_tolerance);
         let mut followed = follow(
             &mut solver,
             from,
@@ -453,56 +467,51 @@ impl<'a> Route<'a> {
                 followed = back.reversed();
             }
         }
-        *work += solver.work;
+        self.work += solver.work;
         followed
     }
 
     /// Follows the motion from flat along the signs of the goal: with exact closure or, if only that leads all the way
     /// because coordinates are rounded, through local minima of the residual.
-    fn forwards(&mut self, target: Option<&ClosedGoal>, work: &mut Work) -> Followed {
-        let exact = self.forwards_to(target, 0.0, work);
-        self.accepted = 0.0;
+    fn forwards(&mut self, target: Option<&ClosedGoal>) -> Followed {
+        let exact = self.forwards_to(target, 0.0);
+        self.closure_tolerance = 0.0;
         if matches!(exact.stop, None | Some(Stop::Timeout)) {
             return exact;
         }
-        let accepted = self.reduction.accepted(self.options);
-        let rough = self.forwards_to(target, accepted, work);
+        let closure_tolerance = self.reduction.closure_tolerance(self.problem.options);
+        let rough = self.forwards_to(target, closure_tolerance);
         if rough.stop.is_none() {
-            self.accepted = accepted;
+            self.closure_tolerance = closure_tolerance;
             return rough;
         }
         exact
     }
 
     /// Follows the motion from flat on the branch that leads farthest.
-    fn forwards_to(
-        &mut self,
-        target: Option<&ClosedGoal>,
-        accepted: f64,
-        work: &mut Work,
-    ) -> Followed {
+    fn forwards_to(&mut self, target: Option<&ClosedGoal>, closure_tolerance: f64) -> Followed {
         let towards: Vec<f64> = match target {
             Some(closed) => closed.angles.clone(),
             None => self.guess(),
         };
         let flat = vec![0.0; towards.len()];
-        let mut solver = self.solver(accepted);
+        let mut solver = self.solver(closure_tolerance);
         let at_flat = |tangent: Vec<f64>| Waypoint::new(flat.clone(), tangent);
         let mut best = Followed {
             waypoints: vec![at_flat(flat.clone())],
             stop: Some(Stop::Singular),
         };
         let mut best_part = 0.0;
-        let branches = departures(
+        let (branches, work) = branches_at_flat(
             self.reduction,
             &towards,
             &self.signs,
-            accepted,
-            self.options,
-            work,
+            closure_tolerance,
+            self.problem.options,
         );
-        let near = |near: &&Vec<f64>| max_norm(near) <= self.options.max_step;
-        for near in branches.iter().filter(near).take(BRANCHES) {
+        self.work += work;
+        let near = |near: &&Vec<f64>| max_norm(near) <= self.problem.options.max_step;
+        for near in branches.iter().filter(near).take(MAX_BRANCHES) {
             let tangent = tangent_at_flat(&mut solver, near);
             let target = match target {
                 Some(closed) => Target::Closed(&closed.angles),
@@ -512,7 +521,7 @@ impl<'a> Route<'a> {
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
                 // Waypoints beyond the one nearest to the goal are not part of the path.
-                let parts = followed.waypoints.iter().map(|w| self.part(&w.angles));
+                let parts = followed.waypoints.iter().map(|w| self.fraction(&w.angles));
                 let far =
                     parts.enumerate().fold(
                         (0, 0.0),
@@ -523,7 +532,7 @@ impl<'a> Route<'a> {
                 followed.waypoints.truncate(far.0 + 1);
             }
             let last = followed.waypoints.last();
-            let part = last.map_or(0.0, |last| self.part(&last.angles));
+            let part = last.map_or(0.0, |last| self.fraction(&last.angles));
             let done = followed.stop.is_none();
             if done || part > best_part {
                 (best, best_part) = (followed, part);
@@ -535,7 +544,7 @@ impl<'a> Route<'a> {
         if solver.is_late() && best.stop.is_some() {
             best.stop = Some(Stop::Timeout);
         }
-        *work += solver.work;
+        self.work += solver.work;
         if branches.len() > 1 {
             self.branches = branches.len();
         }
@@ -553,22 +562,21 @@ impl<'a> Route<'a> {
     }
 
     /// Searches at random for a path to the last of the targets.
-    fn random(
-        &mut self,
-        targets: &[ClosedGoal],
-        restarts: usize,
-        work: &mut Work,
-    ) -> (Vec<Waypoint>, End) {
-        let options = self.options;
+    fn random(&mut self, targets: &[ClosedGoal], restarts: usize) -> (Vec<Waypoint>, End) {
+        let options = self.problem.options;
         let exact = options.search != Search::Random;
         // As in the report, a closure residual that the deformation bound allows is enough.
         let tolerance = if exact {
             0.0
         } else {
-            self.reduction.accepted(options)
+            self.reduction.closure_tolerance(options)
         };
         let mut solver = self.solver(tolerance).content_with(tolerance);
-        let mut judge = Judge::new(self.pattern, self.reduction, options.collision && !exact);
+        let mut judge = Judge::new(
+            self.problem.pattern,
+            self.reduction,
+            options.collision && !exact,
+        );
         let closed = targets.last().map(|closed| closed.angles.as_slice());
         let asked: Vec<Option<f64>> = match closed {
             Some(closed) => closed.iter().map(|&angle| Some(angle)).collect(),
@@ -591,14 +599,14 @@ impl<'a> Route<'a> {
             options,
             feasible,
         );
-        *work += solver.work;
-        self.accepted = tolerance;
+        self.work += solver.work;
+        self.closure_tolerance = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (followed.waypoints, end)
     }
 
     /// Returns the fraction of the goal's angles that a configuration has, 0 to 1.
-    fn part(&self, angles: &[f64]) -> f64 {
+    fn fraction(&self, angles: &[f64]) -> f64 {
         let pairs = self.asked.iter().zip(angles);
         let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
             let asked = asked.unwrap_or(0.0);
@@ -614,7 +622,7 @@ impl<'a> Route<'a> {
 
 /// Makes the straight path from flat to the group angles `goal`, as a sheet that may deform could go. Each
 /// configuration is moved to the local minimum of the residual, if that is near.
-pub(super) fn straight(
+pub(crate) fn straight(
     reduction: &Reduction,
     goal: &[f64],
     options: &PlanOptions,
@@ -629,7 +637,7 @@ pub(super) fn straight(
         // The last configuration is the goal itself.
         let moves = step < steps && solver.closes(&mut near);
         let same = moves
-            && max_difference(&near, &exact) <= SHIFT * options.max_step
+            && max_difference(&near, &exact) <= MAX_SHIFT_RATIO * options.max_step
             && near.iter().zip(goal).all(|(near, goal)| near * goal >= 0.0);
         knots.push(if same { near } else { exact });
         step += 1.0;
@@ -638,12 +646,12 @@ pub(super) fn straight(
 }
 
 /// Largest distance that a configuration of the straight path may be moved, as a fraction of the largest step.
-const SHIFT: f64 = 0.25;
+const MAX_SHIFT_RATIO: f64 = 0.25;
 
 /// Appends waypoints to a path, which rests where the two join at a corner.
 fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
     if let (Some(corner), Some(first)) = (waypoints.last_mut(), next.first()) {
-        if max_difference(&corner.tangent, &first.tangent) > SMOOTH {
+        if max_difference(&corner.tangent, &first.tangent) > SMOOTH_TURN {
             corner.tangent.fill(0.0);
         }
         waypoints.extend(next.into_iter().skip(1));
@@ -653,4 +661,4 @@ fn append(waypoints: &mut Vec<Waypoint>, next: Vec<Waypoint>) {
 }
 
 /// Largest change of a unit tangent that is no corner.
-const SMOOTH: f64 = 1e-6;
+const SMOOTH_TURN: f64 = 1e-6;

@@ -9,13 +9,12 @@ use foldpath_core::least_squares::{Accumulate, ClosureProblem};
 use foldpath_core::{HalfAngle, Spoke};
 use nalgebra::{DMatrix, Vector3};
 
-use super::depart::{UNTURNED, departures};
-use super::follow::{largest, max_norm};
+use super::branch::{UNTURNED_RATIO, branches_at_flat};
 use super::reduction::Reduction;
-use super::solver::Work;
-use super::{Goal, PlanOptions};
 use crate::joined::root;
 use crate::pattern::CreasePattern;
+use crate::planner::vectors::{largest, max_norm};
+use crate::planner::{Goal, PlanOptions};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
@@ -32,13 +31,13 @@ pub struct Mobility {
 }
 
 /// Size below which a pivot is rounding, as a fraction of the largest entry of the Jacobian.
-const RANK: f64 = 1e-8;
+const RANK_RATIO: f64 = 1e-8;
 /// Rate below which an unknown does not turn, as a fraction of the largest rate.
-const STILL: f64 = 1e-9;
+const STILL_RATIO: f64 = 1e-9;
 /// Largest number of multiplications of an elimination: a few hundredths of a second.
-const MOST_WORK: usize = 50_000_000;
+const MAX_MULTIPLICATIONS: usize = 50_000_000;
 /// Largest number of unknowns for which first steps from flat are tried.
-const MOST_UNKNOWNS: usize = 300;
+const MAX_UNKNOWNS: usize = 300;
 
 impl Mobility {
     /// Returns the motions at the configuration `x` (radians, an angle for each unknown), which has to close. Returns
@@ -47,7 +46,7 @@ impl Mobility {
     pub fn at(stars: &ReducedStars, x: &[f64]) -> Option<Self> {
         let basis = motions(stars, x)?;
         let largest = basis.amax();
-        let turns = |row: usize| basis.row(row).amax() > STILL * largest;
+        let turns = |row: usize| basis.row(row).amax() > STILL_RATIO * largest;
         Some(Self {
             unknowns: x.len(),
             moving: (0..x.len()).filter(|&row| turns(row)).collect(),
@@ -58,7 +57,7 @@ impl Mobility {
 
 /// Returns the unknowns that turn, in sets that turn independently of each other at each of these configurations
 /// (union-find). Unknowns that turn at none of them are in no set. Returns `None` if that would take long.
-pub(super) fn independent_parts(
+pub(crate) fn independent_parts(
     stars: &ReducedStars,
     looks: &[Vec<f64>],
 ) -> Option<Vec<Vec<usize>>> {
@@ -67,7 +66,7 @@ pub(super) fn independent_parts(
     let mut roots: Vec<usize> = (0..unknowns).collect();
     for look in looks {
         for motion in motions(stars, look)?.column_iter() {
-            let still = STILL * motion.amax();
+            let still = STILL_RATIO * motion.amax();
             let turning = (0..unknowns).filter(|&unknown| motion[unknown].abs() > still);
             let mut first = None;
             for unknown in turning {
@@ -90,7 +89,7 @@ pub(super) fn independent_parts(
 /// Returns a basis of the infinitesimal motions at `x`, one column for each; `None` if that would take long.
 fn motions(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
     let rows = 3 * stars.view().len() + 6 * stars.loops().len();
-    if rows.checked_mul(x.len() * x.len())? > MOST_WORK {
+    if rows.checked_mul(x.len() * x.len())? > MAX_MULTIPLICATIONS {
         return None;
     }
     Some(null_space(jacobian(stars, x)?))
@@ -137,7 +136,7 @@ fn jacobian(stars: &ReducedStars, x: &[f64]) -> Option<DMatrix<f64>> {
 fn null_space(mut a: DMatrix<f64>) -> DMatrix<f64> {
     let n = a.ncols();
     let mut order: Vec<usize> = (0..n).collect();
-    let least = RANK * a.amax();
+    let least = RANK_RATIO * a.amax();
     let mut rank = 0;
     while rank < n.min(a.nrows()) {
         let rest = a.view((rank, rank), (a.nrows() - rank, n - rank));
@@ -219,7 +218,7 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
     let options = PlanOptions::default();
     let mut tried = FirstStep::Unknown;
     for groups in [groups.clone(), CreaseGroups::trivial(pattern)] {
-        if groups.len() > MOST_UNKNOWNS {
+        if groups.len() > MAX_UNKNOWNS {
             continue;
         }
         let reduction = Reduction::new(pattern, groups, &options, Watch::default());
@@ -229,12 +228,11 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
         let towards: Vec<f64> = towards
             .map(|(asked, sign)| asked.unwrap_or(sign * most))
             .collect();
-        let work = &mut Work::default();
-        let mut leave =
-            |accepted| departures(&reduction, &towards, &signs, accepted, &options, work);
+        let leave =
+            |tolerance| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
         if let Some(x) = leave(0.0).first() {
             let creases = reduction.groups.expand(x);
-            let least = UNTURNED * max_norm(x);
+            let least = UNTURNED_RATIO * max_norm(x);
             let asked = goal.fold_angles.iter().zip(&goal.signs);
             let asked = asked.map(|(angle, sign)| angle.unwrap_or(*sign));
             let unturned = asked.zip(&creases);
@@ -245,7 +243,7 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
                 single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
             };
         }
-        let bends = !leave(reduction.accepted(&options)).is_empty();
+        let bends = !leave(reduction.closure_tolerance(&options)).is_empty();
         tried = if bends || tried == FirstStep::Bends {
             FirstStep::Bends
         } else {

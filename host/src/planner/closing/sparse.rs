@@ -41,7 +41,7 @@ pub struct SparseNormalEquations {
 }
 
 /// Sparse structure of the equations of some stars and loops, which does not depend on the angles.
-pub(super) struct Structure {
+pub(crate) struct Structure {
     /// Number of entries of the lower triangle.
     entries: usize,
     /// Place of the diagonal entry of each unknown: the first of its column.
@@ -66,7 +66,7 @@ impl SparseNormalEquations {
     }
 
     /// Makes equations of this structure.
-    pub(super) fn of(structure: Rc<Structure>) -> Self {
+    pub(crate) fn of(structure: Rc<Structure>) -> Self {
         let n = structure.diagonal.len();
         Self {
             values: vec![0.0; structure.entries],
@@ -85,7 +85,7 @@ impl SparseNormalEquations {
 impl Structure {
     /// Finds the sparse structure and the elimination order. Returns `None` if there are too many entries to number them
     /// in 31 bits.
-    pub(super) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
+    pub(crate) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let n = stars.unknowns();
         let count = stars.len();
         let stars = stars.iter().map(|star| star.spokes);

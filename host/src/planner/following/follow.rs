@@ -3,26 +3,28 @@
 //!
 //! The flat sheet is singular: more motions leave it to first order than the sheet can continue. So a path is followed
 //! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
-//! see [`depart`](super::depart).
+//! see `branch.rs`.
 
-use super::solver::ClosureSolver;
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::reason::Stop;
+use crate::planner::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
 use crate::progress::Watch;
 
 /// A configuration on the path, in group angles.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Waypoint {
+pub(crate) struct Waypoint {
     /// Group angles, radians.
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Derivative of the angles along the path, of Euclidean length 1; zero at a corner of the path, where it has to
     /// rest.
-    pub(super) tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// `true` if this is a goal on the way, where one phase of the motion ends and another begins.
-    pub(super) ends_phase: bool,
+    pub(crate) ends_phase: bool,
 }
 
 impl Waypoint {
     /// Makes a waypoint within a phase.
-    pub(super) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
+    pub(crate) fn new(angles: Vec<f64>, tangent: Vec<f64>) -> Self {
         Self {
             angles,
             tangent,
@@ -33,7 +35,7 @@ impl Waypoint {
 
 /// Target of path following.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target<'a> {
+pub(crate) enum Target<'a> {
     /// The flat sheet.
     Flat(Homeward),
     /// A closed configuration.
@@ -45,7 +47,7 @@ pub(super) enum Target<'a> {
 
 /// Way in which hinges return to flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Homeward {
+pub(crate) enum Homeward {
     /// The straightest way. A hinge that is flat stays flat.
     Straight,
     /// Hinges that are turned little move more slowly, so that all arrive together.
@@ -63,40 +65,17 @@ impl Target<'_> {
     }
 }
 
-/// Returns the difference from `angles` to the angles asked for, and 0 for free ones.
-pub(super) fn way_to(asked: &[Option<f64>], angles: &[f64]) -> Vec<f64> {
-    let pairs = asked.iter().zip(angles);
-    pairs.map(|(t, a)| t.map_or(0.0, |t| t - a)).collect()
-}
-
-/// Reason why path following stopped before the target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// No motion leads on.
-    Singular,
-    /// The corrector finds no closed configuration within the smallest step.
-    Closure,
-    /// The motion leads no nearer to the target, but has not reached it.
-    Nearest,
-    /// This unknown is at its limit.
-    Limit(usize),
-    /// Out of time.
-    Timeout,
-    /// The motion goes on without coming nearer to the target.
-    TooLong,
-}
-
 /// Outcome of path following: waypoints in the order travelled, and the reason why they end before the target, if they
 /// do.
 #[derive(Clone, Debug)]
-pub(super) struct Followed {
-    pub(super) waypoints: Vec<Waypoint>,
-    pub(super) stop: Option<Stop>,
+pub(crate) struct Followed {
+    pub(crate) waypoints: Vec<Waypoint>,
+    pub(crate) stop: Option<Stop>,
 }
 
 impl Followed {
     /// Returns the path travelled the other way.
-    pub(super) fn reversed(mut self) -> Self {
+    pub(crate) fn reversed(mut self) -> Self {
         self.waypoints.reverse();
         for waypoint in &mut self.waypoints {
             for entry in &mut waypoint.tangent {
@@ -108,68 +87,72 @@ impl Followed {
 }
 
 /// Fraction of the largest step that the predictor aims for, as the corrector adds to the step.
-const AIM: f64 = 0.95;
+const STEP_AIM_RATIO: f64 = 0.95;
 /// Smallest step, as a fraction of the largest.
-const SMALLEST: f64 = 1e-4;
+const MIN_STEP_RATIO: f64 = 1e-4;
 /// Largest move of the corrector, as a fraction of the step: more means that the path bends faster than the step.
-const CORRECTION: f64 = 0.3;
+const MAX_CORRECTION_RATIO: f64 = 0.3;
 /// Cosine between the direction of the target and the motion nearest to it below which the target is out of sight: the
 /// motion then goes on as it came.
-const IN_SIGHT: f64 = 0.05;
+const MIN_SIGHT_COSINE: f64 = 0.05;
 /// Cosine between two directions in a row below which the path turns a corner: one motion ends and another begins.
-const CORNER: f64 = 0.5;
+const CORNER_COSINE: f64 = 0.5;
 /// Steps over a bifurcation, tried in the direction in which the path came, as fractions of the largest step.
-const LEAPS: [f64; 3] = [1.0, 0.5, 0.25];
+const LEAP_RATIOS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Length of a step that is no progress, as a fraction of the largest step.
-const CREEP: f64 = 0.01;
+const CREEP_RATIO: f64 = 0.01;
 /// Largest number of steps in a row that are no progress.
-const PATIENCE: usize = 50;
+const MAX_CREEPING_STEPS: usize = 50;
 /// Number of steps without coming nearer to the target after which the motion leads elsewhere: ten turns of a hinge at
 /// the largest step.
-const LOST: usize = 360;
+const MAX_LOST_STEPS: usize = 360;
 /// Distance at which the angles asked for are reached, radians.
-pub(super) const NEAR: f64 = 1e-12;
+pub(crate) const REACHED_RAD: f64 = 1e-12;
 /// Distance at which the angles asked for are reached if the motion leads no nearer, radians.
-const ARRIVED: f64 = 1e-8;
+const ARRIVED_RAD: f64 = 1e-8;
 /// Angle below which all hinges have the same weight, as a fraction of the largest angle.
-const LIGHTEST: f64 = 1e-6;
+const MIN_WEIGHT_RATIO: f64 = 1e-6;
 /// Largest angle of a hinge that counts as flat, radians.
-const FLAT: f64 = 1e-9;
+const FLAT_RAD: f64 = 1e-9;
 /// Distance from its limit up to which a hinge counts as being at the limit, radians.
-const AT_LIMIT: f64 = 1e-3;
+const AT_LIMIT_RAD: f64 = 1e-3;
 
 /// Rules that all steps keep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rules<'a> {
+pub(crate) struct Rules<'a> {
     /// For each unknown the direction in which it may turn: -1, 1, or 0 for both. None passes through flat on the way.
-    pub(super) signs: &'a [f64],
+    pub(crate) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
-    pub(super) max_step: f64,
+    pub(crate) max_step: f64,
     /// `true` if the tangent at flat is needed, which takes as long as some steps.
-    pub(super) tangents: bool,
+    pub(crate) tangents: bool,
     /// Receives the fraction of the way that is done.
-    pub(super) watch: Watch<'a>,
+    pub(crate) watch: Watch<'a>,
 }
 
 impl Rules<'_> {
     /// Reports that the distance `left` of `whole` remains to the target.
-    pub(super) fn tell(&self, left: f64, whole: f64) {
+    pub(crate) fn tell(&self, left: f64, whole: f64) {
         self.watch.part(1.0 - left / whole);
     }
 
     /// Returns `true` if each hinge turns in its direction at `next`, or is flat, coming from `angles`.
-    pub(super) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
+    pub(crate) fn allow(&self, angles: &[f64], next: &[f64]) -> bool {
         let mut triples = next.iter().zip(angles).zip(self.signs);
         triples.all(|((next, angle), sign)| {
-            let way = if angle.abs() > FLAT { *angle } else { *sign };
-            next * way >= 0.0 || next.abs() <= FLAT
+            let way = if angle.abs() > FLAT_RAD {
+                *angle
+            } else {
+                *sign
+            };
+            next * way >= 0.0 || next.abs() <= FLAT_RAD
         })
     }
 }
 
 /// Follows the motion from the closed configuration `start` to the target by the rules. `came` is the direction in
 /// which the path arrived at the start, if it did.
-pub(super) fn follow(
+pub(crate) fn follow(
     solver: &mut ClosureSolver<'_>,
     start: &[f64],
     came: Option<&[f64]>,
@@ -189,7 +172,7 @@ pub(super) fn follow(
         }
         let way = target.way(&angles);
         let left = norm(&way);
-        let there = left <= NEAR;
+        let there = left <= REACHED_RAD;
         rules.tell(left, whole);
         let heading = if there {
             Err(None)
@@ -207,7 +190,7 @@ pub(super) fn follow(
         let tangent = heading.direction;
         let corner = came
             .as_ref()
-            .is_some_and(|came| cosine(came, &tangent) < CORNER);
+            .is_some_and(|came| cosine(came, &tangent) < CORNER_COSINE);
         waypoints.push(Waypoint::new(
             angles.clone(),
             if corner {
@@ -227,14 +210,14 @@ pub(super) fn follow(
             _ => vec![0.0; angles.len()],
         };
         let room = solver.room(&angles, &tangent);
-        let at_limit = room.0 * max_norm(&tangent) <= AT_LIMIT;
+        let at_limit = room.0 * max_norm(&tangent) <= AT_LIMIT_RAD;
         let at_limit = at_limit.then(|| at_limit_of(&angles, &[room.1])).flatten();
         let most = room.0.min(heading.length);
         let most = most.min(until_flat(&angles, &tangent));
         let next = step(solver, &angles, &tangent, &bend, most, rules).or_else(|| {
             let came = came.as_deref()?;
             let flat = vec![0.0; came.len()];
-            LEAPS
+            LEAP_RATIOS
                 .iter()
                 .find_map(|leap| step_at(solver, &angles, came, &flat, leap * max_step, rules))
         });
@@ -246,7 +229,7 @@ pub(super) fn follow(
                 {
                     let last = approach(solver, angles.clone(), asked);
                     let moved = max_difference(&last, &angles);
-                    if moved > NEAR && moved <= max_step {
+                    if moved > REACHED_RAD && moved <= max_step {
                         waypoints.push(Waypoint::new(last, tangent));
                     }
                     break Some(at_limit.unwrap_or(Stop::Nearest));
@@ -264,7 +247,7 @@ pub(super) fn follow(
     };
     // The angles asked for may lie at a limit, or in a configuration where the sheet is singular.
     let stop = stop.filter(|_| match (target, waypoints.last()) {
-        (Target::Nearest(asked), Some(last)) => norm(&way_to(asked, &last.angles)) > ARRIVED,
+        (Target::Nearest(asked), Some(last)) => norm(&way_to(asked, &last.angles)) > ARRIVED_RAD,
         _ => true,
     });
     Followed { waypoints, stop }
@@ -273,7 +256,7 @@ pub(super) fn follow(
 /// Returns the first of the held hinges that has reached its limit. A hinge that is held at flat, as it would turn
 /// against its assignment, has reached no limit of its own.
 fn at_limit_of(angles: &[f64], held: &[usize]) -> Option<Stop> {
-    let turned = held.iter().find(|&&k| angles[k].abs() > AT_LIMIT);
+    let turned = held.iter().find(|&&k| angles[k].abs() > AT_LIMIT_RAD);
     turned.map(|&unknown| Stop::Limit(unknown))
 }
 
@@ -291,17 +274,21 @@ impl Progress {
     /// largest step. Returns the reason to stop, if there is one.
     fn ends(&mut self, left: f64, part: f64) -> Option<Stop> {
         self.steps += 1;
-        self.creeping = if part < CREEP { self.creeping + 1 } else { 0 };
+        self.creeping = if part < CREEP_RATIO {
+            self.creeping + 1
+        } else {
+            0
+        };
         match self.nearest {
             Some((nearest, at)) if left >= nearest => {
-                (self.steps > at + LOST).then_some(Stop::TooLong)
+                (self.steps > at + MAX_LOST_STEPS).then_some(Stop::TooLong)
             }
             _ => {
                 self.nearest = Some((left, self.steps));
                 None
             }
         }
-        .or((self.creeping > PATIENCE).then_some(Stop::Closure))
+        .or((self.creeping > MAX_CREEPING_STEPS).then_some(Stop::Closure))
     }
 }
 
@@ -327,13 +314,13 @@ fn heading(
     let mut direction = way.to_vec();
     let together = matches!(target, Target::Flat(Homeward::Together));
     let weights = together.then(|| {
-        let least = LIGHTEST * max_norm(angles);
+        let least = MIN_WEIGHT_RATIO * max_norm(angles);
         let weights = angles.iter().map(|angle| angle.abs().max(least).sqrt());
         weights.collect::<Vec<f64>>()
     });
     let held = solver.project_weighted(angles, &mut direction, weights.as_deref());
     let mut held = held.ok_or(Stop::Singular)?;
-    if norm(&direction) < IN_SIGHT * norm(way) {
+    if norm(&direction) < MIN_SIGHT_COSINE * norm(way) {
         direction = match came {
             Some(came) => {
                 let mut on = came.to_vec();
@@ -344,7 +331,7 @@ fn heading(
             }
             None => vec![0.0; way.len()],
         };
-        if norm(&direction) < IN_SIGHT {
+        if norm(&direction) < MIN_SIGHT_COSINE {
             return Err(at_limit_of(angles, &held).unwrap_or(Stop::Singular));
         }
     }
@@ -372,7 +359,7 @@ fn towards(
     let asked_for = pairs.filter_map(|(d, asked)| asked.map(|_| (d / length).powi(2)));
     let square = asked_for.sum::<f64>();
     // The projection p of the direction w has w·p = p·p.
-    if length <= f64::EPSILON || length < IN_SIGHT * norm(&way) * square.sqrt() {
+    if length <= f64::EPSILON || length < MIN_SIGHT_COSINE * norm(&way) * square.sqrt() {
         return Err(at_limit_of(angles, &held).unwrap_or(Stop::Nearest));
     }
     Ok(Heading {
@@ -403,7 +390,7 @@ fn arrive(
         }
         Target::Closed(target) => {
             let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
-            if cosine(&way, direction) < AHEAD {
+            if cosine(&way, direction) < AHEAD_COSINE {
                 return None;
             }
             // The direction is projected backwards, as a hinge may arrive at its limit.
@@ -415,14 +402,14 @@ fn arrive(
         }
         Target::Nearest(asked) => {
             let last = approach(solver, angles.to_vec(), asked);
-            let reached = norm(&way_to(asked, &last)) <= NEAR;
+            let reached = norm(&way_to(asked, &last)) <= REACHED_RAD;
             if !reached || max_difference(&last, angles) > rules.max_step {
                 return None;
             }
             let mut tangent = direction.to_vec();
             solver.project_on_motions(&last, &mut tangent)?;
             let length = norm(&tangent);
-            (length > IN_SIGHT)
+            (length > MIN_SIGHT_COSINE)
                 .then(|| Waypoint::new(last, tangent.iter().map(|t| t / length).collect()))
         }
     }
@@ -430,22 +417,22 @@ fn arrive(
 
 /// Cosine between the straight way to a configuration near by and the motion above which the configuration lies on that
 /// motion.
-const AHEAD: f64 = 0.8;
+const AHEAD_COSINE: f64 = 0.8;
 
 /// Largest number of steps to the angles asked for along the closed configurations. Convergence is quadratic, at a rate
 /// set by how far the motion bends over the distance, so that few steps are needed.
-const APPROACHES: usize = 50;
+const MAX_APPROACH_STEPS: usize = 50;
 
 /// Returns the closed configuration nearest to the angles asked for, as far as descent along the closed configurations
 /// from `angles` finds it. No hinge turns against the angle asked of it.
-pub(super) fn approach(
+pub(crate) fn approach(
     solver: &mut ClosureSolver<'_>,
     mut angles: Vec<f64>,
     asked: &[Option<f64>],
 ) -> Vec<f64> {
-    for _ in 0..APPROACHES {
+    for _ in 0..MAX_APPROACH_STEPS {
         let far = norm(&way_to(asked, &angles));
-        if far <= NEAR {
+        if far <= REACHED_RAD {
             break;
         }
         let Ok(heading) = towards(solver, &angles, asked) else {
@@ -463,7 +450,7 @@ pub(super) fn approach(
 }
 
 /// Returns `true` if no hinge turns against the angle asked of it.
-pub(super) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
+pub(crate) fn same_signs(angles: &[f64], asked: &[Option<f64>]) -> bool {
     let mut pairs = angles.iter().zip(asked);
     pairs.all(|(angle, asked)| angle * asked.unwrap_or(0.0) >= 0.0)
 }
@@ -487,8 +474,9 @@ fn step(
     rules: Rules<'_>,
 ) -> Option<(Vec<f64>, f64)> {
     let max_step = rules.max_step;
-    let mut part = (most * max_norm(direction) / (AIM * max_step)).clamp(SMALLEST, 1.0);
-    while part >= SMALLEST {
+    let mut part =
+        (most * max_norm(direction) / (STEP_AIM_RATIO * max_step)).clamp(MIN_STEP_RATIO, 1.0);
+    while part >= MIN_STEP_RATIO {
         let taken = step_at(solver, angles, direction, bend, part * max_step, rules);
         if taken.is_some() || solver.is_late() {
             return taken;
@@ -507,7 +495,7 @@ fn step_at(
     size: f64,
     rules: Rules<'_>,
 ) -> Option<(Vec<f64>, f64)> {
-    let length = AIM * size / max_norm(direction);
+    let length = STEP_AIM_RATIO * size / max_norm(direction);
     let move_by = |k: usize| length * (direction[k] + length * bend[k]);
     // A hinge that would pass through flat stops at flat, which often sets other hinges free.
     let stays = |from: f64, to: f64| if from * to < 0.0 { 0.0 } else { to };
@@ -516,7 +504,7 @@ fn step_at(
     let mut next = predicted.clone();
     let near = solver.closes(&mut next)
         && max_difference(&next, angles) <= rules.max_step
-        && max_difference(&next, &predicted) <= CORRECTION * length
+        && max_difference(&next, &predicted) <= MAX_CORRECTION_RATIO * length
         && rules.allow(angles, &next);
     near.then_some((next, length))
 }
@@ -526,7 +514,7 @@ fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
     let turned = angles
         .iter()
         .zip(direction)
-        .filter(|(a, d)| a.abs() > FLAT && *a * *d < 0.0);
+        .filter(|(a, d)| a.abs() > FLAT_RAD && *a * *d < 0.0);
     turned.fold(f64::INFINITY, |least, (a, d)| least.min(-a / d))
 }
 
@@ -535,10 +523,10 @@ fn until_flat(angles: &[f64], direction: &[f64]) -> f64 {
 ///
 /// The mirror image of a motion at the flat sheet is a motion, so that secants have only even powers of their length.
 /// Their limit is extrapolated as in Romberg's method. Shorter secants would be rounding.
-pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
+pub(crate) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> Vec<f64> {
     let mut closed = near.to_vec();
     let mut limit: Vec<Vec<f64>> = vec![unit(near)];
-    for _ in 1..SECANTS {
+    for _ in 1..MAX_SECANTS {
         let mut closer: Vec<f64> = closed.iter().map(|a| a / 4.0).collect();
         // Rounded coordinates may lead the sheet back to flat, which has no direction.
         let on = solver.closes(&mut closer) && cosine(&closer, &closed) >= 0.9;
@@ -559,33 +547,4 @@ pub(super) fn tangent_at_flat(solver: &mut ClosureSolver<'_>, near: &[f64]) -> V
 }
 
 /// Number of secants from which the tangent at flat is extrapolated.
-const SECANTS: usize = 4;
-
-fn unit(x: &[f64]) -> Vec<f64> {
-    let length = norm(x).max(f64::MIN_POSITIVE);
-    x.iter().map(|a| a / length).collect()
-}
-
-pub(super) fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|a| a * a).sum::<f64>().sqrt()
-}
-
-pub(super) fn cosine(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>() / (norm(x) * norm(y))
-}
-
-pub(super) fn max_norm(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |max, a| f64::max(max, a.abs()))
-}
-
-/// Returns the largest absolute angle asked for.
-pub(super) fn largest(asked: &[Option<f64>]) -> f64 {
-    let angles = asked.iter().flatten();
-    angles.fold(0.0, |max, a| f64::max(max, a.abs()))
-}
-
-pub(super) fn max_difference(x: &[f64], y: &[f64]) -> f64 {
-    x.iter()
-        .zip(y)
-        .fold(0.0, |max, (a, b)| f64::max(max, (a - b).abs()))
-}
+const MAX_SECANTS: usize = 4;

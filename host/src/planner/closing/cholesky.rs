@@ -13,7 +13,7 @@
 use crate::ragged::{Ragged, group_by_key};
 
 /// Pattern of L, with the places of the entries of A that each of its rows starts from.
-pub(super) struct Symbolic {
+pub(crate) struct Symbolic {
     /// The row and column of A that is eliminated at each position.
     order: Vec<u32>,
     /// For each position, the place in the values of A of its diagonal entry.
@@ -35,7 +35,7 @@ struct Entry {
 }
 
 /// Values of L, with the workspace that computes them.
-pub(super) struct Factor {
+pub(crate) struct Factor {
     /// Entries below the diagonal, laid out as [`Symbolic::columns`].
     below: Vec<f64>,
     /// Reciprocals of the diagonal entries.
@@ -51,7 +51,7 @@ impl Symbolic {
     /// column j has the rows `rows[column_ends[j]..column_ends[j + 1]]`, sorted, of which the first is j.
     ///
     /// Returns `None` if the matrix has too many entries to number them in 31 bits.
-    pub(super) fn new(column_ends: &[u32], rows: &[u32]) -> Option<Self> {
+    pub(crate) fn new(column_ends: &[u32], rows: &[u32]) -> Option<Self> {
         let signed = |numbers: &[u32]| -> Option<Vec<i32>> {
             let numbers = numbers.iter().map(|&number| i32::try_from(number).ok());
             numbers.collect()
@@ -99,7 +99,7 @@ impl Symbolic {
 
     /// Computes L for the matrix with these values plus `damping` times the identity. Returns `false` if the matrix is
     /// not positive definite to rounding; then the factor must not be used.
-    pub(super) fn factorise(&self, values: &[f64], damping: f64, factor: &mut Factor) -> bool {
+    pub(crate) fn factorise(&self, values: &[f64], damping: f64, factor: &mut Factor) -> bool {
         let Factor {
             below,
             reciprocals,
@@ -137,7 +137,7 @@ impl Symbolic {
     }
 
     /// Replaces the right side b by the solution x of A x = b.
-    pub(super) fn solve(&self, factor: &mut Factor, right_side: &mut [f64]) {
+    pub(crate) fn solve(&self, factor: &mut Factor, right_side: &mut [f64]) {
         let x = &mut factor.row;
         for (x, &k) in x.iter_mut().zip(&self.order) {
             *x = right_side[k as usize];
@@ -166,7 +166,7 @@ impl Symbolic {
 
 impl Factor {
     /// Makes memory for the factor of a matrix with this pattern.
-    pub(super) fn new(symbolic: &Symbolic) -> Self {
+    pub(crate) fn new(symbolic: &Symbolic) -> Self {
         let n = symbolic.order.len();
         Self {
             below: vec![0.0; symbolic.columns.items().len()],

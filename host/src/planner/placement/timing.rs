@@ -13,70 +13,11 @@
 //! 30(6), 1985). `reachability.rs` finds the largest x at each point of a grid.
 
 use super::reachability::Problem;
-
-/// A path sampled on a grid: point k has the derivatives k·n .. (k+1)·n of n groups.
-///
-/// A point with different derivatives on its two sides is given twice, with the left ones first. The motion passes such
-/// a point without stopping if the two ρ' agree.
-#[derive(Clone, Copy, Debug)]
-pub struct SampledPath<'a> {
-    /// Parameter σ of each point, in increasing order.
-    pub parameters: &'a [f64],
-    /// First derivative ρ' of each group angle by σ, a row a point.
-    pub first: &'a [f64],
-    /// Second derivative ρ'' of each group angle by σ, a row a point.
-    pub second: &'a [f64],
-}
-
-/// Limits of each group.
-#[derive(Clone, Copy, Debug)]
-pub struct RateLimits<'a> {
-    /// Largest speed of each group, radians per second.
-    pub speeds: &'a [f64],
-    /// Largest acceleration of each group, radians per second squared; infinite for none.
-    pub accelerations: &'a [f64],
-}
-
-/// Points at which hinges with a limit on their acceleration rest; others rest nowhere.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Rests<'a> {
-    /// `true` if they rest at the first point.
-    pub start: bool,
-    /// `true` if they rest at the last point.
-    pub end: bool,
-    /// Points in between at which the motion stops. A point given twice whose ρ' differ is a corner in any case and
-    /// need not be listed.
-    pub corners: &'a [usize],
-}
-
-/// Reason why there is no motion along a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum TimingError {
-    /// The lengths of the slices do not agree.
-    #[error(
-        "expected two points or more, a limit of each kind a group, and a derivative a point and group"
-    )]
-    Shape,
-    /// The point of this number holds an infinity or a NaN.
-    #[error("point {0}: expected finite numbers")]
-    NotFinite(usize),
-    /// The point of this number has a smaller parameter than the one before.
-    #[error("point {0}: expected a parameter no smaller than before")]
-    Order(usize),
-    /// The limits of the group of this number are not above 0, or its speed is unlimited.
-    #[error("group {0}: expected limits above 0, and a finite speed")]
-    Limit(usize),
-    /// Nothing moves on the path.
-    #[error("expected a path on which some group moves")]
-    NoMotion,
-    /// The motion rests at the point of this number and at the next, with no point between them to move at.
-    #[error("point {0}: expected another point before the motion rests again")]
-    Coarse(usize),
-}
+pub use super::reachability::{RateLimits, Rests, SampledPath, TimingError};
 
 /// Motion along a path: σ̇² is linear in σ between the points of the grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Law {
+pub struct OptimalTimeLaw {
     parameters: Vec<f64>,
     /// σ̇² at each point.
     squares: Vec<f64>,
@@ -84,7 +25,7 @@ pub struct Law {
     switches: Vec<usize>,
 }
 
-impl Law {
+impl OptimalTimeLaw {
     /// Computes the fastest motion along a path within limits, with its rests.
     ///
     /// Cost: proportional to points times groups. The duration exceeds the least one to first order in the grid where

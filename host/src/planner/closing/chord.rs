@@ -17,21 +17,21 @@ use super::sparse::SparseNormalEquations;
 const MAX_START_RESIDUAL: f64 = 1e-2;
 /// Largest fraction of the residual that a step may leave. If more is left, the factor does not fit this configuration
 /// any more. On Miura sheets the first step leaves about 1e-5, later steps a hundredth.
-const MAX_RESIDUAL_RATIO: f64 = 0.1;
+const MAX_CONTRACTION_RATIO: f64 = 0.1;
 
 /// Outcome of the chord method.
-pub(super) struct Chord {
+pub(crate) struct Chord {
     /// `true` if every star closes.
-    pub(super) closed: bool,
+    pub(crate) closed: bool,
     /// Damping of the factor.
-    pub(super) damping: f64,
+    pub(crate) damping: f64,
     /// Number of steps, each with one evaluation; one more evaluation was made at the start.
-    pub(super) steps: u32,
+    pub(crate) steps: u32,
 }
 
 /// Moves `x` (radians) to the closed configuration near it; leaves `x` as it is if the residual does not shrink fast or
 /// a limit is passed. `workspace` needs 2n numbers.
-pub(super) fn close(
+pub(crate) fn close(
     problem: &mut ClosureProblem<'_, f64>,
     equations: &mut SparseNormalEquations,
     limits: Limits<'_, f64>,
@@ -61,7 +61,7 @@ pub(super) fn close(
         advance(equations, step, trial);
         let next = problem.update_residuals(trial, equations)?.max();
         chord.steps += 1;
-        let shrinks = next <= tolerance || next <= MAX_RESIDUAL_RATIO * residual;
+        let shrinks = next <= tolerance || next <= MAX_CONTRACTION_RATIO * residual;
         if !shrinks || !limits.contain(trial) {
             return Some(chord);
         }

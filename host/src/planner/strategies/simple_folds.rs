@@ -11,16 +11,16 @@ use crate::joined::{join, root};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 
 /// Largest distance of a crease from a line that it lies on, as a fraction of the length of the longer one.
-const OFF: f64 = 1e-3;
+const OFF_LINE_RATIO: f64 = 1e-3;
 /// Largest difference of angles that count as equal, radians.
-const UNLIKE: f64 = 1e-3;
+const UNLIKE_RAD: f64 = 1e-3;
 
 /// Returns sets of creases on one line of the folded sheet that can turn together while all others stay: for each line
 /// all its creases that have to turn, and those round each part of the sheet that turns against all other parts.
 ///
 /// `shape` has the folded position of each vertex, `turns` the angle (radians) by which each crease has still to turn,
 /// 0 if it stays. Cost: O(edges) for each line.
-pub(super) fn simple_folds(
+pub(crate) fn simple_folds(
     pattern: &CreasePattern,
     shape: &[Vector3<f64>],
     turns: &[f64],
@@ -39,7 +39,7 @@ pub(super) fn simple_folds(
             let Some(first) = around.clone().next() else {
                 continue;
             };
-            if around.clone().all(|turn| (turn - first).abs() < UNLIKE) {
+            if around.clone().all(|turn| (turn - first).abs() < UNLIKE_RAD) {
                 let turning = line.iter().zip(&joints);
                 let turning = turning.filter(|(_, joint)| joint.turn_of(part).is_some());
                 folds.push(turning.map(|(&crease, _)| crease).collect());
@@ -77,7 +77,7 @@ fn lines(pattern: &CreasePattern, shape: &[Vector3<f64>], turns: &[f64]) -> Vec<
         let lies_on = |line: &Vec<usize>| {
             let [from, to] = ends(line[0]);
             let along = (to - from).normalize();
-            let most = OFF * (to - from).norm().max((b - a).norm());
+            let most = OFF_LINE_RATIO * (to - from).norm().max((b - a).norm());
             [a, b]
                 .iter()
                 .all(|end| along.cross(&(end - from)).norm() <= most)
@@ -143,7 +143,7 @@ fn all_turn(joints: &[Joint]) -> bool {
     joints.iter().all(|Joint { parts, turn }| {
         let [left, right] = parts.map(|part| turned.get(&part));
         left.zip(right)
-            .is_some_and(|(left, right)| (left - right - turn).abs() < UNLIKE)
+            .is_some_and(|(left, right)| (left - right - turn).abs() < UNLIKE_RAD)
     })
 }
 

@@ -10,16 +10,74 @@
 //! Newton's method on the amount by which the lower bound on the next x exceeds the upper one, a convex, piecewise
 //! linear function. A point may have derivatives from both sides, so that pieces with jumps of ρ' or ρ'' are one path.
 
-use super::timing::{RateLimits, Rests, SampledPath, TimingError};
+/// A path sampled on a grid: point k has the derivatives k·n .. (k+1)·n of n groups.
+///
+/// A point with different derivatives on its two sides is given twice, with the left ones first. The motion passes such
+/// a point without stopping if the two ρ' agree.
+#[derive(Clone, Copy, Debug)]
+pub struct SampledPath<'a> {
+    /// Parameter σ of each point, in increasing order.
+    pub parameters: &'a [f64],
+    /// First derivative ρ' of each group angle by σ, a row a point.
+    pub first: &'a [f64],
+    /// Second derivative ρ'' of each group angle by σ, a row a point.
+    pub second: &'a [f64],
+}
+
+/// Limits of each group.
+#[derive(Clone, Copy, Debug)]
+pub struct RateLimits<'a> {
+    /// Largest speed of each group, radians per second.
+    pub speeds: &'a [f64],
+    /// Largest acceleration of each group, radians per second squared; infinite for none.
+    pub accelerations: &'a [f64],
+}
+
+/// Points at which hinges with a limit on their acceleration rest; others rest nowhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rests<'a> {
+    /// `true` if they rest at the first point.
+    pub start: bool,
+    /// `true` if they rest at the last point.
+    pub end: bool,
+    /// Points in between at which the motion stops. A point given twice whose ρ' differ is a corner in any case and
+    /// need not be listed.
+    pub corners: &'a [usize],
+}
+
+/// Reason why there is no motion along a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TimingError {
+    /// The lengths of the slices do not agree.
+    #[error(
+        "expected two points or more, a limit of each kind a group, and a derivative a point and group"
+    )]
+    Shape,
+    /// The point of this number holds an infinity or a NaN.
+    #[error("point {0}: expected finite numbers")]
+    NotFinite(usize),
+    /// The point of this number has a smaller parameter than the one before.
+    #[error("point {0}: expected a parameter no smaller than before")]
+    Order(usize),
+    /// The limits of the group of this number are not above 0, or its speed is unlimited.
+    #[error("group {0}: expected limits above 0, and a finite speed")]
+    Limit(usize),
+    /// Nothing moves on the path.
+    #[error("expected a path on which some group moves")]
+    NoMotion,
+    /// The motion rests at the point of this number and at the next, with no point between them to move at.
+    #[error("point {0}: expected another point before the motion rests again")]
+    Coarse(usize),
+}
 
 /// Largest derivative that counts as 0, as a fraction of the largest on the path.
-const STILL: f64 = 1e-8;
+const STILL_RATIO: f64 = 1e-8;
 /// Largest number of steps of Newton's method for a controllable set. The method ends by itself after a handful, each
 /// on another pair of limits; rounding may let it creep.
-const STEPS: u32 = 64;
+const MAX_NEWTON_STEPS: u32 = 64;
 /// Difference of load, as a fraction of the limit, up to which a regime goes on although another limit is nearer to
 /// being active: more than rounding.
-const SAME_REGIME: f64 = 1e-6;
+const SAME_REGIME_RATIO: f64 = 1e-6;
 
 /// The line y = offset + slope x.
 #[derive(Clone, Copy)]
@@ -50,7 +108,7 @@ enum Regime {
 }
 
 /// A path with its limits, both checked.
-pub(super) struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     path: SampledPath<'a>,
     limits: RateLimits<'a>,
     groups: usize,
@@ -63,7 +121,7 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         path: SampledPath<'a>,
         limits: RateLimits<'a>,
         rests: Rests<'_>,
@@ -82,7 +140,7 @@ impl<'a> Problem<'a> {
                 .filter(|(_, a)| a.is_finite())
                 .map(|(g, _)| g)
                 .collect(),
-            still: STILL * largest,
+            still: STILL_RATIO * largest,
             ceiling: Vec::new(),
         };
         problem.ceiling = problem.speed_ceiling();
@@ -212,7 +270,7 @@ impl<'a> Problem<'a> {
     /// Returns the largest x at `point` from which the interval after it leads to some y up to `top`.
     fn controllable(&self, point: usize, top: f64) -> f64 {
         let mut x = self.ceiling[point];
-        for _ in 0..STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let Reach { low, high, most } = self.reach(point, x, top);
             let next = if low.at(x) > high.at(x) {
                 (high.offset - low.offset) / (low.slope - high.slope)
@@ -229,7 +287,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the largest σ̇² at each point.
-    pub(super) fn fastest(&self) -> Vec<f64> {
+    pub(crate) fn fastest(&self) -> Vec<f64> {
         let mut squares = self.ceiling.clone();
         if self.limited.is_empty() {
             return squares;
@@ -254,7 +312,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the points at which the regime changes.
-    pub(super) fn switches(&self, squares: &[f64]) -> Vec<usize> {
+    pub(crate) fn switches(&self, squares: &[f64]) -> Vec<usize> {
         let mut switches = Vec::new();
         let mut regime = None;
         for k in (0..squares.len() - 1).filter(|&k| self.span(k) > 0.0) {
@@ -270,7 +328,7 @@ impl<'a> Problem<'a> {
                     same = f64::max(same, load);
                 }
             }
-            if same < most.0 - SAME_REGIME {
+            if same < most.0 - SAME_REGIME_RATIO {
                 switches.extend(regime.map(|_| k));
                 regime = most.1;
             }

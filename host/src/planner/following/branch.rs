@@ -9,46 +9,46 @@ use foldpath_core::least_squares::Limits;
 use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
-use super::follow::{cosine, max_norm};
 use super::reduction::Reduction;
-use super::solver::{ClosureSolver, Work};
-use super::{PlanOptions, Vertices};
 use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::closing::solver::{ClosureSolver, Work};
+use crate::planner::vectors::{cosine, max_norm};
+use crate::planner::{PlanOptions, Vertices};
 use crate::progress::Watch;
 use crate::symmetry::CreaseGroups;
 
 /// Largest angle of the first step, radians. Small enough that branches are straight, large enough that the
 /// second-order conditions that choose between branches are far above rounding.
-const FIRST_STEP: f64 = 0.1;
+const FIRST_STEP_RAD: f64 = 0.1;
 /// Number of random first steps tried beside the one straight towards the goal.
 const RANDOM_STEPS: usize = 8;
 /// Angle below which a hinge has not turned, as a fraction of the largest angle.
-pub(super) const UNTURNED: f64 = 1e-3;
+pub(crate) const UNTURNED_RATIO: f64 = 1e-3;
 /// Least angles of every hinge, as fractions of the largest angle, tried one after the other. Without such a limit, the
 /// sheet lands on motions that turn only some of its hinges.
-const LEAST: [f64; 3] = [0.1, 0.01, 0.0];
+const MIN_TURN_RATIOS: [f64; 3] = [0.1, 0.01, 0.0];
 /// Cosine between the directions of two branches above which they are the same branch.
-const SAME_BRANCH: f64 = 0.999;
+const SAME_BRANCH_COSINE: f64 = 0.999;
 /// Smallest cosine between a configuration of a branch and the one at a quarter of its size if the branch leads to
 /// flat.
-const STRAIGHT: f64 = 0.9;
+const STRAIGHT_COSINE: f64 = 0.9;
 /// Size of a closed first step below which it has fallen back to flat, as a fraction of its size before closing.
-const SHRUNK: f64 = 0.1;
+const MIN_SIZE_RATIO: f64 = 0.1;
 /// Size of a closed first step above which it has gone elsewhere, as a multiple of its size before closing.
-const GROWN: f64 = 2.0;
+const MAX_SIZE_RATIO: f64 = 2.0;
 
 /// Returns closed configurations a small step from flat on different branches, none against the `signs`. Those that
-/// turn most hinges come first, and among these the nearest to the direction of `towards`.
-pub(super) fn departures(
+/// turn most hinges come first, and among these the nearest to the direction of `towards`. Returns the work of the solver
+/// too.
+pub(crate) fn branches_at_flat(
     reduction: &Reduction,
     towards: &[f64],
     signs: &[f64],
-    accepted: f64,
+    closure_tolerance: f64,
     options: &PlanOptions,
-    work: &mut Work,
-) -> Vec<Vec<f64>> {
-    let mut leaving = Leaving::new(reduction, options, accepted, signs);
-    let first_step = FIRST_STEP.min(options.max_step / 2.0);
+) -> (Vec<Vec<f64>>, Work) {
+    let mut switcher = BranchSwitcher::new(reduction, options, closure_tolerance, signs);
+    let first_step = FIRST_STEP_RAD.min(options.max_step / 2.0);
     let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
@@ -65,7 +65,7 @@ pub(super) fn departures(
         starts.push(start);
     }
     let unturned = |x: &[f64]| {
-        let least = UNTURNED * max_norm(x);
+        let least = UNTURNED_RATIO * max_norm(x);
         let pairs = x.iter().zip(signs);
         pairs
             .filter(|(x, sign)| sign.abs() > 0.0 && x.abs() < least)
@@ -74,7 +74,10 @@ pub(super) fn departures(
     let mut found: Vec<Vec<f64>> = Vec::new();
     for start in starts {
         let mut x = start;
-        let new = leaving.land(&mut x) && found.iter().all(|other| cosine(other, &x) < SAME_BRANCH);
+        let new = switcher.land(&mut x)
+            && found
+                .iter()
+                .all(|other| cosine(other, &x) < SAME_BRANCH_COSINE);
         if new {
             found.push(x);
         }
@@ -85,14 +88,13 @@ pub(super) fn departures(
             .cmp(&unturned(b))
             .then(far(a).total_cmp(&far(b)))
     });
-    for solver in [&leaving.free, &leaving.held] {
-        *work += solver.work;
-    }
-    found
+    let mut work = switcher.free.work;
+    work += switcher.held.work;
+    (found, work)
 }
 
 /// Closes small steps from flat on branches with given signs.
-struct Leaving<'a> {
+struct BranchSwitcher<'a> {
     free: ClosureSolver<'a>,
     held: ClosureSolver<'a>,
     /// Limits between which each unknown turns in the direction of its sign.
@@ -100,16 +102,16 @@ struct Leaving<'a> {
     signs: &'a [f64],
 }
 
-impl<'a> Leaving<'a> {
+impl<'a> BranchSwitcher<'a> {
     fn new(
         reduction: &'a Reduction<'a>,
         options: &PlanOptions,
-        accepted: f64,
+        closure_tolerance: f64,
         signs: &'a [f64],
     ) -> Self {
         Self {
-            free: reduction.solver(options, accepted),
-            held: reduction.solver(options, accepted),
+            free: reduction.solver(options, closure_tolerance),
+            held: reduction.solver(options, closure_tolerance),
             orthant: reduction.orthant(signs),
             signs,
         }
@@ -126,7 +128,7 @@ impl<'a> Leaving<'a> {
         let Some((largest, size)) = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             return false;
         };
-        LEAST.iter().any(|least| {
+        MIN_TURN_RATIOS.iter().any(|least| {
             let mut limits = self.orthant.clone();
             for ((lower, upper), sign) in limits.iter_mut().zip(self.signs) {
                 if *sign > 0.0 {
@@ -147,12 +149,14 @@ impl<'a> Leaving<'a> {
     fn is_good(&mut self, x: &[f64], start: &[f64]) -> bool {
         let mut signs = x.iter().zip(self.signs);
         let (size, first) = (max_norm(x), max_norm(start));
-        if size < SHRUNK * first || size > GROWN * first || !signs.all(|(x, sign)| x * sign >= 0.0)
+        if size < MIN_SIZE_RATIO * first
+            || size > MAX_SIZE_RATIO * first
+            || !signs.all(|(x, sign)| x * sign >= 0.0)
         {
             return false;
         }
         let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
-        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT
+        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT_COSINE
     }
 }
 
@@ -193,7 +197,7 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let letters = |&id| pattern.edge(id).letter.sign();
     let signs = in_groups(&mut pattern.creases().iter().map(letters));
     let start = in_groups(&mut start.iter().copied());
-    let mut leaving = Leaving::new(&reduction, &options, 0.0, &signs);
+    let mut switcher = BranchSwitcher::new(&reduction, &options, 0.0, &signs);
     let signed = |size: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let pairs = start.iter().zip(&signs);
         let turned = |(x, sign): (&f64, &f64)| {
@@ -209,8 +213,8 @@ pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
     let starts = [start.clone(), signed(&f64::abs), signed(&|_| largest)];
     let mut first = None;
     for mut x in starts {
-        let leaves = leaving.land(&mut x);
-        let least = UNTURNED * max_norm(&x);
+        let leaves = switcher.land(&mut x);
+        let least = UNTURNED_RATIO * max_norm(&x);
         let pairs = x.iter().zip(&signs).zip(pattern.creases());
         let against =
             pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));

@@ -1,0 +1,13 @@
+//! How does the sheet get from flat to the goal, in few unknowns?
+//!
+//! One entry point: [`select_route`](route_selection::select_route) reduces the problem to crease groups and follows the
+//! motion on them.
+
+pub(super) mod branch;
+pub(super) mod follow;
+pub(super) mod judge;
+pub(super) mod mobility;
+pub(super) mod reduction;
+pub(super) mod route;
+pub(super) mod route_selection;
+pub(super) mod search;

@@ -1,0 +1,180 @@
+//! Chooses the crease groups and the route on them: symmetry is a shortcut, and a path that is not found with it is
+//! looked for without it.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use super::follow::Waypoint;
+use super::reduction::{CLOSED, Reduction, SAME_RAD, closure_of};
+use super::route::{End, Reach, Route};
+use crate::pattern::CreasePattern;
+use crate::planner::Symmetry;
+use crate::planner::closing::solver::Work;
+use crate::planner::problem::{ErrorModel, PlanningProblem};
+use crate::planner::reason::{GroupsDropped, Note};
+use crate::progress::Stage;
+use crate::symmetry::CreaseGroups;
+
+/// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
+/// less symmetry or moved coordinates.
+pub(crate) const FARTHER_RATIO: f64 = 0.01;
+
+/// The route that leads farthest, with what was found on the way to it.
+pub(crate) struct SelectedRoute<'a> {
+    pub(crate) route: Route<'a>,
+    /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
+    /// farther without them.
+    pub(crate) symmetric: Option<Reduction<'a>>,
+    /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
+    /// residual was needed.
+    pub(crate) asked_closure: Option<f64>,
+    pub(crate) notes: Vec<Note>,
+    /// Time for finding groups and closing the goal.
+    pub(crate) symmetry: Duration,
+    /// Time for following motions.
+    pub(crate) following: Duration,
+    /// Work on all routes that were tried.
+    pub(crate) work: Work,
+}
+
+/// Finds the route that leads farthest. Returns `None` if the error model changes nothing of this sheet, or allows no
+/// path.
+pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+    match problem.errors {
+        ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
+        ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),
+    }
+}
+
+/// Finds the route that leads farthest on any of the proposed crease groups, and without any.
+fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+    let start = Instant::now();
+    problem.watch.begin(Stage::Symmetry);
+    let (pattern, goal) = (problem.pattern, problem.goal);
+    let proposals = proposals(pattern, problem.options.symmetry);
+    let asked_closure = if proposals.is_empty() {
+        None
+    } else {
+        closure_of(pattern, &goal.fold_angles)
+    };
+    let exact = asked_closure.is_some_and(|closure| closure <= CLOSED);
+    let mut symmetry = start.elapsed();
+    let mut following = Duration::ZERO;
+    let mut work = Work::default();
+    let mut notes = Vec::new();
+    let mut best: Option<Route<'_>> = None;
+    let mut symmetric: Option<Reduction<'_>> = None;
+    let without = core::iter::once_with(|| Proposal {
+        groups: CreaseGroups::trivial(pattern),
+        exactly: false,
+    });
+    for Proposal { groups, exactly } in proposals.into_iter().chain(without) {
+        let start = Instant::now();
+        problem.watch.begin(Stage::Symmetry);
+        // A goal far away is not what was asked for: with every crease free, one may be nearer. If the goal closes as
+        // asked, with every crease on its own, a goal beside it is not what was asked for either.
+        let radians = if exact && !groups.is_trivial() {
+            SAME_RAD
+        } else {
+            goal.reach
+        };
+        let reduction = Reduction::of(problem, groups);
+        symmetry += start.elapsed();
+        problem.watch.begin(Stage::Following);
+        let route = Route::find(problem, reduction, Reach { radians, exactly });
+        symmetry += route.closing;
+        following += route.following;
+        work += route.work;
+        let dropped = match best.take() {
+            Some(before) if before.rank() + FARTHER_RATIO >= route.rank() => {
+                best = Some(before);
+                None
+            }
+            before => {
+                best = Some(route);
+                before
+            }
+        };
+        if let Some(dropped) = dropped.filter(|dropped| !dropped.exactly) {
+            notes.push(Note::GroupsDropped {
+                groups: dropped.reduction.groups.len(),
+                why: match dropped.end {
+                    End::NotClosed { .. } => GroupsDropped::GoalNotClosed,
+                    _ => GroupsDropped::FoldsFarther,
+                },
+            });
+            symmetric = Some(dropped.reduction);
+        }
+        if best.as_ref().is_some_and(Route::is_complete) {
+            break;
+        }
+    }
+    Some(SelectedRoute {
+        route: best?,
+        symmetric,
+        asked_closure,
+        notes,
+        symmetry,
+        following,
+        work,
+    })
+}
+
+/// Finds the route of every crease on its own, with stars that are taken to fold flat exactly where they nearly do.
+/// Returns `None` if no star changes, or the sheet as it is does not close as well along the route as the bound needs.
+fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<SelectedRoute<'a>> {
+    let start = Instant::now();
+    let PlanningProblem {
+        pattern,
+        goal,
+        options,
+        ..
+    } = *problem;
+    let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
+    let (reduction, turned) = reduction.snapped(pattern, goal, options, coarse)?;
+    let reach = Reach {
+        radians: goal.reach,
+        exactly: false,
+    };
+    let symmetry = start.elapsed();
+    let mut route = Route::find(problem, reduction, reach);
+    let reduction = &route.reduction;
+    let open = |waypoint: &Waypoint| reduction.closure_of_sheet(&waypoint.angles);
+    let closes = |waypoint| open(waypoint) <= reduction.closure_tolerance(options);
+    if route.waypoints.is_empty() || !route.waypoints.iter().all(closes) {
+        return None;
+    }
+    route.notes.push(Note::Snapped { turned });
+    Some(SelectedRoute {
+        symmetric: None,
+        asked_closure: None,
+        notes: Vec::new(),
+        symmetry: symmetry + route.closing,
+        following: route.following,
+        work: route.work,
+        route,
+    })
+}
+
+/// Crease groups to try.
+struct Proposal {
+    groups: CreaseGroups,
+    /// `true` if the goal has to close exactly under them.
+    exactly: bool,
+}
+
+/// Returns crease groups to try one after the other. Groups of a finer symmetry fold the sheet more exactly, if they
+/// fold it at all.
+fn proposals(pattern: &CreasePattern, symmetry: Symmetry) -> Vec<Proposal> {
+    let mut found = Vec::new();
+    if symmetry == Symmetry::Auto {
+        let groups = CreaseGroups::find(pattern);
+        let fine = groups.is_rough().then(|| CreaseGroups::find_exact(pattern));
+        let proposal = |exactly| move |groups| Proposal { groups, exactly };
+        found.extend(fine.clone().map(proposal(true)));
+        found.push(proposal(false)(groups));
+        found.extend(fine.map(proposal(false)));
+    }
+    found.retain(|proposal| !proposal.groups.is_trivial());
+    found
+}

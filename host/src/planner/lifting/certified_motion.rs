@@ -1,0 +1,412 @@
+//! From the reduced path to a certified motion: places knots on the path, and bounds deformation and gap of the whole
+//! sheet between them.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use foldpath_core::Curve;
+
+use crate::certificate::{FoldingCertifier, SheetCertifier};
+use crate::numbers::larger;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Path, curves};
+use crate::planner::placement::knot_placement::{
+    KnotSequence, PlacementConstraints, SheetBounds, place,
+};
+use crate::planner::placement::reduced_path::ReducedPath;
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Reason, TimeoutAt};
+use crate::progress::Stage;
+use crate::symmetry::ReducedStars;
+
+/// Largest number of knots of a path.
+const MAX_KNOTS: usize = 20_000;
+/// Deformation for which the motion between knots is certified if the bound allows more, as a fraction of lengths: the
+/// default bound of `check`.
+pub(crate) const CERTIFIED_DEFORMATION: f64 = 1e-3;
+/// Largest closure residual between knots, in multiples of the largest at a waypoint, if waypoints do not close.
+const RESIDUAL_RATIO: f64 = 1.25;
+/// Largest number of knots for each waypoint on such a motion.
+const KNOTS_PER_WAYPOINT: usize = 4;
+
+/// A path that is found but not yet certified.
+pub(crate) struct CandidatePath<'a> {
+    /// Waypoints, from flat.
+    pub(crate) waypoints: &'a [Waypoint],
+    /// Closure residual up to which a local minimum counts as closed.
+    pub(crate) closure_tolerance: f64,
+    /// Fraction of the way to the goal that the path goes.
+    pub(crate) reached: f64,
+    /// `true` if the path may stop a little before its end so that nothing crosses.
+    pub(crate) retreats: bool,
+    /// Fraction of the bound for which the motion between knots is certified.
+    pub(crate) bound_fraction: f64,
+    /// Motion that was placed for a larger fraction, and whose sweep did not find it free of crossings.
+    pub(crate) before: Option<&'a Path>,
+}
+
+/// Bounds on the whole sheet over the whole motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Certificate {
+    /// Bound on the closure residual of every real vertex and hole; `None` if unknown.
+    pub(crate) closure: Option<f64>,
+    /// Bound on deformation and gap; infinite if unknown.
+    pub(crate) deformation: f64,
+}
+
+impl Certificate {
+    /// Returns the certified deformation if it is over the bound.
+    pub(crate) fn over(&self, bound: f64) -> Option<f64> {
+        let over = self.deformation > bound || self.deformation.is_nan();
+        over.then_some(self.deformation)
+    }
+}
+
+/// Knots that were placed, and what is proved of the motion.
+#[derive(Default)]
+pub(crate) struct Placement {
+    /// The knots; `None` if none could be placed.
+    pub(crate) knots: Option<KnotSequence>,
+    /// Bounds on the motion with these knots; without knots, those on the motion that was tried last, if one was.
+    pub(crate) certificate: Option<Certificate>,
+    /// Time spent.
+    pub(crate) time: Duration,
+}
+
+impl Placement {
+    fn new(knots: KnotSequence, certificate: Certificate) -> Self {
+        Self {
+            knots: Some(knots),
+            certificate: Some(certificate),
+            time: Duration::ZERO,
+        }
+    }
+
+    /// Returns `true` if the motion is proved to keep a bound.
+    fn keeps(&self, bound: f64) -> bool {
+        self.knots.is_some() && self.certificate.is_some_and(|c| c.over(bound).is_none())
+    }
+
+    /// Returns this placement, with the bounds of another one if it has none.
+    fn or_bounds_of(self, other: &Self) -> Self {
+        Self {
+            certificate: self.certificate.or(other.certificate),
+            ..self
+        }
+    }
+}
+
+/// Places knots on the path, certified between them.
+pub(crate) fn place_knots(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    path: &ReducedPath,
+) -> Placement {
+    let start = Instant::now();
+    problem.watch.begin(Stage::Placing);
+    let placing = Placing {
+        problem,
+        reduction,
+        candidate,
+        path,
+    };
+    let bound = problem.options.bound.min(CERTIFIED_DEFORMATION);
+    let aim = reduction.tolerance(bound * candidate.bound_fraction);
+    let open = max_residual(&reduction.essential, candidate);
+    let placement = if problem.errors.is_measured() {
+        placing.measured().unwrap_or_default()
+    } else if open <= CLOSED {
+        placing.closed(aim).unwrap_or_default()
+    } else {
+        let nearly = open <= aim / RESIDUAL_RATIO;
+        let closed = nearly.then(|| placing.closed(aim)).flatten();
+        let closed = closed.unwrap_or_default();
+        if closed.keeps(problem.options.bound) {
+            closed
+        } else {
+            placing.nearly_closed().or_bounds_of(&closed)
+        }
+    };
+    Placement {
+        time: start.elapsed(),
+        ..placement
+    }
+}
+
+/// Returns the failure to place knots.
+pub(crate) fn unplaced(problem: &PlanningProblem<'_>) -> Failure {
+    if problem.is_late() {
+        return Failure::out_of_time(TimeoutAt::PlacingKnots);
+    }
+    Failure {
+        outcome: Outcome::Partial,
+        reason: Reason::TooManyKnots {
+            budget: knot_budget(problem),
+        },
+        kept: 0.0,
+    }
+}
+
+/// The part of a motion that is proved to keep the bound.
+pub(crate) struct ProvedPart {
+    /// Deformation that is certified of the whole motion, over the bound.
+    pub(crate) whole: f64,
+    /// Bounds on this part.
+    pub(crate) certificate: Certificate,
+    /// Largest difference of a crease at the end of this part from the goal as asked, radians.
+    pub(crate) goal_error: f64,
+    /// Fraction of the path that this part goes.
+    pub(crate) fraction: f64,
+}
+
+/// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
+/// known to close well enough. Returns `None` if the motion stays as it is.
+pub(crate) fn cut(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    path: &ReducedPath,
+    certificate: Certificate,
+    knots: &mut KnotSequence,
+) -> Option<ProvedPart> {
+    let whole = certificate.over(problem.options.bound)?;
+    if !knots.cut() {
+        return None;
+    }
+    let certificate = certify(problem, reduction, &reduction.all, knots);
+    let end = &knots.knots.last()?.angles;
+    Some(ProvedPart {
+        whole,
+        certificate,
+        goal_error: reduction.distance(end, problem.goal),
+        fraction: path.fraction(end),
+    })
+}
+
+/// What knots are placed for.
+#[derive(Clone, Copy)]
+struct Placing<'a> {
+    problem: &'a PlanningProblem<'a>,
+    reduction: &'a Reduction<'a>,
+    candidate: &'a CandidatePath<'a>,
+    path: &'a ReducedPath,
+}
+
+/// Conditions on the motion between knots.
+struct Between<'a> {
+    /// Stars and loops that have to close.
+    stars: &'a ReducedStars,
+    /// Largest closure residual; `None` for any.
+    closure: Option<f64>,
+    /// Bounds that the whole sheet has to keep, if any.
+    sheet: Option<SheetBounds<'a>>,
+    /// Largest number of knots.
+    knot_budget: usize,
+}
+
+impl<'a> Placing<'a> {
+    /// Places knots if the waypoints close: between knots the motion has to close to within `aim`.
+    fn closed(&self, aim: f64) -> Option<Placement> {
+        let knots = self.place(Between {
+            stars: &self.reduction.essential,
+            closure: Some(aim),
+            sheet: None,
+            knot_budget: knot_budget(self.problem),
+        })?;
+        let certificate = self.certify(&self.reduction.all, &knots);
+        Some(Placement::new(knots, certificate))
+    }
+
+    /// Places knots if the waypoints do not close: between knots the motion has to close nearly as well as at them.
+    ///
+    /// If this takes too many knots or leaves the bound unproved, it is repeated with no vertex standing for another;
+    /// if that fails too, all waypoints become knots. Only if none of these is proved by the worst-case sum of the
+    /// vertices' errors is the actual sum bounded, by folding the sheet.
+    fn nearly_closed(&self) -> Placement {
+        let (bound, reduction) = (self.problem.options.bound, self.reduction);
+        let knot_budget = knot_budget(self.problem);
+        let few = knot_budget.min(KNOTS_PER_WAYPOINT * self.candidate.waypoints.len());
+        let near = |all: &ReducedStars, stars: &ReducedStars| -> Placement {
+            let open = max_residual(stars, self.candidate);
+            let knots = self.place(Between {
+                stars,
+                closure: Some(RESIDUAL_RATIO * open),
+                sheet: None,
+                knot_budget: few,
+            });
+            knots.map_or_else(Placement::default, |knots| {
+                let certificate = bound_from_vertices(self.problem, reduction, all, &knots);
+                Placement::new(knots, certificate)
+            })
+        };
+        let together = near(&reduction.all, &reduction.essential);
+        if together.keeps(bound) {
+            return together;
+        }
+        let apart = reduction.all.told_apart();
+        let stars = apart.essential();
+        let singly = near(&apart, &stars);
+        if singly.keeps(bound) {
+            return singly;
+        }
+        let every = self.place(Between {
+            stars: &stars,
+            closure: None,
+            sheet: None,
+            knot_budget,
+        });
+        if let Some(knots) = &every {
+            let certificate = bound_from_vertices(self.problem, reduction, &apart, knots);
+            if certificate.over(bound).is_none() {
+                return Placement {
+                    certificate: Some(certificate),
+                    knots: every,
+                    ..Placement::default()
+                };
+            }
+        }
+        let mut last = singly.certificate;
+        if let Some(knots) = together.knots {
+            let certificate = self.certify(&reduction.all, &knots);
+            if certificate.over(bound).is_none() {
+                return Placement::new(knots, certificate);
+            }
+            last = Some(certificate);
+        }
+        match every {
+            Some(knots) => {
+                let certificate = self.certify(&apart, &knots);
+                Placement::new(knots, certificate)
+            }
+            None => Placement {
+                certificate: last,
+                ..Placement::default()
+            },
+        }
+    }
+
+    /// Places knots if the sum of the vertices' errors is measured: between waypoints the sheet may deform hardly more
+    /// than at them, or as much as is aimed for, within the bound.
+    fn measured(&self) -> Option<Placement> {
+        let memberships = self.reduction.groups.memberships();
+        let mut certifier = FoldingCertifier::new(self.problem.pattern, memberships);
+        let bound = self.problem.options.bound;
+        let mut aim = bound.min(CERTIFIED_DEFORMATION) * self.candidate.bound_fraction;
+        for waypoint in self.candidate.waypoints {
+            let angles = waypoint.angles.iter();
+            let still: Vec<_> = angles.map(|&a| Curve::Angle([a; 4])).collect();
+            let here = certifier.rigidity(&still, bound)?;
+            aim = larger(aim, RESIDUAL_RATIO * here.worst()).min(bound);
+            if self.problem.is_late() {
+                return None;
+            }
+        }
+        let knots = self.place(Between {
+            stars: &self.reduction.essential,
+            closure: Some(aim),
+            sheet: Some(SheetBounds {
+                certifier,
+                aim,
+                bound,
+            }),
+            knot_budget: knot_budget(self.problem),
+        })?;
+        let certificate = self.certify(&self.reduction.all, &knots);
+        Some(Placement::new(knots, certificate))
+    }
+
+    fn certify(&self, all: &ReducedStars, knots: &KnotSequence) -> Certificate {
+        certify(self.problem, self.reduction, all, knots)
+    }
+
+    /// Places knots on the path, between which these conditions hold.
+    fn place(&self, between: Between<'_>) -> Option<KnotSequence> {
+        let (reduction, options) = (self.reduction, self.problem.options);
+        let (_, signs) = reduction.asked(self.problem.goal);
+        let limits = reduction.orthant(&signs);
+        let mut solver = reduction.solver(options, self.candidate.closure_tolerance);
+        solver.set_limits(limits.clone());
+        let constraints = PlacementConstraints {
+            stars: between.stars,
+            closure: between.closure,
+            sheet: between.sheet,
+            limits: &limits,
+            speed: options.max_speed,
+            acceleration: options.max_acceleration.unwrap_or(f64::INFINITY),
+            knot_budget: between.knot_budget,
+        };
+        place(self.path, &constraints, &mut solver, options)
+    }
+}
+
+/// Returns the largest number of knots of a path.
+fn knot_budget(problem: &PlanningProblem<'_>) -> usize {
+    problem.options.max_knots.unwrap_or(MAX_KNOTS)
+}
+
+/// Returns the largest residual of these stars over all waypoints.
+fn max_residual(stars: &ReducedStars, candidate: &CandidatePath<'_>) -> f64 {
+    let waypoints = candidate.waypoints.iter();
+    let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
+    open.fold(0.0, larger)
+}
+
+/// Turns the closure bound of every vertex into worst-case bounds on the whole sheet; `all` are the stars of all
+/// vertices.
+fn bound_from_vertices(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    all: &ReducedStars,
+    knots: &KnotSequence,
+) -> Certificate {
+    let closure = knots.closure();
+    let sheet = SheetCertifier::new(problem.pattern, &reduction.tree, all);
+    Certificate {
+        closure: sheet.as_ref().map(|sheet| sheet.closure(&closure)),
+        deformation: sheet.map_or(f64::INFINITY, |mut sheet| {
+            let bounds = sheet.rigidity(&closure);
+            bounds.deformation.max(bounds.gap)
+        }),
+    }
+}
+
+/// Bounds the sheet as [`bound_from_vertices`] does. If the worst case is over the bound, bounds the sheet itself,
+/// folded from its middle and from its rim.
+fn certify(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    all: &ReducedStars,
+    knots: &KnotSequence,
+) -> Certificate {
+    let certificate = bound_from_vertices(problem, reduction, all, knots);
+    if certificate.over(problem.options.bound).is_none() {
+        return certificate;
+    }
+    let folded = bound_whole_sheet(problem, reduction, knots);
+    Certificate {
+        deformation: folded.unwrap_or(certificate.deformation),
+        ..certificate
+    }
+}
+
+/// Returns a bound on deformation and gap of the sheet folded from its middle and from its rim, if that is within the
+/// bound and found in time.
+fn bound_whole_sheet(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    knots: &KnotSequence,
+) -> Option<f64> {
+    let memberships = reduction.groups.memberships();
+    let mut certifier = FoldingCertifier::new(problem.pattern, memberships);
+    let mut worst = 0.0;
+    for curves in curves(knots.interpolation, &knots.knots) {
+        if problem.is_late() {
+            return None;
+        }
+        let bounds = certifier.rigidity(&curves, problem.options.bound)?;
+        worst = larger(worst, bounds.worst());
+    }
+    Some(worst)
+}

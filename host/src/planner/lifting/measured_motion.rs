@@ -1,0 +1,226 @@
+//! Folds the whole sheet at the knots of a motion and measures its errors there.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use super::certified_motion::Certificate;
+use crate::certificate::{Closure, SheetCertifier};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::numbers::larger;
+use crate::pattern::CreasePattern;
+use crate::planner::following::judge::Judge;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Knot, Path};
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::Reason;
+
+/// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
+const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// Knots with the errors of the sheet at them.
+pub(crate) struct MeasuredMotion {
+    /// The knots; those before `late`, if time ran out.
+    pub(crate) knots: Vec<Knot>,
+    /// Number of the knot at which time ran out, if it did.
+    pub(crate) late: Option<usize>,
+    /// Largest errors of the essential crease pattern and its number of faces, if they were measured.
+    pub(crate) essential: Option<(Rigidity, usize)>,
+    /// Time spent folding.
+    pub(crate) time: Duration,
+}
+
+impl MeasuredMotion {
+    /// Returns the largest errors over all knots; the closure residual takes the place of the twist.
+    pub(crate) fn worst(&self) -> Rigidity {
+        let errors = self.knots.iter().map(|knot| Rigidity {
+            deformation: knot.deformation,
+            gap: knot.gap,
+            twist: knot.closure,
+        });
+        errors.fold(Rigidity::default(), Rigidity::worse)
+    }
+
+    /// Returns the largest closure residual over all knots, or `before` if that is larger.
+    pub(crate) fn max_closure(&self, before: f64) -> f64 {
+        let closure = self.knots.iter().map(|knot| knot.closure);
+        closure.fold(before, f64::max)
+    }
+}
+
+/// Folds the sheet at knots and measures it there.
+pub(crate) fn measure(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    mut knots: Vec<Knot>,
+) -> MeasuredMotion {
+    let mut judge = Judge::new(problem.pattern, reduction, false);
+    judge.keep_vertices = problem.options.keep_vertices;
+    let count = knots.len();
+    let late = knots.iter_mut().enumerate().find_map(|(index, knot)| {
+        if problem.is_late() {
+            return Some(index);
+        }
+        problem.watch.done(index, count);
+        judge.judge(knot);
+        None
+    });
+    knots.truncate(late.unwrap_or(count));
+    let essential = late.is_none().then(|| {
+        let angles = knots.iter().map(|knot| knot.angles.as_slice());
+        judge.essential(angles)
+    });
+    MeasuredMotion {
+        knots,
+        late,
+        essential,
+        time: judge.fold,
+    }
+}
+
+/// Measures the sheet at knots or, if vertices need not be kept and that suffices, bounds its errors there by the
+/// closure of its essential vertices.
+pub(crate) fn measure_or_bound(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    mut knots: Vec<Knot>,
+) -> MeasuredMotion {
+    let start = Instant::now();
+    let bound = (!problem.options.keep_vertices)
+        .then(|| bound_at(&knots, problem.pattern, reduction))
+        .flatten();
+    let time = start.elapsed();
+    let Some(bound) = bound.filter(|bound| bound.worst() <= problem.options.bound) else {
+        let motion = measure(problem, reduction, knots);
+        return MeasuredMotion {
+            time: time + motion.time,
+            ..motion
+        };
+    };
+    for knot in &mut knots {
+        knot.deformation = bound.deformation;
+        knot.gap = bound.gap;
+        knot.closure = bound.twist;
+    }
+    MeasuredMotion {
+        knots,
+        late: None,
+        essential: None,
+        time,
+    }
+}
+
+/// Returns a bound on the errors of the sheet over all of these knots; its twist bounds the closure, too.
+fn bound_at(
+    knots: &[Knot],
+    pattern: &CreasePattern,
+    reduction: &Reduction<'_>,
+) -> Option<Rigidity> {
+    let essential = &reduction.essential;
+    let count = essential.vertices().len();
+    let mut worst = vec![0.0; count + essential.holes().len()];
+    for knot in knots {
+        for (worst, residual) in worst.iter_mut().zip(essential.residuals(&knot.angles)) {
+            *worst = larger(*worst, residual);
+        }
+    }
+    let loops: Vec<_> = worst[count..]
+        .iter()
+        .map(|&residual| [residual; 2])
+        .collect();
+    let closure = Closure {
+        stars: &worst[..count],
+        loops: &loops,
+    };
+    let mut sheet = SheetCertifier::new(pattern, &reduction.tree, &reduction.all)?;
+    let bound = sheet.rigidity(&closure);
+    Some(Rigidity {
+        twist: larger(bound.twist, sheet.closure(&closure)),
+        ..bound
+    })
+}
+
+/// Largest errors of a sheet over all knots.
+#[derive(Clone, Copy)]
+pub(crate) struct SheetErrors {
+    /// Those of the whole sheet.
+    pub(crate) whole: Rigidity,
+    /// Largest closure residual.
+    pub(crate) closure: f64,
+    /// Those of the essential crease pattern.
+    pub(crate) essential: Rigidity,
+}
+
+/// Returns the failure of a sheet that breaks the bound at its knots, or is not proved to keep the bound between them.
+pub(crate) fn torn(
+    bound: f64,
+    knots: &[Knot],
+    errors: SheetErrors,
+    certificate: Option<Certificate>,
+) -> Option<Failure> {
+    let SheetErrors {
+        whole,
+        closure,
+        essential,
+    } = errors;
+    let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);
+    if within([whole.deformation, whole.gap, closure]) {
+        let certified = certificate?.over(bound)?;
+        return Some(Failure {
+            outcome: Outcome::NotRigidlyFoldable,
+            reason: Reason::NotCertified { certified, bound },
+            kept: 0.0,
+        });
+    }
+    let holds = |knot: &&Knot| within([knot.deformation, knot.gap, knot.closure]);
+    let good = knots.iter().take_while(holds).last();
+    let kept = match (good, knots.last()) {
+        (Some(good), Some(last)) if last.time > 0.0 => good.time / last.time,
+        (Some(_), Some(_)) => 0.0,
+        _ => 1.0,
+    };
+    Some(Failure {
+        outcome: Outcome::NotRigidlyFoldable,
+        reason: Reason::Deforms {
+            whole,
+            closure,
+            essential,
+            bound,
+        },
+        kept,
+    })
+}
+
+/// Returns the failure of a sheet that breaks the bound when it is folded from its rim, and the time spent. From there,
+/// errors of vertices that do not close add up over a longer way.
+pub(crate) fn torn_from_rim(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    path: &Path,
+    max_closure: f64,
+) -> (Option<Failure>, Duration) {
+    if max_closure <= CLOSED {
+        return (None, Duration::ZERO);
+    }
+    let start = Instant::now();
+    let pattern = problem.pattern;
+    let tree = SpanningTree::from_outer_face(pattern);
+    let mut map = FoldingMap::flat(pattern);
+    let curves = path.curves();
+    let shapes = curves.iter().flat_map(|curves| {
+        RIM_FRACTIONS.map(|s| curves.iter().map(|c| c.angle(s)).collect::<Vec<_>>())
+    });
+    let rigidity = shapes.fold(Rigidity::default(), |worst, angles| {
+        map.fold_groups(pattern, &tree, reduction.groups.memberships(), &angles);
+        worst.worse(map.rigidity(pattern, &tree))
+    });
+    let time = start.elapsed();
+    let bound = problem.options.bound;
+    let holds = rigidity.deformation <= bound && rigidity.gap <= bound;
+    let failure = (!holds).then_some(Failure {
+        outcome: Outcome::NotRigidlyFoldable,
+        reason: Reason::DeformsFromRim { rigidity, bound },
+        kept: 0.0,
+    });
+    (failure, time)
+}

@@ -1,0 +1,239 @@
+//! Looks for crossings of a motion that is placed and measured: along the lattice of a tessellation, over the whole
+//! motion, or at the knots alone.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use super::certified_motion::CandidatePath;
+use crate::collision::{
+    Crossing, LatticeScene, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding,
+};
+use crate::planner::following::judge::Judge;
+use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::knots::{Knot, Path};
+use crate::planner::options::Skips;
+use crate::planner::plan::{Failure, Outcome};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Reason, TimeoutAt};
+use crate::symmetry::Lattice;
+
+/// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
+/// distance of a motion from its path.
+const BLOCKING_DEPTH: f64 = 0.01;
+/// Largest number of faces for which the motion between knots is swept without a lattice.
+pub(crate) const MAX_SWEPT_FACES: usize = 4000;
+
+/// Result of a search for crossings over a motion.
+pub(crate) struct Swept {
+    pub(crate) verdict: SweepVerdict,
+    pub(crate) counts: SweepCounts,
+}
+
+/// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, of which the deformation
+/// `certified` is proved.
+pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> SweepOptions {
+    let usual = SweepOptions::default();
+    SweepOptions {
+        gap: certified.unwrap_or(0.0).max(gap),
+        rounding: rounding(gap),
+        // There is no limit for a user who switches a skip off, to look at everything.
+        max_looks: if skips == Skips::default() {
+            usual.max_looks
+        } else {
+            u64::MAX
+        },
+        skip_motion: skips.motion,
+        skip_bounds: skips.bounds,
+        skip_edges: skips.edges,
+        ..usual
+    }
+}
+
+/// Returns `true` if the sheet may be torn by more than faces may lie across each other. Such a sheet crosses elsewhere
+/// than its path does.
+pub(crate) fn is_torn(options: SweepOptions) -> bool {
+    options.gap > SweepOptions::default().tolerance
+}
+
+/// Returns the lattice along which to look for crossings, if there is one and it may be used.
+pub(crate) fn lattice<'r>(
+    problem: &PlanningProblem<'_>,
+    reduction: &'r Reduction<'_>,
+) -> Option<&'r Lattice> {
+    let used = problem.options.skips.symmetry;
+    used.then(|| reduction.lattice(problem.pattern)).flatten()
+}
+
+/// Looks for crossings along the lattice, on a motion whose vertices close to within `closure`. Returns `None` if the
+/// faces may be far from where the lattice has them, or the lattice does not decide.
+pub(crate) fn sweep_lattice(
+    problem: &PlanningProblem<'_>,
+    lattice: &Lattice,
+    path: &Path,
+    closure: f64,
+    options: SweepOptions,
+) -> Option<Swept> {
+    let torn = is_torn(options);
+    let astray = if torn {
+        lattice.astray(problem.pattern, closure)
+    } else {
+        0.0
+    };
+    let options = SweepOptions { astray, ..options };
+    let mut sweep = (astray < SweepOptions::FAR_ASTRAY).then(|| {
+        Sweep::with_lattice(problem.pattern, &path.memberships, options, lattice)
+            .watched(problem.watch)
+    })?;
+    let verdict = sweep.sweep(&path.curves());
+    let decided = match verdict {
+        SweepVerdict::Free(_) => true,
+        // Too many cells may meet along the lattice, more than the pairs of faces that do meet.
+        SweepVerdict::Undecided { faces: None, .. } => false,
+        // On a torn sheet, faces that nearly touch along the lattice may not do so by the folding map.
+        _ => !torn,
+    };
+    decided.then(|| Swept {
+        verdict,
+        counts: sweep.counts(),
+    })
+}
+
+/// Looks for crossings of all faces over the whole motion.
+pub(crate) fn sweep_all(
+    problem: &PlanningProblem<'_>,
+    path: &Path,
+    options: SweepOptions,
+) -> Swept {
+    let mut sweep = Sweep::new(problem.pattern, &path.memberships, options).watched(problem.watch);
+    Swept {
+        verdict: sweep.sweep(&path.curves()),
+        counts: sweep.counts(),
+    }
+}
+
+/// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex
+/// may lie across each other by as much as the gap, but not at the knots, where the sheet is hardly torn.
+pub(crate) fn crossed_knot(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    knots: &[Knot],
+    max_closure: f64,
+) -> Option<(usize, Crossing)> {
+    let mut judge = Judge::new(problem.pattern, reduction, false);
+    judge.first_crossing(knots, max_closure <= CLOSED)
+}
+
+/// Returns `true` if faces cross at a waypoint by more than any motion is off the path: however near to the path a
+/// motion is, it crosses there.
+pub(crate) fn is_blocked(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+) -> bool {
+    let mut judge = Judge::new(problem.pattern, reduction, true);
+    let deep = BLOCKING_DEPTH * problem.pattern.median_edge();
+    let mut waypoints = candidate
+        .waypoints
+        .iter()
+        .take_while(|_| !problem.is_late());
+    waypoints.any(|waypoint| {
+        let crossing = judge.crossing_at(&waypoint.angles);
+        crossing.is_some_and(|crossing| crossing.depth > deep)
+    })
+}
+
+/// Result of a search for crossings at the knots alone.
+pub(crate) struct SweptKnots {
+    /// The first knot at which faces cross or time ran out, and the crossing.
+    pub(crate) end: Option<(usize, Option<Crossing>)>,
+    pub(crate) counts: SweepCounts,
+    /// Time spent.
+    pub(crate) time: Duration,
+}
+
+/// Looks for crossings of all faces at the knots.
+pub(crate) fn sweep_knots(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    knots: &[Knot],
+) -> SweptKnots {
+    let start = Instant::now();
+    let mut judge = Judge::new(problem.pattern, reduction, true);
+    let end = first_crossed(problem, knots, |angles| judge.crossing_at(angles));
+    SweptKnots {
+        end,
+        counts: judge.counts(),
+        time: start.elapsed(),
+    }
+}
+
+/// Looks for crossings at the knots of a sheet with this closure residual and gap: along the lattice if faces are near
+/// enough to where the lattice has them, and of all faces otherwise.
+pub(crate) fn sweep_knots_or_lattice(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    knots: &[Knot],
+    max_closure: f64,
+    gap: f64,
+) -> SweptKnots {
+    let start = Instant::now();
+    let (pattern, groups) = (problem.pattern, &reduction.groups);
+    let near = |lattice: &&Lattice| {
+        let astray = lattice.astray(pattern, max_closure);
+        astray.max(gap) <= SweepOptions::default().tolerance
+    };
+    let lattice = lattice(problem, reduction).filter(near);
+    let scene = lattice.and_then(|lattice| {
+        LatticeScene::new(pattern, groups.memberships(), groups.len(), lattice)
+    });
+    let Some(mut scene) = scene else {
+        let found = start.elapsed();
+        let swept = sweep_knots(problem, reduction, knots);
+        return SweptKnots {
+            time: found + swept.time,
+            ..swept
+        };
+    };
+    let end = first_crossed(problem, knots, |angles| scene.deepest_crossing(angles));
+    SweptKnots {
+        end,
+        counts: scene.counts(),
+        time: start.elapsed(),
+    }
+}
+
+/// Returns the first knot at which faces cross or time ran out, and the crossing.
+fn first_crossed(
+    problem: &PlanningProblem<'_>,
+    knots: &[Knot],
+    mut crossing_at: impl FnMut(&[f64]) -> Option<Crossing>,
+) -> Option<(usize, Option<Crossing>)> {
+    // A flat sheet has no crossings, as its faces lie beside each other.
+    let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
+    let mut turned = knots.iter().enumerate().filter(turned);
+    turned.find_map(|(index, knot)| {
+        if problem.is_late() {
+            return Some((index, None));
+        }
+        Some((index, Some(crossing_at(&knot.angles)?)))
+    })
+}
+
+/// Returns the failure of a path that ends before a knot at which faces cross, or time ran out.
+pub(crate) fn ends_at_knot(knots: &[Knot], index: usize, crossing: Option<Crossing>) -> Failure {
+    let Some(crossing) = crossing else {
+        return Failure::out_of_time(TimeoutAt::JudgingKnot(index));
+    };
+    let last = knots.last().map_or(1.0, |last| last.time);
+    let before = index
+        .checked_sub(1)
+        .map_or(0.0, |before| knots[before].time);
+    Failure {
+        outcome: Outcome::Crossing(crossing),
+        reason: Reason::CrossesAtKnot {
+            faces: crossing.faces,
+            knot: index,
+        },
+        kept: before / last,
+    }
+}

@@ -1,0 +1,464 @@
+//! Lifts a path found on few unknowns to the whole sheet: certified, measured and swept for crossings. If layers touch,
+//! a motion that is as far off its path as the bound allows may cross: it is then lifted again, nearer to the path.
+
+use std::time::Instant;
+
+use foldpath_core::Interpolation;
+
+use super::certified_motion::{CandidatePath, Certificate, cut, place_knots, unplaced};
+use super::measured_motion::{
+    MeasuredMotion, SheetErrors, measure, measure_or_bound, torn, torn_from_rim,
+};
+use super::swept_motion::{
+    MAX_SWEPT_FACES, Swept, SweptKnots, crossed_knot, ends_at_knot, is_blocked, is_torn, lattice,
+    sweep_all, sweep_knots, sweep_knots_or_lattice, sweep_lattice, sweep_options,
+};
+use crate::collision::{Crossing, SweepVerdict};
+use crate::folding::Rigidity;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::following::reduction::Reduction;
+use crate::planner::knots::Knot;
+use crate::planner::options::Judged;
+use crate::planner::placement::reduced_path::ReducedPath;
+use crate::planner::plan::{Failure, Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::{Note, Reason, TimeoutAt};
+use crate::planner::vectors::max_difference;
+use crate::progress::Stage;
+
+/// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
+/// sharp.
+pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
+/// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
+const NEARER_FACTOR: f64 = 0.01;
+/// Smallest fraction of the certified deformation that is aimed for.
+pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
+/// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
+const MAX_RETREAT_RAD: f64 = 0.02;
+/// Distance that such a path keeps from the configuration at which faces meet, radians.
+const ROOM_RAD: f64 = 1e-3;
+/// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
+/// the path is tried first, although it has more knots.
+const MAX_TORN_FACES: usize = 400;
+
+/// Lifts a path to the whole sheet and judges it there. `plan` is the plan so far; the motion, its errors and what ends
+/// it are stored in the plan that is returned.
+pub(crate) fn lift(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    mut plan: Plan,
+) -> Plan {
+    plan.reached = candidate.reached;
+    plan.waypoints = candidate.waypoints.len();
+    if problem.options.judged == Judged::Knots {
+        return lift_knots(problem, reduction, candidate, plan);
+    }
+    let path = ReducedPath::new(candidate.waypoints);
+    let placement = place_knots(problem, reduction, candidate, &path);
+    plan.times.place += placement.time;
+    store_certificate(&mut plan, placement.certificate);
+    let Some(mut knots) = placement.knots else {
+        return plan.ended(unplaced(problem));
+    };
+    let mut certificate = placement.certificate;
+    let proved = certificate.and_then(|c| cut(problem, reduction, &path, c, &mut knots));
+    if let Some(proved) = &proved {
+        certificate = Some(proved.certificate);
+        store_certificate(&mut plan, certificate);
+        plan.goal_error = proved.goal_error;
+        plan.reached *= proved.fraction;
+    }
+    plan.path.interpolation = knots.interpolation;
+    problem.watch.begin(Stage::Folding);
+    let motion = measure(problem, reduction, knots.knots);
+    let (mut plan, failure) = measured(problem, plan, motion, certificate);
+    if let Some(failure) = failure {
+        return plan.ended(failure);
+    }
+    let (failure, time) = torn_from_rim(problem, reduction, &plan.path, plan.max_closure);
+    plan.times.fold += time;
+    if let Some(failure) = failure {
+        return plan.ended(failure);
+    }
+    let Some(proved) = proved else {
+        return without_crossings(problem, reduction, candidate, &path, plan);
+    };
+    let reason = Reason::ProofStops {
+        reached: plan.reached,
+        certified: proved.whole,
+        bound: problem.options.bound,
+    };
+    // The path ends where its proof ends, so that it is neither shortened nor brought nearer to the reduced path.
+    let candidate = CandidatePath {
+        retreats: false,
+        bound_fraction: LEAST_BOUND_FRACTION,
+        ..*candidate
+    };
+    let mut plan = without_crossings(problem, reduction, &candidate, &path, plan);
+    if plan.outcome == Outcome::Planned {
+        (plan.outcome, plan.reason) = (Outcome::Partial, Some(reason));
+    }
+    plan
+}
+
+fn store_certificate(plan: &mut Plan, certificate: Option<Certificate>) {
+    if let Some(certificate) = certificate {
+        plan.certified_closure = certificate.closure;
+        plan.certified_deformation = Some(certificate.deformation);
+    }
+}
+
+/// Stores a measured motion in the plan. Returns the failure too, if the sheet breaks the bound at its knots or is not
+/// proved to keep the bound between them, or if time ran out.
+fn measured(
+    problem: &PlanningProblem<'_>,
+    mut plan: Plan,
+    motion: MeasuredMotion,
+    certificate: Option<Certificate>,
+) -> (Plan, Option<Failure>) {
+    plan.times.fold += motion.time;
+    plan.rigidity = motion.worst();
+    plan.max_closure = motion.max_closure(plan.max_closure);
+    if let Some(essential) = motion.essential {
+        (plan.essential_rigidity, plan.essential_faces) = essential;
+    }
+    plan.path.knots = motion.knots;
+    let failure = match motion.late {
+        Some(knot) => Some(Failure::out_of_time(TimeoutAt::JudgingKnot(knot))),
+        None => {
+            let errors = SheetErrors {
+                whole: plan.rigidity,
+                closure: plan.max_closure,
+                essential: plan.essential_rigidity,
+            };
+            torn(problem.options.bound, &plan.path.knots, errors, certificate)
+        }
+    };
+    (plan, failure)
+}
+
+/// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet at the knots
+/// alone: nothing is certified between them, which takes a small part of the time.
+fn lift_knots(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    mut plan: Plan,
+) -> Plan {
+    problem.watch.begin(Stage::Placing);
+    let start = Instant::now();
+    let budget = problem.options.max_knots.unwrap_or(usize::MAX);
+    let found = candidate.waypoints.len();
+    if found > budget {
+        return plan.ended(Failure {
+            outcome: Outcome::Partial,
+            reason: Reason::TooManyWaypoints { budget, found },
+            kept: 0.0,
+        });
+    }
+    let knots = evenly(candidate.waypoints, problem.options.max_speed);
+    plan.path.interpolation = Interpolation::Linear;
+    plan.times.place += start.elapsed();
+    problem.watch.begin(Stage::Folding);
+    let motion = measure_or_bound(problem, reduction, knots);
+    let late = motion.late.is_some();
+    let (mut plan, failure) = measured(problem, plan, motion, None);
+    if !late {
+        plan.notes.push(Note::JudgedAtKnots);
+    }
+    if let Some(failure) = failure {
+        return plan.ended(failure);
+    }
+    if !problem.options.collision {
+        return plan;
+    }
+    problem.watch.begin(Stage::Crossings);
+    let (closure, gap) = (plan.max_closure, plan.rigidity.gap);
+    let swept = sweep_knots_or_lattice(problem, reduction, &plan.path.knots, closure, gap);
+    ended_at_knots(plan, swept)
+}
+
+/// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)
+/// requires.
+fn evenly(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
+    let mut time = 0.0;
+    let mut before: Option<&[f64]> = None;
+    let knots = waypoints.iter().map(|waypoint| {
+        let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
+        time += turned / max_speed;
+        before = Some(&waypoint.angles);
+        Knot {
+            time,
+            rates: vec![0.0; waypoint.angles.len()],
+            angles: waypoint.angles.clone(),
+            ends_phase: waypoint.ends_phase,
+            ..Knot::default()
+        }
+    });
+    knots.collect()
+}
+
+/// Stores the result of a search for crossings at the knots alone, and ends the path before the first crossing.
+fn ended_at_knots(mut plan: Plan, swept: SweptKnots) -> Plan {
+    plan.times.collision += swept.time;
+    plan.collision = swept.counts;
+    let Some((index, crossing)) = swept.end else {
+        return plan;
+    };
+    let failure = ends_at_knot(&plan.path.knots, index, crossing);
+    if crossing.is_some() {
+        plan.path.knots.truncate(index);
+    }
+    plan.ended(failure)
+}
+
+/// Looks for crossings along the motion, if asked to.
+fn without_crossings(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    path: &ReducedPath,
+    plan: Plan,
+) -> Plan {
+    if !problem.options.collision {
+        return plan;
+    }
+    if candidate.before != Some(&plan.path) {
+        return sweep(problem, reduction, candidate, path, plan);
+    }
+    let nearer = nearer(problem, reduction, candidate, &plan);
+    nearer.unwrap_or_else(|| {
+        plan.ended(Failure {
+            outcome: Outcome::Partial,
+            reason: Reason::NothingNearer,
+            kept: 1.0,
+        })
+    })
+}
+
+/// Looks for crossings over the whole motion, and ends the path before the first one.
+fn sweep(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    path: &ReducedPath,
+    mut plan: Plan,
+) -> Plan {
+    problem.watch.begin(Stage::Crossings);
+    let start = Instant::now();
+    let lattice = lattice(problem, reduction);
+    plan.times.symmetry += start.elapsed();
+    let start = Instant::now();
+    let certified = plan.certified_deformation;
+    let options = sweep_options(problem.options.skips, certified, plan.rigidity.gap);
+    let torn = is_torn(options);
+    let along = lattice.and_then(|lattice| {
+        let closure = plan.certified_closure.unwrap_or(f64::INFINITY);
+        sweep_lattice(problem, lattice, &plan.path, closure, options)
+    });
+    plan.times.collision += start.elapsed();
+    let Swept { verdict, counts } = if let Some(along) = along {
+        along
+    } else {
+        let faces = problem.pattern.faces().len();
+        if lattice.is_some()
+            && torn
+            && faces > MAX_TORN_FACES
+            && let Some(nearer) = nearer(problem, reduction, candidate, &plan)
+        {
+            return nearer;
+        }
+        if faces > MAX_SWEPT_FACES {
+            return sweep_no_more_than_knots(problem, reduction, plan);
+        }
+        let start = Instant::now();
+        let swept = sweep_all(problem, &plan.path, options);
+        plan.times.collision += start.elapsed();
+        swept
+    };
+    plan.collision = counts;
+    match verdict {
+        SweepVerdict::Free(clearance) => {
+            let looked_at = torn && problem.pattern.faces().len() <= MAX_SWEPT_FACES;
+            let start = Instant::now();
+            let crossed_knot = looked_at
+                .then(|| crossed_knot(problem, reduction, &plan.path.knots, plan.max_closure))
+                .flatten();
+            plan.times.collision += start.elapsed();
+            let Some((index, crossing)) = crossed_knot else {
+                plan.clearance = clearance;
+                return plan;
+            };
+            if let Some(nearer) = nearer(problem, reduction, candidate, &plan) {
+                return nearer;
+            }
+            let before = index.checked_sub(1);
+            let crossed = Crossed {
+                crossing,
+                segment: before.unwrap_or(0),
+                free: before.map(|before| plan.path.knots[before].angles.clone()),
+            };
+            end_before(problem, reduction, candidate, path, plan, crossed)
+        }
+        SweepVerdict::Undecided { .. } if problem.is_late() => {
+            plan.ended(Failure::out_of_time(TimeoutAt::LookingForCrossings))
+        }
+        SweepVerdict::Undecided { faces: None, .. } => {
+            sweep_no_more_than_knots(problem, reduction, plan)
+        }
+        SweepVerdict::Undecided { faces, at } => {
+            plan.notes.push(Note::CrossingsUndecided {
+                faces,
+                segment: at.segment,
+            });
+            plan
+        }
+        SweepVerdict::Crossing {
+            crossing,
+            last_free,
+            ..
+        } => {
+            let start = Instant::now();
+            let blocked = candidate.bound_fraction < FIRST_BOUND_FRACTION
+                && is_blocked(problem, reduction, candidate);
+            plan.times.collision += start.elapsed();
+            let nearer = (!blocked).then(|| nearer(problem, reduction, candidate, &plan));
+            // A sheet that is torn by more than the tolerance crosses elsewhere than its path does; a nearer motion
+            // tells where.
+            let leads = |nearer: &Plan| torn || nearer.outcome == Outcome::Planned;
+            if let Some(nearer) = nearer.flatten().filter(leads) {
+                return nearer;
+            }
+            let curves = plan.path.curves();
+            let free: Option<Vec<f64>> = last_free.map(|place| {
+                let curves = curves[place.segment].iter();
+                let rates = curves
+                    .clone()
+                    .map(|curve| curve.derivatives(place.s)[0].abs());
+                let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
+                let room = if candidate.retreats {
+                    ROOM_RAD / fastest
+                } else {
+                    0.0
+                };
+                let s = (place.s - room).max(0.0);
+                curves.map(|curve| curve.angle(s)).collect()
+            });
+            let crossed = Crossed {
+                crossing,
+                segment: last_free.map_or(0, |place| place.segment),
+                free,
+            };
+            end_before(problem, reduction, candidate, path, plan, crossed)
+        }
+    }
+}
+
+/// Looks for crossings at the knots alone, and adds a note about it.
+fn sweep_no_more_than_knots(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    plan: Plan,
+) -> Plan {
+    let swept = sweep_knots(problem, reduction, &plan.path.knots);
+    let mut plan = ended_at_knots(plan, swept);
+    if plan.outcome == Outcome::Planned {
+        let faces = problem.pattern.faces().len();
+        plan.notes.push(Note::CrossingsAtKnots { faces });
+    }
+    plan
+}
+
+/// Returns the plan with the motion nearer to the path: if layers touch, a motion that is as far off the path as the
+/// bound allows may cross. Returns `None` if the motion is as near as it gets, or the nearer one decides nothing.
+fn nearer(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    plan: &Plan,
+) -> Option<Plan> {
+    if candidate.bound_fraction <= LEAST_BOUND_FRACTION || candidate.retreats {
+        return None;
+    }
+    let nearer = CandidatePath {
+        bound_fraction: candidate.bound_fraction * NEARER_FACTOR,
+        before: Some(&plan.path),
+        ..*candidate
+    };
+    let so_far = Plan {
+        rigidity: Rigidity::default(),
+        max_closure: 0.0,
+        ..plan.clone()
+    };
+    let plan = lift(problem, reduction, &nearer, so_far);
+    matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_)).then_some(plan)
+}
+
+/// Crossing before which a path has to end.
+struct Crossed {
+    crossing: Crossing,
+    /// Number of the segment in which the path ends.
+    segment: usize,
+    /// Last group angles free of crossings, if there are any.
+    free: Option<Vec<f64>>,
+}
+
+/// Ends the path before a crossing. If the goal is inexact and near the crossing, the path counts as reaching it;
+/// otherwise the plan gives the reason why it does not.
+fn end_before(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    path: &ReducedPath,
+    mut plan: Plan,
+    crossed: Crossed,
+) -> Plan {
+    let Crossed {
+        crossing,
+        segment,
+        free,
+    } = crossed;
+    let fraction = free.as_ref().map_or(0.0, |free| path.fraction(free));
+    let reason = Reason::Crosses {
+        faces: crossing.faces,
+        reached: candidate.reached,
+        free: fraction,
+        segment,
+        depth: crossing.depth / problem.pattern.median_edge(),
+    };
+    let goal = candidate
+        .waypoints
+        .last()
+        .map_or(&[][..], |last| &last.angles);
+    let short = free
+        .as_ref()
+        .map_or(f64::INFINITY, |free| max_difference(free, goal));
+    let solver = || reduction.solver(problem.options, candidate.closure_tolerance);
+    if let Some(free) = free.filter(|_| candidate.retreats && short <= MAX_RETREAT_RAD)
+        && let Some(waypoints) = path.cut(&mut solver(), free)
+    {
+        plan.notes.push(Note::EndsBeforeCrossing {
+            residual: plan.goal_closure,
+            crossing: reason,
+            short,
+        });
+        let end = waypoints.last().map_or(&[][..], |last| &last.angles);
+        plan.goal_error = reduction.distance(end, problem.goal);
+        plan.rigidity = Rigidity::default();
+        let shorter = CandidatePath {
+            waypoints: &waypoints,
+            retreats: false,
+            before: None,
+            ..*candidate
+        };
+        return lift(problem, reduction, &shorter, plan);
+    }
+    plan.reached = candidate.reached * fraction;
+    plan.path.knots.truncate(segment + 1);
+    plan.ended(Failure {
+        outcome: Outcome::Crossing(crossing),
+        reason,
+        kept: 1.0,
+    })
+}

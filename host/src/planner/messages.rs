@@ -1,0 +1,268 @@
+//! Sentences of the planner: reasons and notes in words.
+
+use core::fmt::{Display, Formatter, Result};
+
+use super::reason::{ClosureSite, GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+use crate::pattern::EdgeId;
+
+/// Largest number of edges that a sentence names.
+const MAX_NAMED_EDGES: usize = 12;
+
+impl Display for ClosureSite {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Self::Hole(vertex) => write!(f, "the hole at vertex {vertex}"),
+        }
+    }
+}
+
+impl Display for WorstClosure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { site, residual, .. } = self;
+        let edges = Edges(&self.edges);
+        write!(
+            f,
+            "{site} (creases: {edges}) does not close: residual {residual:.1e}"
+        )
+    }
+}
+
+/// A list of edges, of which the first are named.
+struct Edges<'a>(&'a [EdgeId]);
+
+impl Display for Edges<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let named = self.0.iter().take(MAX_NAMED_EDGES);
+        let named: Vec<String> = named.map(ToString::to_string).collect();
+        write!(f, "edges {}", named.join(", "))?;
+        match self.0.len().saturating_sub(MAX_NAMED_EDGES) {
+            0 => Ok(()),
+            more => write!(f, " and {more} more"),
+        }
+    }
+}
+
+impl Display for TimeoutAt {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::ClosingGoal => f.write_str("closing the goal"),
+            Self::PlacingKnots => f.write_str("placing knots"),
+            Self::JudgingKnot(knot) => write!(f, "judging knot {knot}"),
+            Self::LookingForCrossings => f.write_str("looking for crossings"),
+        }
+    }
+}
+
+impl Display for Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::OutOfTime(at) => write!(f, "out of time while {at}"),
+            Self::GoalNotClosed {
+                goal,
+                nearest,
+                worst,
+            } => {
+                write!(f, "no closed configuration was found near {goal}")?;
+                if let Some(nearest) = nearest {
+                    let degrees = nearest.to_degrees();
+                    write!(
+                        f,
+                        ": the nearest found turns a crease {degrees:.1} degrees from its goal"
+                    )?;
+                }
+                match worst {
+                    Some(worst) => write!(f, "; there {worst}"),
+                    None => Ok(()),
+                }
+            }
+            Self::PathStops {
+                reached,
+                stop,
+                at_flat,
+                limited,
+                worst,
+            } => {
+                let why = stop_in_words(*stop, *at_flat);
+                write!(f, "{}: {why}", of_the_goal(*reached))?;
+                match (stop, worst) {
+                    (Stop::Limit(_), _) => write!(f, ": {}", Edges(limited)),
+                    (_, Some(worst)) => write!(f, "; going on straight, {worst}"),
+                    (_, None) => Ok(()),
+                }
+            }
+            Self::ProofStops {
+                reached,
+                certified,
+                bound,
+            } => write!(
+                f,
+                "{}: the motion found beyond closes where it was looked at, but between is certified only to \
+                 {certified:.1e}, over the bound of {bound:.1e}",
+                of_the_goal(*reached)
+            ),
+            Self::NotCertified { certified, bound } => write!(
+                f,
+                "the sheet keeps the bound at the knots, but between them it is certified only to {certified:.1e}, \
+                 over the bound of {bound:.1e}"
+            ),
+            Self::Deforms {
+                whole,
+                closure,
+                essential,
+                bound,
+            } => write!(
+                f,
+                "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {closure:.3e}, over the bound \
+                 {bound:.3e}; its essential crease pattern by {:.3e} with gaps of {:.3e}",
+                whole.deformation, whole.gap, essential.deformation, essential.gap
+            ),
+            Self::DeformsFromRim { rigidity, bound } => write!(
+                f,
+                "folded from a face at its rim, the sheet deforms by {:.3e} with gaps of {:.3e}, over the bound \
+                 {bound:.3e}",
+                rigidity.deformation, rigidity.gap
+            ),
+            Self::TooManyKnots { budget } => write!(
+                f,
+                "the bound needs more than {budget} knots with this interpolation"
+            ),
+            Self::TooManyWaypoints { budget, found } => write!(
+                f,
+                "expected at most {budget} knots, found {found}, no fewer of which are judged alone"
+            ),
+            Self::Crosses {
+                faces: [a, b],
+                reached,
+                free,
+                segment,
+                depth,
+            } => write!(
+                f,
+                "faces {a} and {b} pass through each other beyond {:.2} % of the path (between knots {segment} and \
+                 {}: {depth:.1e} median edges deep)",
+                100.0 * reached * free,
+                segment + 1
+            ),
+            Self::CrossesAtKnot {
+                faces: [a, b],
+                knot,
+            } => write!(
+                f,
+                "faces {a} and {b} pass through each other at knot {knot}"
+            ),
+            Self::GoalCrosses {
+                faces: [a, b],
+                path,
+            } => write!(
+                f,
+                "at the goal faces {a} and {b} pass through each other; {path}"
+            ),
+            Self::NothingNearer => f.write_str("no other motion leads on"),
+            Self::NoFoldSequence => {
+                f.write_str("no sequence of folds was found that is free of crossings")
+            }
+        }
+    }
+}
+
+/// Says how far a path leads.
+fn of_the_goal(reached: f64) -> String {
+    format!("as far as {:.1} % of the goal's angles", 100.0 * reached)
+}
+
+/// Says why a path stops; `at_flat` tells that it does not even leave flat.
+fn stop_in_words(stop: Stop, at_flat: bool) -> &'static str {
+    match stop {
+        Stop::Singular if at_flat => "no motion leaves the flat sheet with these signs",
+        Stop::Singular => "no motion leads on (singular)",
+        Stop::Closure => "no closed configuration follows (closure)",
+        Stop::Nearest => "the motion leads no nearer to the goal (closure)",
+        Stop::Limit(_) => "a hinge is at its limit",
+        Stop::TooLong => "the motion goes on without coming nearer to the goal (closure)",
+        Stop::Timeout => "out of time",
+    }
+}
+
+impl Display for GroupsDropped {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(match self {
+            Self::GoalNotClosed => "the goal does not close under them",
+            Self::FoldsFarther => "the sheet folds farther without them",
+            Self::LessDeformation => "without them less deformation is proved",
+        })
+    }
+}
+
+impl Display for Note {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::GroupsDropped { groups, why } => {
+                write!(f, "{groups} crease groups dropped: {why}")
+            }
+            Self::RoughGroups { groups, tolerance } => write!(
+                f,
+                "{groups} crease groups: the sheet is symmetric only to {tolerance:.0e} of its median edge"
+            ),
+            Self::Branches(branches) => write!(
+                f,
+                "{branches} first steps found that leave the flat sheet with these signs; the path takes that which \
+                 leads farthest"
+            ),
+            Self::FoundAtRandom => f.write_str("the path was found by the randomised search"),
+            Self::Snapped { turned } => write!(
+                f,
+                "creases turned by up to {:.1e} degrees are folded as if the sheet folded flat exactly: its \
+                 coordinates are rounded",
+                turned.to_degrees()
+            ),
+            Self::GoalMoved {
+                goal,
+                residual,
+                moved,
+            } => write!(
+                f,
+                "not closed: {goal} (residual {residual:.1e}); moved to the nearest configuration found that is, \
+                 {:.2e} degrees away",
+                moved.to_degrees()
+            ),
+            Self::Deforming => f.write_str(
+                "no exact motion leads to the goal; the sheet is taken there straight, deforming",
+            ),
+            Self::JudgedAtKnots => f.write_str(
+                "judged at its knots alone: of the motion between them nothing is known",
+            ),
+            Self::CrossingsUndecided { faces, segment } => {
+                f.write_str("crossings are not decided: the search gave up at the pair")?;
+                if let Some([a, b]) = faces {
+                    write!(f, " of faces {a} and {b}")?;
+                }
+                write!(f, " between knots {segment} and {}", segment + 1)
+            }
+            Self::CrossingsAtKnots { faces } => write!(
+                f,
+                "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
+            ),
+            Self::EndsBeforeCrossing {
+                residual,
+                crossing,
+                short,
+            } => write!(
+                f,
+                "the goal itself does not close (residual {residual:.1e}), and near it {crossing}: the path ends \
+                 {:.3} degrees before",
+                short.to_degrees()
+            ),
+            Self::Phases(phases) => write!(
+                f,
+                "folded in {phases} phases: all creases cannot turn at once"
+            ),
+            Self::ErrorsAddedUp { closure } => write!(
+                f,
+                "vertices fail to close by up to {closure:.1e}: at worst that adds up to more than the bound; what it \
+                 does add up to is certified of the sheet folded from its middle and from its rim, doubled for other \
+                 faces"
+            ),
+        }
+    }
+}

@@ -1,0 +1,612 @@
+//! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and
+//! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
+
+use std::collections::HashMap;
+
+use foldpath_core::{Curve, Interpolation, Node};
+
+use super::overshoot::peaks;
+use super::reduced_path::{PathPoint, ReducedPath};
+use super::segment::{SegmentBuilder, TimeLaw};
+use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
+use crate::planner::closing::solver::ClosureSolver;
+use crate::planner::knots::Knot;
+use crate::planner::options::{PlanOptions, Timing};
+use crate::symmetry::ReducedStars;
+
+/// Conditions that the motion between knots has to keep.
+pub(crate) struct PlacementConstraints<'a> {
+    /// One star for each distinct closure condition, and the loops round holes.
+    pub(crate) stars: &'a ReducedStars,
+    /// Largest closure residual; with `None` any residual is allowed, and all waypoints are knots.
+    pub(crate) closure: Option<f64>,
+    /// Bounds that the whole sheet has to keep, if any.
+    pub(crate) sheet: Option<SheetBounds<'a>>,
+    /// Lower and upper bound of each group angle, radians.
+    pub(crate) limits: &'a [(f64, f64)],
+    /// Largest speed of a hinge, radians per second.
+    pub(crate) speed: f64,
+    /// Largest acceleration of a hinge, radians per second squared; infinite for any.
+    pub(crate) acceleration: f64,
+    /// Largest number of knots.
+    pub(crate) knot_budget: usize,
+}
+
+/// Bounds on deformation and gap of the whole sheet.
+#[derive(Clone)]
+pub(crate) struct SheetBounds<'a> {
+    pub(crate) certifier: FoldingCertifier<'a>,
+    /// Bound for which knots are added as long as that helps.
+    pub(crate) aim: f64,
+    /// Bound that is kept in any case.
+    pub(crate) bound: f64,
+}
+
+/// Knots, the interpolation between them, and bounds on the motion.
+pub(crate) struct KnotSequence {
+    pub(crate) interpolation: Interpolation,
+    pub(crate) knots: Vec<Knot>,
+    /// Bounds on the closure over the whole motion.
+    bounds: Bounds,
+    /// First segment that does not keep the closure condition, if any.
+    open: Option<Open>,
+}
+
+/// The first segment of a motion that does not keep the closure condition.
+struct Open {
+    segment: usize,
+    /// Path length to the start of the segment.
+    arc_length: f64,
+    /// Bounds on the closure before the segment.
+    before: Bounds,
+}
+
+/// Bounds on the closure over a part of the motion.
+#[derive(Clone)]
+struct Bounds {
+    /// Bound for each star.
+    stars: Vec<f64>,
+    /// Bounds for the rotation and the translation of each loop.
+    loops: Vec<[f64; 2]>,
+}
+
+impl Bounds {
+    fn closure(&self) -> Closure<'_> {
+        Closure {
+            stars: &self.stars,
+            loops: &self.loops,
+        }
+    }
+
+    /// Extends the bounds to another part of the motion.
+    fn take_in(&mut self, other: &Self) {
+        let loops = self.loops.as_flattened_mut().iter_mut();
+        let others = other.stars.iter().chain(other.loops.as_flattened());
+        for (worst, bound) in self.stars.iter_mut().chain(loops).zip(others) {
+            *worst = worst.max(*bound);
+        }
+    }
+}
+
+impl KnotSequence {
+    pub(crate) fn closure(&self) -> Closure<'_> {
+        self.bounds.closure()
+    }
+
+    /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
+    pub(crate) fn cut(&mut self) -> bool {
+        let Some(open) = self.open.take() else {
+            return false;
+        };
+        self.knots.truncate(open.segment + 1);
+        self.bounds = open.before;
+        true
+    }
+
+    /// Returns the path length up to which the motion keeps the closure condition; infinite if all of it does.
+    fn closes_to(&self) -> f64 {
+        self.open
+            .as_ref()
+            .map_or(f64::INFINITY, |open| open.arc_length)
+    }
+
+    /// Returns the seconds from the first knot to the last.
+    fn duration(&self) -> f64 {
+        self.knots.last().map_or(0.0, |last| last.time)
+    }
+}
+
+/// Places knots on a path, with the interpolation asked for or the one that needs the fewest.
+///
+/// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
+/// `None` if no interpolation keeps the conditions with the largest number of knots.
+pub(crate) fn place(
+    path: &ReducedPath,
+    constraints: &PlacementConstraints<'_>,
+    solver: &mut ClosureSolver<'_>,
+    options: &PlanOptions,
+) -> Option<KnotSequence> {
+    let mut placer = KnotPlacer {
+        path,
+        constraints,
+        solver,
+        knot_budget: constraints.knot_budget,
+        certifier: SegmentCertifier::default(),
+        sheet: constraints.sheet.clone(),
+        found: Vec::new(),
+        curves: Vec::new(),
+        known: HashMap::new(),
+    };
+    if path.arc_lengths().len() < 2 {
+        return placer.alone();
+    }
+    let all = [
+        Interpolation::HalfAngle,
+        Interpolation::Hermite,
+        Interpolation::Homogeneous,
+    ];
+    let kinds = match &options.interpolation {
+        Some(kind) => core::slice::from_ref(kind),
+        // Without conditions hinges turn evenly. If nothing closes, no interpolation is nearer to closing, and Hermite
+        // is the best to follow.
+        None if constraints.stars.is_empty() || constraints.sheet.is_some() => &all[1..2],
+        None => &all,
+    };
+    let optimal = (options.pace == Timing::Optimal).then(|| [fastest(path, constraints)]);
+    let mut best: Option<KnotSequence> = None;
+    for &kind in kinds {
+        if let Some(best) = best.as_ref().filter(|best| best.open.is_none()) {
+            if best.knots.len() <= FEW_KNOTS {
+                break;
+            }
+            placer.knot_budget = match kind {
+                Interpolation::Homogeneous => best.knots.len() / HOMOGENEOUS_SAVING,
+                _ => best.knots.len() - 1,
+            };
+        }
+        let sparse;
+        let laws: &[TimeLaw] = if let Some(optimal) = &optimal {
+            optimal
+        } else {
+            sparse = sparse_laws(path, kind);
+            &sparse
+        };
+        for law in laws {
+            let Some(placed) = placer.place(kind, law) else {
+                continue;
+            };
+            let better = best.as_ref().is_none_or(|best| {
+                let order = best.closes_to().total_cmp(&placed.closes_to());
+                order
+                    .then(placed.knots.len().cmp(&best.knots.len()))
+                    .then(placed.duration().total_cmp(&best.duration()))
+                    .is_lt()
+            });
+            if better {
+                if placed.open.is_none() {
+                    placer.knot_budget = placer.knot_budget.min(placed.knots.len());
+                }
+                best = Some(placed);
+            }
+        }
+    }
+    best
+}
+
+/// Returns the fastest time law of a path.
+fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
+    let groups = constraints.limits.len();
+    let parts = (MAX_GRID_ANGLES / groups.max(1)).clamp(1, MAX_INTERVALS);
+    match path.fastest(parts, constraints.speed, constraints.acceleration) {
+        Ok(law) => TimeLaw::Optimal(law),
+        Err(_) => TimeLaw::ArcLength,
+    }
+}
+
+/// Returns the time laws with which an interpolation may need few knots.
+fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
+    let leads = 0..path.point(0).angles.len().min(MAX_LEADS);
+    match kind {
+        Interpolation::HalfAngle => leads.map(TimeLaw::HalfAngle).collect(),
+        Interpolation::Homogeneous => {
+            let angles = leads.clone().map(TimeLaw::Angle);
+            angles.chain(leads.map(TimeLaw::HalfAngle)).collect()
+        }
+        Interpolation::Linear | Interpolation::Hermite => vec![TimeLaw::ArcLength],
+    }
+}
+
+/// Number of knots that is few enough to try no other interpolation.
+const FEW_KNOTS: usize = 12;
+/// Factor by which homogeneous half angles have to reduce the number of knots.
+const HOMOGENEOUS_SAVING: usize = 4;
+/// Largest number of intervals between two waypoints on which the fastest motion is computed.
+const MAX_INTERVALS: usize = 8;
+/// Number of group angles between two waypoints above which there are fewer intervals.
+const MAX_GRID_ANGLES: usize = 4096;
+/// Largest number of groups that are tried as the one to whose angle or half angle time is proportional.
+const MAX_LEADS: usize = 8;
+
+/// Places knots on a path.
+struct KnotPlacer<'a, 's> {
+    path: &'a ReducedPath,
+    constraints: &'a PlacementConstraints<'a>,
+    solver: &'a mut ClosureSolver<'s>,
+    /// Largest number of knots.
+    knot_budget: usize,
+    certifier: SegmentCertifier,
+    sheet: Option<SheetBounds<'a>>,
+    /// Configurations found on the path in addition to its waypoints.
+    found: Vec<PathPoint>,
+    curves: Vec<Curve<f64>>,
+    /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
+    known: HashMap<[u64; 2], Bounds>,
+}
+
+/// Fraction by which a hinge may exceed its limits before time is stretched at the end.
+const LIMIT_EXCESS_RATIO: f64 = 0.02;
+/// Fraction by which time is stretched in addition, so that rounding the knots passes no limit.
+const STRETCH_MARGIN_RATIO: f64 = 1e-5;
+/// Distance of two knots, as a fraction of that of the waypoints around them, below which no knot is put between them.
+const MIN_SPACING_RATIO: f64 = 1.0 / 256.0;
+/// Path length from its limit within which a hinge is put to rest at the limit: while others move on, solving would
+/// move it to and fro.
+const RESTING_LENGTH: f64 = 1e-4;
+/// Distance beyond its limit up to which a hinge counts as being at the limit, radians.
+const AT_LIMIT_RAD: f64 = 1e-9;
+
+/// Returns `true` if a hinge keeps its limits all along its curve.
+fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
+    let [lower, upper] = range(curve);
+    lower >= limit.0 - AT_LIMIT_RAD && upper <= limit.1 + AT_LIMIT_RAD
+}
+
+impl KnotPlacer<'_, '_> {
+    /// Returns the single configuration of a path of length 0.
+    fn alone(&mut self) -> Option<KnotSequence> {
+        let first = self
+            .path
+            .arc_lengths()
+            .first()
+            .map(|_| self.path.point(0))?;
+        Some(KnotSequence {
+            interpolation: Interpolation::Hermite,
+            knots: vec![Knot {
+                rates: vec![0.0; first.angles.len()],
+                angles: first.angles,
+                ..Knot::default()
+            }],
+            bounds: self.closed(),
+            open: None,
+        })
+    }
+
+    /// Places the fewest knots found with this interpolation and time law. If even the densest knots do not keep the
+    /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, or the
+    /// interpolation does not pass where the path does.
+    fn place(&mut self, kind: Interpolation, law: &TimeLaw) -> Option<KnotSequence> {
+        self.known.clear();
+        let builder = SegmentBuilder::new(self.path, kind, law);
+        let last = self.path.arc_lengths().len().checked_sub(1)?;
+        let mut points = vec![self.path.point(0)];
+        let mut open = vec![self.path.point(last)];
+        if self.constraints.closure.is_none() {
+            open.extend(self.path.inner().rev().map(|index| self.waypoint(index)));
+            points.extend(open.drain(..).rev());
+            self.stay_within(&builder, &mut points)?;
+            return self.knots(&builder, &points);
+        }
+        // Knots are needed first of all at configurations where the motion rests, a phase ends, or accelerations jump.
+        let mut needed: Vec<PathPoint> = self
+            .path
+            .inner()
+            .map(|index| self.waypoint(index))
+            .collect();
+        needed.retain(PathPoint::stays);
+        if let (TimeLaw::Optimal(law), true) = (law, self.constraints.acceleration.is_finite()) {
+            let switches = law.switches().iter().map(|k| law.parameters()[*k]);
+            let (start, end) = (points[0].arc_length, open[0].arc_length);
+            let inner = switches.filter(|arc_length| *arc_length > start && *arc_length < end);
+            needed.extend(inner.filter_map(|arc_length| self.point_at(arc_length)));
+        }
+        needed.sort_by(|a, b| {
+            b.arc_length
+                .total_cmp(&a.arc_length)
+                .then(a.rests().cmp(&b.rests()))
+        });
+        needed.dedup_by(|a, b| {
+            let same = a.arc_length.to_bits() == b.arc_length.to_bits();
+            b.ends_phase |= same && a.ends_phase;
+            same
+        });
+        open.extend(needed);
+        let mut fits = true;
+        while let (Some(from), Some(to)) = (points.last(), open.last()) {
+            let (from, to) = (from.clone(), to.clone());
+            if self.fits(&builder, &from, &to)? {
+                points.extend(open.pop());
+            } else if let Some(between) = self.between(&from, &to) {
+                open.push(between);
+            } else if self.deforms_within(|sheet| sheet.bound) {
+                fits = false;
+                points.extend(open.pop());
+            } else {
+                return None;
+            }
+            // Halving a segment that does not fit leaves less than twice the knots needed.
+            if points.len() + open.len() > self.knot_budget.saturating_mul(2) {
+                return None;
+            }
+        }
+        self.thin(&builder, &mut points)?;
+        if !fits {
+            self.stay_within(&builder, &mut points)?;
+        }
+        if points.len() > self.knot_budget {
+            return None;
+        }
+        self.knots(&builder, &points)
+    }
+
+    /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
+    /// only roughly. The hinge then turns from one angle to the other and no farther.
+    fn stay_within(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        points: &mut [PathPoint],
+    ) -> Option<()> {
+        let mut turned = true;
+        while core::mem::take(&mut turned) {
+            for index in 1..points.len() {
+                self.span(builder, &points[index - 1], &points[index])?;
+                for (group, pair) in self.curves.iter().zip(self.constraints.limits).enumerate() {
+                    if is_within(pair) {
+                        continue;
+                    }
+                    for point in &mut points[index - 1..=index] {
+                        turned |= point.tangent[group].abs() > 0.0;
+                        point.tangent[group] = 0.0;
+                    }
+                    self.known.clear();
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Removes knots while the motion between those that remain keeps the conditions.
+    fn thin(&mut self, builder: &SegmentBuilder<'_>, points: &mut Vec<PathPoint>) -> Option<()> {
+        let mut index = 1;
+        while index + 1 < points.len() {
+            if !points[index].stays()
+                && self.fits(builder, &points[index - 1], &points[index + 1])?
+            {
+                points.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+        Some(())
+    }
+
+    /// Makes the curves between two configurations, and returns the time between them. Returns `None` if there are no
+    /// such curves, or time is up.
+    fn span(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+    ) -> Option<f64> {
+        if self.solver.is_late() {
+            return None;
+        }
+        builder.curves(from, to, &mut self.curves)
+    }
+
+    /// Returns `true` if the motion between two configurations keeps the conditions; `None` if there are no curves
+    /// between them, or time is up.
+    fn fits(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+    ) -> Option<bool> {
+        let span = self.span(builder, from, to)?;
+        let constraints = self.constraints;
+        let within = self.curves.iter().zip(constraints.limits).all(is_within);
+        let optimal = matches!(builder.law, TimeLaw::Optimal(_));
+        if !within || optimal && self.exceeds_limits(builder, from, to, span) {
+            return Some(false);
+        }
+        let Some(max_residual) = constraints.closure else {
+            return Some(true);
+        };
+        // Most segments that do not close well enough show it in the middle.
+        let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
+        if constraints.stars.largest_residual(&middle) > max_residual {
+            return Some(false);
+        }
+        let bounds = self.bounds();
+        let closes = bounds.closure().worst() <= max_residual;
+        let fits = closes && self.deforms_within(|sheet| sheet.aim);
+        if fits {
+            self.known.insert(key(from, to), bounds);
+        }
+        Some(fits)
+    }
+
+    /// Returns `true` if the whole sheet deforms by no more than `most` over the present curves, or no bound on it is
+    /// asked for.
+    fn deforms_within(&mut self, most: fn(&SheetBounds<'_>) -> f64) -> bool {
+        let Some(sheet) = &mut self.sheet else {
+            return true;
+        };
+        let most = most(sheet);
+        sheet.certifier.rigidity(&self.curves, most).is_some()
+    }
+
+    /// Returns bounds on the closure over the present curves.
+    fn bounds(&mut self) -> Bounds {
+        let stars = self.constraints.stars;
+        let (stars, loops) = (stars.view(), stars.loops());
+        let Closure { stars, loops } = self.certifier.closure(stars, loops, &self.curves);
+        Bounds {
+            stars: stars.to_vec(),
+            loops: loops.to_vec(),
+        }
+    }
+
+    /// Returns the bounds of a motion in which nothing moves.
+    fn closed(&self) -> Bounds {
+        Bounds {
+            stars: vec![0.0; self.constraints.stars.vertices().len()],
+            loops: vec![[0.0; 2]; self.constraints.stars.holes().len()],
+        }
+    }
+
+    /// Returns `true` if hinges of the present curves, made between these configurations, are too fast, and more knots
+    /// between could mend that. They cannot if a hinge is too fast at one of the two: while one hinge rests at its
+    /// limit, others may be faster than the time law allows.
+    fn exceeds_limits(
+        &self,
+        builder: &SegmentBuilder<'_>,
+        from: &PathPoint,
+        to: &PathPoint,
+        span: f64,
+    ) -> bool {
+        let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS_RATIO);
+        let mut rates = builder.nodes(from).chain(builder.nodes(to));
+        limit_ratio > 1.0
+            && rates.all(|node| node.rate.abs() < limit_ratio * self.constraints.speed)
+    }
+
+    /// Returns the factor by which time has to be stretched so that the hinges of the present curves keep their limits.
+    fn limit_ratio(&self, kind: Interpolation, span: f64) -> f64 {
+        let peaks = self.curves.iter().map(peaks);
+        let most = peaks.fold([0.0; 2], |most, peaks| {
+            [0, 1].map(|k| f64::max(most[k], peaks[k]))
+        });
+        let speed = most[0] / (span * self.constraints.speed);
+        if kind == Interpolation::Linear {
+            return speed;
+        }
+        speed.max((most[1] / (span * span * self.constraints.acceleration)).sqrt())
+    }
+
+    /// Returns the waypoint of this number, which is not an end.
+    fn waypoint(&mut self, index: usize) -> PathPoint {
+        let point = self.path.point(index);
+        self.within_limits(point)
+    }
+
+    /// Corrects a configuration between the ends. A hinge at its limit has just reached the limit or is about to leave
+    /// it, so that its rate is 0.
+    fn within_limits(&mut self, mut point: PathPoint) -> PathPoint {
+        let hinges = point.angles.iter().zip(&point.tangent);
+        let limits = hinges.zip(self.constraints.limits);
+        let at_limit = limits.map(|((angle, rate), (lower, upper))| {
+            let near = AT_LIMIT_RAD.max(RESTING_LENGTH * rate.abs());
+            let mut limits = [*lower, *upper].into_iter();
+            limits.find(|limit| (angle - limit).abs() <= near)
+        });
+        let at_limit: Vec<Option<f64>> = at_limit.collect();
+        let mut rates = at_limit.iter().zip(&point.tangent);
+        if rates.any(|(limit, rate)| limit.is_some() && rate.abs() > 0.0) {
+            let angles = point.angles.iter().zip(&at_limit);
+            let angles: Vec<f64> = angles.map(|(a, limit)| limit.unwrap_or(*a)).collect();
+            let held = self.solver.project_on_motions(&angles, &mut point.tangent);
+            if held.is_none() {
+                point.tangent.fill(0.0);
+            }
+            let rates = point.tangent.iter_mut().zip(&at_limit);
+            rates
+                .filter(|(_, limit)| limit.is_some())
+                .for_each(|(rate, _)| *rate = 0.0);
+        }
+        point
+    }
+
+    /// Returns a configuration between two others, if they are far enough apart.
+    fn between(&mut self, from: &PathPoint, to: &PathPoint) -> Option<PathPoint> {
+        if let Some(index) = self.path.waypoint_between(from.arc_length, to.arc_length) {
+            return Some(self.waypoint(index));
+        }
+        let middle = (from.arc_length + to.arc_length) / 2.0;
+        let arc_lengths = self.path.arc_lengths();
+        let next = arc_lengths.partition_point(|arc_length| *arc_length <= middle);
+        let around = arc_lengths.get(next)? - arc_lengths.get(next.checked_sub(1)?)?;
+        if to.arc_length - from.arc_length <= MIN_SPACING_RATIO * around {
+            return None;
+        }
+        self.point_at(middle)
+    }
+
+    /// Returns the closed configuration at a path length.
+    fn point_at(&mut self, arc_length: f64) -> Option<PathPoint> {
+        let known = self
+            .found
+            .iter()
+            .find(|point| point.arc_length.to_bits() == arc_length.to_bits());
+        if let Some(point) = known {
+            return Some(point.clone());
+        }
+        let point = self.path.closed(self.solver, arc_length)?;
+        let point = self.within_limits(point);
+        self.found.push(point.clone());
+        Some(point)
+    }
+
+    /// Makes the knots at these configurations, with time stretched so that no hinge is too fast.
+    fn knots(
+        &mut self,
+        builder: &SegmentBuilder<'_>,
+        points: &[PathPoint],
+    ) -> Option<KnotSequence> {
+        let (mut bounds, mut open) = (self.closed(), None);
+        let most = self.constraints.closure.unwrap_or(f64::INFINITY);
+        let mut stretch = 0.0;
+        for (segment, pair) in points.windows(2).enumerate() {
+            let span = self.span(builder, &pair[0], &pair[1])?;
+            let known = self.known.remove(&key(&pair[0], &pair[1]));
+            let deforms = known.is_none() && !self.deforms_within(|sheet| sheet.bound);
+            let here = known.unwrap_or_else(|| self.bounds());
+            if open.is_none() && (deforms || here.closure().worst() > most) {
+                open = Some(Open {
+                    segment,
+                    arc_length: pair[0].arc_length,
+                    before: bounds.clone(),
+                });
+            }
+            bounds.take_in(&here);
+            stretch = f64::max(stretch, self.limit_ratio(builder.kind, span));
+        }
+        stretch *= 1.0 + STRETCH_MARGIN_RATIO;
+        let start = builder.law.at(&points[0])[0];
+        let knots = points.iter().map(|point| {
+            let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
+            let homogeneous = builder.kind == Interpolation::Homogeneous;
+            let weights = nodes.iter().filter(|_| homogeneous);
+            Knot {
+                time: (builder.law.at(point)[0] - start) * stretch,
+                angles: point.angles.clone(),
+                rates: nodes.iter().map(|node| node.rate / stretch).collect(),
+                weights: weights
+                    .map(|node| [node.weight[0], node.weight[1] / stretch])
+                    .collect(),
+                ends_phase: point.ends_phase,
+                ..Knot::default()
+            }
+        });
+        Some(KnotSequence {
+            interpolation: builder.kind,
+            knots: knots.collect(),
+            bounds,
+            open,
+        })
+    }
+}
+
+/// Returns the key of the segment between two configurations.
+fn key(from: &PathPoint, to: &PathPoint) -> [u64; 2] {
+    [from, to].map(|point| point.arc_length.to_bits())
+}

@@ -1,0 +1,56 @@
+//! The planning problem: sheet, goal and options, and how errors of rounded input are treated.
+
+use super::{Goal, PlanOptions};
+use crate::pattern::CreasePattern;
+use crate::progress::Watch;
+
+/// Treatment of the errors that rounded coordinates leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ErrorModel {
+    /// Coordinates are exact. No vertex may fail to close by more than adds up to the bound in the worst case.
+    Exact,
+    /// Stars that nearly fold flat are taken to fold flat exactly.
+    ///
+    /// At a vertex where two straight lines cross, one line can turn while the other is flat, and once the first is
+    /// folded flat, the other can turn. If a line bends by the least amount at the vertex, neither can.
+    Snapped {
+        /// `true` to allow for the largest rounding with which the goal closes, `false` for little more than the
+        /// smallest.
+        coarse: bool,
+        /// `true` if errors are measured as in [`Measured`](Self::Measured).
+        measured: bool,
+    },
+    /// Vertices may fail to close by more than adds up to the bound in the worst case: what they do add up to is
+    /// measured.
+    Measured,
+}
+
+impl ErrorModel {
+    /// Returns `true` if stars that nearly fold flat are taken to fold flat exactly.
+    pub(super) fn is_snapped(self) -> bool {
+        matches!(self, Self::Snapped { .. })
+    }
+
+    /// Returns `true` if the errors of vertices are not bounded in the worst case beforehand, but their sum is
+    /// measured.
+    pub(super) fn is_measured(self) -> bool {
+        matches!(self, Self::Measured | Self::Snapped { measured: true, .. })
+    }
+}
+
+/// A sheet, the goal to which it is to fold, and the conditions.
+#[derive(Clone, Copy)]
+pub(super) struct PlanningProblem<'a> {
+    pub(super) pattern: &'a CreasePattern,
+    pub(super) goal: &'a Goal,
+    pub(super) options: &'a PlanOptions,
+    pub(super) errors: ErrorModel,
+    pub(super) watch: Watch<'a>,
+}
+
+impl PlanningProblem<'_> {
+    /// Returns `true` once the call is over.
+    pub(super) fn is_late(&self) -> bool {
+        self.watch.is_over()
+    }
+}

@@ -1,0 +1,243 @@
+//! Reasons of an answer and remarks on it, as data: what happened, where, and by how much. The sentences are made of
+//! them in `messages.rs`.
+
+use crate::folding::Rigidity;
+use crate::pattern::{EdgeId, FaceId, VertexId};
+
+/// Reason why path following stops before its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// No motion leads on.
+    Singular,
+    /// The corrector finds no closed configuration within the smallest step.
+    Closure,
+    /// The motion leads no nearer to the target, but has not reached it.
+    Nearest,
+    /// This unknown is at its limit.
+    Limit(usize),
+    /// Out of time.
+    Timeout,
+    /// The motion goes on without coming nearer to the target.
+    TooLong,
+}
+
+/// Place of a closure condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClosureSite {
+    /// A real vertex.
+    Vertex(VertexId),
+    /// The hole whose boundary passes this vertex.
+    Hole(VertexId),
+}
+
+/// The vertex or hole that closes worst.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorstClosure {
+    /// The vertex or hole.
+    pub site: ClosureSite,
+    /// Edges of its hinges.
+    pub edges: Vec<EdgeId>,
+    /// Its closure residual.
+    pub residual: f64,
+}
+
+/// Work of the planner during which time ran out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeoutAt {
+    /// Closing the goal.
+    ClosingGoal,
+    /// Placing knots.
+    PlacingKnots,
+    /// Judging the knot of this number.
+    JudgingKnot(usize),
+    /// Looking for crossings.
+    LookingForCrossings,
+}
+
+/// Reason why an outcome is not [`Planned`](super::Outcome::Planned). `Display` makes a sentence of it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// Time ran out.
+    OutOfTime(TimeoutAt),
+    /// No closed configuration was found near a goal.
+    GoalNotClosed {
+        /// Source of the goal's angles, in words.
+        goal: String,
+        /// Distance (radians) of the nearest closed configuration that was found, if any was.
+        nearest: Option<f64>,
+        /// Vertex or hole that is farthest from closing at the goal, if one fails to close.
+        worst: Option<WorstClosure>,
+    },
+    /// The path ends before the goal.
+    PathStops {
+        /// Fraction of the goal's angles that is reached.
+        reached: f64,
+        /// Reason why the path ends.
+        stop: Stop,
+        /// `true` if the path does not even leave flat.
+        at_flat: bool,
+        /// Edges of the hinge that is at its limit, if one is.
+        limited: Vec<EdgeId>,
+        /// Vertex or hole that a small step straight to the goal would tear most.
+        worst: Option<WorstClosure>,
+    },
+    /// The motion is not proved to keep the bound beyond this fraction of the goal's angles.
+    ProofStops {
+        /// Fraction of the goal's angles that is reached.
+        reached: f64,
+        /// Deformation that is certified beyond.
+        certified: f64,
+        /// Bound that the sheet has to keep.
+        bound: f64,
+    },
+    /// The sheet keeps the bound at its knots, but is not proved to keep it between them.
+    NotCertified {
+        /// Deformation that is certified.
+        certified: f64,
+        /// Bound that the sheet has to keep.
+        bound: f64,
+    },
+    /// The sheet breaks the bound at a knot.
+    Deforms {
+        /// Largest errors of the whole sheet.
+        whole: Rigidity,
+        /// Largest closure residual.
+        closure: f64,
+        /// Largest errors of the essential crease pattern.
+        essential: Rigidity,
+        /// Bound that the sheet has to keep.
+        bound: f64,
+    },
+    /// The sheet breaks the bound when it is folded from a face at its rim.
+    DeformsFromRim {
+        /// Largest errors of the sheet folded from there.
+        rigidity: Rigidity,
+        /// Bound that the sheet has to keep.
+        bound: f64,
+    },
+    /// The bound needs more knots than allowed.
+    TooManyKnots {
+        /// Largest number of knots.
+        budget: usize,
+    },
+    /// The path has more configurations than knots are allowed, and all of them are needed as knots.
+    TooManyWaypoints {
+        /// Largest number of knots.
+        budget: usize,
+        /// Number of configurations.
+        found: usize,
+    },
+    /// Faces pass through each other on the way.
+    Crosses {
+        /// The two faces.
+        faces: [FaceId; 2],
+        /// Fraction of the goal's angles that the path has at its end.
+        reached: f64,
+        /// Fraction of the path that is free of crossings.
+        free: f64,
+        /// Number of the knot after which they cross.
+        segment: usize,
+        /// Depth of the crossing, in median edges.
+        depth: f64,
+    },
+    /// Faces pass through each other at a knot.
+    CrossesAtKnot {
+        /// The two faces.
+        faces: [FaceId; 2],
+        /// Number of the knot.
+        knot: usize,
+    },
+    /// Faces pass through each other at the goal, which the path does not reach in any case.
+    GoalCrosses {
+        /// The two faces.
+        faces: [FaceId; 2],
+        /// Reason why the path does not reach the goal.
+        path: Box<Reason>,
+    },
+    /// A motion nearer to the path is the same motion again.
+    NothingNearer,
+    /// No sequence of folds was found that is free of crossings.
+    NoFoldSequence,
+}
+
+/// Reason why crease groups were dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroupsDropped {
+    /// The goal does not close under them.
+    GoalNotClosed,
+    /// The sheet folds farther without them.
+    FoldsFarther,
+    /// Less deformation is proved without them.
+    LessDeformation,
+}
+
+/// Remark on a plan for the user. `Display` makes a sentence of it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Note {
+    /// Crease groups were found, but are not used.
+    GroupsDropped {
+        /// Number of groups.
+        groups: usize,
+        /// Reason why they are not used.
+        why: GroupsDropped,
+    },
+    /// The sheet has the symmetry of its crease groups only nearly.
+    RoughGroups {
+        /// Number of groups.
+        groups: usize,
+        /// Largest deviation from the symmetry, in median edges.
+        tolerance: f64,
+    },
+    /// There are several ways to leave the flat sheet.
+    Branches(usize),
+    /// The path was found by the randomised search.
+    FoundAtRandom,
+    /// Creases count as turned, so that the sheet folds flat exactly.
+    Snapped {
+        /// Largest angle by which a crease is turned, radians.
+        turned: f64,
+    },
+    /// The goal does not close, and was moved to a configuration that does.
+    GoalMoved {
+        /// Source of the goal's angles, in words.
+        goal: String,
+        /// Closure residual of the goal as asked.
+        residual: f64,
+        /// Largest difference of a crease from its goal angle, radians.
+        moved: f64,
+    },
+    /// The sheet deforms on its way to the goal.
+    Deforming,
+    /// Nothing is known of the motion between knots.
+    JudgedAtKnots,
+    /// The search for crossings gave up.
+    CrossingsUndecided {
+        /// The two faces that are not decided, if they are known.
+        faces: Option<[FaceId; 2]>,
+        /// Number of the knot after which they are not decided.
+        segment: usize,
+    },
+    /// Crossings were looked for at knots alone.
+    CrossingsAtKnots {
+        /// Number of faces, too many for the motion between knots.
+        faces: usize,
+    },
+    /// The path ends a little before a goal that does not close, as faces cross there.
+    EndsBeforeCrossing {
+        /// Closure residual of the goal as asked.
+        residual: f64,
+        /// The crossing.
+        crossing: Reason,
+        /// Distance from the goal at which the path ends, radians.
+        short: f64,
+    },
+    /// Creases turn one after the other, in this number of phases.
+    Phases(usize),
+    /// The errors of vertices that do not close are added up as they are, not in the worst case.
+    ErrorsAddedUp {
+        /// Largest closure residual of a vertex.
+        closure: f64,
+    },
+}

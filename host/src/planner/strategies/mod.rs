@@ -1,0 +1,8 @@
+//! In which ways is a plan looked for, and which answer is the best?
+//!
+//! One entry point: [`plan`](driver::plan).
+
+pub(super) mod driver;
+pub(super) mod fold_sequence;
+pub(super) mod pipeline;
+pub(super) mod simple_folds;

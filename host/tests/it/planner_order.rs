@@ -1,0 +1,95 @@
+//! The files of the planner use only files before them, in the order that its documentation states.
+
+use std::fs;
+use std::path::Path;
+
+/// The files in their order.
+const ORDER: [&str; 34] = [
+    "goal",
+    "knots",
+    "vectors",
+    "reason",
+    "messages",
+    "plan",
+    "options",
+    "problem",
+    "closing/cholesky",
+    "closing/sparse",
+    "closing/chord",
+    "closing/solver",
+    "following/follow",
+    "following/reduction",
+    "following/search",
+    "following/branch",
+    "following/judge",
+    "following/mobility",
+    "following/route",
+    "following/route_selection",
+    "placement/overshoot",
+    "placement/reachability",
+    "placement/timing",
+    "placement/reduced_path",
+    "placement/segment",
+    "placement/knot_placement",
+    "lifting/certified_motion",
+    "lifting/measured_motion",
+    "lifting/swept_motion",
+    "lifting/whole_sheet",
+    "strategies/simple_folds",
+    "strategies/pipeline",
+    "strategies/fold_sequence",
+    "strategies/driver",
+];
+
+#[test]
+fn files_use_only_files_before_them() {
+    let planner = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/planner");
+    let place = |file: &str| ORDER.iter().position(|known| *known == file);
+    let mut files = 0;
+    for (at, file) in ORDER.iter().enumerate() {
+        let text = fs::read_to_string(planner.join(file).with_extension("rs")).unwrap();
+        let folder = file.split_once('/').map_or("", |(folder, _)| folder);
+        for line in text
+            .lines()
+            .filter(|line| line.starts_with("use ") || line.starts_with("pub use "))
+        {
+            let path = line.split_once("use ").unwrap().1;
+            let used = if let Some(path) = path.strip_prefix("super::") {
+                let [folder, slash] = if folder.is_empty() {
+                    ["", ""]
+                } else {
+                    [folder, "/"]
+                };
+                format!("{folder}{slash}{path}")
+            } else if let Some(path) = path.strip_prefix("crate::planner::") {
+                path.replacen("::", "/", 1)
+            } else {
+                continue;
+            };
+            // `a::b` and `folder/a::b` name the file a; the types that the planner exports are those of the first files.
+            let used = used.split("::").next().unwrap().trim_end_matches(';');
+            let used = place(used).or_else(|| place(used.split('/').next().unwrap()));
+            assert!(used.is_none_or(|used| used < at), "{file}: {line}");
+            files += usize::from(used.is_some());
+        }
+    }
+    assert!(files > 100, "{files} uses were found");
+}
+
+#[test]
+fn every_file_has_a_place() {
+    let planner = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/planner");
+    let mut folders = vec![planner.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let file = path.strip_prefix(&planner).unwrap().with_extension("");
+            let file = file.to_str().unwrap();
+            assert!(file.ends_with("mod") || ORDER.contains(&file), "{file}");
+        }
+    }
+}
