@@ -466,7 +466,9 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
         percent(theirs.worst()),
         percent(reused.worst()),
         answer.outcome.name(),
-        answer.reason.unwrap_or_default()
+        answer
+            .reason
+            .map_or_else(String::new, |reason| reason.to_string())
     );
     show(out, 8, &text)
 }
