@@ -4,7 +4,7 @@ use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::planner::{Goal, Outcome, PlanOptions, Strategy, plan};
 use nalgebra::Vector2;
 
 /// Returns a unit square with a flap of 0.55 on its left and another on its right. Folded over to 172 and 174 degrees,
@@ -71,6 +71,15 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
     // If the flaps turn one after the other they do not cross. Phases that the caller chose are kept, however.
     let in_turn = plan(&pattern, &goal, &PlanOptions::default());
     assert_eq!(in_turn.outcome, Outcome::Planned);
+    let tried = in_turn.attempts.iter();
+    let tried: Vec<_> = tried
+        .map(|tried| (tried.strategy, tried.outcome.name()))
+        .collect();
+    let expected = [
+        (Strategy::CreaseGroups, "crossing"),
+        (Strategy::FoldSequence, "planned"),
+    ];
+    assert_eq!(tried, expected);
     let halves = goal.fold_angles.iter().map(|angle| angle.map(|a| a / 2.0));
     let half = Goal::chosen(&pattern, halves.collect(), "half the way".into());
     let goal = Goal {

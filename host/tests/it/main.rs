@@ -9,6 +9,7 @@ mod fuzz;
 mod generators;
 mod lattice;
 mod lattice_scene;
+mod messages;
 mod module_order;
 mod nonsense;
 mod overshoot;

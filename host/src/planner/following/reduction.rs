@@ -27,9 +27,9 @@ pub(crate) struct Reduction<'a> {
     pub(crate) essential: ReducedStars,
     /// The stars of `all` without those that equal another one in every bit.
     distinct: ReducedStars,
-    /// The distinct stars with the directions of the sheet, if `all` has unrounded directions.
+    /// The distinct stars with the directions of the sheet, if those of `all` are snapped.
     rounded: Option<ReducedStars>,
-    /// Largest angle by which creases may have been turned to unround the stars, radians.
+    /// Largest angle by which creases may have been turned to snap the stars, radians.
     pub(crate) within: f64,
     vertices: Vertices,
     /// Lower and upper bound of each group angle, radians; empty for half a turn each way.
@@ -58,6 +58,7 @@ pub(crate) struct ClosedGoal {
 }
 
 impl<'a> Reduction<'a> {
+    /// Makes the reduction to these groups, with the stars as they are.
     pub(crate) fn new(
         pattern: &CreasePattern,
         groups: CreaseGroups,
@@ -68,7 +69,7 @@ impl<'a> Reduction<'a> {
         Self::of_stars(pattern, groups, all, options, watch)
     }
 
-    /// Makes the reduction of a problem to these groups, with the stars as they are.
+    /// Makes the reduction of a problem to these groups, under its error model but for snapping.
     pub(crate) fn of(problem: &PlanningProblem<'a>, groups: CreaseGroups) -> Self {
         let reduction = Self::new(problem.pattern, groups, problem.options, problem.watch);
         // Errors of rounded coordinates do not add up. The errors of the sheet have to be measured then.
@@ -126,7 +127,7 @@ impl<'a> Reduction<'a> {
         let most = self.closure_tolerance(options);
         let asked = self.groups.reduce(&goal.fold_angles);
         let within =
-            |coarse| rounding(&self.all, &asked, most, coarse).unwrap_or(SNAP_RATIO * most);
+            |coarse| snapping_angle(&self.all, &asked, most, coarse).unwrap_or(SNAP_RATIO * most);
         let told = within(false);
         let within = if coarse { within(true) } else { told };
         if coarse && within <= told {
@@ -392,7 +393,7 @@ pub(crate) const SAME_RAD: f64 = 1e-7;
 ///
 /// The angle is little more than the smallest with which the goal closes, as a larger one may let the sheet fold flat
 /// where it was not meant to. With `coarse`, it is the largest with which the goal closes.
-pub(crate) fn rounding(
+pub(crate) fn snapping_angle(
     stars: &ReducedStars,
     goal: &[Option<f64>],
     most: f64,

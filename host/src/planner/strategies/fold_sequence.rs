@@ -12,7 +12,7 @@ use crate::folding::{FoldingMap, SpanningTree};
 use crate::pattern::FaceId;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::mobility::independent_parts;
-use crate::planner::following::reduction::{CLOSED, Reduction, rounding};
+use crate::planner::following::reduction::{CLOSED, Reduction, snapping_angle};
 use crate::planner::following::route::{End, Route};
 use crate::planner::knots::Knot;
 use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
@@ -57,7 +57,7 @@ pub(crate) fn goal_of_sequences(
 fn closing_angle(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<f64> {
     let stars = ReducedStars::of_creases(problem.pattern);
     let most = route.reduction.closure_tolerance(problem.options);
-    rounding(&stars, &problem.goal.fold_angles, most, false)
+    snapping_angle(&stars, &problem.goal.fold_angles, most, false)
 }
 
 /// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads to

@@ -469,8 +469,7 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
         answer.outcome.name(),
         answer
             .reason
-            .map(|reason| reason.to_string())
-            .unwrap_or_default()
+            .map_or_else(String::new, |reason| reason.to_string())
     );
     show(out, 8, &text)
 }

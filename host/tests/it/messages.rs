@@ -1,0 +1,308 @@
+//! The sentences of the planner's reasons and notes.
+
+use foldpath::folding::Rigidity;
+use foldpath::pattern::{EdgeId, FaceId, VertexId};
+use foldpath::planner::{ClosureSite, GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+
+const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
+
+fn edges(count: u32) -> Vec<EdgeId> {
+    (0..count).map(EdgeId).collect()
+}
+
+fn worst(site: ClosureSite) -> Option<WorstClosure> {
+    Some(WorstClosure {
+        site,
+        edges: edges(3),
+        residual: 0.0123,
+    })
+}
+
+fn stops(stop: Stop) -> Reason {
+    Reason::PathStops {
+        reached: 0.4567,
+        stop,
+        at_flat: false,
+        limited: Vec::new(),
+        worst: None,
+    }
+}
+
+#[test]
+fn reasons_are_sentences() {
+    let rigidity = Rigidity {
+        deformation: 0.02,
+        gap: 0.03,
+        twist: 0.04,
+    };
+    let crosses = Reason::Crosses {
+        faces: FACES,
+        reached: 0.5,
+        free: 0.5,
+        segment: 4,
+        depth: 0.012,
+    };
+    let closure = "vertex 7 (creases: edges 0, 1, 2) does not close: residual 1.2e-2";
+    let all = [
+        (
+            Reason::OutOfTime(TimeoutAt::ClosingGoal),
+            "out of time while closing the goal".to_string(),
+        ),
+        (
+            Reason::OutOfTime(TimeoutAt::PlacingKnots),
+            "out of time while placing knots".into(),
+        ),
+        (
+            Reason::OutOfTime(TimeoutAt::JudgingKnot(5)),
+            "out of time while judging knot 5".into(),
+        ),
+        (
+            Reason::OutOfTime(TimeoutAt::LookingForCrossings),
+            "out of time while looking for crossings".into(),
+        ),
+        (
+            Reason::GoalNotClosed {
+                goal: "the letters".into(),
+                nearest: None,
+                worst: None,
+            },
+            "no closed configuration was found near the letters".into(),
+        ),
+        (
+            Reason::GoalNotClosed {
+                goal: "the letters".into(),
+                nearest: Some(1.0),
+                worst: worst(ClosureSite::Vertex(VertexId(7))),
+            },
+            format!(
+                "no closed configuration was found near the letters: the nearest found turns a crease 57.3 degrees \
+                 from its goal; there {closure}"
+            ),
+        ),
+        (
+            Reason::PathStops {
+                reached: 0.4567,
+                stop: Stop::Closure,
+                at_flat: false,
+                limited: Vec::new(),
+                worst: worst(ClosureSite::Hole(VertexId(7))),
+            },
+            "as far as 45.7 % of the goal's angles: no closed configuration follows (closure); going on straight, the \
+             hole at vertex 7 (creases: edges 0, 1, 2) does not close: residual 1.2e-2"
+                .into(),
+        ),
+        (
+            Reason::PathStops {
+                reached: 0.0,
+                stop: Stop::Singular,
+                at_flat: true,
+                limited: Vec::new(),
+                worst: None,
+            },
+            "as far as 0.0 % of the goal's angles: no motion leaves the flat sheet with these signs".into(),
+        ),
+        (
+            Reason::PathStops {
+                reached: 0.4567,
+                stop: Stop::Limit(2),
+                at_flat: false,
+                limited: edges(14),
+                worst: None,
+            },
+            "as far as 45.7 % of the goal's angles: a hinge is at its limit: edges 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 \
+             and 2 more"
+                .into(),
+        ),
+        (
+            stops(Stop::Singular),
+            "as far as 45.7 % of the goal's angles: no motion leads on (singular)".into(),
+        ),
+        (
+            stops(Stop::Nearest),
+            "as far as 45.7 % of the goal's angles: the motion leads no nearer to the goal (closure)".into(),
+        ),
+        (
+            stops(Stop::TooLong),
+            "as far as 45.7 % of the goal's angles: the motion goes on without coming nearer to the goal (closure)"
+                .into(),
+        ),
+        (
+            stops(Stop::Timeout),
+            "as far as 45.7 % of the goal's angles: out of time".into(),
+        ),
+        (
+            Reason::ProofStops {
+                reached: 0.4567,
+                certified: 0.02,
+                bound: 0.01,
+            },
+            "as far as 45.7 % of the goal's angles: the motion found beyond closes where it was looked at, but between \
+             is certified only to 2.0e-2, over the bound of 1.0e-2"
+                .into(),
+        ),
+        (
+            Reason::NotCertified {
+                certified: f64::INFINITY,
+                bound: 0.01,
+            },
+            "the sheet keeps the bound at the knots, but between them it is certified only to inf, over the bound of \
+             1.0e-2"
+                .into(),
+        ),
+        (
+            Reason::Deforms {
+                whole: rigidity,
+                closure: 0.05,
+                essential: Rigidity::default(),
+                bound: 0.01,
+            },
+            "the whole sheet deforms by 2.000e-2 with gaps of 3.000e-2 and closure 5.000e-2, over the bound 1.000e-2; \
+             its essential crease pattern by 0.000e0 with gaps of 0.000e0"
+                .into(),
+        ),
+        (
+            Reason::DeformsFromRim {
+                rigidity,
+                bound: 0.01,
+            },
+            "folded from a face at its rim, the sheet deforms by 2.000e-2 with gaps of 3.000e-2, over the bound \
+             1.000e-2"
+                .into(),
+        ),
+        (
+            Reason::TooManyKnots { budget: 20 },
+            "the bound needs more than 20 knots with this interpolation".into(),
+        ),
+        (
+            Reason::TooManyWaypoints {
+                budget: 20,
+                found: 25,
+            },
+            "expected at most 20 knots, found 25, no fewer of which are judged alone".into(),
+        ),
+        (
+            crosses.clone(),
+            "faces 3 and 8 pass through each other beyond 25.00 % of the path (between knots 4 and 5: 1.2e-2 median \
+             edges deep)"
+                .into(),
+        ),
+        (
+            Reason::CrossesAtKnot {
+                faces: FACES,
+                knot: 5,
+            },
+            "faces 3 and 8 pass through each other at knot 5".into(),
+        ),
+        (
+            Reason::GoalCrosses {
+                faces: FACES,
+                path: Box::new(stops(Stop::Nearest)),
+            },
+            "at the goal faces 3 and 8 pass through each other; as far as 45.7 % of the goal's angles: the motion leads \
+             no nearer to the goal (closure)"
+                .into(),
+        ),
+        (
+            Reason::NothingNearer,
+            "no other motion leads on".into(),
+        ),
+        (
+            Reason::NoFoldSequence,
+            "no sequence of folds was found that is free of crossings".into(),
+        ),
+    ];
+    for (reason, sentence) in all {
+        assert_eq!(reason.to_string(), sentence);
+    }
+    let note = Note::EndsBeforeCrossing {
+        residual: 1e-5,
+        crossing: crosses,
+        short: 0.01,
+    };
+    assert_eq!(
+        note.to_string(),
+        "the goal itself does not close (residual 1.0e-5), and near it faces 3 and 8 pass through each other beyond \
+         25.00 % of the path (between knots 4 and 5: 1.2e-2 median edges deep): the path ends 0.573 degrees before"
+    );
+}
+
+#[test]
+fn notes_are_sentences() {
+    let dropped = |why| Note::GroupsDropped { groups: 4, why };
+    let undecided = |faces| Note::CrossingsUndecided { faces, segment: 4 };
+    let all = [
+        (
+            dropped(GroupsDropped::GoalNotClosed),
+            "4 crease groups dropped: the goal does not close under them",
+        ),
+        (
+            dropped(GroupsDropped::FoldsFarther),
+            "4 crease groups dropped: the sheet folds farther without them",
+        ),
+        (
+            dropped(GroupsDropped::LessDeformation),
+            "4 crease groups dropped: without them less deformation is proved",
+        ),
+        (
+            Note::RoughGroups {
+                groups: 4,
+                tolerance: 1e-3,
+            },
+            "4 crease groups: the sheet is symmetric only to 1e-3 of its median edge",
+        ),
+        (
+            Note::Branches(3),
+            "3 first steps found that leave the flat sheet with these signs; the path takes that which leads farthest",
+        ),
+        (
+            Note::FoundAtRandom,
+            "the path was found by the randomised search",
+        ),
+        (
+            Note::Snapped { turned: 0.01 },
+            "creases turned by up to 5.7e-1 degrees are folded as if the sheet folded flat exactly: its coordinates are \
+             rounded",
+        ),
+        (
+            Note::GoalMoved {
+                goal: "the letters".into(),
+                residual: 1e-5,
+                moved: 0.01,
+            },
+            "not closed: the letters (residual 1.0e-5); moved to the nearest configuration found that is, 5.73e-1 \
+             degrees away",
+        ),
+        (
+            Note::Deforming,
+            "no exact motion leads to the goal; the sheet is taken there straight, deforming",
+        ),
+        (
+            Note::JudgedAtKnots,
+            "judged at its knots alone: of the motion between them nothing is known",
+        ),
+        (
+            undecided(Some(FACES)),
+            "crossings are not decided: the search gave up at the pair of faces 3 and 8 between knots 4 and 5",
+        ),
+        (
+            undecided(None),
+            "crossings are not decided: the search gave up at the pair between knots 4 and 5",
+        ),
+        (
+            Note::CrossingsAtKnots { faces: 9000 },
+            "crossings were looked for at knots only: too many faces (9000) for the motion between them",
+        ),
+        (
+            Note::Phases(3),
+            "folded in 3 phases: all creases cannot turn at once",
+        ),
+        (
+            Note::ErrorsAddedUp { closure: 1e-5 },
+            "vertices fail to close by up to 1.0e-5: at worst that adds up to more than the bound; what it does add up \
+             to is certified of the sheet folded from its middle and from its rim, doubled for other faces",
+        ),
+    ];
+    for (note, sentence) in all {
+        assert_eq!(note.to_string(), sentence);
+    }
+}
