@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use foldpath::collision::{Sweep, SweepOptions};
 use foldpath::formats::fold::read_pattern;
+use foldpath::lattice::Lattice;
 use foldpath::pattern::CreasePattern;
-use foldpath::symmetry::{CreaseGroups, Lattice};
+use foldpath::symmetry::CreaseGroups;
 use foldpath_core::{Curve, Membership};
 
 const PATTERNS: [&str; 8] = [

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use crate::check::positions;
-use crate::folding::{SpanningTree, sheets_laid_on};
+use crate::folding::{SpanningTree, align_sheets};
 use crate::formats::fold::PathFile;
-use crate::numbers::largest;
+use crate::util::nan_max::largest;
 
 /// Largest turn of a hinge from one shape to the next, radians, where vertices are drawn on straight lines between
 /// shapes: the drawn sheet is then shorter than the real one by a thousandth.
@@ -20,7 +20,7 @@ pub fn shapes(path: &PathFile) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     let tree = SpanningTree::from_central_face(pattern);
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
     path.knots.iter().scan(flat, move |before, knot| {
-        *before = sheets_laid_on(pattern, &positions(pattern, &tree, knot), before);
+        *before = align_sheets(pattern, &positions(pattern, &tree, knot), before);
         Some(before.clone())
     })
 }

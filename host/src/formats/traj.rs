@@ -10,9 +10,9 @@ use foldpath_core::{Membership, Scalar, Spoke, StarsView};
 use super::FileError;
 use super::fold::PathFile;
 use super::groups::{GroupPath, hinges, unfit};
-use crate::numbers::largest;
 use crate::planner::Overshoot;
 use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
+use crate::util::nan_max::largest;
 
 /// A path encoded as a `.traj` file.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,10 +12,10 @@ use super::reuse::Found;
 use crate::certificate::{Closure, SheetCertifier};
 use crate::collision::{LatticeScene, SweepOptions};
 use crate::folding::Rigidity;
-use crate::numbers::larger;
+use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
 use crate::progress::Stage;
-use crate::symmetry::Lattice;
+use crate::util::nan_max::larger;
 
 impl Planning<'_> {
     /// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet at the
@@ -99,8 +99,8 @@ impl Planning<'_> {
         let (pattern, groups) = (self.pattern, &reduction.groups);
         let lattice = self.lattice(reduction);
         let near = |lattice: &&Lattice| {
-            let astray = lattice.astray(pattern, self.plan.max_closure);
-            astray.max(self.plan.rigidity.gap) <= SweepOptions::default().tolerance
+            let deviation = lattice.lattice_deviation(pattern, self.plan.max_closure);
+            deviation.max(self.plan.rigidity.gap) <= SweepOptions::default().tolerance
         };
         let scene = lattice.filter(near).and_then(|lattice| {
             LatticeScene::new(pattern, groups.memberships(), groups.len(), lattice)

@@ -14,8 +14,8 @@ use super::reduction::{CLOSED, Reduction};
 use super::reuse::{FIRST_PART, Found, LEAST_PART};
 use crate::collision::{Crossing, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding};
 use crate::folding::Rigidity;
+use crate::lattice::Lattice;
 use crate::progress::Stage;
-use crate::symmetry::Lattice;
 
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its course may not.
 const NEARER: f64 = 0.01;
@@ -43,8 +43,8 @@ impl Planning<'_> {
             gap,
             rounding: rounding(self.plan.rigidity.gap),
             // There is no limit for a user who switches a skip off, to look at everything.
-            max_looks: if skips == Skips::default() {
-                usual.max_looks
+            max_queries: if skips == Skips::default() {
+                usual.max_queries
             } else {
                 u64::MAX
             },
@@ -71,13 +71,16 @@ impl Planning<'_> {
     ) -> Option<(SweepVerdict, SweepCounts)> {
         let torn = options.gap > SweepOptions::default().tolerance;
         let closure = self.plan.certified_closure.unwrap_or(f64::INFINITY);
-        let astray = if torn {
-            lattice.astray(self.pattern, closure)
+        let lattice_deviation = if torn {
+            lattice.lattice_deviation(self.pattern, closure)
         } else {
             0.0
         };
-        let options = SweepOptions { astray, ..options };
-        let mut sweep = (astray < SweepOptions::FAR_ASTRAY).then(|| {
+        let options = SweepOptions {
+            lattice_deviation,
+            ..options
+        };
+        let mut sweep = (lattice_deviation < SweepOptions::FAR_FROM_LATTICE_EDGES).then(|| {
             Sweep::with_lattice(self.pattern, memberships, options, lattice).watched(self.watch)
         })?;
         let verdict = sweep.sweep(&self.plan.path.curves());

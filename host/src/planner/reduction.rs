@@ -9,9 +9,10 @@ use super::solver::{ClosureSolver, Work};
 use super::sparse::Structure;
 use super::{Goal, PlanOptions, Vertices};
 use crate::folding::{Amplification, SpanningTree};
+use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
-use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
+use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of faces for which testing all pairs of faces is faster than finding and folding a lattice.
 const FEW_FACES: usize = 20;

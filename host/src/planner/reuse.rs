@@ -15,9 +15,9 @@ use super::plan::{Outcome, Plan, Planning};
 use super::reduction::{CLOSED, Reduction};
 use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::numbers::larger;
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
+use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.
 const MOST_KNOTS: usize = 20_000;
@@ -190,7 +190,7 @@ impl Planning<'_> {
         if let Some((true, placed)) = together {
             return Some(placed);
         }
-        let apart = reduction.all.told_apart();
+        let apart = reduction.all.unmerged();
         let stars = apart.essential();
         if let Some((true, placed)) = near(&apart, &stars) {
             return Some(placed);

@@ -20,12 +20,12 @@ pub struct Plant {
     hinges: Hinges<Pcg64>,
     /// Disturbances to come, each with its time in microseconds.
     script: VecDeque<(u64, Trouble)>,
-    sheet: Option<Sheet>,
+    sheet: Option<FoldedSheet>,
 }
 
 /// The sheet that the hinges fold.
 #[derive(Debug)]
-struct Sheet {
+struct FoldedSheet {
     pattern: CreasePattern,
     tree: SpanningTree,
     map: FoldingMap,
@@ -68,7 +68,7 @@ impl Plant {
             });
         }
         let tree = SpanningTree::from_central_face(&sheet.pattern);
-        let sheet = Sheet {
+        let sheet = FoldedSheet {
             map: FoldingMap::flat(&sheet.pattern),
             pattern: sheet.pattern,
             tree,
