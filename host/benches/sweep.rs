@@ -7,9 +7,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use foldpath::collision::{Sweep, SweepOptions};
+use foldpath::lattice::Lattice;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::read_pattern;
-use foldpath::symmetry::{CreaseGroups, Lattice};
+use foldpath::symmetry::CreaseGroups;
 use foldpath_core::{Curve, Membership};
 
 const PATTERNS: [&str; 8] = [

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use crate::CliError;
 use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
-use foldpath::planner::{CLOSED, GoalError, closure_of};
+use foldpath::planner::{CLOSED, GoalError};
 use foldpath::read::FileError;
+use foldpath::symmetry::closure_of;
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {

@@ -8,9 +8,9 @@ use crate::args::Info;
 use crate::hints::radians;
 use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::folding::{Amplification, SpanningTree};
-use foldpath::planner::{CLOSED, closure_of};
+use foldpath::planner::CLOSED;
 use foldpath::read::read_pattern;
-use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
 #[derive(Serialize)]
 struct InfoJson {

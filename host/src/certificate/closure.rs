@@ -14,21 +14,16 @@ use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarsView, closure, hole
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
+use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
 
 /// Error of the polynomials, as a residual, for which the number of points is chosen: below all rounding. If no number
 /// of points reaches it, the largest one is used.
-const ERROR: f64 = 1e-16;
-/// Ratio of a bound to the largest residual seen in the segment above which a part is halved.
-const LOOSE: f64 = 1.5;
+const POLYNOMIAL_RESIDUAL: f64 = 1e-16;
 /// Bound up to which a part is never halved, as it is rounding.
-const ROUNDING: f64 = 1e-13;
-/// Largest number of halvings: parts are no shorter than 2^-8 of the segment.
-const HALVINGS: u8 = 8;
+const ROUNDING_RESIDUAL: f64 = 1e-13;
 /// Rounding of a product of two quaternions, in ε: each of its components sums four products of at most four roundings
 /// of ε/2 each; the norm of |c|, |x|, |y| is at most √3.
-const PRODUCT: f64 = 3.5;
-/// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
-const TWICE: f64 = 2.0;
+const PRODUCT_EPS: f64 = 3.5;
 
 /// Bounds on the closure residuals over a segment; infinite if nothing can be bounded, as for curves that are not
 /// finite.
@@ -121,7 +116,7 @@ impl SegmentCertifier {
             if known {
                 self.evaluate(stars, loops, curves, part, points);
             }
-            if depth == HALVINGS || known && self.is_tight(points, &mut seen) {
+            if depth == MAX_HALVINGS || known && self.is_tight(points, &mut seen) {
                 self.accept(points);
             } else {
                 let halves = [(depth + 1, 2 * index + 1), (depth + 1, 2 * index)];
@@ -159,7 +154,7 @@ impl SegmentCertifier {
     fn enough_points(&self) -> usize {
         let enough = |points: &Points| {
             let mut errors = self.conditions.iter();
-            errors.all(|c| points.error(&self.radii, &c.growth) <= ERROR)
+            errors.all(|c| points.error(&self.radii, &c.growth) <= POLYNOMIAL_RESIDUAL)
         };
         let last = self.points.len() - 1;
         self.points.iter().position(enough).unwrap_or(last)
@@ -220,7 +215,7 @@ impl SegmentCertifier {
         conditions().all(|(index, condition)| {
             let bound =
                 self.points[points].bound(&self.radii, &condition.growth, condition.largest);
-            bound <= (LOOSE * seen[kind(index)]).max(ROUNDING)
+            bound <= (LOOSE_RATIO * seen[kind(index)]).max(ROUNDING_RESIDUAL)
         })
     }
 
@@ -261,12 +256,12 @@ fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
             *sum += growth;
         }
         let [x, y] = spoke.direction;
-        rounding += piece.rounding + PRODUCT * f64::EPSILON + (x * x + y * y - 1.0).abs();
+        rounding += piece.rounding + PRODUCT_EPS * f64::EPSILON + (x * x + y * y - 1.0).abs();
     }
     Condition {
         growth,
         // The residual r is twice the vector part.
-        rounding: TWICE * 2.0 * rounding,
+        rounding: ROUNDING_FACTOR * 2.0 * rounding,
         seen: 0.0,
         largest: 0.0,
     }
@@ -278,7 +273,8 @@ fn translation(turn: &Condition, places: &[[f64; 2]]) -> Condition {
     // Two rotated places for each spoke, each rotated by quaternions on both sides.
     let growth = |growth: f64| 2.0 * (growth - core::f64::consts::LN_2) + (2.0 * reach).ln();
     // A rotated place is off by twice the error of the quaternion. Each sum adds a rounding or two of all terms before.
-    let sums = TWICE * (24.0 + 4.0 * places.iter().map(|_| 1.0).sum::<f64>()) * f64::EPSILON;
+    let sums =
+        ROUNDING_FACTOR * (24.0 + 4.0 * places.iter().map(|_| 1.0).sum::<f64>()) * f64::EPSILON;
     Condition {
         growth: turn.growth.map(growth),
         rounding: reach * (2.0 * turn.rounding + sums),

@@ -12,24 +12,19 @@ use foldpath_core::{Curve, Membership};
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
+use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, Step, rounding};
 use crate::pattern::CreasePattern;
 
 /// Polynomial error that is always small enough where the number of points is chosen.
-const ERROR: f64 = 1e-13;
+const POLYNOMIAL_ERROR: f64 = 1e-13;
 /// Polynomial error that is small enough, as a fraction of the bound that is enough.
-const PART: f64 = 0.01;
-/// Ratio of a bound to the largest error seen in the segment above which a part is halved.
-const LOOSE: f64 = 1.5;
-/// Largest number of halvings: parts are no shorter than 2^-8 of the segment.
-const HALVINGS: u8 = 8;
-/// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
-const TWICE: f64 = 2.0;
+const POLYNOMIAL_ERROR_RATIO: f64 = 0.01;
 /// Rounding of a half angle that [`rounding`] allows for, 16 ε.
-const HALF_ANGLE: f64 = 16.0 * f64::EPSILON;
+const HALF_ANGLE_ROUNDING_RAD: f64 = 16.0 * f64::EPSILON;
 /// Factor from bounds that are proved for four spanning trees to bounds for any tree, along which a sheet that does not
 /// close may be torn more. No proof knows this factor.
-const OTHER_TREES: f64 = 2.0;
+const OTHER_TREES_RATIO: f64 = 2.0;
 
 /// For gap, deformation and twist: ln M on the ellipses, and the power of the faces' weights that values are multiplied
 /// by.
@@ -57,15 +52,15 @@ impl<'a> FoldingCertifier<'a> {
     /// Cost: the sheet is folded 9 to 49 times along each tree for each part into which the segment is halved: 1 part
     /// if no path from the root to a face turns by more than some ten radians in all, at most 256.
     pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
-        let most = most / OTHER_TREES;
+        let most = most / OTHER_TREES_RATIO;
         let worse = |worst: Rigidity, folded: &mut Folded<'_>| {
             Some(worst.worse(folded.rigidity(curves, most)?))
         };
         let worst = self.0.iter_mut().try_fold(Rigidity::default(), worse)?;
         Some(Rigidity {
-            deformation: OTHER_TREES * worst.deformation,
-            gap: OTHER_TREES * worst.gap,
-            twist: OTHER_TREES * worst.twist,
+            deformation: OTHER_TREES_RATIO * worst.deformation,
+            gap: OTHER_TREES_RATIO * worst.gap,
+            twist: OTHER_TREES_RATIO * worst.twist,
         })
     }
 }
@@ -110,7 +105,7 @@ impl<'a> Folded<'a> {
             weights: Vec::new(),
             growths: vec![[0.0; RADII]; tree.faces()],
             sums: vec![0.0; tree.faces()],
-            coarse: TWICE,
+            coarse: ROUNDING_FACTOR,
             pattern,
             tree,
             memberships,
@@ -127,10 +122,10 @@ impl<'a> Folded<'a> {
             let growth = self.prepare(curves, part);
             let serves = |points: &Points| {
                 let mut errors = growth.iter().map(|(g, _)| points.error(&self.radii, g));
-                errors.all(|error| error <= ERROR.max(PART * enough))
+                errors.all(|error| error <= POLYNOMIAL_ERROR.max(POLYNOMIAL_ERROR_RATIO * enough))
             };
             let points = self.points.iter().position(serves);
-            let last = depth == HALVINGS;
+            let last = depth == MAX_HALVINGS;
             if let Some(points) = points.or(last.then_some(self.points.len() - 1)) {
                 let bound = self.bound(curves, part, points, &growth, &mut seen);
                 let within = |found: Rigidity| found.worst() <= most;
@@ -154,8 +149,13 @@ impl<'a> Folded<'a> {
         self.pieces.extend(curves.iter().map(piece));
         let mut pieces = self.pieces.iter();
         let known = pieces.all(|p| p.least > 0.0 && p.growth.iter().all(|g| !g.is_nan()));
-        let roundings = self.pieces.iter().map(|piece| piece.rounding / HALF_ANGLE);
-        self.coarse = roundings.fold(TWICE, |most, times| most.max(TWICE * times));
+        let roundings = self
+            .pieces
+            .iter()
+            .map(|piece| piece.rounding / HALF_ANGLE_ROUNDING_RAD);
+        self.coarse = roundings.fold(ROUNDING_FACTOR, |most, times| {
+            most.max(ROUNDING_FACTOR * times)
+        });
         let add = |a: [f64; RADII], b: [f64; RADII]| core::array::from_fn(|k| a[k] + b[k]);
         let larger = |a: [f64; RADII], b: [f64; RADII]| core::array::from_fn(|k| a[k].max(b[k]));
         let mut growths = core::mem::take(&mut self.growths);
@@ -286,7 +286,7 @@ impl<'a> Folded<'a> {
     /// Returns `true` if every bound is near the largest error seen in the segment.
     fn is_tight(&self, bound: Rigidity, seen: Rigidity) -> bool {
         let tight = |bound: f64, seen: f64, rounding: f64| {
-            bound <= LOOSE * (seen + self.coarse * rounding) + ERROR
+            bound <= LOOSE_RATIO * (seen + self.coarse * rounding) + POLYNOMIAL_ERROR
         };
         tight(bound.gap, seen.gap, self.rounding.gap)
             && tight(

@@ -16,3 +16,10 @@ pub use closure::{Closure, SegmentCertifier};
 pub use folding::FoldingCertifier;
 pub use range::{range, rate};
 pub use sheet::SheetCertifier;
+
+/// Largest number of halvings of a segment: parts are no shorter than 2^-8 of it.
+const MAX_HALVINGS: u8 = 8;
+/// Ratio of a bound to the largest error seen in the segment above which a part is halved.
+const LOOSE_RATIO: f64 = 1.5;
+/// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
+const ROUNDING_FACTOR: f64 = 2.0;

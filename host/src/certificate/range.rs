@@ -7,14 +7,14 @@ use super::bernstein::{least, lost, sizes};
 
 /// Distance of a bound from an attained value that is near enough, in radians or as a fraction of the largest
 /// coefficient.
-const NEAR: f64 = 1e-12;
+const TIGHT_RAD: f64 = 1e-12;
 /// Largest number of halvings: parts are no shorter than 2^-24 of the segment. Bounds converge with the square of the
 /// length.
-const HALVINGS: u8 = 24;
+const MAX_RANGE_HALVINGS: u8 = 24;
 /// Largest number of parts looked at: a few for each halving and each extreme are enough for any sound curve.
-const BUDGET: usize = 512;
+const MAX_PARTS: usize = 512;
 /// Number of equal parts of a segment over which rates are bounded one by one.
-const PARTS: u8 = 8;
+const RATE_PARTS: u8 = 8;
 
 /// Returns bounds on the fold angle (radians) over the segment, 1e-12 from its least and its largest value, and equal
 /// to these if they are at the ends. The bounds are infinite if the curve is not finite.
@@ -24,7 +24,7 @@ pub fn range(curve: &Curve<f64>) -> [f64; 2] {
     let mut seen = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let mut range = seen;
     let mut open = vec![(0_u8, 0_u32)];
-    let mut budget = BUDGET;
+    let mut budget = MAX_PARTS;
     while let Some((depth, index)) = open.pop() {
         let part = part(depth, index);
         let Some((hull, near)) = hull(curve, part) else {
@@ -35,7 +35,7 @@ pub fn range(curve: &Curve<f64>) -> [f64; 2] {
         }
         budget = budget.saturating_sub(1);
         let tight = hull[0] >= seen[0] - near && hull[1] <= seen[1] + near;
-        if tight || depth == HALVINGS || budget == 0 {
+        if tight || depth == MAX_RANGE_HALVINGS || budget == 0 {
             range = [range[0].min(hull[0] - near), range[1].max(hull[1] + near)];
         } else {
             let middle = curve.angle((part[0] + part[1]) / 2.0);
@@ -56,18 +56,18 @@ fn part(depth: u8, index: u32) -> [f64; 2] {
 /// that is near enough; `None` if they are not finite.
 fn hull(curve: &Curve<f64>, part: [f64; 2]) -> Option<([f64; 2], f64)> {
     let (angles, near) = match curve {
-        Curve::Angle(angle) => (restrict(angle, part), NEAR * (1.0 + sizes(angle)[0])),
+        Curve::Angle(angle) => (restrict(angle, part), TIGHT_RAD * (1.0 + sizes(angle)[0])),
         Curve::HalfAngle { cos, sin } => {
             let (cos, sin) = (restrict(cos, part), restrict(sin, part));
             if cos.iter().any(|c| *c < 0.0) {
                 // With control points on both sides of the pole no angle is excluded.
                 let all = 2.0 * core::f64::consts::PI;
-                ([-all, all, -all, all], NEAR)
+                ([-all, all, -all, all], TIGHT_RAD)
             } else {
                 let angle = |k: usize| 2.0 * sin[k].atan2(cos[k]);
                 (
                     [0, 1, 2, 3].map(angle),
-                    NEAR * (1.0 + core::f64::consts::PI),
+                    TIGHT_RAD * (1.0 + core::f64::consts::PI),
                 )
             }
         }
@@ -81,8 +81,9 @@ fn hull(curve: &Curve<f64>, part: [f64; 2]) -> Option<([f64; 2], f64)> {
 /// Returns a bound on |dρ/ds| (radians) over the segment; infinite if the curve is not finite or its weights vanish.
 #[must_use]
 pub fn rate(curve: &Curve<f64>) -> f64 {
-    let parts = (0..PARTS).map(|index| [index, index + 1].map(|k| f64::from(k) / f64::from(PARTS)));
-    let rates = parts.map(|part| rate_over(curve, part) * f64::from(PARTS));
+    let parts = (0..RATE_PARTS)
+        .map(|index| [index, index + 1].map(|k| f64::from(k) / f64::from(RATE_PARTS)));
+    let rates = parts.map(|part| rate_over(curve, part) * f64::from(RATE_PARTS));
     let worst = rates.fold(
         0.0,
         |worst: f64, rate| {

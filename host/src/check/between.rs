@@ -8,9 +8,10 @@ use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::lattice::Lattice;
 use crate::motion::Motion;
 use crate::progress::Watch;
-use crate::symmetry::{Lattice, ReducedStars};
+use crate::symmetry::ReducedStars;
 
 /// Number of queries of pairs of faces for a path that is known to fail, whose motion may be absurd.
 const ENOUGH_LOOKS: u64 = 200_000;
@@ -117,7 +118,7 @@ pub(super) fn check_crossings(
     };
     let failed = !verdict.failures.is_empty();
     if failed {
-        options.max_looks = options.max_looks.min(ENOUGH_LOOKS);
+        options.max_queries = options.max_queries.min(ENOUGH_LOOKS);
     }
     let members = motion.groups.memberships();
     let large = pattern.faces().len() > MANY_FACES && !failed;
@@ -125,9 +126,10 @@ pub(super) fn check_crossings(
     if let Some(lattice) = &lattice
         && options.gap > options.tolerance
     {
-        options.astray = lattice.astray(pattern, verdict.closure_bound());
+        options.lattice_deviation = lattice.lattice_deviation(pattern, verdict.closure_bound());
     }
-    let lattice = lattice.filter(|_| options.astray < SweepOptions::FAR_ASTRAY);
+    let lattice =
+        lattice.filter(|_| options.lattice_deviation < SweepOptions::FAR_FROM_LATTICE_EDGES);
     let sweep = match &lattice {
         Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
         None => Sweep::new(pattern, members, options),

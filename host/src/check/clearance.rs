@@ -5,10 +5,10 @@ use foldpath_core::Curve;
 use super::Measured;
 use super::merged_groups::MergedGroups;
 use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict, rounding};
+use crate::lattice::Lattice;
 use crate::motion::{Knot, Motion};
 use crate::pattern::FaceId;
 use crate::progress::Watch;
-use crate::symmetry::Lattice;
 
 /// Number of faces above which only sheets with a lattice are judged, in which one pair stands for many.
 const MANY_FACES: usize = 2000;
@@ -78,11 +78,11 @@ pub(crate) fn clearances_until_over(
     if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {
         return unknown;
     }
-    let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_looks| {
+    let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_queries| {
         let options = SweepOptions {
             gap,
             rounding: rounding(rounded),
-            max_looks,
+            max_queries,
             ..SweepOptions::default()
         };
         let sweep = match &lattice {

@@ -4,7 +4,7 @@ use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 use super::{CheckOptions, Measured, SAME_ANGLE, Verdict};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree, deformation, sheets_laid_on};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree, align_sheets, deformation};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
@@ -76,7 +76,7 @@ fn closure(path: &Motion, knot: usize) -> (f64, Option<VertexId>) {
 
 /// Returns the largest distance of a vertex between two shapes, after rigid registration of each sheet.
 fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    let laid = sheets_laid_on(pattern, a, b);
+    let laid = align_sheets(pattern, a, b);
     let pairs = laid.iter().zip(b).zip(pattern.corners().iter());
     let used = pairs.filter(|(_, faces)| !faces.is_empty());
     let distances = used.map(|((a, b), _)| (a - b).norm());

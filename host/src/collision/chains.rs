@@ -6,11 +6,8 @@ use std::collections::BinaryHeap;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
+use super::tolerances::{MAX_FACES_OF_DISTANCES, PARALLEL_RAD, TURNING_COST};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
-
-/// Largest angle between creases that count as parallel, radians: such an error moves points a thousand edges
-/// away by less than the depth that counts as a crossing.
-const PARALLEL: f64 = 1e-10;
 
 /// A crease of a chain, or two creases that turn by opposite angles about parallel lines: the part beyond such
 /// a pair does not turn, but moves on a circle whose radius is the distance of the lines.
@@ -24,8 +21,7 @@ pub(super) struct Link {
     pub(super) places: [(u32, bool); 2],
 }
 
-/// A chain as a range of the list of links: its single creases in order (`start..pairs`), and its pairs
-/// (`pairs..end`).
+/// A chain as a range of the list of links: its single creases in order (`start..pairs`), and its pairs (`pairs..end`).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     start: usize,
@@ -48,7 +44,7 @@ impl Crossed {
     fn undone_by(&self, later: &Self) -> bool {
         let (along, across) = (self.axis.dot(&later.axis), self.axis.perp(&later.axis));
         let opposite = (self.member.negative != later.member.negative) == (along > 0.0);
-        self.member.group == later.member.group && across.abs() <= PARALLEL && opposite
+        self.member.group == later.member.group && across.abs() <= PARALLEL_RAD && opposite
     }
 }
 
@@ -67,11 +63,6 @@ pub(super) struct Chains<'a> {
     crossed: Vec<Crossed>,
     way: Vec<(EdgeId, FaceId)>,
 }
-
-/// Largest number of faces for which the distances between all faces are kept: 2^24 numbers.
-const MANY: usize = 1 << 12;
-/// Cost of crossing a crease that turns; crossing another edge costs 1.
-const TURNING: u32 = 1 << 12;
 
 /// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with
 /// graphs", 1959.
@@ -105,11 +96,10 @@ impl Search {
 }
 
 impl<'a> Chains<'a> {
-    /// Creates an empty list of chains. If they are requested only for faces `near` each other, distances are
-    /// not kept.
+    /// Creates an empty list of chains. If they are requested only for faces `near` each other, distances are not kept.
     pub(super) fn new(pattern: &CreasePattern, memberships: &'a [Membership], near: bool) -> Self {
         let faces = pattern.faces().len();
-        let keeps = !near && faces <= MANY;
+        let keeps = !near && faces <= MAX_FACES_OF_DISTANCES;
         Self {
             memberships,
             still: Vec::new(),
@@ -229,8 +219,7 @@ impl<'a> Chains<'a> {
         })
     }
 
-    /// Finds the distances to `to` from all faces, or from the faces up to `from`; round a vertex, if one is
-    /// given.
+    /// Finds the distances to `to` from all faces, or from the faces up to `from`; round a vertex, if one is given.
     fn search(
         &mut self,
         pattern: &CreasePattern,
@@ -262,7 +251,11 @@ impl<'a> Chains<'a> {
         let crease = pattern.edge(edge).crease;
         let member = crease.and_then(|crease| self.memberships.get(crease.index()));
         let still = member.and_then(|member| self.still.get(member.group.index()));
-        if still == Some(&false) { TURNING } else { 1 }
+        if still == Some(&false) {
+            TURNING_COST
+        } else {
+            1
+        }
     }
 
     /// Crosses an edge to the face beyond: appends its crease, or pairs it with the last one.

@@ -20,8 +20,7 @@ pub(super) struct Turn {
     pub(super) about: Vector3<f64>,
 }
 
-/// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`),
-/// radians.
+/// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`), radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Change {
     pub(super) by: f64,

@@ -6,8 +6,7 @@
 
 use nalgebra::Vector3;
 
-/// Distance from a plane, in tolerances, up to which a corner is close to it.
-const CLOSE: f64 = 1e3;
+use super::tolerances::CLOSE_TO_PLANE_RATIO;
 
 /// A convex planar polygon in space.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +32,7 @@ impl ConvexPiece<'_> {
             reach.low = reach.low.min(distance);
             reach.high = reach.high.max(distance);
             reach.touching += u32::from(distance.abs() <= tolerance);
-            reach.close += u32::from(distance.abs() <= CLOSE * tolerance);
+            reach.close += u32::from(distance.abs() <= CLOSE_TO_PLANE_RATIO * tolerance);
         }
         reach
     }
@@ -89,13 +88,12 @@ pub(super) struct Reach {
     high: f64,
     /// Number of corners in the plane, within the tolerance.
     touching: u32,
-    /// Number of corners within `CLOSE` tolerances of the plane.
+    /// Number of corners within `CLOSE_TO_PLANE_RATIO` tolerances of the plane.
     close: u32,
 }
 
 impl Reach {
-    /// Returns the smaller of the piece's extents on the two sides of the plane, not positive if it is on one
-    /// side.
+    /// Returns the smaller of the piece's extents on the two sides of the plane, not positive if it is on one side.
     fn depth(self) -> f64 {
         self.high.min(-self.low)
     }

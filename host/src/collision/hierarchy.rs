@@ -1,11 +1,11 @@
-//! Hierarchy of clusters for the bounding spheres of a sweep: clusters of adjacent pieces, and clusters of
-//! clusters.
+//! Hierarchy of clusters for the bounding spheres of a sweep: clusters of adjacent pieces, and clusters of clusters.
 //!
 //! Made once from the flat sheet; only the spheres round the clusters change along a motion.
 
 use nalgebra::{Vector2, Vector3};
 
 use super::pieces::Pieces;
+use super::tolerances::MAX_CIRCLE_CORNERS;
 use crate::pattern::FaceId;
 
 /// A sphere in space.
@@ -142,8 +142,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Returns the neighbour of a cluster with the nearest centre; one not yet joined on this level, if there
-    /// is one.
+    /// Returns the neighbour of a cluster with the nearest centre; one not yet joined on this level, if there is one.
     fn partner(&self, node: u32, fresh: usize) -> Option<u32> {
         let members = &self.members[node as usize];
         let joints = members.iter().flat_map(|&p| self.pieces.joints(p));
@@ -192,17 +191,11 @@ impl Builder<'_> {
     }
 }
 
-/// Number of corners up to which circles round the middle of two corners are tried.
-const FEW_CORNERS: usize = 8;
-
 /// Returns centre and radius of a circle round some points: the smallest of those round the middle of two
 /// points or the mean of all.
 pub(super) fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
-    let few = &points[..if points.len() > FEW_CORNERS {
-        0
-    } else {
-        points.len()
-    }];
+    let count = Some(points.len()).filter(|&count| count <= MAX_CIRCLE_CORNERS);
+    let few = &points[..count.unwrap_or_default()];
     let pairs = few.iter().enumerate().flat_map(|(k, a)| {
         let before = few[..k].iter();
         before.map(move |b| (a + b) / 2.0)

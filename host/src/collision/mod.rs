@@ -6,26 +6,25 @@
 //! of pieces whose boxes overlap, and the narrow phase, [`crossing_depth`], judges each of these pairs. A
 //! [`Sweep`] judges a whole motion by conservative advancement.
 
-mod cells;
 mod chains;
+mod comoving_faces;
 mod contact;
-mod course;
 mod crossing;
 mod hierarchy;
-mod lattice_scene;
+mod interval_broad_phase;
+mod lattice;
 mod layers;
+mod lazy_folding;
 mod motion;
-mod near_cells;
 mod pieces;
 mod scene;
 mod separation;
-mod sheet;
 mod sweep;
-mod together;
+mod tolerances;
 mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
-pub use lattice_scene::LatticeScene;
+pub use lattice::LatticeScene;
 pub use pieces::rounding;
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;

@@ -7,23 +7,14 @@ use foldpath_core::bernstein::restrict;
 use foldpath_core::{Curve, HalfAngle, Membership};
 
 use super::contact::Change;
+use super::tolerances::{
+    MAX_TABLE_ENTRIES, SMALL_PARTS, STEP_MULTIPLES, STILL_RAD, TABULATED_TIMES,
+};
 use super::variation::Variation;
-use crate::folding::{Bend, Stretch};
+use crate::lattice::{AngleVariation, Stretch};
 
 /// log2 of the number of ticks in a segment.
 const TICKS: u32 = 36;
-/// Approximate number of tabulated times in the whole motion; their number in a segment is a power of two.
-const TABULATED: usize = 64;
-/// Largest number of entries of the table, unless one time per segment takes more.
-const MOST_TABULATED: usize = 1 << 16;
-/// Number of multiples of the step's length among which the next time is chosen, so that the queries of
-/// different pairs coincide.
-const PLACES: u64 = 4;
-/// Number of small parts of the interval between tabulated times.
-const SMALL_PARTS: u32 = 64;
-
-/// Largest variation of a group over a segment, radians, for which the group counts as still.
-const STILL: f64 = 1e-9;
 
 /// A time, in units of 2^-36 segments.
 pub(super) type Tick = u64;
@@ -31,8 +22,7 @@ pub(super) type Tick = u64;
 /// Length of a segment, ticks.
 pub(super) const SEGMENT: Tick = 1 << TICKS;
 
-/// Levers: how far the points of two bodies may approach each other per radian of variation of each crease
-/// group.
+/// Levers: how far the points of two bodies may approach each other per radian of variation of each crease group.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
     per_group: Vec<f64>,
@@ -97,7 +87,8 @@ impl Motion {
             (0..groups).map(move |group| Variation::new(curve(segment, group)))
         });
         let count = segments.len().max(1);
-        let most = (MOST_TABULATED / (groups.max(1) * count)).min(TABULATED.div_ceil(count));
+        let most =
+            (MAX_TABLE_ENTRIES / (groups.max(1) * count)).min(TABULATED_TIMES.div_ceil(count));
         let per_segment = 1_u32 << most.max(1).ilog2();
         let mut motion = Self {
             segments: segments.len(),
@@ -143,7 +134,7 @@ impl Motion {
             .iter()
             .skip(segment * self.groups)
             .take(self.groups);
-        let still: Vec<bool> = variations.map(|v| v.until(1.0) <= STILL).collect();
+        let still: Vec<bool> = variations.map(|v| v.until(1.0) <= STILL_RAD).collect();
         if still.contains(&true) {
             still
         } else {
@@ -291,8 +282,7 @@ impl Motion {
         index as Tick * self.stride
     }
 
-    /// Returns the rest of the interval between tabulated times that contains a time; empty at a tabulated
-    /// time.
+    /// Returns the rest of the interval between tabulated times that contains a time; empty at a tabulated time.
     pub(super) fn rest(&self, tick: Tick) -> Stretch {
         let next = self.index(tick + self.stride - 1);
         let rest = self.tick(next) - tick;
@@ -346,8 +336,7 @@ impl Motion {
         self.tick(index) + self.stride / 2
     }
 
-    /// Returns the curves of the groups over each segment, with the position of the segment's last tabulated
-    /// time.
+    /// Returns the curves of the groups over each segment, with the position of the segment's last tabulated time.
     pub(super) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
         let all = self.variations.chunks(self.groups.max(1)).enumerate();
         all.map(|(segment, variations)| {
@@ -360,16 +349,16 @@ impl Motion {
     }
 
     /// Computes the variation of each group from a tabulated time to the next.
-    pub(super) fn bends(&self, index: usize, bends: &mut Vec<Bend>) {
+    pub(super) fn angle_variations(&self, index: usize, variations: &mut Vec<AngleVariation>) {
         let (segment, s) = self.place(self.tick(index));
         let end = s + 1.0 / self.per_segment();
-        bends.clear();
-        bends.extend((0..self.groups).map(|group| {
+        variations.clear();
+        variations.extend((0..self.groups).map(|group| {
             let row = |index: usize| self.table[index * self.groups + group];
             let variation = &self.variations[segment * self.groups + group];
-            Bend {
-                varied: row(index + 1) - row(index),
-                off: variation.bulge(s, end),
+            AngleVariation {
+                total: row(index + 1) - row(index),
+                nonlinearity: variation.bulge(s, end),
             }
         }));
     }
@@ -449,7 +438,7 @@ impl Motion {
         let guess = (allowance / (self.moved(levers, next) - start) * (next - from) as f64) as u64;
         let mut unit = 1 << guess.clamp(1, self.stride).ilog2();
         loop {
-            let places = (1..=PLACES).rev().map(|k| (from / unit + k) * unit);
+            let places = (1..=STEP_MULTIPLES).rev().map(|k| (from / unit + k) * unit);
             let reached = places
                 .filter(|&tick| tick < next)
                 .find(|&tick| self.moved(levers, tick) - start <= allowance);

@@ -5,15 +5,8 @@ use core::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
+use super::tolerances::{CHAIN_GAP_RATIO, MAX_ROUNDING_EDGES};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
-
-/// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
-pub(super) const CROSSING: f64 = 1e-6;
-/// Ratio of the displacement allowed to faces that share no point of the flat sheet to the gap of the sheet:
-/// gaps add up along the chain of faces from one to the other.
-const FARTHER: f64 = 10.0;
-/// Largest displacement that is attributed to rounded coordinates, in median edges.
-const ROUNDED: f64 = 1e-3;
 
 /// Returns the additional depth, in median edges, up to which faces that share no point of the flat sheet may
 /// overlap in a sheet torn by `gap` (in median edges, too).
@@ -25,7 +18,7 @@ pub fn rounding(gap: f64) -> f64 {
     if gap.is_nan() {
         return 0.0;
     }
-    (FARTHER * gap).min(ROUNDED)
+    (CHAIN_GAP_RATIO * gap).min(MAX_ROUNDING_EDGES)
 }
 
 /// A convex part of a face.
@@ -59,8 +52,7 @@ pub(super) struct Pieces {
     /// Vertex of each corner (`vertices`), and its position in the flat sheet (`flat`).
     pub(super) vertices: Vec<VertexId>,
     pub(super) flat: Vec<Vector2<f64>>,
-    /// For each face its range of `list`: first piece and one past the last; `[0, 0]` if the face was not
-    /// requested.
+    /// For each face its range of `list`: first piece and one past the last; `[0, 0]` if the face was not requested.
     of_faces: Vec<[u32; 2]>,
     joints: Vec<Joint>,
     /// For each piece its range of `joints`, once `join` has found them.
@@ -132,8 +124,7 @@ impl Pieces {
         self.joints_of.push(None);
     }
 
-    /// Finds the sides that a piece shares with others. Faces of the others are cut if this has not been done
-    /// yet.
+    /// Finds the sides that a piece shares with others. Faces of the others are cut if this has not been done yet.
     pub(super) fn join(&mut self, pattern: &CreasePattern, piece: u32) {
         if self.joints_of[piece as usize].is_some() {
             return;
@@ -278,9 +269,8 @@ impl<'a> Placed<'a> {
         self.depth_beyond([a, b], stands, tolerance)
     }
 
-    /// Returns the depth to which the pieces cross without the pieces joined to them. If that is 0, the flag of
-    /// a piece is `true` if the piece stands on the other one, so that pieces joined to it may lie on the other
-    /// side.
+    /// Returns the depth to which the pieces cross without the pieces joined to them. If that is 0, the flag of a piece
+    /// is `true` if the piece stands on the other one, so that pieces joined to it may lie on the other side.
     #[inline]
     pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
         let [first, second] = pair.map(|index| self.piece(index));
@@ -296,8 +286,7 @@ impl<'a> Placed<'a> {
         (depth, reaches.map(|reach| reach.stands(tolerance)))
     }
 
-    /// Returns the depth to which pieces that stand on the other one cross it together with the pieces joined
-    /// to them.
+    /// Returns the depth to which pieces that stand on the other one cross it together with the pieces joined to them.
     #[inline]
     pub(super) fn depth_beyond(
         &self,

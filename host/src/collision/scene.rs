@@ -6,8 +6,9 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-use super::pieces::{CROSSING, Pieces, Placed};
+use super::pieces::{Pieces, Placed};
 use super::separation::distance;
+use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -84,10 +85,9 @@ impl CollisionScene {
 
     /// Returns the deepest crossing under a folding map, if any.
     ///
-    /// If the map tears the sheet by a `gap` (in median edges), faces that meet in a vertex cross only if they
-    /// are deeper in each other than the gap. Other faces cross only if they are deeper than the
-    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes
-    /// overlap.
+    /// If the map tears the sheet by a `gap` (in median edges), faces that meet in a vertex cross only if they are
+    /// deeper in each other than the gap. Other faces cross only if they are deeper than the
+    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes overlap.
     pub fn deepest_crossing(
         &mut self,
         map: &FoldingMap,
@@ -98,7 +98,7 @@ impl CollisionScene {
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
         let unit = self.median_edge;
-        let tolerance = CROSSING * unit;
+        let tolerance = CROSSING_DEPTH_EDGES * unit;
         let pieces = &self.pieces;
         let placed = Placed {
             pieces,

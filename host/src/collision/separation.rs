@@ -1,21 +1,16 @@
-//! Distance between two convex planar polygons: in space, and as an angle between sectors round a common
-//! corner.
+//! Distance between two convex planar polygons: in space, and as an angle between sectors round a common corner.
 
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
-
-/// Relative slack for rounding: a point that is behind a side by no more than this ratio of its length and
-/// offset counts as ahead of it.
-const ROUNDING: f64 = 1e-9;
+use super::tolerances::SIDE_ROUNDING_RATIO;
 
 /// Returns the distance between two pieces; 0 if they intersect.
 ///
-/// Pieces that do not intersect are nearest to each other at two sides, or at a corner of one and the interior
-/// of the other. A side that has all of the other piece behind it needs no test: the part of a piece nearest to
-/// a point is a side that has the point ahead of it, or the interior if the point lies over or under it. Sides
-/// farther from the other's plane than the distance found so far need no test either. Cost: O(product of
-/// corners).
+/// Pieces that do not intersect are nearest to each other at two sides, or at a corner of one and the interior of the
+/// other. A side that has all of the other piece behind it needs no test: the part of a piece nearest to a point is a
+/// side that has the point ahead of it, or the interior if the point lies over or under it. Sides farther from the
+/// other's plane than the distance found so far need no test either. Cost: O(product of corners).
 #[must_use]
 pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
     let (ahead_of_a, over_a) = ahead(a, b);
@@ -76,7 +71,7 @@ fn ahead(piece: &ConvexPiece<'_>, other: &ConvexPiece<'_>) -> (Sides, bool) {
             least = if out < least { out } else { least };
             most = if out > most { out } else { most };
         }
-        let slack = ROUNDING * (along.norm_squared() + limit.abs());
+        let slack = SIDE_ROUNDING_RATIO * (along.norm_squared() + limit.abs());
         if most >= limit - slack && side < 64 {
             found |= 1 << side;
         }

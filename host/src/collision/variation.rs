@@ -10,13 +10,7 @@ use foldpath_core::Curve;
 use foldpath_core::bernstein::{differences, halves, max_coefficient, max_difference, restrict};
 
 use super::contact::Change;
-
-/// Number of successive subdivisions of a curve that is not proved to be monotone.
-const CUTS: u32 = 8;
-
-/// Number of bisections in the search for the place where a hinge turns past half a turn: to a millionth of a
-/// segment.
-const HALVINGS: u32 = 20;
+use super::tolerances::{MAX_BISECTIONS, MAX_COEFFICIENT, MAX_SUBDIVISIONS};
 
 /// A part of a segment from `start` on.
 #[derive(Clone, Copy, Debug)]
@@ -35,9 +29,6 @@ enum Kind {
     Rate(f64),
 }
 
-/// Largest coefficient of a curve: squares of sums of squares are still finite.
-const LARGEST: f64 = 1e75;
-
 /// The variation of one fold angle over one segment, or a little more than that.
 #[derive(Clone, Debug)]
 pub(super) struct Variation {
@@ -51,14 +42,13 @@ impl Variation {
             curve,
             parts: Vec::with_capacity(1),
         };
-        variation.add(&Rates::of(&curve), [0.0, 1.0], 0.0, CUTS);
+        variation.add(&Rates::of(&curve), [0.0, 1.0], 0.0, MAX_SUBDIVISIONS);
         variation
     }
 
-    /// Returns `true` if the coefficients of the curve are finite, and so small that their squares are finite
-    /// too.
+    /// Returns `true` if the coefficients of the curve are finite, and so small that their squares are finite too.
     pub(super) fn is_finite(&self) -> bool {
-        let finite = |b: &[f64; 4]| b.iter().all(|b| b.abs() <= LARGEST);
+        let finite = |b: &[f64; 4]| b.iter().all(|b| b.abs() <= MAX_COEFFICIENT);
         match &self.curve {
             Curve::Angle(angle) => finite(angle),
             Curve::HalfAngle { cos, sin } => finite(cos) && finite(sin),
@@ -67,7 +57,7 @@ impl Variation {
 
     /// Returns the first place found at which the angle exceeds half a turn by more than `slack` radians.
     pub(super) fn overturned(&self, slack: f64) -> Option<f64> {
-        self.overturned_in(&Rates::of(&self.curve), [0.0, 1.0], slack, HALVINGS)
+        self.overturned_in(&Rates::of(&self.curve), [0.0, 1.0], slack, MAX_BISECTIONS)
     }
 
     fn overturned_in(
@@ -180,8 +170,7 @@ impl Rates {
         }
     }
 
-    /// Returns `true` if the coefficients prove that the angle exceeds half a turn by no more than `slack`
-    /// radians.
+    /// Returns `true` if the coefficients prove that the angle exceeds half a turn by no more than `slack` radians.
     fn stays_within(&self, slack: f64) -> bool {
         match self {
             Self::Angle(angle) => max_coefficient(angle) <= PI + slack,

@@ -9,11 +9,11 @@ use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, Stars
 
 use super::groups::HingeGroups;
 use crate::motion::Motion;
-use crate::numbers::largest;
 use crate::pattern::CreasePattern;
 use crate::planner::Overshoot;
 use crate::read::FileError;
 use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
+use crate::util::nan_max::largest;
 
 /// A path encoded as a `.traj` file.
 #[derive(Clone, Debug, PartialEq)]

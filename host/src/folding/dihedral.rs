@@ -18,8 +18,7 @@ pub struct Dihedral {
 }
 
 impl Dihedral {
-    /// Returns the dihedrals at all edges between two faces, in the order of the edges, then those at
-    /// diagonals.
+    /// Returns the dihedrals at all edges between two faces, in the order of the edges, then those at diagonals.
     #[must_use]
     pub fn all(pattern: &CreasePattern) -> Vec<Self> {
         let triangles = pattern.triangles().items().iter();
@@ -57,9 +56,8 @@ impl Dihedral {
     }
 }
 
-/// Returns the fold angle at a side from the normals left and right of the side, of any length: radians from -π
-/// to π, valley positive. Sine and cosine are both used, so that digits are lost neither near 0 nor near half a
-/// turn.
+/// Returns the fold angle at a side from the normals left and right of the side, of any length: radians from -π to π,
+/// valley positive. Sine and cosine are both used, so that digits are lost neither near 0 nor near half a turn.
 pub(crate) fn fold_angle(left: &Vector3<f64>, right: &Vector3<f64>, side: &Vector3<f64>) -> f64 {
     let sine = right.cross(left).dot(side) / side.norm();
     sine.atan2(right.dot(left))

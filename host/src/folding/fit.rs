@@ -4,10 +4,10 @@ use nalgebra::{Matrix3, MatrixXx3, Rotation3, Vector3};
 
 use crate::pattern::CreasePattern;
 
-/// Returns the shape `a` of a pattern's vertices moved rigidly onto its shape `b`, each sheet on its own.
-/// Vertices without a face stay where they are.
+/// Aligns the shape `a` of a pattern's vertices with its shape `b`: moves each sheet rigidly on its own, with least
+/// squared distances. Vertices without a face stay where they are.
 #[must_use]
-pub fn sheets_laid_on(
+pub fn align_sheets(
     pattern: &CreasePattern,
     a: &[Vector3<f64>],
     b: &[Vector3<f64>],
@@ -15,7 +15,7 @@ pub fn sheets_laid_on(
     let mut laid = a.to_vec();
     for sheet in vertices_of_sheets(pattern) {
         let of = |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };
-        for (&vertex, point) in sheet.iter().zip(laid_on(&of(a), &of(b))) {
+        for (&vertex, point) in sheet.iter().zip(align_rigid(&of(a), &of(b))) {
             laid[vertex] = point;
         }
     }
@@ -34,9 +34,9 @@ pub(crate) fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
     sheets
 }
 
-/// Returns the points of `a` moved rigidly onto those of `b`, with least squared distances.
+/// Aligns the points of `a` with those of `b`: moves all of them rigidly, with least squared distances.
 #[must_use]
-pub fn laid_on(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+pub fn align_rigid(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let (r_ba, [a_center, b_center]) = fit(a, b);
     a.iter().map(|a| r_ba * (a - a_center) + b_center).collect()
 }
@@ -61,7 +61,7 @@ pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f6
     };
     let covariance: Matrix3<f64> = pairs().map(|(a, b)| a * b.transpose()).sum();
     let mut r_ba = rotation(&covariance);
-    for _ in 0..MENDINGS {
+    for _ in 0..NEWTON_STEPS {
         let (mut curvature, mut slope) = (Matrix3::zeros(), Vector3::zeros());
         for (a, b) in pairs() {
             let turned = r_ba * a;
@@ -80,7 +80,7 @@ pub fn fit(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> (Matrix3<f64>, [Vector3<f6
 
 /// Number of Newton steps that refine a fit: if widths are a ten-thousandth of lengths, each step leaves a
 /// ten-thousandth of the error.
-const MENDINGS: usize = 2;
+const NEWTON_STEPS: usize = 2;
 
 /// Returns the rotation of Kabsch's method.
 fn rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
@@ -115,15 +115,15 @@ mod tests {
             let distances = laid.iter().zip(&shape).map(|(a, b)| (a - b).norm());
             distances.fold(0.0, f64::max)
         };
-        assert!(worst(laid_on(&moved, &shape)) < 1e-14);
+        assert!(worst(align_rigid(&moved, &shape)) < 1e-14);
         let mirrored = moved.map(|p| Vector3::new(-p.x, p.y, p.z));
-        assert!(worst(laid_on(&mirrored, &shape)) > 0.1);
+        assert!(worst(align_rigid(&mirrored, &shape)) > 0.1);
     }
 
     #[test]
     fn what_is_no_number_is_laid_nowhere() {
         let shape = [[0., 0., 0.], [1., 0., 0.], [0., f64::NAN, 0.]].map(Vector3::from);
-        assert!(laid_on(&shape, &shape).iter().any(|p| p.x.is_nan()));
+        assert!(align_rigid(&shape, &shape).iter().any(|p| p.x.is_nan()));
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
             let shape = shape.map(Vector3::from);
             let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.0);
             let moved = shape.map(|p| turn * p + Vector3::new(5.0, -1.0, 0.5));
-            for (laid, there) in laid_on(&shape, &moved).iter().zip(&moved) {
+            for (laid, there) in align_rigid(&shape, &moved).iter().zip(&moved) {
                 assert!((laid - there).norm() < 1e-15 * length, "{length:e}");
             }
         }

@@ -5,17 +5,16 @@ use std::collections::VecDeque;
 use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::{CreasePattern, VertexId};
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// The vertices and holes enclosed by each loop of faces that the spanning tree closes.
 ///
-/// Faces joined by a step of the spanning tree fit. Faces at an edge that no step crosses are joined the long
-/// way round, by a loop of faces. Their mismatch is the composition of the misclosures of the real vertices and
-/// holes inside the loop. The misclosure of a vertex with residual r is a rotation about an axis through the
-/// vertex, and moves a point at distance d from the vertex by at most |r| d. The misclosure of a hole moves a
-/// point at distance d from the hole's middle by at most |r| d + |t|, with t the residual of translation times
-/// the size of the loop. A composition of isometries moves a point by no more than the sum of their
-/// displacements.
+/// Faces joined by a step of the spanning tree fit. Faces at an edge that no step crosses are joined the long way
+/// round, by a loop of faces. Their mismatch is the composition of the misclosures of the real vertices and holes
+/// inside the loop. The misclosure of a vertex with residual r is a rotation about an axis through the vertex, and
+/// moves a point at distance d from the vertex by at most |r| d. The misclosure of a hole moves a point at distance d
+/// from the hole's middle by at most |r| d + |t|, with t the residual of translation times the size of the loop. A
+/// composition of isometries moves a point by no more than the sum of their displacements.
 ///
 /// If every hole is contracted to one of its points, the edges that no step crosses form a forest: each tree
 /// hangs on one vertex of the outer border, and the loop of an edge encloses the vertices and holes below that
@@ -35,7 +34,7 @@ pub struct Holonomy {
     /// Edges of the forest, each before those below it.
     hanging: Vec<Hanging>,
     holes: Vec<Hole>,
-    rims: Ragged<VertexId>,
+    rims: Csr<VertexId>,
     vertices: usize,
     median_edge: f64,
     struts: Vec<([VertexId; 2], f64)>,
@@ -71,7 +70,7 @@ impl Holonomy {
             .collect();
         let uncrossed = group_by_key(vertices, &pairs);
         let ways = pattern.holes().iter();
-        let rims: Ragged<VertexId> = ways
+        let rims: Csr<VertexId> = ways
             .map(|way| {
                 let mut rim: Vec<_> = way.iter().map(|passage| passage.at).collect();
                 rim.dedup();

@@ -4,12 +4,12 @@ use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::CreasePattern;
 
-/// Rounding errors of a step of the folding map, in ε per length: of a rotated vector by half angle, axis,
-/// product and normalisation of quaternions (`TURN`), of one rotation of the pivot (`ROTATE`), and of sums
-/// (`SUM`).
-const TURN: f64 = 16.0;
-const ROTATE: f64 = 8.0;
-const SUM: f64 = 2.0;
+/// Rounding errors of a step of the folding map, in units of ε times the length: of a rotated vector by half angle,
+/// axis, product and normalisation of quaternions (`TURN_EPS`), of one rotation of the pivot (`PIVOT_EPS`), and of sums
+/// (`SUM_EPS`).
+const TURN_EPS: f64 = 16.0;
+const PIVOT_EPS: f64 = 8.0;
+const SUM_EPS: f64 = 2.0;
 
 /// Bounds the gap, deformation and twist that [`FoldingMap`](super::FoldingMap) may show for a sheet that folds
 /// rigidly.
@@ -44,9 +44,9 @@ pub fn rounding(pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
         }
         let way = (step.pivot - parent.pivot).norm();
         let (reach, arm) = (parent.reach + way, step.pivot.norm());
-        let rounded = 2.0 * ROTATE * arm + SUM * (2.0 * arm + reach);
+        let rounded = 2.0 * PIVOT_EPS * arm + SUM_EPS * (2.0 * arm + reach);
         lost[step.face.index()] = Lost {
-            turn: parent.turn + TURN * f64::EPSILON,
+            turn: parent.turn + TURN_EPS * f64::EPSILON,
             shift: parent.shift + parent.turn * way + rounded * f64::EPSILON,
             pivot: step.pivot,
             reach,
@@ -64,7 +64,7 @@ pub fn rounding(pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
                     reach,
                 } = lost[face.index()];
                 let way = (place - pivot).norm();
-                let rounded = ROTATE * place.norm() + SUM * (reach + way);
+                let rounded = PIVOT_EPS * place.norm() + SUM_EPS * (reach + way);
                 shift + turn * way + rounded * f64::EPSILON
             });
             each.fold(0.0, f64::max)
@@ -78,6 +78,6 @@ pub fn rounding(pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
     Rigidity {
         deformation: pattern.struts().map(strain).fold(0.0, f64::max),
         gap: 2.0 * moved.iter().copied().fold(0.0, f64::max) / pattern.median_edge(),
-        twist: 2.0 * (turn + TURN * f64::EPSILON),
+        twist: 2.0 * (turn + TURN_EPS * f64::EPSILON),
     }
 }

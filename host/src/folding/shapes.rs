@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{FoldingMap, SpanningTree, sheets_laid_on};
+use super::{FoldingMap, SpanningTree, align_sheets};
 use crate::motion::Motion;
-use crate::numbers::largest;
+use crate::util::nan_max::largest;
 
 /// Largest turn of a hinge from one shape to the next, radians, where vertices are drawn on straight lines between
 /// shapes: the drawn sheet is then shorter than the real one by a thousandth.
@@ -19,7 +19,7 @@ pub fn shapes(motion: &Motion) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     let tree = SpanningTree::from_central_face(pattern);
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
     (0..motion.knots.len()).scan(flat, move |before, knot| {
-        *before = sheets_laid_on(pattern, &positions(motion, &tree, knot), before);
+        *before = align_sheets(pattern, &positions(motion, &tree, knot), before);
         Some(before.clone())
     })
 }

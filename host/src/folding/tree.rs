@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 
 use super::holonomy::Holonomy;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
 
 /// One step of the tree: a face reached from its parent across an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl SpanningTree {
     pub fn diverse(pattern: &CreasePattern) -> [Self; 4] {
         let around = pattern.neighbours();
         let backwards = around.iter().map(|faces| faces.iter().rev().copied());
-        let backwards: Ragged<_> = backwards.map(Iterator::collect::<Vec<_>>).collect();
+        let backwards: Csr<_> = backwards.map(Iterator::collect::<Vec<_>>).collect();
         [
             Self::from_faces(pattern, around, central),
             Self::from_faces(pattern, &backwards, central),
@@ -93,8 +93,8 @@ impl SpanningTree {
     /// Returns a breadth-first tree from a face of each sheet, which `root` finds from any face of the sheet.
     fn from_faces(
         pattern: &CreasePattern,
-        neighbours: &Ragged<(FaceId, EdgeId)>,
-        root: impl Fn(&Ragged<(FaceId, EdgeId)>, FaceId) -> FaceId,
+        neighbours: &Csr<(FaceId, EdgeId)>,
+        root: impl Fn(&Csr<(FaceId, EdgeId)>, FaceId) -> FaceId,
     ) -> Self {
         let mut tree = Self {
             roots: Vec::new(),
@@ -116,7 +116,7 @@ impl SpanningTree {
     fn grow(
         &mut self,
         pattern: &CreasePattern,
-        neighbours: &Ragged<(FaceId, EdgeId)>,
+        neighbours: &Csr<(FaceId, EdgeId)>,
         root: FaceId,
         done: &mut [bool],
     ) {
@@ -174,8 +174,7 @@ impl SpanningTree {
         &self.loops
     }
 
-    /// Returns the holonomy of the loops, for the pattern of which this is the tree. `None` as for
-    /// [`Holonomy::new`].
+    /// Returns the holonomy of the loops, for the pattern of which this is the tree. `None` as for [`Holonomy::new`].
     pub fn holonomy(&self, pattern: &CreasePattern) -> Option<&Holonomy> {
         let holonomy = self.holonomy.get_or_init(|| Holonomy::new(pattern, self));
         holonomy.as_ref()
@@ -189,17 +188,17 @@ impl SpanningTree {
 }
 
 /// Number of far corners of the sheet from which the central face is to be near.
-const CORNERS: usize = 4;
+const FAR_CORNERS: usize = 4;
 
 /// Returns a face of the sheet of `start` that is as far as possible from the central one.
-fn outer(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
+fn outer(neighbours: &Csr<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     let (sheet, _) = distances(neighbours, central(neighbours, start));
     sheet.last().copied().unwrap_or(start)
 }
 
 /// Returns a central face: the one whose greatest distance, in steps, from some far corners of the sheet is
 /// least. Each of these corners is chosen as far as possible from those before.
-fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
+fn central(neighbours: &Csr<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     let (sheet, from_start) = distances(neighbours, start);
     let farthest = |distance: &[u32]| {
         let far = sheet
@@ -210,7 +209,7 @@ fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     };
     let mut nearest_corner = from_start;
     let mut farthest_corner = vec![0; nearest_corner.len()];
-    for corner in 0..CORNERS {
+    for corner in 0..FAR_CORNERS {
         let (_, distance) = distances(neighbours, farthest(&nearest_corner));
         for face in &sheet {
             let (face, distance) = (face.index(), distance[face.index()]);
@@ -231,9 +230,8 @@ fn central(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> FaceId {
     least.unwrap_or(start)
 }
 
-/// Returns the faces of the sheet of `start` in breadth-first order, and the number of steps from `start` to
-/// each face.
-fn distances(neighbours: &Ragged<(FaceId, EdgeId)>, start: FaceId) -> (Vec<FaceId>, Vec<u32>) {
+/// Returns the faces of the sheet of `start` in breadth-first order, and the number of steps from `start` to each face.
+fn distances(neighbours: &Csr<(FaceId, EdgeId)>, start: FaceId) -> (Vec<FaceId>, Vec<u32>) {
     let mut order = vec![start];
     let mut distance = vec![u32::MAX; neighbours.len()];
     distance[start.index()] = 0;

@@ -51,7 +51,7 @@ impl Resch {
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
         check_size("rows", self.rows, 1)?;
         check_size("cols", self.columns, 1)?;
-        let mut sheet = Sheet::default();
+        let mut builder = DrawingBuilder::default();
         #[allow(clippy::cast_possible_truncation, reason = "at most 3000")]
         #[allow(clippy::cast_possible_wrap, reason = "at most 3000")]
         let (rows, columns) = (self.rows as i32, self.columns as i32);
@@ -66,11 +66,11 @@ impl Resch {
                 if is_star(star) {
                     for k in 0..3 {
                         let [corner, midpoint] = [CORNERS[k], MIDPOINTS[k]];
-                        sheet.crease([star, add(star, corner)], VALLEY);
-                        sheet.crease([star, add(star, midpoint)], MOUNTAIN);
+                        builder.crease([star, add(star, corner)], VALLEY);
+                        builder.crease([star, add(star, midpoint)], MOUNTAIN);
                         for other in [(k + 1) % 3, (k + 2) % 3] {
                             let half = [add(star, corner), add(star, MIDPOINTS[other])];
-                            sheet.side(half);
+                            builder.side(half);
                         }
                     }
                 }
@@ -79,13 +79,13 @@ impl Resch {
                     if touched >= 2 {
                         let [a, b, c] = triangle.map(|p| add(star, p));
                         for side in [[a, b], [b, c], [c, a]] {
-                            sheet.side(side);
+                            builder.side(side);
                         }
                     }
                 }
             }
         }
-        Ok(sheet.into_drawing())
+        Ok(builder.into_drawing())
     }
 }
 
@@ -93,15 +93,16 @@ fn add(a: Point, b: Point) -> Point {
     (a.0 + b.0, a.1 + b.1)
 }
 
+/// The drawing under construction, from points on a grid.
 #[derive(Default)]
-struct Sheet {
+struct DrawingBuilder {
     index: HashMap<Point, usize>,
     drawing: Drawing,
     /// Sides of stars and of triangles between them, each with the number of faces found at it so far.
     sides: BTreeMap<[usize; 2], usize>,
 }
 
-impl Sheet {
+impl DrawingBuilder {
     fn vertex(&mut self, point: Point) -> usize {
         let vertices = &mut self.drawing.vertices;
         *self.index.entry(point).or_insert_with(|| {

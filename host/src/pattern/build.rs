@@ -11,8 +11,8 @@ use super::triangulate::triangulate;
 use super::{
     CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
 };
-use crate::progress::Watch;
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
+use crate::util::progress::Watch;
 
 impl CreasePattern {
     /// Builds a crease pattern from a drawing. Cost: about linear.
@@ -87,14 +87,14 @@ impl CreasePattern {
             stars,
             real,
             corners,
-            neighbours: Ragged::default(),
+            neighbours: Csr::default(),
             triangles,
             diagonals,
             median_edge,
             drawn,
             slits,
             sheets: Vec::new(),
-            holes: Ragged::default(),
+            holes: Csr::default(),
             assumptions,
             repairs: Vec::new(),
         };
@@ -212,7 +212,7 @@ pub(crate) fn check_goal(
 }
 
 /// Returns the edges at each vertex, counter-clockwise from direction -π.
-fn sorted_stars(drawing: &Drawing) -> Ragged<EdgeId> {
+fn sorted_stars(drawing: &Drawing) -> Csr<EdgeId> {
     let edges = drawing.edges.iter().enumerate();
     let ends = edges.flat_map(|(edge, drawn)| {
         let [a, b] = drawn.ends;
@@ -240,7 +240,7 @@ fn turn(direction: Vector2<f64>) -> f64 {
 
 fn turn_counter_clockwise(
     drawing: &Drawing,
-    faces: &mut Ragged<VertexId>,
+    faces: &mut Csr<VertexId>,
 ) -> Result<(), PatternError> {
     for face in 0..faces.len() {
         let cycle = &mut faces[face];
@@ -285,8 +285,8 @@ fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
 /// Returns the faces to the left and right of each edge.
 fn edge_faces(
     drawing: &Drawing,
-    stars: &Ragged<EdgeId>,
-    faces: &Ragged<VertexId>,
+    stars: &Csr<EdgeId>,
+    faces: &Csr<VertexId>,
     places: &[usize],
 ) -> Result<EdgeFaces, PatternError> {
     // Searches the smaller of the two stars: over the edges of a planar graph these searches add up to linear time.
@@ -392,7 +392,7 @@ fn sides(
 
 /// Orders the edges of a star that have the same direction, as the two sides of a cut have at the cut's end. In
 /// counter-clockwise order the cut then lies between them.
-fn order_twins(drawing: &Drawing, stars: &mut Ragged<EdgeId>, edge_faces: &EdgeFaces) {
+fn order_twins(drawing: &Drawing, stars: &mut Csr<EdgeId>, edge_faces: &EdgeFaces) {
     for vertex in 0..stars.len() {
         let star = &mut stars[vertex];
         let far_end = |edge: EdgeId| {
@@ -411,7 +411,7 @@ fn order_twins(drawing: &Drawing, stars: &mut Ragged<EdgeId>, edge_faces: &EdgeF
 /// Checks that consecutive edges round a vertex have the same face, or no face, between them.
 fn check_stars(
     drawing: &Drawing,
-    stars: &Ragged<EdgeId>,
+    stars: &Csr<EdgeId>,
     edge_faces: &EdgeFaces,
 ) -> Result<(), PatternError> {
     for (vertex, star) in stars.iter().enumerate() {
@@ -429,7 +429,7 @@ fn check_stars(
 }
 
 /// Returns for each vertex `true` if it is inside the sheet: it has edges, and all have faces on both sides.
-fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
+fn real_vertices(stars: &Csr<EdgeId>, edges: &[Edge]) -> Vec<bool> {
     let inside = |star: &[EdgeId]| {
         let mut edges = star.iter().map(|edge| &edges[edge.index()]);
         !star.is_empty() && edges.all(|edge| edge.inner_faces().is_some())
@@ -440,10 +440,10 @@ fn real_vertices(stars: &Ragged<EdgeId>, edges: &[Edge]) -> Vec<bool> {
 /// Largest sum of the squared numbers of corners over all faces: triangulation takes as many steps, some seconds.
 const STEPS: usize = 1 << 30;
 
-type Panels = (Ragged<[VertexId; 3]>, Vec<[VertexId; 2]>);
+type Panels = (Csr<[VertexId; 3]>, Vec<[VertexId; 2]>);
 
-fn panels(drawing: &Drawing, faces: &Ragged<VertexId>) -> Result<Panels, PatternError> {
-    let mut triangles = Ragged::default();
+fn panels(drawing: &Drawing, faces: &Csr<VertexId>) -> Result<Panels, PatternError> {
+    let mut triangles = Csr::default();
     let mut diagonals = Vec::new();
     let mut steps = 0;
     for (face, cycle) in faces.iter().enumerate() {
@@ -474,7 +474,7 @@ fn no_area(face: usize, cycle: &[VertexId]) -> PatternError {
 /// Refuses an edge that lies inside one face, preferably one that ends there. Only traced faces are checked, because a
 /// face that the drawing names is intended.
 fn part_two_faces(
-    stars: &Ragged<EdgeId>,
+    stars: &Csr<EdgeId>,
     edges: &[DrawnEdge],
     edge_faces: &EdgeFaces,
 ) -> Result<(), PatternError> {

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{CreasePattern, EdgeId, FaceId, VertexId};
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
 
 /// One step of the loop round a hole: across an edge that ends at the hole's rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl CreasePattern {
 
     /// Finds for each hole the loop through the faces that touch its rim. A cut inside the sheet is a hole too. Cost:
     /// linear, and negligible without holes.
-    pub(super) fn find_holes(&self) -> Ragged<Passage> {
+    pub(super) fn find_holes(&self) -> Csr<Passage> {
         let rims = self.rims();
         let mut outer = vec![(f64::NEG_INFINITY, 0); self.sheets()];
         let sheet = |rim: &[EdgeId]| {
@@ -56,7 +56,7 @@ impl CreasePattern {
     }
 
     /// Returns the cycles of edges with one face, each walked with the sheet on the left.
-    fn rims(&self) -> Ragged<EdgeId> {
+    fn rims(&self) -> Csr<EdgeId> {
         let mut leaving = vec![None; self.vertices.len()];
         for (index, edge) in self.edges.iter().enumerate() {
             if edge.inner_faces().is_none() && edge.faces.iter().any(Option::is_some) {
@@ -64,7 +64,7 @@ impl CreasePattern {
                 leaving[from.index()] = Some(EdgeId::new(index));
             }
         }
-        let mut rims = Ragged::default();
+        let mut rims = Csr::default();
         for start in 0..leaving.len() {
             let mut rim = Vec::new();
             let mut vertex = start;

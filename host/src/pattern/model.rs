@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::{CreaseId, EdgeId, FaceId, Letter, Passage, VertexId};
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
 
 /// An edge of a crease pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,19 +45,19 @@ pub struct CreasePattern {
     pub(super) edges: Vec<Edge>,
     /// Unit direction of each edge from its first end to its second.
     pub(super) directions: Vec<Vector2<f64>>,
-    pub(super) faces: Ragged<VertexId>,
+    pub(super) faces: Csr<VertexId>,
     pub(super) creases: Vec<EdgeId>,
-    pub(super) stars: Ragged<EdgeId>,
+    pub(super) stars: Csr<EdgeId>,
     pub(super) real: Vec<bool>,
-    pub(super) corners: Ragged<FaceId>,
-    pub(super) neighbours: Ragged<(FaceId, EdgeId)>,
-    pub(super) triangles: Ragged<[VertexId; 3]>,
+    pub(super) corners: Csr<FaceId>,
+    pub(super) neighbours: Csr<(FaceId, EdgeId)>,
+    pub(super) triangles: Csr<[VertexId; 3]>,
     pub(super) diagonals: Vec<[VertexId; 2]>,
     pub(super) median_edge: f64,
     pub(super) drawn: usize,
     pub(super) slits: Vec<EdgeId>,
     pub(super) sheets: Vec<u32>,
-    pub(super) holes: Ragged<Passage>,
+    pub(super) holes: Csr<Passage>,
     pub(super) assumptions: Vec<String>,
     pub(super) repairs: Vec<String>,
 }
@@ -102,7 +102,7 @@ impl CreasePattern {
 
     /// Returns the faces as counter-clockwise cycles of vertices.
     #[must_use]
-    pub fn faces(&self) -> &Ragged<VertexId> {
+    pub fn faces(&self) -> &Csr<VertexId> {
         &self.faces
     }
 
@@ -115,13 +115,13 @@ impl CreasePattern {
 
     /// Returns the edges at each vertex, counter-clockwise.
     #[must_use]
-    pub fn stars(&self) -> &Ragged<EdgeId> {
+    pub fn stars(&self) -> &Csr<EdgeId> {
         &self.stars
     }
 
     /// Returns the faces round each vertex.
     #[must_use]
-    pub fn corners(&self) -> &Ragged<FaceId> {
+    pub fn corners(&self) -> &Csr<FaceId> {
         &self.corners
     }
 
@@ -139,7 +139,7 @@ impl CreasePattern {
 
     /// Returns the triangles of each face, counter-clockwise.
     #[must_use]
-    pub fn triangles(&self) -> &Ragged<[VertexId; 3]> {
+    pub fn triangles(&self) -> &Csr<[VertexId; 3]> {
         &self.triangles
     }
 
@@ -203,7 +203,7 @@ impl CreasePattern {
 
     /// Returns the loop of passages round each hole, from face to face. Cuts that end inside the sheet are holes.
     #[must_use]
-    pub fn holes(&self) -> &Ragged<Passage> {
+    pub fn holes(&self) -> &Csr<Passage> {
         &self.holes
     }
 
@@ -234,18 +234,18 @@ impl CreasePattern {
 
     /// Returns for each face the faces beyond its edges, each with the edge between.
     #[must_use]
-    pub fn neighbours(&self) -> &Ragged<(FaceId, EdgeId)> {
+    pub fn neighbours(&self) -> &Csr<(FaceId, EdgeId)> {
         &self.neighbours
     }
 
     /// Finds the neighbours of each face from the edges.
-    pub(super) fn find_neighbours(&self) -> Ragged<(FaceId, EdgeId)> {
+    pub(super) fn find_neighbours(&self) -> Csr<(FaceId, EdgeId)> {
         let edges = (0..).map(EdgeId).zip(&self.edges);
         let inner = edges.filter_map(|(id, edge)| Some((id, edge.inner_faces()?)));
         let pairs = inner.flat_map(|(edge, [left, right])| {
             [(left.index(), (right, edge)), (right.index(), (left, edge))]
         });
-        crate::ragged::group_by_key(self.faces.len(), pairs)
+        crate::util::csr::group_by_key(self.faces.len(), pairs)
     }
 
     /// Returns the assumptions made where the drawing is silent or odd, one sentence each.

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
 use super::{Drawing, PatternError};
-use crate::progress::Watch;
-use crate::ragged::group_by_key;
+use crate::util::csr::group_by_key;
+use crate::util::progress::Watch;
 
 /// Mean number of cells covered by an edge above which the grid is made coarser.
 const CELLS_PER_EDGE: f64 = 64.0;

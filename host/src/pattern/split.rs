@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{Drawing, DrawnEdge, EdgeId, FaceId, Letter, VertexId};
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// The faces to the left and right of each edge.
 pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
@@ -14,7 +14,7 @@ pub(super) type EdgeFaces = Vec<[Option<FaceId>; 2]>;
 /// `assumptions`. Returns the cuts along a single edge inside the sheet, which are hinges.
 pub(super) fn split(
     drawing: &mut Drawing,
-    faces: &mut Ragged<VertexId>,
+    faces: &mut Csr<VertexId>,
     edge_faces: &mut EdgeFaces,
     assumptions: &mut Vec<String>,
 ) -> Vec<EdgeId> {
@@ -91,7 +91,7 @@ struct Fans {
 }
 
 impl Fans {
-    fn new(drawing: &Drawing, faces: &Ragged<VertexId>, edge_faces: &EdgeFaces) -> Self {
+    fn new(drawing: &Drawing, faces: &Csr<VertexId>, edge_faces: &EdgeFaces) -> Self {
         let vertices = drawing.vertices.len();
         let mut cut = vec![false; vertices];
         // A single fan of n faces has n - 1 joints, or n if it closes round the vertex.

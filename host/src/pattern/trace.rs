@@ -3,12 +3,12 @@
 use nalgebra::Vector2;
 
 use super::{Drawing, EdgeId, Letter, VertexId};
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
 
 /// Returns the faces of a planar drawing, counter-clockwise. `stars` has the edges at each vertex, counter-clockwise.
 /// The outside and holes are left out. A hole is a cycle whose edges all have the letter B and a face on their other
 /// side.
-pub(super) fn faces(drawing: &Drawing, stars: &Ragged<EdgeId>) -> Ragged<VertexId> {
+pub(super) fn faces(drawing: &Drawing, stars: &Csr<EdgeId>) -> Csr<VertexId> {
     const NONE: usize = usize::MAX;
     // Directed edge 2e runs from the first end of edge e to the second, directed edge 2e + 1 runs back.
     let origin = |half: usize| VertexId::new(drawing.edges[half / 2].ends[half % 2]);
@@ -28,7 +28,7 @@ pub(super) fn faces(drawing: &Drawing, stars: &Ragged<EdgeId>) -> Ragged<VertexI
         }
     }
     let mut cycle_of = vec![NONE; next.len()];
-    let mut cycles: Ragged<usize> = Ragged::default();
+    let mut cycles: Csr<usize> = Csr::default();
     for start in 0..next.len() {
         if cycle_of[start] != NONE {
             continue;

@@ -76,7 +76,7 @@ pub use closing::sparse::SparseNormalEquations;
 pub use foldpath_core::Objective;
 pub use following::branch::{Departure, leave_flat};
 pub use following::mobility::{FirstStep, Mobility, first_step};
-pub use following::reduction::{CLOSED, closure_of};
+pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use options::{
     HingeLimit, Judged, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing,

@@ -21,12 +21,12 @@ pub struct Plant {
     hinges: Hinges<Pcg64>,
     /// Disturbances to come, each with its time in microseconds.
     script: VecDeque<(u64, Trouble)>,
-    sheet: Option<Sheet>,
+    sheet: Option<FoldedSheet>,
 }
 
 /// The sheet that the hinges fold.
 #[derive(Debug)]
-struct Sheet {
+struct FoldedSheet {
     pattern: Arc<CreasePattern>,
     tree: SpanningTree,
     map: FoldingMap,
@@ -69,7 +69,7 @@ impl Plant {
             });
         }
         let tree = SpanningTree::from_central_face(&sheet.pattern);
-        let sheet = Sheet {
+        let sheet = FoldedSheet {
             map: FoldingMap::flat(&sheet.pattern),
             pattern: sheet.pattern,
             tree,

@@ -11,11 +11,11 @@ use nalgebra::{Vector2, Vector3};
 use super::CreaseGroups;
 use super::isometry::StarImage;
 use super::unrounded::unround;
-use crate::numbers::largest;
 use crate::pattern::{
     CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
 };
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
+use crate::util::nan_max::largest;
 
 /// Largest difference of sector angles that count as equal, in tolerances of the groups: two stars may each differ from
 /// a third by one tolerance, and each sector has two sides.
@@ -37,8 +37,8 @@ pub fn largest_star_residual(stars: StarsView<'_, f64>, x: &[f64]) -> f64 {
 #[derive(Clone, Debug)]
 pub struct ReducedStars {
     vertices: Vec<VertexId>,
-    spokes: Ragged<Spoke<f64>>,
-    loops: Ragged<Spoke<f64>>,
+    spokes: Csr<Spoke<f64>>,
+    loops: Csr<Spoke<f64>>,
     /// The number of each loop's hole.
     holes: Vec<usize>,
     /// Position of each spoke of a loop, relative to the middle of the hole and in units of the hole's size.
@@ -88,8 +88,8 @@ impl ReducedStars {
     ) -> Self {
         let mut stars = Self {
             vertices: Vec::with_capacity(pattern.vertices().len()),
-            spokes: Ragged::with_capacity(pattern.vertices().len(), 2 * pattern.creases().len()),
-            loops: Ragged::default(),
+            spokes: Csr::with_capacity(pattern.vertices().len(), 2 * pattern.creases().len()),
+            loops: Csr::default(),
             holes: Vec::new(),
             places: Vec::new(),
             unknowns,
@@ -167,7 +167,7 @@ impl ReducedStars {
     /// Returns these stars with a tolerance of 0 for equal conditions: only stars whose sectors agree as computed count
     /// as equal, and any other difference counts.
     #[must_use]
-    pub fn told_apart(&self) -> Self {
+    pub fn unmerged(&self) -> Self {
         Self {
             same_angle: 0.0,
             likeness: OnceLock::new(),
@@ -548,4 +548,12 @@ fn cut_out(pattern: &CreasePattern, faces: &BTreeSet<FaceId>) -> Result<Part, Pa
         }
     }
     Ok((CreasePattern::new(drawing)?, creases))
+}
+
+/// Returns the largest closure residual of the whole sheet at given fold angles of the creases, radians; `None` if a
+/// crease has no angle.
+#[must_use]
+pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
+    let angles = fold_angles.iter().copied().collect::<Option<Vec<f64>>>()?;
+    Some(ReducedStars::of_creases(pattern).largest_residual(&angles))
 }

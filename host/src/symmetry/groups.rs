@@ -13,10 +13,10 @@ use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector2;
 
 use super::isometry::{Isometry, StarImage};
-use super::parity::ParitySets;
 use super::places::Places;
+use super::signed_union_find::SignedUnionFind;
 use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
-use crate::ragged::Ragged;
+use crate::util::csr::Csr;
 
 /// Tolerance for equal points, in median edges, and for equal directions, in radians: a thousand times the noise of
 /// coordinates with nine digits, and a thousandth of what is visible.
@@ -122,7 +122,7 @@ impl CreaseGroups {
         self.groups == self.memberships.len()
     }
 
-    fn from_sets(pattern: &CreasePattern, mut sets: ParitySets, tolerance: f64) -> Self {
+    fn from_sets(pattern: &CreasePattern, mut sets: SignedUnionFind, tolerance: f64) -> Self {
         let mut group_of_root = vec![None; pattern.creases().len()];
         let mut groups = 0;
         let mut memberships = Vec::with_capacity(pattern.creases().len());
@@ -203,9 +203,9 @@ impl CreaseGroups {
 }
 
 /// Makes a set of each crease.
-fn single(pattern: &CreasePattern) -> ParitySets {
+fn single(pattern: &CreasePattern) -> SignedUnionFind {
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
-    ParitySets::new(goals, SAME_GOAL)
+    SignedUnionFind::new(goals, SAME_GOAL)
 }
 
 /// A hinge as seen from a vertex.
@@ -246,14 +246,14 @@ struct Search<'a> {
     pattern: &'a CreasePattern,
     tolerance: f64,
     places: Places<'a>,
-    rays: Ragged<Ray>,
+    rays: Csr<Ray>,
     real: Vec<VertexId>,
-    sets: ParitySets,
+    sets: SignedUnionFind,
     /// Relations that the current isometry implies, and the inner vertices that it maps, with their images.
     found: Vec<(CreaseId, CreaseId)>,
     mapped: Vec<(VertexId, VertexId)>,
     /// Sets of vertices that symmetries take to each other.
-    orbits: ParitySets,
+    orbits: SignedUnionFind,
     /// For each vertex the number of the last isometry that took another vertex to it.
     image_of: Vec<u32>,
     /// For each crease the number of the last isometry for which its image was recorded, from either of its ends.
@@ -268,7 +268,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
         let stars = pattern.stars();
-        let mut rays = Ragged::with_capacity(stars.len(), stars.items().len());
+        let mut rays = Csr::with_capacity(stars.len(), stars.items().len());
         for (vertex, star) in stars.iter().enumerate() {
             rays.push(star.iter().filter_map(|&id| {
                 let edge = pattern.edge(id);
@@ -291,7 +291,7 @@ impl<'a> Search<'a> {
             sets: single(pattern),
             found: Vec::with_capacity(pattern.creases().len()),
             mapped: Vec::with_capacity(pattern.vertices().len()),
-            orbits: ParitySets::new(pattern.vertices().iter().map(|_| None), 0.0),
+            orbits: SignedUnionFind::new(pattern.vertices().iter().map(|_| None), 0.0),
             image_of: vec![0; pattern.vertices().len()],
             noted: vec![0; pattern.creases().len()],
             isometries: 0,

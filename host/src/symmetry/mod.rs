@@ -1,16 +1,11 @@
-//! Symmetry: finds crease groups and lattices from the pattern alone, and the few closure conditions that remain.
+//! Symmetry: finds crease groups from the pattern alone, and the few closure conditions that remain.
 
 mod essential;
 mod groups;
 mod isometry;
-mod lattice;
-mod pair_classes;
-mod parity;
 mod places;
-mod steps;
+mod signed_union_find;
 mod unrounded;
 
-pub use essential::{ReducedStars, essential_pattern, largest_star_residual};
+pub use essential::{ReducedStars, closure_of, essential_pattern, largest_star_residual};
 pub use groups::CreaseGroups;
-pub use lattice::{Lattice, Link, Orbit, Place};
-pub use pair_classes::PairClass;

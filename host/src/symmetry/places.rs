@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::pattern::{CreasePattern, VertexId};
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// A uniform grid over the sheet with about one vertex in each cell.
 pub(super) struct Places<'a> {
@@ -15,7 +15,7 @@ pub(super) struct Places<'a> {
     per_length: f64,
     columns: usize,
     rows: usize,
-    cells: Ragged<VertexId>,
+    cells: Csr<VertexId>,
     border: Vec<[Vector2<f64>; 2]>,
 }
 
@@ -39,7 +39,7 @@ impl<'a> Places<'a> {
             per_length: 1.0 / cell,
             columns: 0,
             rows: 0,
-            cells: Ragged::default(),
+            cells: Csr::default(),
             border: Vec::new(),
         };
         places.columns = places.step(extent.x) + 1;

@@ -8,9 +8,9 @@ use super::FoldedShape;
 use super::angles::Creases;
 use super::cuts;
 use super::surface::{Side, Surface, SurfaceEdge};
-use crate::joined::root;
-use crate::numbers::diagonal;
 use crate::pattern::{Drawing, DrawnEdge, Letter};
+use crate::util::nan_max::diagonal;
+use crate::util::union_find::UnionFind;
 
 /// Largest number of rounds of fitting faces to vertices and vertices to faces. Each round spreads the shape's noise
 /// over one more ring of faces.
@@ -260,15 +260,13 @@ fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize
 /// long as they close no ring.
 fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
     let count = surface.faces().len();
-    let mut groups: Vec<usize> = (0..count).collect();
+    let mut groups = UnionFind::new(count);
     let mut beyond = vec![Vec::new(); count];
     for &index in order {
         let Some([a, b]) = surface.edges[index].joint() else {
             continue;
         };
-        let [first, second] = [a, b].map(|side| root(&mut groups, side.face));
-        if first != second {
-            groups[second] = first;
+        if groups.join([b.face, a.face]) {
             beyond[a.face].push((a, b));
             beyond[b.face].push((b, a));
         }

@@ -17,10 +17,10 @@ mod surface;
 
 use nalgebra::Vector3;
 
-use crate::folding::{FoldingMap, SpanningTree, sheets_laid_on};
+use crate::folding::{FoldingMap, SpanningTree, align_sheets};
 use crate::pattern::{CreasePattern, Drawing, PatternError};
-use crate::planner::closure_of;
 use crate::progress::{Progress, Watch};
+use crate::symmetry::closure_of;
 use angles::Creases;
 use layout::Layout;
 pub use shape::{FoldedShape, ShapeEdge, ShapeError};
@@ -224,9 +224,9 @@ fn measure(
     let tree = SpanningTree::from_central_face(pattern);
     let folded = FoldingMap::new(pattern, &tree, &angles);
     let target: Vec<Vector3<f64>> = sources.iter().map(|&v| shape.vertices[v]).collect();
-    let laid = sheets_laid_on(pattern, folded.vertices(), &target);
+    let laid = align_sheets(pattern, folded.vertices(), &target);
     let off = laid.iter().zip(&target).map(|(a, b)| (a - b).norm());
-    unfolding.deviation = Some(crate::numbers::largest(off) / shape.size());
+    unfolding.deviation = Some(crate::util::nan_max::largest(off) / shape.size());
 }
 
 /// Returns two overlapping faces of a drawing, if the error is about an overlap.

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use crate::numbers::{diagonal, largest};
 use crate::pattern::{LARGEST, Letter};
+use crate::util::nan_max::{diagonal, largest};
 
 /// Smallest area of a face, as a fraction of its squared extent.
 const NO_AREA: f64 = 1e-12;

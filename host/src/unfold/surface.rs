@@ -7,8 +7,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{FoldedShape, ShapeError};
 use crate::folding::in_plane;
-use crate::joined::root;
 use crate::pattern::{LARGEST, Letter};
+use crate::util::union_find::UnionFind;
 
 /// A side of a face along an edge.
 #[derive(Clone, Copy, Debug)]
@@ -234,18 +234,14 @@ impl Surface {
     /// (by union-find).
     pub(super) fn points_where(&self, joined: &[bool]) -> Vec<usize> {
         let count = self.faces.iter().map(Vec::len).sum();
-        let mut roots: Vec<usize> = (0..count).collect();
+        let mut points = UnionFind::new(count);
         let edges = self.edges.iter().zip(joined).filter(|(_, joined)| **joined);
         for [a, b] in edges.filter_map(|(edge, _)| edge.joint()) {
             for (a, b) in self.corners(a).into_iter().zip(self.corners(b)) {
-                let (a, b) = (root(&mut roots, a), root(&mut roots, b));
-                roots[a.max(b)] = a.min(b);
+                points.join_to_smaller([a, b]);
             }
         }
-        for corner in 0..count {
-            roots[corner] = root(&mut roots, corner);
-        }
-        roots
+        points.representatives()
     }
 
     /// Returns the corners of a side's face at the first and the second end of its edge.
@@ -336,13 +332,13 @@ impl Surface {
 
     /// Returns the largest absolute angle defect of an interior vertex, radians.
     pub(super) fn max_defect(&self) -> f64 {
-        crate::numbers::largest(self.defects.iter().map(|(_, defect)| defect.abs()))
+        crate::util::nan_max::largest(self.defects.iter().map(|(_, defect)| defect.abs()))
     }
 
     /// Returns the largest absolute angle defect (radians) that is at most `bound`: the noise of the shape.
     pub(super) fn noise(&self, bound: f64) -> f64 {
         let defects = self.defects.iter().map(|(_, defect)| defect.abs());
-        crate::numbers::largest(defects.filter(|defect| *defect <= bound))
+        crate::util::nan_max::largest(defects.filter(|defect| *defect <= bound))
     }
 
     /// Returns the vertex whose absolute angle defect is farthest above `bound`, and that defect. Only parts with a

@@ -3,8 +3,8 @@
 use crate::common::{miura, noise, waterbomb, yoshimura};
 use foldpath::folding::{Amplification, FoldingMap, Holonomy, SpanningTree};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
-use foldpath::planner::{Goal, Outcome, PlanOptions, closure_of, plan};
-use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use foldpath_core::{HalfAngle, closure, hole, norm};
 use rand_pcg::Pcg64;
 

@@ -2,8 +2,9 @@
 
 use foldpath::export::fold::motion_text;
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
+use foldpath::lattice::{Lattice, PairClass};
 use foldpath::motion::Motion;
-use foldpath::pattern::Drawing;
+use foldpath::pattern::{Drawing, FaceId};
 use foldpath::planner::Plan;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
@@ -59,4 +60,20 @@ pub(crate) fn noise(random: &mut Pcg64) -> f64 {
 #[track_caller]
 pub(crate) fn near(a: f64, b: f64, relative: f64) {
     assert!((a - b).abs() <= relative * b.abs(), "{a} is not {b}");
+}
+
+/// Returns the class of a pair of faces, and the pair in the order of the class; `None` for a face and itself.
+pub(crate) fn class_of(lattice: &Lattice, [a, b]: [FaceId; 2]) -> Option<(PairClass, [FaceId; 2])> {
+    // The first face is the one of the earlier orbit, then of the earlier row, then of the earlier column.
+    let order = |face| {
+        let coord = lattice.coord(face);
+        (coord.orbit, coord.cell[1], coord.cell[0])
+    };
+    let [first, second] = if order(a) <= order(b) { [a, b] } else { [b, a] };
+    let (from, to) = (lattice.coord(first), lattice.coord(second));
+    let class = PairClass {
+        orbits: [from.orbit, to.orbit],
+        offset: [0, 1].map(|k| to.cell[k] - from.cell[k]),
+    };
+    (a != b).then_some((class, [first, second]))
 }

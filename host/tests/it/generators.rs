@@ -3,8 +3,8 @@
 use foldpath::folding::{FoldingMap, Rigidity, SpanningTree};
 use foldpath::generate::{Kresling, Letters, Quad, Resch, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing};
-use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, closure_of, plan};
-use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
+use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use foldpath_core::HalfAngle;
 use foldpath_core::closure::{half_angles, residual_and_jacobian};
 use nalgebra::{DMatrix, Rotation3, Unit, Vector3};

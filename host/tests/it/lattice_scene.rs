@@ -4,8 +4,9 @@
 use foldpath::collision::{CollisionScene, LatticeScene};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
+use foldpath::lattice::Lattice;
 use foldpath::pattern::{CreasePattern, Drawing};
-use foldpath::symmetry::{CreaseGroups, Lattice};
+use foldpath::symmetry::CreaseGroups;
 
 /// Returns the depths of the deepest crossings, over the median edge, of the sheet folded to its goal: by the lattice,
 /// and among all faces.

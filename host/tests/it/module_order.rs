@@ -5,9 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of the library from the lowest to the highest. Modules of one line use neither each other nor anything
-/// above. Everything uses the small modules of the first line.
+/// above.
 const LAYERS: [&[&str]; 13] = [
-    &["colours", "joined", "numbers", "progress", "ragged"],
+    // `progress` is part of `util` and has a name at the root of the library.
+    &["colours", "util", "progress"],
     &["pattern"],
     &["generate"],
     &["motion"],

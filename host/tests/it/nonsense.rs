@@ -11,11 +11,9 @@ use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Miura;
 use foldpath::motion::Motion;
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, PatternError, VertexId};
-use foldpath::planner::{
-    Goal, GoalError, HingeLimit, Outcome, Plan, PlanOptions, closure_of, plan,
-};
+use foldpath::planner::{Goal, GoalError, HingeLimit, Outcome, Plan, PlanOptions, plan};
 use foldpath::read::fold::parse_motion;
-use foldpath::symmetry::CreaseGroups;
+use foldpath::symmetry::{CreaseGroups, closure_of};
 use foldpath_core::Curve;
 use nalgebra::Vector2;
 

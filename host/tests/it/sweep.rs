@@ -4,12 +4,14 @@ use core::f64::consts::PI;
 use std::collections::HashMap;
 use std::path::Path;
 
+use crate::common::class_of;
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict, rounding};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Yoshimura;
+use foldpath::lattice::Lattice;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
 use foldpath::read::fold::read_pattern;
-use foldpath::symmetry::{CreaseGroups, Lattice};
+use foldpath::symmetry::CreaseGroups;
 use foldpath_core::{Curve, GroupId, Membership};
 use nalgebra::Vector2;
 use rand_pcg::Pcg64;
@@ -757,7 +759,7 @@ fn with_a_lattice_a_few_pairs_stand_for_all() {
                         (here.s - there.s).abs() < 1e-5,
                         "{name}: {here:?} {there:?}"
                     );
-                    let [a, b] = [a, b].map(|c| lattice.class_of(c.faces).unwrap().0);
+                    let [a, b] = [a, b].map(|c| class_of(&lattice, c.faces).unwrap().0);
                     assert_eq!(a, b, "{name}");
                 }
                 pair => panic!("{name}: {pair:?}"),

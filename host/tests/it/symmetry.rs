@@ -5,9 +5,9 @@ use std::collections::HashMap;
 
 use crate::common::{miura, noise, waterbomb, yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
-use foldpath::planner::{Goal, Outcome, PlanOptions, closure_of, plan};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath::read::fold::read_pattern;
-use foldpath::symmetry::{CreaseGroups, ReducedStars};
+use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use nalgebra::{Rotation2, Vector2};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use foldpath::folding::laid_on;
+use foldpath::folding::align_rigid;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::read::fold::{PatternFile, read_pattern};
@@ -148,7 +148,7 @@ fn folded_shapes_unfold_and_fold_again() {
     let goal = path.frames.last().unwrap();
     let folded = path.sheet.positions(&path.sheet.fold(&goal.angles));
     let shape = &file.shape.vertices;
-    let apart = laid_on(&folded, shape);
+    let apart = align_rigid(&folded, shape);
     let apart = worst(apart.iter().zip(shape).map(|(a, b)| (a - b).norm()));
     assert!(apart < 1e-6 * file.shape.size(), "{apart}");
 

@@ -4,7 +4,7 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::common::folder;
-use foldpath::folding::{FoldingMap, SpanningTree, laid_on};
+use foldpath::folding::{FoldingMap, SpanningTree, align_rigid};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::read::read_shape;
@@ -28,7 +28,7 @@ fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
 /// Returns the largest distance between corresponding points, after rigid registration of one set with the other.
 fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     assert_eq!(a.len(), b.len());
-    worst(laid_on(a, b).iter().zip(b).map(|(a, b)| (a - b).norm()))
+    worst(align_rigid(a, b).iter().zip(b).map(|(a, b)| (a - b).norm()))
 }
 
 /// Returns the largest distance between corresponding points of flat sheets, after rigid registration. The registration

@@ -8,17 +8,16 @@
 //! sheet as it is now. So a pair is free until the sum over its chain of variation of angle times distance has
 //! used up the pair's distance. This holds whatever the motion does in between, as long as the sheet closes.
 //!
-//! Two faces that share a vertex have distance 0, but they lie in sectors round the vertex, and cross only if
-//! the arcs of the sectors on the unit sphere do. For these arcs the same bound holds with angles in place of
-//! distances.
+//! Two faces that share a vertex have distance 0, but they lie in sectors round the vertex, and cross only if the arcs
+//! of the sectors on the unit sphere do. For these arcs the same bound holds with angles in place of distances.
 //!
-//! Pairs that share nothing pass a broad phase first, over one interval after the other: most are kept apart by
-//! a plane (see `course`), and only the others are followed by conservative advancement, until the end of the
-//! interval. If intervals would have to be too short, clusters of faces stand for all their pairs while they
-//! are far apart. Two creases of a chain that turn by opposite angles about parallel lines count together, with
-//! the distance of the lines as lever.
+//! Pairs that share nothing pass a broad phase first, over one interval after the other: most are kept apart by a plane
+//! (`interval_broad_phase.rs`), and only the others are followed by conservative advancement, until the end of the
+//! interval. If intervals would have to be too short, clusters of faces stand for all their pairs while they are far
+//! apart. Two creases of a chain that turn by opposite angles about parallel lines count together, with the distance of
+//! the lines as lever.
 
-mod look;
+mod pair_query;
 mod verdict;
 
 pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
@@ -29,29 +28,21 @@ use std::collections::{BTreeMap, HashMap};
 
 use foldpath_core::{Curve, Membership};
 
-use super::cells::Cells;
 use super::chains::{Chain, Chains};
+use super::comoving_faces::{ComovingFaces, comoving_faces};
 use super::contact::{Change, Turn};
-use super::course::Course;
 use super::hierarchy::Hierarchy;
+use super::interval_broad_phase::IntervalBroadPhase;
+use super::lattice::CellPairs;
+use super::lazy_folding::LazyFolding;
 use super::motion::{Levers, Motion, SEGMENT, Tick};
 use super::pieces::Pieces;
 use super::scene::Crossing;
-use super::sheet::Sheet;
-use super::together::{Together, together};
+use super::tolerances::{LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK};
 use crate::folding::SpanningTree;
+use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
-use crate::progress::Watch;
-use crate::symmetry::Lattice;
-
-/// Number of queries between two looks at the clock.
-const CLOCK: u64 = 256;
-/// Precision of the last free place, ticks: 2^-20 of a segment.
-const LAST_FREE: Tick = 1 << 16;
-/// Precision of the last free place for hinges that turn past half a turn, in segments.
-const OVERTURNED: f64 = 1e-6;
-/// log2 of the largest number of parts of a segment over which faces that move together are found.
-const MOST_PARTS: u32 = 6;
+use crate::util::progress::Watch;
 
 /// Two clusters, or two pieces, to be queried again.
 #[derive(Clone, Debug)]
@@ -87,8 +78,8 @@ enum Kind {
     Joined,
 }
 
-/// Outcome of a query.
-enum Look {
+/// Outcome of a query of a pair.
+enum QueryOutcome {
     /// Free up to this time.
     Until(Tick),
     /// Free to the end of the motion.
@@ -96,9 +87,9 @@ enum Look {
     /// Crossing to this depth.
     Crossing(f64),
     /// Not decided: too near on a torn sheet, too many cells, or out of time.
-    Unsure,
+    Undecided,
     /// To be replaced by other pairs, such as those of its parts.
-    Part,
+    Split,
     /// To be queried again after the pairs taken from it.
     Again,
 }
@@ -113,7 +104,7 @@ pub struct Sweep<'a> {
     watch: Watch<'a>,
     pieces: Pieces,
     hierarchy: Hierarchy,
-    sheet: Sheet<'a>,
+    folding: LazyFolding<'a>,
     chains: Chains<'a>,
     /// For each cluster the chains from its face to those of its children (`within`), and the length of the
     /// list of links that holds them (`kept`).
@@ -126,26 +117,26 @@ pub struct Sweep<'a> {
     changes: Vec<Change>,
     /// Number of the current phase. A phase is a run of consecutive segments over which the same groups turn.
     phase: usize,
-    /// The current segment, and for each face the representative of the faces that move with it over the whole
-    /// segment (`bodies`); empty if none do.
+    /// The current segment, and for each face the representative of the faces that stay at rest relative to it over the
+    /// whole segment (`bodies`); empty if none do.
     segment: usize,
     bodies: Vec<usize>,
-    /// `partners`: for each face the representative of the faces that move with it over the current part of the
-    /// segment; `apart`: end of this part; `parts`: log2 of the number of such parts in the segment.
+    /// `partners`: for each face the representative of the faces that stay at rest relative to it over the current
+    /// sub-interval of the segment; `apart`: end of this sub-interval; `parts`: log2 of the number of sub-intervals.
     partners: Vec<usize>,
     apart: Tick,
     parts: u32,
     pairs: Vec<Pair>,
     due: BTreeMap<Tick, Vec<u32>>,
     /// The broad phase, if there is no lattice.
-    course: Option<Course>,
+    broad_phase: Option<IntervalBroadPhase>,
     /// Pairs of pieces that the broad phase did not prove to be apart, with their positions in `pairs`.
     unseen: HashMap<[u32; 2], u32>,
     /// Number of pairs of pieces that do not touch each other in the flat sheet.
     others: u64,
     clearance: Option<Clearance>,
     counts: SweepCounts,
-    looks: u64,
+    queries: u64,
     /// Number of pairs found to share a side.
     joined: u64,
     /// Distance up to which cells are queried as long as no clearance is known.
@@ -199,9 +190,10 @@ impl<'a> Sweep<'a> {
             .then(|| SpanningTree::from_central_face(pattern));
         // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
-        let course = tree.as_ref().filter(|_| skips);
-        let course = course.map(|tree| Course::new(pattern, memberships, groups, tree));
-        let cells = lattice.map(|lattice| Cells::new(pattern, memberships, groups, lattice));
+        let broad_phase = tree.as_ref().filter(|_| skips);
+        let broad_phase =
+            broad_phase.map(|tree| IntervalBroadPhase::new(pattern, memberships, groups, tree));
+        let cells = lattice.map(|lattice| CellPairs::new(pattern, memberships, groups, lattice));
         let mut chains = Chains::new(pattern, memberships, lattice.is_some());
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
@@ -219,8 +211,8 @@ impl<'a> Sweep<'a> {
             groups,
             options,
             watch: Watch::default(),
-            sheet: Sheet::new(pattern, memberships, groups, tree.as_ref(), cells),
-            course,
+            folding: LazyFolding::new(pattern, memberships, groups, tree.as_ref(), cells),
+            broad_phase,
             unseen: HashMap::new(),
             others: 0,
             within: within.collect(),
@@ -240,7 +232,7 @@ impl<'a> Sweep<'a> {
             due: BTreeMap::new(),
             clearance: None,
             counts: SweepCounts::default(),
-            looks: 0,
+            queries: 0,
             joined: 0,
             far: 0.0,
             pieces,
@@ -267,20 +259,20 @@ impl<'a> Sweep<'a> {
             let at = place(&motion, 0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        (self.clearance, self.looks, self.joined, self.far) = (None, 0, 0, 0.0);
+        (self.clearance, self.queries, self.joined, self.far) = (None, 0, 0, 0.0);
         self.pairs.clear();
         self.due.clear();
         self.chains.truncate(self.kept);
-        self.sheet.forget();
+        self.folding.forget();
         self.segment = usize::MAX;
         self.enter(&motion, 0);
         let before = self.counts;
-        if let Some(cells) = &mut self.sheet.cells {
+        if let Some(cells) = &mut self.folding.cells {
             cells.begin(&motion);
             self.push([0, 0], Kind::Far, None, 0);
         }
-        if let Some(course) = &mut self.course {
-            course.begin(&motion, &self.pieces);
+        if let Some(broad_phase) = &mut self.broad_phase {
+            broad_phase.begin(&motion, &self.pieces);
             self.unseen.clear();
             self.push([0, 0], Kind::Interval, None, 0);
             let touching = self.pieces.touching();
@@ -300,7 +292,7 @@ impl<'a> Sweep<'a> {
             times += 1;
             #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
             self.watch.part(time as f64 / motion.end() as f64);
-            if let Some(verdict) = self.look_at_all(&motion, time, due) {
+            if let Some(verdict) = self.query_all(&motion, time, due) {
                 break verdict;
             }
         };
@@ -335,7 +327,7 @@ impl<'a> Sweep<'a> {
                 at,
                 last_free: (segment > 0 || s > 0.0).then_some(Place {
                     segment,
-                    s: (s - OVERTURNED).max(0.0),
+                    s: (s - OVERTURNED_SEGMENTS).max(0.0),
                 }),
             },
         ))
@@ -343,7 +335,7 @@ impl<'a> Sweep<'a> {
 
     /// Completes the counts after `times` configurations.
     fn count(&mut self, times: u64, before: SweepCounts) {
-        let [alike, looked_at, joined] = if let Some(cells) = &self.sheet.cells {
+        let [alike, representative, joined] = if let Some(cells) = &self.folding.cells {
             let [pieces, pairs] = cells.count();
             let alike = pieces * pieces.saturating_sub(1) / 2;
             [alike, pairs.min(alike), self.joined]
@@ -355,24 +347,24 @@ impl<'a> Sweep<'a> {
         if self.options.skip_edges {
             counts.skipped_edges += times * joined;
         }
-        let looked = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
-        let looked = looked(counts) - looked(&before);
+        let handled = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
+        let handled = handled(counts) - handled(&before);
         // Without this skip, pairs are passed over only at times between the tabulated ones, at which only
         // pairs in contact are queried.
-        let skipped_motion = (times * looked_at).saturating_sub(looked);
+        let skipped_motion = (times * representative).saturating_sub(handled);
         let skipped_motion = if self.options.skip_motion {
             skipped_motion
         } else {
             0
         };
-        let skipped_symmetry = times * (alike - looked_at);
+        let skipped_symmetry = times * (alike - representative);
         counts.skipped_motion += skipped_motion;
         counts.skipped_symmetry += skipped_symmetry;
-        counts.pairs += looked + skipped_motion + skipped_symmetry;
+        counts.pairs += handled + skipped_motion + skipped_symmetry;
     }
 
     /// Queries all pairs that are due.
-    fn look_at_all(
+    fn query_all(
         &mut self,
         motion: &Motion,
         time: Tick,
@@ -384,26 +376,25 @@ impl<'a> Sweep<'a> {
             if self.is_spent() {
                 return Some(self.undecided(motion, index, time));
             }
-            let look = self.look(motion, index);
-            match look {
-                Look::Free => {}
-                Look::Until(later) => {
+            match self.query(motion, index) {
+                QueryOutcome::Free => {}
+                QueryOutcome::Until(later) => {
                     self.pairs[index as usize].last = Some(time);
                     if later >= self.pairs[index as usize].end {
                         continue;
                     }
                     self.due.entry(later).or_default().push(index);
                 }
-                Look::Again => {
+                QueryOutcome::Again => {
                     due.push(index);
                     due.extend(self.due.remove(&time).unwrap_or_default());
                 }
-                Look::Unsure => return Some(self.undecided(motion, index, time)),
-                Look::Part => {
-                    self.part(index, time);
+                QueryOutcome::Undecided => return Some(self.undecided(motion, index, time)),
+                QueryOutcome::Split => {
+                    self.split(index, time);
                     due.extend(self.due.remove(&time).unwrap_or_default());
                 }
-                Look::Crossing(depth) => {
+                QueryOutcome::Crossing(depth) => {
                     let crossing = Crossing::new(self.faces(index), depth);
                     if deepest.is_none_or(|(deepest, _)| crossing.exceeds(&deepest)) {
                         deepest = Some((crossing, index));
@@ -415,12 +406,12 @@ impl<'a> Sweep<'a> {
     }
 
     /// Goes to a time. At the beginning of another segment, makes chains cross few creases that turn, and finds
-    /// the faces that move together over the segment. If some faces may move together over a part of the
-    /// segment only, finds those that do from this time on.
+    /// the comoving faces of the segment. If some faces may be comoving over a part of the segment only, finds those
+    /// that are from this time on.
     fn enter(&mut self, motion: &Motion, time: Tick) {
-        self.sheet.time = time;
+        self.folding.time = time;
         let (segment, _) = motion.place(time);
-        if self.sheet.cells.is_some() || self.segment == segment && time < self.apart {
+        if self.folding.cells.is_some() || self.segment == segment && time < self.apart {
             return;
         }
         let end = motion.end_of(segment);
@@ -432,7 +423,7 @@ impl<'a> Sweep<'a> {
             if self.chains.still().is_empty() {
                 return;
             }
-            let found = self.together(motion, [time, end]);
+            let found = self.comoving(motion, [time, end]);
             self.bodies = found.bodies;
             if !found.nearly {
                 return;
@@ -445,31 +436,30 @@ impl<'a> Sweep<'a> {
         loop {
             let part = SEGMENT >> self.parts;
             self.apart = (time / part + 1) * part;
-            let found = self.together(motion, [time, self.apart]);
+            let found = self.comoving(motion, [time, self.apart]);
             self.partners = found.bodies;
-            if !found.nearly || self.parts == MOST_PARTS {
+            if !found.nearly || self.parts == MAX_LOG2_PARTS {
                 break;
             }
             self.parts += 1;
         }
     }
 
-    /// Finds the faces that move together from the present time to another.
-    fn together(&mut self, motion: &Motion, times: [Tick; 2]) -> Together {
+    /// Finds the comoving faces from the present time to another.
+    fn comoving(&mut self, motion: &Motion, times: [Tick; 2]) -> ComovingFaces {
         let tolerance = self.options.tolerance * self.pattern.median_edge();
-        together(
+        comoving_faces(
             self.pattern,
             self.memberships,
             (motion, times),
             self.chains.still(),
-            |crease| self.sheet.axis(motion, crease),
+            |crease| self.folding.axis(motion, crease),
             [self.length, tolerance],
         )
     }
 
-    /// Returns the time until which two pieces keep their positions relative to each other, if they do for a
-    /// while.
-    fn together_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
+    /// Returns the time until which two pieces keep their positions relative to each other, if they do for a while.
+    fn comoving_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
         let faces = nodes.map(|node| self.hierarchy.nodes[node as usize].face.index());
         let alike = |bodies: &[usize]| {
             let [a, b] = faces.map(|face| bodies.get(face));
@@ -490,17 +480,19 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Returns how far faces may be from where the lattice has them, units of the sheet; 0 without a lattice.
-    fn astray(&self) -> f64 {
-        match self.sheet.cells {
-            Some(_) => self.options.astray * self.pattern.median_edge(),
+    /// Returns the largest distance of a face from its position by the lattice, units of the sheet; 0 without a
+    /// lattice.
+    fn lattice_deviation(&self) -> f64 {
+        match self.folding.cells {
+            Some(_) => self.options.lattice_deviation * self.pattern.median_edge(),
             None => 0.0,
         }
     }
 
     fn is_spent(&mut self) -> bool {
-        self.looks += 1;
-        self.looks > self.options.max_looks || self.looks % CLOCK == 1 && self.watch.is_over()
+        self.queries += 1;
+        self.queries > self.options.max_queries
+            || self.queries % QUERIES_PER_CLOCK == 1 && self.watch.is_over()
     }
 
     fn faces(&self, pair: u32) -> [FaceId; 2] {
@@ -511,7 +503,7 @@ impl<'a> Sweep<'a> {
     /// Returns the pieces of a face.
     fn load(&mut self, face: FaceId) -> Range<u32> {
         let pieces = self.pieces.load(self.pattern, face);
-        if self.sheet.cells.is_some() {
+        if self.folding.cells.is_some() {
             self.hierarchy.extend(&self.pieces);
         }
         pieces
@@ -546,8 +538,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Adds a pair of pieces to be queried from `time` to the `end` of an interval; up to `time` they were
-    /// apart.
+    /// Adds a pair of pieces to be queried from `time` to the `end` of an interval; up to `time` they were apart.
     fn add_unseen(&mut self, [a, b]: [u32; 2], [before, time, end]: [Tick; 3]) {
         let pair = [a.min(b), a.max(b)];
         if let Some(&index) = self.unseen.get(&pair) {
@@ -600,7 +591,7 @@ impl<'a> Sweep<'a> {
             Kind::Pieces
         };
         // Along a lattice the chain is hardly ever needed.
-        let chain = match &self.sheet.cells {
+        let chain = match &self.folding.cells {
             Some(_) => None,
             None => Some(self.chains.find(self.pattern, faces, None)?),
         };
@@ -645,7 +636,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Replaces a pair of clusters by the pairs of their children.
-    fn part(&mut self, index: u32, time: Tick) {
+    fn split(&mut self, index: u32, time: Tick) {
         let [a, b] = self.pairs[index as usize].nodes;
         let children = |node: u32| self.hierarchy.nodes[node as usize].children;
         if a == b {
@@ -656,7 +647,7 @@ impl<'a> Sweep<'a> {
             }
             return;
         }
-        let [first, second] = [a, b].map(|node| self.sheet.radius(node));
+        let [first, second] = [a, b].map(|node| self.folding.radius(node));
         let pairs = match (children(a), children(b)) {
             (Some(parts), other) if other.is_none() || first >= second => {
                 parts.map(|part| [part, b])
@@ -677,14 +668,14 @@ impl<'a> Sweep<'a> {
         let (mut crossing, mut high) = (found, time);
         let mut low = pair.last;
         while let Some(free) = low
-            && high - free > LAST_FREE
+            && high - free > LAST_FREE_TICKS
         {
-            self.sheet.time = (free + high) / 2;
+            self.folding.time = (free + high) / 2;
             let depth = self.depth(motion, pair.nodes);
             if depth > tolerance {
-                (crossing, high) = (Crossing::new(found.faces, depth), self.sheet.time);
+                (crossing, high) = (Crossing::new(found.faces, depth), self.folding.time);
             } else {
-                low = Some(self.sheet.time);
+                low = Some(self.folding.time);
             }
         }
         SweepVerdict::Crossing {

@@ -1,7 +1,7 @@
 //! Input and outcome of a sweep: options, verdict, clearance and counts.
 
-use crate::collision::pieces::CROSSING;
 use crate::collision::scene::Crossing;
+use crate::collision::tolerances::CROSSING_DEPTH_EDGES;
 use crate::pattern::FaceId;
 
 /// Options of a [`Sweep`](super::Sweep).
@@ -9,17 +9,16 @@ use crate::pattern::FaceId;
 pub struct SweepOptions {
     /// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
     pub tolerance: f64,
-    /// Largest gap that the motion tears into the sheet, in median edges: pairs that meet in a vertex may
-    /// overlap by this much more. In a torn sheet, the bounds on motion hold up to the gaps along the chains of
-    /// faces.
+    /// Largest gap that the motion tears into the sheet, in median edges: pairs that meet in a vertex may overlap by
+    /// this much more. In a torn sheet, the bounds on motion hold up to the gaps along the chains of faces.
     pub gap: f64,
     /// Additional depth to which pairs that meet nowhere may overlap, in median edges: the
     /// [`rounding`](crate::collision::rounding) of a gap.
     pub rounding: f64,
-    /// Largest distance of a face from where the lattice has it, as seen from any other face, in median edges,
-    /// if the motion tears the sheet. Faces without a common vertex that come this near to each other are not
-    /// decided along the lattice.
-    pub astray: f64,
+    /// Largest distance of a face from its position by the lattice, as seen from any other face, in median edges, if
+    /// the motion tears the sheet. Faces without a common vertex that come this near to each other are not decided
+    /// along the lattice.
+    pub lattice_deviation: f64,
     /// `true` if pairs are skipped while their motion cannot bring them together. If `false`, each pair is
     /// queried at every tabulated time.
     pub skip_motion: bool,
@@ -28,25 +27,25 @@ pub struct SweepOptions {
     /// `true` if pairs joined by an edge are never queried.
     pub skip_edges: bool,
     /// Number of queries of pairs after which the answer is [`SweepVerdict::Undecided`].
-    pub max_looks: u64,
+    pub max_queries: u64,
 }
 
 impl SweepOptions {
-    /// Value of [`astray`](Self::astray), in median edges, from which on the lattice says nothing of crossings.
-    pub const FAR_ASTRAY: f64 = 0.25;
+    /// Value of [`lattice_deviation`](Self::lattice_deviation) from which on the lattice says nothing of crossings.
+    pub const FAR_FROM_LATTICE_EDGES: f64 = 0.25;
 }
 
 impl Default for SweepOptions {
     fn default() -> Self {
         Self {
-            tolerance: CROSSING,
+            tolerance: CROSSING_DEPTH_EDGES,
             gap: 0.0,
             rounding: 0.0,
-            astray: 0.0,
+            lattice_deviation: 0.0,
             skip_motion: true,
             skip_bounds: true,
             skip_edges: true,
-            max_looks: 10_000_000,
+            max_queries: 10_000_000,
         }
     }
 }

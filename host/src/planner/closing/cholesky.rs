@@ -10,7 +10,7 @@
 //! sheets of up to 96 x 96 cells. No instruction is chosen at run time, so that the result has the same bits on every
 //! machine.
 
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// Pattern of L, with the places of the entries of A that each of its rows starts from.
 pub(crate) struct Symbolic {
@@ -19,11 +19,11 @@ pub(crate) struct Symbolic {
     /// For each position, the place in the values of A of its diagonal entry.
     diagonal: Vec<u32>,
     /// For each row of P A Pᵀ, the entries left of the diagonal.
-    entries: Ragged<Entry>,
+    entries: Csr<Entry>,
     /// For each row of L, the columns left of the diagonal, each after all columns that it depends on.
-    reach: Ragged<u32>,
+    reach: Csr<u32>,
     /// For each column of L, the rows below the diagonal, from the top.
-    columns: Ragged<u32>,
+    columns: Csr<u32>,
 }
 
 /// An entry of the lower triangle of P A Pᵀ.
@@ -179,13 +179,13 @@ impl Factor {
 
 /// Returns, for each row of L, its columns left of the diagonal, each after all columns that it depends on: those of
 /// the row of the matrix, and their ancestors in the elimination tree as far as the row.
-fn reach(entries: &Ragged<Entry>) -> Ragged<u32> {
+fn reach(entries: &Csr<Entry>) -> Csr<u32> {
     const ROOT: u32 = u32::MAX;
     let n = entries.len();
     let mut parent = vec![ROOT; n];
     // The row that last reached each column.
     let mut reached = vec![ROOT; n];
-    let mut reach = Ragged::with_capacity(n, entries.items().len());
+    let mut reach = Csr::with_capacity(n, entries.items().len());
     let (mut path, mut paths) = (Vec::new(), Vec::new());
     for (entries, row) in entries.iter().zip(0..) {
         for entry in entries {

@@ -14,7 +14,7 @@ use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
 use nalgebra::Vector3;
 
 use super::cholesky::{Factor, Symbolic};
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// Place of an entry above the diagonal, which is not stored.
 const ABOVE: u32 = u32::MAX;
@@ -28,7 +28,7 @@ pub struct SparseNormalEquations {
     values: Vec<f64>,
     gradient: Vec<f64>,
     /// The columns of each block of rows, as last accumulated.
-    jacobian: Ragged<Vector3<f64>>,
+    jacobian: Csr<Vector3<f64>>,
     /// `true` if `values` are made of the present columns.
     assembled: bool,
     /// Unknowns fixed since the factor was made, each with the unknown's column of the inverse at that time.
@@ -47,13 +47,13 @@ pub(crate) struct Structure {
     /// Place of the diagonal entry of each unknown: the first of its column.
     diagonal: Vec<u32>,
     /// For each star, then each loop, the places of the products of its spokes, row after row.
-    places: Ragged<u32>,
+    places: Csr<u32>,
     /// Number of stars.
     stars: usize,
     /// For each star, then each loop, the unknowns of its spokes.
-    unknowns: Ragged<u32>,
+    unknowns: Csr<u32>,
     /// For each unknown, the blocks of rows that have it, once they were asked for.
-    touching: OnceCell<Ragged<u32>>,
+    touching: OnceCell<Csr<u32>>,
     symbolic: Symbolic,
 }
 
@@ -71,7 +71,7 @@ impl SparseNormalEquations {
         Self {
             values: vec![0.0; structure.entries],
             gradient: vec![0.0; n],
-            jacobian: Ragged::default(),
+            jacobian: Csr::default(),
             assembled: false,
             fixed: Vec::new(),
             spare: Vec::new(),
@@ -127,9 +127,9 @@ impl Structure {
             let pairs = pairs.map(|(a, b)| place(b.group.0, a.group.0).unwrap_or(ABOVE));
             pairs.collect::<Vec<_>>()
         });
-        let places: Ragged<u32> = places.collect();
+        let places: Csr<u32> = places.collect();
         let unknowns = cycles.iter().map(|spokes| spokes.iter().map(|s| s.group.0));
-        let unknowns: Ragged<u32> = unknowns.collect();
+        let unknowns: Csr<u32> = unknowns.collect();
         let diagonal = column_ends[..n].to_vec();
         let symbolic = Symbolic::new(&column_ends, &rows)?;
         Some(Self {
@@ -155,7 +155,7 @@ impl Structure {
     }
 
     /// Returns, for each unknown, the blocks of rows that have it, once for each of its columns in the block.
-    fn touching(&self) -> &Ragged<u32> {
+    fn touching(&self) -> &Csr<u32> {
         self.touching.get_or_init(|| {
             let loops = self.unknowns.len() - self.stars;
             let blocks = (0..self.stars + 2 * loops).zip(0..);
@@ -168,7 +168,7 @@ impl Structure {
     }
 
     /// Sets `image` to JᵀJ times `way`, and returns the dot product of `way` and `image`.
-    fn apply(&self, jacobian: &Ragged<Vector3<f64>>, way: &[f64], image: &mut [f64]) -> f64 {
+    fn apply(&self, jacobian: &Csr<Vector3<f64>>, way: &[f64], image: &mut [f64]) -> f64 {
         image.fill(0.0);
         let mut square = 0.0;
         for (block, columns) in jacobian.iter().enumerate() {

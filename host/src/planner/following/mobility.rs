@@ -11,12 +11,12 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::branch::{UNTURNED_RATIO, branches_at_flat};
 use super::reduction::Reduction;
-use crate::joined::root;
 use crate::pattern::CreasePattern;
 use crate::planner::vectors::{largest, max_norm};
 use crate::planner::{Goal, PlanOptions};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, ReducedStars};
+use crate::util::union_find::UnionFind;
 
 /// Infinitesimal motions of a closed configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,7 +63,7 @@ pub(crate) fn independent_parts(
 ) -> Option<Vec<Vec<usize>>> {
     let unknowns = looks.first()?.len();
     let mut turns = vec![false; unknowns];
-    let mut roots: Vec<usize> = (0..unknowns).collect();
+    let mut sets = UnionFind::new(unknowns);
     for look in looks {
         for motion in motions(stars, look)?.column_iter() {
             let still = STILL_RATIO * motion.amax();
@@ -71,16 +71,13 @@ pub(crate) fn independent_parts(
             let mut first = None;
             for unknown in turning {
                 turns[unknown] = true;
-                let [a, b] =
-                    [*first.get_or_insert(unknown), unknown].map(|one| root(&mut roots, one));
-                // The first unknown is the representative of its set.
-                roots[a.max(b)] = a.min(b);
+                sets.join_to_smaller([*first.get_or_insert(unknown), unknown]);
             }
         }
     }
     let mut parts = vec![Vec::new(); unknowns];
     for unknown in (0..unknowns).filter(|&unknown| turns[unknown]) {
-        parts[root(&mut roots, unknown)].push(unknown);
+        parts[sets.find(unknown)].push(unknown);
     }
     parts.retain(|part| !part.is_empty());
     Some(parts)

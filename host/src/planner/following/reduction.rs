@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use super::follow::{approach, same_signs};
 use crate::folding::{Amplification, SpanningTree};
+use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::closing::sparse::Structure;
@@ -13,7 +14,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{ClosureSite, WorstClosure};
 use crate::planner::{Goal, PlanOptions, Vertices};
 use crate::progress::Watch;
-use crate::symmetry::{CreaseGroups, Lattice, ReducedStars};
+use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of faces for which testing all pairs of faces is faster than finding and folding a lattice.
 const MAX_FACES_WITHOUT_LATTICE: usize = 20;
@@ -411,12 +412,4 @@ pub(crate) fn snapping_angle(
     let more = (0..=if coarse { SNAP_POWERS } else { LINE_POWERS }).rev();
     let mut more = more.map(|k| most.min(within * SNAP_FACTOR.powi(-k)));
     more.find(closes_within)
-}
-
-/// Returns the largest closure residual of the whole sheet at given fold angles of the creases, radians; `None` if a
-/// crease has no angle.
-#[must_use]
-pub fn closure_of(pattern: &CreasePattern, fold_angles: &[Option<f64>]) -> Option<f64> {
-    let angles = fold_angles.iter().copied().collect::<Option<Vec<f64>>>()?;
-    Some(ReducedStars::of_creases(pattern).largest_residual(&angles))
 }

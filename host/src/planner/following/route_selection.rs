@@ -5,7 +5,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::follow::Waypoint;
-use super::reduction::{CLOSED, Reduction, SAME_RAD, closure_of};
+use super::reduction::{CLOSED, Reduction, SAME_RAD};
 use super::route::{End, Reach, Route};
 use crate::pattern::CreasePattern;
 use crate::planner::Symmetry;
@@ -13,7 +13,7 @@ use crate::planner::closing::solver::Work;
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
-use crate::symmetry::CreaseGroups;
+use crate::symmetry::{CreaseGroups, closure_of};
 
 /// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
 /// less symmetry or moved coordinates.

@@ -7,7 +7,6 @@ use std::time::Instant;
 use foldpath_core::Curve;
 
 use crate::certificate::{FoldingCertifier, SheetCertifier};
-use crate::numbers::larger;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::{Path, curves};
@@ -20,6 +19,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
+use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.
 const MAX_KNOTS: usize = 20_000;
@@ -245,7 +245,7 @@ impl<'a> Placing<'a> {
         if together.keeps(bound) {
             return together;
         }
-        let apart = reduction.all.told_apart();
+        let apart = reduction.all.unmerged();
         let stars = apart.essential();
         let singly = near(&apart, &stars);
         if singly.keeps(bound) {

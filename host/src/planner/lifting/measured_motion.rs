@@ -6,7 +6,6 @@ use std::time::Instant;
 use super::certified_motion::Certificate;
 use crate::certificate::{Closure, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::numbers::larger;
 use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -14,6 +13,7 @@ use crate::planner::knots::{Knot, Path};
 use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
+use crate::util::nan_max::larger;
 
 /// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];

@@ -8,6 +8,7 @@ use super::certified_motion::CandidatePath;
 use crate::collision::{
     Crossing, LatticeScene, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding,
 };
+use crate::lattice::Lattice;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::{Knot, Path};
@@ -15,7 +16,6 @@ use crate::planner::options::Skips;
 use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
-use crate::symmetry::Lattice;
 
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
@@ -37,8 +37,8 @@ pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> S
         gap: certified.unwrap_or(0.0).max(gap),
         rounding: rounding(gap),
         // There is no limit for a user who switches a skip off, to look at everything.
-        max_looks: if skips == Skips::default() {
-            usual.max_looks
+        max_queries: if skips == Skips::default() {
+            usual.max_queries
         } else {
             u64::MAX
         },
@@ -74,13 +74,16 @@ pub(crate) fn sweep_lattice(
     options: SweepOptions,
 ) -> Option<Swept> {
     let torn = is_torn(options);
-    let astray = if torn {
-        lattice.astray(problem.pattern, closure)
+    let lattice_deviation = if torn {
+        lattice.lattice_deviation(problem.pattern, closure)
     } else {
         0.0
     };
-    let options = SweepOptions { astray, ..options };
-    let mut sweep = (astray < SweepOptions::FAR_ASTRAY).then(|| {
+    let options = SweepOptions {
+        lattice_deviation,
+        ..options
+    };
+    let mut sweep = (lattice_deviation < SweepOptions::FAR_FROM_LATTICE_EDGES).then(|| {
         Sweep::with_lattice(problem.pattern, &path.memberships, options, lattice)
             .watched(problem.watch)
     })?;
@@ -179,8 +182,8 @@ pub(crate) fn sweep_knots_or_lattice(
     let start = Instant::now();
     let (pattern, groups) = (problem.pattern, &reduction.groups);
     let near = |lattice: &&Lattice| {
-        let astray = lattice.astray(pattern, max_closure);
-        astray.max(gap) <= SweepOptions::default().tolerance
+        let lattice_deviation = lattice.lattice_deviation(pattern, max_closure);
+        lattice_deviation.max(gap) <= SweepOptions::default().tolerance
     };
     let lattice = lattice(problem, reduction).filter(near);
     let scene = lattice.and_then(|lattice| {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::fold_sequence::{fold_in_sequence, goal_of_sequences};
 use super::pipeline::{self, Ending};
 use crate::pattern::CreasePattern;
-use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION, closure_of};
+use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
@@ -15,6 +15,7 @@ use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason};
 use crate::planner::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
+use crate::symmetry::closure_of;
 
 /// Largest number of creases of a sheet that is planned once more without its crease groups to prove a smaller
 /// deformation.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
-use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD, closure_of};
+use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
 use crate::planner::following::route::{End, Route, straight};
 use crate::planner::following::route_selection::{SelectedRoute, select_route};
 use crate::planner::knots::Knot;
@@ -16,6 +16,7 @@ use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
+use crate::symmetry::closure_of;
 
 /// Largest turn of a crease in the step that shows which vertex stands in the way, radians.
 const PROBE_RAD: f64 = 0.1;

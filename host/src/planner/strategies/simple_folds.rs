@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use crate::joined::{join, root};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
+use crate::util::union_find::UnionFind;
 
 /// Largest distance of a crease from a line that it lies on, as a fraction of the length of the longer one.
 const OFF_LINE_RATIO: f64 = 1e-3;
@@ -102,13 +102,13 @@ fn joints(
     turns: &[f64],
     line: &[usize],
 ) -> Vec<Joint> {
-    let mut roots: Vec<usize> = (0..pattern.faces().len()).collect();
+    let mut parts = UnionFind::new(pattern.faces().len());
     for edge in pattern.edges() {
         let turns = edge
             .crease
             .is_some_and(|crease| line.contains(&crease.index()));
         if let (Some(faces), false) = (edge.inner_faces(), turns) {
-            join(&mut roots, faces.map(FaceId::index));
+            parts.join(faces.map(FaceId::index));
         }
     }
     let [from, to] = ends(pattern, shape, pattern.creases()[line[0]]);
@@ -120,7 +120,7 @@ fn joints(
             .inner_faces()
             .unwrap_or([FaceId::new(0); 2]);
         Joint {
-            parts: faces.map(|face| root(&mut roots, face.index())),
+            parts: faces.map(|face| parts.find(face.index())),
             turn: turns[crease] * (b - a).dot(&(to - from)).signum(),
         }
     };

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::pattern::LARGEST;
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// Square cells over the sheet. A line covers few of them.
 pub(super) struct Grid {
@@ -39,7 +39,7 @@ impl Grid {
 
     /// Makes a grid with about one point in each cell, cells at least `least` wide, and returns the points in each
     /// cell.
-    pub(super) fn of_points(points: &[Vector2<f64>], least: f64) -> (Self, Ragged<usize>) {
+    pub(super) fn of_points(points: &[Vector2<f64>], least: f64) -> (Self, Csr<usize>) {
         let grid = Self::new(points, points.len(), least);
         let cell_of = |point: &Vector2<f64>| {
             let from = point - grid.origin;

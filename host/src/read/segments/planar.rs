@@ -13,7 +13,7 @@ use super::repairs::Repairs;
 use super::{MOST, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
-use crate::ragged::{Ragged, group_by_key};
+use crate::util::csr::{Csr, group_by_key};
 
 /// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
 /// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
@@ -292,7 +292,7 @@ fn crossings(
     for (index, piece) in pieces.iter().enumerate() {
         grid.along(line(points, piece), 0.0, |cell| covered.push((cell, index)));
     }
-    let covered: Ragged<usize> = group_by_key(grid.columns * grid.rows, &covered);
+    let covered: Csr<usize> = group_by_key(grid.columns * grid.rows, &covered);
     let mut seen = vec![usize::MAX; pieces.len()];
     let mut found = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {

@@ -1,40 +1,32 @@
-//! The cells of a tessellation along a motion: places of their faces, and how long two cells or two faces stay
-//! apart. Broad phase of a sweep along a lattice.
+//! Broad phase of a sweep along a lattice: pairs of cells along a motion, their distances, and how long two cells or
+//! two faces stay apart. A difference of cells stands for all pairs of cells that have it.
 
 use core::ops::{Range, RangeInclusive};
 
 use foldpath_core::closure::{half_angles, residual};
 use foldpath_core::{Curve, HalfAngle, LoopsView, Membership, Spoke, StarsView, norm};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
-use super::hierarchy::circle;
-use super::motion::{Motion, Tick};
-use super::near_cells::Block;
-use super::pieces::count;
+use super::disk::Disk;
 use crate::certificate::SegmentCertifier;
-use crate::folding::{Drift, LatticeCourse, LatticeMotion, Pose, Stretch};
+use crate::collision::hierarchy::circle;
+use crate::collision::motion::{Motion, Tick};
+use crate::collision::pieces::count;
+use crate::collision::tolerances::{MAX_EVALUATIONS, MAX_OFFSETS, TRANSLATION_RAD, WAKE_TIMES};
+use crate::lattice::{
+    Lattice, LatticeMotion, LatticeMotionBounds, NeighbourSearch, Orbit, PairClass, Pose, Stretch,
+};
 use crate::pattern::{CreasePattern, FaceId};
-use crate::symmetry::{Lattice, Orbit, PairClass};
 
-/// Number of evaluations of the motion bound after which the search for the last safe time stops.
-const LOOKS: usize = 2;
-/// Largest turn of a lattice step at the end of a segment for which the step is treated as a translation (norm
-/// of the residual, about radians).
-const TRANSLATION: f64 = 1e-3;
-/// Number of tabulated times ahead for which cells are woken.
-pub(super) const AHEAD: usize = 4;
-/// Largest number of differences of cells that are followed.
-const MOST_OFFSETS: usize = 6000;
-
-/// A lattice that is folded at one time after the other.
+/// Pairs of cells of a lattice that is folded at one time after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Cells<'a> {
-    pub(super) lattice: &'a Lattice,
+pub(crate) struct CellPairs<'a> {
+    pub(crate) lattice: &'a Lattice,
     folded: LatticeMotion,
     time: Tick,
     half_angles: Vec<HalfAngle<f64>>,
     /// Bounds on the motion of cells and faces between the tabulated times.
-    course: LatticeCourse,
+    bounds: LatticeMotionBounds,
     begun: bool,
     /// Largest differences of cells along both steps.
     most: [u32; 2],
@@ -42,8 +34,7 @@ pub(super) struct Cells<'a> {
     /// (`circles`).
     counts: Vec<u64>,
     circles: Vec<(Vector2<f64>, f64)>,
-    /// These circles in space, for cell `[0, 0]` (`disks`), and the time for which they were computed
-    /// (`centered`).
+    /// These circles in space, for cell `[0, 0]` (`disks`), and the time for which they were computed (`centered`).
     disks: Vec<Disk>,
     centered: Tick,
     /// Powers of both steps, each with its time, for all cells and for all differences of cells; `low` has the
@@ -54,14 +45,13 @@ pub(super) struct Cells<'a> {
     offsets: Vec<Offset>,
     known: Vec<[i32; 2]>,
     all_awake: bool,
-    /// For each row of differences, once requested: for each pair of orbits, the columns of differences that
-    /// exist.
+    /// For each row of differences, once requested: for each pair of orbits, the columns of differences that exist.
     columns: Vec<Option<Vec<RangeInclusive<i32>>>>,
 }
 
 /// A difference of two cells, which stands for the opposite difference too.
 #[derive(Clone, Debug)]
-pub(super) struct Offset {
+pub(crate) struct Offset {
     cell: [i32; 2],
     /// Number of pairs of pieces.
     pairs: u64,
@@ -71,50 +61,20 @@ pub(super) struct Offset {
     taken: Vec<u64>,
 }
 
-/// A disk in space.
-#[derive(Clone, Copy, Debug)]
-struct Disk {
-    center: Vector3<f64>,
-    normal: Vector3<f64>,
-    radius: f64,
-}
-
-impl Disk {
-    /// Returns the disk moved with its cell.
-    fn carried(&self, by: &Pose) -> Self {
-        Self {
-            center: by.carry(&self.center),
-            normal: by.r_wf.rotate(&self.normal),
-            radius: self.radius,
-        }
-    }
-
-    /// Returns a lower bound of the distance between two disks: the distance of the balls round them, or of one
-    /// disk from the plane of the other.
-    fn apart(&self, other: &Self) -> f64 {
-        let between = other.center - self.center;
-        let balls = between.norm() - self.radius - other.radius;
-        let slant = self.normal.cross(&other.normal).norm();
-        let over = self.normal.dot(&between).abs() - other.radius * slant;
-        let under = other.normal.dot(&between).abs() - self.radius * slant;
-        balls.max(over).max(under)
-    }
-}
-
 /// Distances between two cells, over all pairs of faces that are not followed one by one.
 #[derive(Clone, Debug)]
-pub(super) struct Apart {
+pub(crate) struct Apart {
     /// Lower bound of the smallest distance.
-    pub(super) least: f64,
+    pub(crate) least: f64,
     /// Pairs of faces that may be too near to be represented by their cells.
-    pub(super) near: Vec<[FaceId; 2]>,
+    pub(crate) near: Vec<[FaceId; 2]>,
     /// Other pairs of faces that may be nearer than the nearest found so far.
-    pub(super) nearest: Vec<[FaceId; 2]>,
+    pub(crate) nearest: Vec<[FaceId; 2]>,
 }
 
-impl<'a> Cells<'a> {
-    /// Creates the cells of a lattice. Cost: O(faces of a cell + cells along both steps).
-    pub(super) fn new(
+impl<'a> CellPairs<'a> {
+    /// Creates the pairs of cells of a lattice. Cost: O(faces of a cell + cells along both steps).
+    pub(crate) fn new(
         pattern: &CreasePattern,
         memberships: &[Membership],
         groups: usize,
@@ -124,20 +84,14 @@ impl<'a> Cells<'a> {
         let count = |orbit: &Orbit| count(pattern, orbit.representative) as u64;
         let counts: Vec<_> = orbits.iter().map(count).collect();
         let folded = LatticeMotion::new(pattern, memberships, lattice);
-        let ends = |k: usize| {
-            let low = orbits.iter().map(|orbit| orbit.low[k]).min();
-            let high = orbits.iter().map(|orbit| orbit.high[k]).max();
-            [
-                low.unwrap_or_default().min(0),
-                high.unwrap_or_default().max(0),
-            ]
-        };
-        let ends = [ends(0), ends(1)];
+        let ends = lattice
+            .extent()
+            .map(|[low, high]| [low.min(0), high.max(0)]);
         let most = ends.map(|[low, high]| high.abs_diff(low));
         let still = (Tick::MAX, Pose::identity());
         Self {
             lattice,
-            course: LatticeCourse::new(&folded, most),
+            bounds: LatticeMotionBounds::new(&folded, most),
             begun: false,
             most,
             time: Tick::MAX,
@@ -160,7 +114,7 @@ impl<'a> Cells<'a> {
     }
 
     /// Begins a motion: tabulates the bounds on the motion of cells and faces.
-    pub(super) fn begin(&mut self, motion: &Motion) {
+    pub(crate) fn begin(&mut self, motion: &Motion) {
         self.time = Tick::MAX;
         self.centered = Tick::MAX;
         for (time, _) in self.powers.iter_mut().flatten() {
@@ -171,35 +125,35 @@ impl<'a> Cells<'a> {
         self.all_awake = false;
         self.begun = false;
         self.fold(motion, 0);
-        let mut course = LatticeCourse::new(&self.folded, self.most);
+        let mut bounds = LatticeMotionBounds::new(&self.folded, self.most);
         let stars = [0, 1].map(|step| self.folded.turning(step));
         let mut certifier = SegmentCertifier::default();
         let [mut half_way, mut to] = [(); 2].map(|()| self.half_angles.clone());
-        let mut bends = Vec::new();
+        let mut variations = Vec::new();
         let mut index = 0;
         for (last, curves) in motion.segments() {
             let turns = stars
                 .each_ref()
                 .map(|star| turn(&mut certifier, star, &curves));
             while index < last {
-                motion.bends(index, &mut bends);
+                motion.angle_variations(index, &mut variations);
                 motion.half_angles(motion.half_way(index), &mut half_way);
                 index += 1;
                 motion.half_angles(motion.tick(index), &mut to);
-                course.push(&mut self.folded, [&half_way, &to], &bends, turns);
+                bounds.push(&mut self.folded, [&half_way, &to], &variations, turns);
             }
         }
-        self.course = course;
+        self.bounds = bounds;
         self.begun = true;
         self.time = Tick::MAX;
     }
 
     /// Returns the number of pieces of the sheet, and the number of representative pairs (those for which no
     /// other pair stands).
-    pub(super) fn count(&self) -> [u64; 2] {
+    pub(crate) fn count(&self) -> [u64; 2] {
         let orbits = self.counts.len();
-        let pieces = self.lattice.places().iter();
-        let pieces = pieces.map(|place| self.counts[place.orbit as usize]);
+        let pieces = self.lattice.coords().iter();
+        let pieces = pieces.map(|coord| self.counts[coord.orbit as usize]);
         let pairs = (0..orbits).flat_map(|b| (0..=b).map(move |a| [a, b]));
         let pairs = pairs.map(|[a, b]| {
             let [columns, rows] = self
@@ -241,26 +195,26 @@ impl<'a> Cells<'a> {
     }
 
     /// Wakes the differences of cells that may come within `near` of each other from a tabulated time to the
-    /// [`AHEAD`]th next, except those woken before. Returns their numbers, which are consecutive; the nearest
-    /// comes last. Wakes all differences if steps turn, or if `near` is infinite. Returns `None` if there are
-    /// too many.
-    pub(super) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
+    /// [`WAKE_TIMES`]th next, except those woken before. Returns their numbers, which are consecutive; the nearest
+    /// comes last. Wakes all differences if steps turn, or if `near` is infinite. Returns `None` if there are too many.
+    pub(crate) fn wake(&mut self, motion: &Motion, time: Tick, near: f64) -> Option<Range<u32>> {
         let first = self.offsets.len();
         if !self.all_awake {
             self.fold(motion, time);
             let from = motion.tabulated(time).unwrap_or_default();
-            let times = [from, (from + AHEAD).min(self.course.times() - 1)];
-            let mut woken = match self.translated(times, near) {
-                Some(block) => {
-                    let mut cells = block.cells();
+            let times = [from, (from + WAKE_TIMES).min(self.bounds.times() - 1)];
+            let search = NeighbourSearch::new(&self.folded, &self.bounds, times, near, self.most);
+            let mut woken = match search {
+                Some(search) => {
+                    let mut cells = search.cells();
                     cells.retain(|cell| self.known.binary_search(cell).is_err());
                     cells.retain(|&cell| self.pairs(cell) > 0);
-                    cells.retain(|&cell| self.gap(cell) - self.course.cells(times, cell) <= near);
+                    cells.retain(|&cell| self.gap(cell) - self.bounds.cells(times, cell) <= near);
                     cells
                 }
                 None => {
                     self.all_awake = true;
-                    self.all()?
+                    self.lattice.offsets(MAX_OFFSETS)?
                 }
             };
             let length = |cell: &[i32; 2]| self.lattice.translation(*cell).norm_squared();
@@ -270,7 +224,7 @@ impl<'a> Cells<'a> {
             }
         }
         let numbers = [first, self.offsets.len()].map(|number| FaceId::new(number).0);
-        (self.offsets.len() <= MOST_OFFSETS).then_some(numbers[0]..numbers[1])
+        (self.offsets.len() <= MAX_OFFSETS).then_some(numbers[0]..numbers[1])
     }
 
     fn enter(&mut self, cell: [i32; 2]) {
@@ -288,48 +242,13 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Returns all differences of cells in the sheet, and perhaps others between them in a row; `None` if there
-    /// are too many. If the lattice is oblique to the sheet, these are few of the differences in their bounding
-    /// box.
-    pub(super) fn all(&self) -> Option<Vec<[i32; 2]>> {
-        let mut cells = Vec::new();
-        for (row, columns) in (0..).zip(self.lattice.columns_of_rows()) {
-            let low = *columns.start();
-            let low = if row == 0 { low.max(0) } else { low };
-            cells.extend((low..=*columns.end()).map(|column| [column, row]));
-            if cells.len() > MOST_OFFSETS {
-                return None;
-            }
-        }
-        Some(cells)
-    }
-
-    /// Returns the search for cells that may come within `near`, if both steps are translations or may be
-    /// treated as such.
-    fn translated(&self, times: [usize; 2], near: f64) -> Option<Block> {
-        let Drift {
-            own,
-            shifts,
-            turned,
-        } = self.course.drift(times);
-        let (ways, bent) = self.folded.ways(self.most);
-        let radius = self.folded.radius();
-        let slack = turned + bent;
-        (near.is_finite() && slack <= radius).then_some(Block {
-            ways,
-            shifts,
-            near: 2.0 * radius + near + own + slack,
-            most: self.most,
-        })
-    }
-
     fn fold(&mut self, motion: &Motion, time: Tick) {
         if self.time == time {
             return;
         }
         self.time = time;
         match motion.tabulated(time) {
-            Some(index) if self.begun => self.folded.fold_as(&self.course, index),
+            Some(index) if self.begun => self.folded.fold_as(&self.bounds, index),
             _ => {
                 motion.half_angles(time, &mut self.half_angles);
                 self.folded.fold(&self.half_angles);
@@ -359,7 +278,7 @@ impl<'a> Cells<'a> {
     }
 
     /// Returns the pose of a face, and the point of the flat sheet that the pose takes to its `p_w`.
-    pub(super) fn pose(
+    pub(crate) fn pose(
         &mut self,
         motion: &Motion,
         time: Tick,
@@ -370,15 +289,15 @@ impl<'a> Cells<'a> {
     }
 
     /// Returns what [`pose`](Self::pose) does, for the current configuration.
-    pub(super) fn pose_here(&mut self, face: FaceId) -> (Pose, Vector2<f64>) {
-        let place = self.lattice.place(face);
-        let origin = self.lattice.translation(place.cell);
-        let here = self.folded.pose(place.orbit, [0, 0]);
-        (self.translation(place.cell) * here, origin)
+    pub(crate) fn pose_here(&mut self, face: FaceId) -> (Pose, Vector2<f64>) {
+        let coord = self.lattice.coord(face);
+        let origin = self.lattice.translation(coord.cell);
+        let here = self.folded.pose(coord.orbit, [0, 0]);
+        (self.translation(coord.cell) * here, origin)
     }
 
     /// Returns a lower bound of the distance between two cells whose difference has this number.
-    pub(super) fn gap_of(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
+    pub(crate) fn gap_of(&mut self, motion: &Motion, time: Tick, offset: u32) -> f64 {
         self.fold(motion, time);
         self.gap(self.offsets[offset as usize].cell)
     }
@@ -392,7 +311,7 @@ impl<'a> Cells<'a> {
 
     /// Bounds the distances between the faces of two cells. Pairs of faces no farther apart than `near` are
     /// followed one by one from now on, and pairs nearer than `best` are named.
-    pub(super) fn apart(
+    pub(crate) fn apart(
         &mut self,
         motion: &Motion,
         time: Tick,
@@ -425,7 +344,7 @@ impl<'a> Cells<'a> {
                     continue;
                 }
                 if distance < best {
-                    let class = class(cell, [a, b]);
+                    let class = PairClass::of_orbits([a, b], cell);
                     apart.nearest.extend(self.lattice.pair_of(class));
                 }
                 apart.least = apart.least.min(distance);
@@ -440,20 +359,15 @@ impl<'a> Cells<'a> {
             return;
         }
         self.centered = self.time;
-        let disks = (0..).zip(&self.circles).map(|(orbit, &(center, radius))| {
-            let pose = self.folded.pose(orbit, [0, 0]);
-            Disk {
-                center: pose.apply(center),
-                normal: pose.r_wf.rotate(&Vector3::z()),
-                radius,
-            }
-        });
+        let disks = (0..)
+            .zip(&self.circles)
+            .map(|(orbit, &circle)| Disk::new(&self.folded.pose(orbit, [0, 0]), circle));
         self.disks.clear();
         self.disks.extend(disks);
     }
 
     /// Goes to a configuration that is part of no motion, given by the angles of the groups (radians).
-    pub(super) fn go_to(&mut self, angles: &[f64]) {
+    pub(crate) fn go_to(&mut self, angles: &[f64]) {
         self.time = self.time.wrapping_add(1);
         half_angles(angles, &mut self.half_angles);
         self.folded.fold(&self.half_angles);
@@ -461,13 +375,13 @@ impl<'a> Cells<'a> {
     }
 
     /// Returns a number that is different after each [`go_to`](Self::go_to).
-    pub(super) fn time(&self) -> Tick {
+    pub(crate) fn time(&self) -> Tick {
         self.time
     }
 
     /// Calls `found` for the classes of pairs of faces that may touch at the current configuration, among these
     /// differences of cells. The sheet may have no pair of some of these classes.
-    pub(super) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
+    pub(crate) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
         let center = self.folded.middle();
         let orbits = self.disks.len();
         for row in cells.chunk_by(|a, b| a[1] == b[1]) {
@@ -484,7 +398,7 @@ impl<'a> Cells<'a> {
                     let end = if cell == [0, 0] { b } else { orbits };
                     for a in 0..end {
                         if disk.apart(&self.disks[a]) <= 0.0 {
-                            found(class(cell, [a, b]));
+                            found(PairClass::of_orbits([a, b], cell));
                         }
                     }
                 }
@@ -500,7 +414,7 @@ impl<'a> Cells<'a> {
         }
         let bit = a * orbits + b;
         offset.taken[bit / 64] |= 1 << (bit % 64);
-        let class = class(offset.cell, [a, b]);
+        let class = PairClass::of_orbits([a, b], offset.cell);
         if let Some(faces) = self.lattice.pair_of(class) {
             offset.left = offset.left.saturating_sub(self.counts[a] * self.counts[b]);
             near.push(faces);
@@ -508,27 +422,27 @@ impl<'a> Cells<'a> {
     }
 
     /// Returns the number of pairs of pieces of two cells that are not followed one by one.
-    pub(super) fn left(&self, offset: u32) -> u64 {
+    pub(crate) fn left(&self, offset: u32) -> u64 {
         self.offsets[offset as usize].left
     }
 
     /// Returns `true` if all differences of cells have been woken.
-    pub(super) fn are_all_awake(&self) -> bool {
+    pub(crate) fn are_all_awake(&self) -> bool {
         self.all_awake
     }
 
     /// Returns a bound on how far two cells may approach each other within the next `count` tabulated times.
-    pub(super) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
+    pub(crate) fn moved(&self, motion: &Motion, time: Tick, count: usize, offset: u32) -> f64 {
         let mut stretch = motion.rest(time);
-        stretch.to = (stretch.to + count).min(self.course.times() - 1);
-        self.course
+        stretch.to = (stretch.to + count).min(self.bounds.times() - 1);
+        self.bounds
             .cells(stretch, self.offsets[offset as usize].cell)
     }
 
     /// Returns about the last time until which two cells approach each other by no more than `allowance`, and
     /// the bound on their approach until then. The time is a tabulated one, or one before the next tabulated
     /// time. Returns `None` if no such time after `time` is found.
-    pub(super) fn until(
+    pub(crate) fn until(
         &self,
         motion: &Motion,
         time: Tick,
@@ -537,22 +451,22 @@ impl<'a> Cells<'a> {
     ) -> Option<(Tick, f64)> {
         let offset = self.offsets[offset as usize].cell;
         self.last(motion, time, allowance, |stretch| {
-            self.course.cells(stretch, offset)
+            self.bounds.cells(stretch, offset)
         })
     }
 
     /// Returns what [`until`](Self::until) does, for two faces.
-    pub(super) fn until_of(
+    pub(crate) fn until_of(
         &self,
         motion: &Motion,
         time: Tick,
         faces: [FaceId; 2],
         allowance: f64,
     ) -> Option<(Tick, f64)> {
-        let [from, to] = faces.map(|face| self.lattice.place(face));
+        let [from, to] = faces.map(|face| self.lattice.coord(face));
         let offset = [0, 1].map(|k| to.cell[k] - from.cell[k]);
         self.last(motion, time, allowance, |stretch| {
-            self.course.faces(stretch, [from.orbit, to.orbit], offset)
+            self.bounds.faces(stretch, [from.orbit, to.orbit], offset)
         })
     }
 
@@ -565,16 +479,16 @@ impl<'a> Cells<'a> {
     ) -> Option<(Tick, f64)> {
         let rest = motion.rest(time);
         let moved_to = |to: usize| moved(Stretch { to, ..rest });
-        let (mut low, mut high) = (rest.from, self.course.times());
+        let (mut low, mut high) = (rest.from, self.bounds.times());
         let mut reached = (rest.head > 0.0).then(|| moved_to(low));
         if reached.is_some_and(|by| by > allowance) {
             return motion.before_next(time, allowance, moved);
         }
         let mut next = high - 1;
         // The motion is about uniform, and a time somewhat before the last is as good.
-        let mut looks = 0;
-        while next > low && (looks < LOOKS || reached.is_none()) {
-            looks += 1;
+        let mut evaluations = 0;
+        while next > low && (evaluations < MAX_EVALUATIONS || reached.is_none()) {
+            evaluations += 1;
             let by = moved_to(next);
             if by <= allowance {
                 (low, reached) = (next, Some(by));
@@ -626,24 +540,10 @@ fn turn(certifier: &mut SegmentCertifier, creases: &[Spoke<f64>], curves: &[Curv
         Some(stars)
             if stars
                 .iter()
-                .all(|star| norm(&residual(star, &end)) <= TRANSLATION) =>
+                .all(|star| norm(&residual(star, &end)) <= TRANSLATION_RAD) =>
         {
             2.0 * certifier.closure(stars, LoopsView::none(), curves).worst()
         }
         _ => f64::INFINITY,
-    }
-}
-
-/// Returns the class of the pairs of a face of orbit `a` and a face of orbit `b` whose cells have this
-/// difference.
-fn class([column, row]: [i32; 2], [a, b]: [usize; 2]) -> PairClass {
-    let (orbits, offset) = if a <= b {
-        ([a, b], [column, row])
-    } else {
-        ([b, a], [-column, -row])
-    };
-    PairClass {
-        orbits: orbits.map(|orbit| FaceId::new(orbit).0),
-        offset,
     }
 }

@@ -3,27 +3,51 @@
 
 use nalgebra::Vector3;
 
-/// Bounds that decide which cells may be near the cell at the origin.
+use super::motion::LatticeMotion;
+use super::motion_bounds::LatticeMotionBounds;
+
+/// The search for cells that may be near the cell at the origin while the steps are translations, or nearly so.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(crate) struct NeighbourSearch {
     /// Translations of the two lattice steps in space.
-    pub(super) ways: [Vector3<f64>; 2],
+    ways: [Vector3<f64>; 2],
     /// For each step, the largest displacement of a cell one step on from where the translation takes it.
-    pub(super) shifts: [f64; 2],
+    shifts: [f64; 2],
     /// Largest distance that counts as near.
-    pub(super) near: f64,
+    near: f64,
     /// Largest counts of both steps.
-    pub(super) most: [u32; 2],
+    most: [u32; 2],
 }
 
-impl Block {
+impl NeighbourSearch {
+    /// Creates the search for cells up to `most` steps on that may come within `near` of each other between two times
+    /// of `bounds`; `motion` is folded to the first. Returns `None` if `near` is infinite, or if the steps turn by so
+    /// much that translations say little.
+    pub(crate) fn new(
+        motion: &LatticeMotion,
+        bounds: &LatticeMotionBounds,
+        times: [usize; 2],
+        near: f64,
+        most: [u32; 2],
+    ) -> Option<Self> {
+        let drift = bounds.drift(times);
+        let (ways, bent) = motion.ways(most);
+        let radius = motion.radius();
+        let slack = drift.turned + bent;
+        (near.is_finite() && slack <= radius).then_some(Self {
+            ways,
+            shifts: drift.shifts,
+            near: 2.0 * radius + near + drift.own + slack,
+            most,
+        })
+    }
+
     /// Returns all counts i and j of steps with |i a + j b| - |i| s - |j| t ≤ near, one of [i, j] and [-i, -j],
     /// and perhaps a few more. Here a and b are the translations, s and t the shifts. Cost: O(number of them).
     ///
-    /// In a row, for i of one sign, squaring both sides gives a quadratic inequality in i. If no real i
-    /// satisfies it in one row, none does in the rows beyond: scaling i and j by a factor scales the left side
-    /// by that factor.
-    pub(super) fn cells(&self) -> Vec<[i32; 2]> {
+    /// In a row, for i of one sign, squaring both sides gives a quadratic inequality in i. If no real i satisfies it in
+    /// one row, none does in the rows beyond: scaling i and j by a factor scales the left side by that factor.
+    pub(crate) fn cells(&self) -> Vec<[i32; 2]> {
         let mut cells = Vec::new();
         let [columns, rows] = self
             .most
@@ -83,25 +107,25 @@ mod tests {
             let size = 10_f64.powf(uniform(-1.5, 0.0));
             let mut way = || Vector3::from_fn(|_, _| uniform(-1.0, 1.0));
             let ways = [way() * size, way()];
-            let block = Block {
+            let search = NeighbourSearch {
                 ways,
                 shifts: [uniform(0.0, 0.3) * ways[0].norm(), uniform(0.0, 0.3)],
                 near: uniform(0.2, 2.0),
                 most: [12, 9],
             };
-            let cells = block.cells();
+            let cells = search.cells();
             found += cells.len();
             for row in -9..=9_i32 {
                 for column in -12..=12_i32 {
                     let [i, j] = [column, row].map(f64::from);
-                    let off = i.abs() * block.shifts[0] + j.abs() * block.shifts[1];
-                    let is_near = (ways[0] * i + ways[1] * j).norm() - off <= block.near;
+                    let off = i.abs() * search.shifts[0] + j.abs() * search.shifts[1];
+                    let is_near = (ways[0] * i + ways[1] * j).norm() - off <= search.near;
                     let half = row > 0 || row == 0 && column >= 0;
                     near += usize::from(is_near && half);
                     let [i, j] = if half { [column, row] } else { [-column, -row] };
                     assert!(
                         !is_near || cells.contains(&[i, j]),
-                        "{block:?} {column} {row}"
+                        "{search:?} {column} {row}"
                     );
                 }
             }

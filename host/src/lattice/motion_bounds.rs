@@ -1,33 +1,20 @@
 //! Bounds the motion of the cells and faces of a folded tessellation relative to each other.
 
-use foldpath_core::{HalfAngle, Rotation, Spoke};
-use nalgebra::{Vector2, Vector3};
+use foldpath_core::{HalfAngle, Rotation};
+use nalgebra::Vector3;
 
-use super::lattice_motion::LatticeMotion;
-use super::map::Pose;
+use super::deviation::AngleVariation;
+use super::motion::{CellConfiguration, LatticeMotion};
 use super::screw::Screw;
-
-/// Change of a group angle over an interval: its variation, and its largest distance from a straight line in
-/// time, radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bend {
-    /// Total variation, radians.
-    pub varied: f64,
-    /// Largest distance from a straight line in time, radians; the variation counts instead if it is less.
-    pub off: f64,
-}
 
 /// Sums over the intervals of a motion that bound how far any face moves as seen from any other, at all times,
 /// whether or not the sheet closes between the configurations given.
 ///
-/// Reason: let x be a point beyond hinges 1 … n, whose angles change by δₖ, uniformly up to an `off` of bₖ, and
-/// vary by vₖ ≥ |δₖ|. Let Lₖ be the length of the way from hinge k to x from pivot to pivot, which no folding
-/// makes longer. If all angles changed uniformly, the third derivative of x would be no more than Σⱼ Σₖ Σₗ vⱼ
-/// vₖ vₗ L(max(j, k, l)), and x no farther than √3/216 of that from the quadratic through its values at the
-/// beginning, half way and at the end. As they do not, x deviates by up to Σₖ bₖ Lₖ more, and so does its value
-/// half way. Along the quadratic, x moves in an interval by no more than the chord plus twice the second
-/// difference of the three values. This motion is the *lead*, and the deviation from the quadratic is the
-/// *stray*. Without levers, the same bounds hold for the rotation.
+/// Reason: let x be a point beyond hinges 1 … n, whose angles change by δₖ, uniformly up to a `nonlinearity` of bₖ, and
+/// vary by vₖ ≥ |δₖ| in total. By the bound in `deviation.rs`, x stays near the quadratic through its values at the
+/// beginning, half way and at the end. Along the quadratic, x moves in an interval by no more than the chord plus twice
+/// the second difference of the three values. So the motion of x is the sum of two bounds: on the motion along the
+/// quadratic (`curve`), and on the deviation from it (`error`). Without levers, the same bounds hold for the rotation.
 ///
 /// With a step S before and A after the interval, Aⁿ x - Sⁿ x is the sum over m of Aⁿ⁻ᵐ (A S⁻¹ z - z) with z =
 /// Sᵐ x. Each term is bounded by the motion of one point, the next cell's centre, plus the rotation times the
@@ -36,7 +23,7 @@ pub struct Bend {
 /// and twice the distance from the axis of S plus m times its pitch. From a time within an interval on, only
 /// the first bound holds, increased by the motion of the next cell's centre.
 #[derive(Clone, Debug)]
-pub struct LatticeCourse {
+pub struct LatticeMotionBounds {
     /// Largest counts of steps for which bounds are requested.
     most: [f64; 2],
     orbits: usize,
@@ -44,7 +31,7 @@ pub struct LatticeCourse {
     sums: Vec<Sums<Terms>>,
     /// For each time and orbit the sum of the motion of its faces in the frame of their cell.
     own: Vec<Sums<f64>>,
-    folded: Vec<Folded>,
+    folded: Vec<CellConfiguration>,
     /// Corners of the cell at the last time.
     places: Vec<Vector3<f64>>,
 }
@@ -52,29 +39,27 @@ pub struct LatticeCourse {
 /// Bounds on the motion of a cell some steps on: the sum of `own`, the `shifts` times the counts of steps, and
 /// `turned`, which holds for all counts that may be requested.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drift {
-    pub(crate) own: f64,
-    pub(crate) shifts: [f64; 2],
-    pub(crate) turned: f64,
+pub(super) struct Drift {
+    pub(super) own: f64,
+    pub(super) shifts: [f64; 2],
+    pub(super) turned: f64,
 }
 
-/// Bounds on the motion along the quadratic over an interval (`lead`), and on the deviation from it (`stray`).
+/// Bounds on the motion along the quadratic over an interval (`curve`), and on the deviation from it (`error`).
 #[derive(Clone, Copy, Debug, Default)]
 struct Parts<T> {
-    lead: T,
-    stray: T,
+    curve: T,
+    error: T,
 }
 
-/// Bounds on the motion from the beginning until a time (`all`), and from any time of the last interval on
-/// (`last`).
+/// Bounds on the motion from the beginning until a time (`all`), and from any time of the last interval on (`last`).
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums<T> {
     all: T,
     last: Parts<T>,
 }
 
-/// A part of a course: a fraction of the interval before the first time, and all intervals from there up to the
-/// second.
+/// A part of a motion: a fraction of the interval before the first time, and all intervals from there up to the second.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
     /// Fraction of the interval before the first time, from 0 to 1.
@@ -95,15 +80,7 @@ impl From<[usize; 2]> for Stretch {
     }
 }
 
-/// A configuration of the cell and its steps.
-#[derive(Clone, Debug)]
-pub(super) struct Folded {
-    pub(super) poses: Vec<Pose>,
-    pub(super) steps: [Screw; 2],
-}
-
-/// Coefficients of the counts i and j of the first and the second step, and of the sums of all counts up to i
-/// and j.
+/// Coefficients of the counts i and j of the first and the second step, and of the sums of all counts up to i and j.
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
     own: f64,
@@ -229,10 +206,10 @@ impl<T: Linear> Sums<T> {
     /// Returns the sums with another interval added.
     fn and(&self, parts: Parts<T>) -> Self {
         Self {
-            all: self.all.plus(parts.lead, 1.0).plus(parts.stray, 1.0),
+            all: self.all.plus(parts.curve, 1.0).plus(parts.error, 1.0),
             last: Parts {
-                lead: parts.lead.within(),
-                stray: parts.stray.within(),
+                curve: parts.curve.within(),
+                error: parts.error.within(),
             },
         }
     }
@@ -243,15 +220,16 @@ impl<T: Linear> Sums<T> {
     fn until(&self, to: &Self, head: f64) -> T {
         let whole = to.all.plus(self.all, -1.0);
         if head > 0.0 {
-            whole.plus(self.last.lead, head).plus(self.last.stray, 2.0)
+            whole.plus(self.last.curve, head).plus(self.last.error, 2.0)
         } else {
             whole
         }
     }
 }
 
-impl LatticeCourse {
-    /// Creates a course that begins at the configuration of `start`, for cells at most `most` steps apart.
+impl LatticeMotionBounds {
+    /// Creates the bounds of a motion that begins at the configuration of `start`, for cells at most `most` steps
+    /// apart.
     #[must_use]
     pub fn new(start: &LatticeMotion, most: [u32; 2]) -> Self {
         let orbits = start.folded().poses.len();
@@ -272,7 +250,7 @@ impl LatticeCourse {
     }
 
     /// Returns the configuration at a time.
-    pub(super) fn at(&self, time: usize) -> &Folded {
+    pub(super) fn at(&self, time: usize) -> &CellConfiguration {
         &self.folded[time]
     }
 
@@ -283,7 +261,7 @@ impl LatticeCourse {
         &mut self,
         motion: &mut LatticeMotion,
         [half_way, to]: [&[HalfAngle<f64>]; 2],
-        bends: &[Bend],
+        variations: &[AngleVariation],
         known: [f64; 2],
     ) {
         motion.fold(half_way);
@@ -298,19 +276,19 @@ impl LatticeCourse {
         let three = self.places.iter().zip(&middle.1).zip(motion.places());
         let mut three = three.map(|((from, half), to)| (from, path([*from, *half, *to])));
         let (mut most, mut radius) = (Parts::<f64>::default(), 0.0_f64);
-        for (orbit, stray) in motion.strayed(bends).enumerate() {
-            let mut lead = 0.0_f64;
-            for (from, moved) in three.by_ref().take(motion.corners_of(orbit).len()) {
-                lead = lead.max(moved);
+        for (orbit, error) in (0..).zip(motion.deviations(variations)) {
+            let mut curve = 0.0_f64;
+            for (from, moved) in three.by_ref().take(motion.corners(orbit).len()) {
+                curve = curve.max(moved);
                 radius = radius.max((from - center).norm_squared());
             }
-            most.lead = most.lead.max(lead);
-            most.stray = most.stray.max(stray);
-            let sum = self.own[last + orbit].and(Parts { lead, stray });
+            most.curve = most.curve.max(curve);
+            most.error = most.error.max(error);
+            let sum = self.own[last + orbit as usize].and(Parts { curve, error });
             self.own.push(sum);
         }
         // Radius of the cell at any time of the interval; the length of the steps below holds at any time, too.
-        let radius = radius.sqrt() + most.lead + most.stray;
+        let radius = radius.sqrt() + most.curve + most.error;
         let mut steps = [(Parts::default(), Parts::default(), Reach::default()); 2];
         for (k, (shift, turn, reach)) in steps.iter_mut().enumerate() {
             let three = [
@@ -318,19 +296,19 @@ impl LatticeCourse {
                 middle.0[k],
                 after.steps[k].motion(),
             ];
-            let [off, turn_off] = motion.step_strayed(k, bends);
-            let lead = turn_of(three.map(|step| step.r_wf));
+            let [off, turn_off] = motion.step_deviations(k, variations);
+            let curve = turn_of(three.map(|step| step.r_wf));
             // A known bound on a rotation holds from any time to any other.
-            let (lead, stray) = if lead + turn_off <= known[k] {
-                (lead, turn_off)
+            let (curve, error) = if curve + turn_off <= known[k] {
+                (curve, turn_off)
             } else {
                 (0.0, known[k])
             };
-            *turn = Parts { lead, stray };
+            *turn = Parts { curve, error };
             let moved = path(three.map(|step| step.carry(&center)));
             *shift = Parts {
-                lead: moved + lead * radius,
-                stray: off + stray * radius,
+                curve: moved + curve * radius,
+                error: off + error * radius,
             };
             *reach = Reach::new(&before.steps[k], center, self.most[k]);
             reach.length += moved + off;
@@ -352,8 +330,8 @@ impl LatticeCourse {
             across: second_reach.times(part(&turn)),
         };
         let sum = self.sums[self.sums.len() - 1].and(Parts {
-            lead: terms(|parts| parts.lead),
-            stray: terms(|parts| parts.stray),
+            curve: terms(|parts| parts.curve),
+            error: terms(|parts| parts.error),
         });
         self.sums.push(sum);
         self.folded.push(motion.folded().clone());
@@ -375,7 +353,7 @@ impl LatticeCourse {
     }
 
     /// Returns the bounds on the motion of cells over a stretch: see [`cells`](Self::cells).
-    pub(crate) fn drift(&self, stretch: impl Into<Stretch>) -> Drift {
+    pub(super) fn drift(&self, stretch: impl Into<Stretch>) -> Drift {
         let terms = self.terms(stretch.into());
         Drift {
             own: 2.0 * terms.own,
@@ -432,78 +410,4 @@ fn turn_of([from, half, to]: [Rotation<f64>; 3]) -> f64 {
     let [a, b] = [from, to].map(|end| end * half.inverse());
     let second = (a.v * a.w + b.v * b.w).norm() + a.v.norm_squared() + b.v.norm_squared();
     2.0 * whole.v.norm() + 4.0 * second
-}
-
-/// Ratio of the largest distance of a function from the quadratic through its values at 0, 1/2 and 1 to its
-/// largest third derivative: √3/216.
-const CUBIC: f64 = 0.008_018_753_738_744_8;
-
-/// Sums over the hinges on the way to a point: variation of the angles (`varied`), deviation of the rotation
-/// (`turn`), and deviation of the place (`shift`).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Stray {
-    varied: f64,
-    turn: f64,
-    shift: f64,
-}
-
-impl Stray {
-    /// Returns the sums after `way` from the last pivot, and then across a hinge.
-    pub(crate) fn across(self, way: f64, bend: Bend) -> Self {
-        let Bend { varied, off } = bend;
-        Self {
-            varied: self.varied + varied,
-            shift: self.to(way),
-            turn: self.turn
-                + CUBIC * ((self.varied + varied).powi(3) - self.varied.powi(3))
-                + 2.0 * off.min(varied),
-        }
-    }
-
-    /// Returns a bound on the deviation of a point at distance `way` from the last pivot.
-    pub(crate) fn to(self, way: f64) -> f64 {
-        self.shift + self.turn * way
-    }
-
-    /// Returns a bound on the deviation of the rotation.
-    pub(super) fn turn(self) -> f64 {
-        self.turn
-    }
-}
-
-/// A hinge on the way from a cell to the next, and the distance to it from the one before.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Passed {
-    /// The hinge as a spoke of a star; `None` if it stays flat.
-    pub(super) spoke: Option<Spoke<f64>>,
-    pub(super) way: f64,
-}
-
-/// The hinges from a cell to the next, and the distance from the last hinge to the next cell's centre.
-#[derive(Clone, Debug)]
-pub(super) struct Passage {
-    pub(super) hinges: Vec<Passed>,
-    pub(super) rest: f64,
-}
-
-impl Passage {
-    /// Creates the passage from a cell's centre to the next one's, given the hinges and their pivots in the
-    /// flat sheet.
-    pub(super) fn new(
-        hinges: &[(Option<Spoke<f64>>, Vector2<f64>)],
-        center: Vector2<f64>,
-        next: Vector2<f64>,
-    ) -> Self {
-        let mut before = center;
-        let passed = hinges.iter().map(|&(spoke, pivot)| {
-            let way = (pivot - before).norm();
-            before = pivot;
-            Passed { spoke, way }
-        });
-        let hinges = passed.collect();
-        Self {
-            hinges,
-            rest: (next - before).norm(),
-        }
-    }
 }

@@ -1,5 +1,4 @@
-//! Judges single configurations of a tessellation for crossings, with one pair of faces tested for all that
-//! move alike.
+//! Judges single configurations of a tessellation for crossings, with one pair of faces tested for all that move alike.
 
 use core::ops::Range;
 use std::collections::HashMap;
@@ -8,25 +7,26 @@ use foldhash::fast::FixedState;
 use foldpath_core::Membership;
 use nalgebra::Vector3;
 
-use super::cells::Cells;
-use super::motion::Tick;
-use super::pieces::{CROSSING, Pieces, Placed};
-use super::scene::Crossing;
-use super::sweep::SweepCounts;
+use super::pairs::CellPairs;
+use crate::collision::motion::Tick;
+use crate::collision::pieces::{Pieces, Placed};
+use crate::collision::scene::Crossing;
+use crate::collision::sweep::SweepCounts;
+use crate::collision::tolerances::{CROSSING_DEPTH_EDGES, MAX_OFFSETS};
+use crate::lattice::{Lattice, PairClass};
 use crate::pattern::CreasePattern;
-use crate::symmetry::{Lattice, PairClass};
 
 /// A tessellation folded into one configuration after the other. It answers the same question as a
-/// [`CollisionScene`](super::CollisionScene), but of all pairs of faces that are placed alike it tests only
+/// [`CollisionScene`](crate::collision::CollisionScene), but of all pairs of faces that are placed alike it tests only
 /// one.
 #[derive(Clone, Debug)]
 pub struct LatticeScene<'a> {
     pattern: &'a CreasePattern,
     /// Depth up to which an overlap is contact, units of the sheet.
     tolerance: f64,
-    cells: Cells<'a>,
+    cells: CellPairs<'a>,
     /// All differences between two cells of the sheet.
-    differences: Vec<[i32; 2]>,
+    offsets: Vec<[i32; 2]>,
     pieces: Pieces,
     /// Pairs of pieces that share no side, of the pair classes requested so far.
     pairs: Vec<[u32; 2]>,
@@ -43,9 +43,8 @@ pub struct LatticeScene<'a> {
 }
 
 impl<'a> LatticeScene<'a> {
-    /// Creates the scene of a sheet with the lattice found for these memberships in `groups` crease groups.
-    /// Returns `None` if the lattice has too many differences of cells to go through. Cost: O(faces of a cell +
-    /// cells).
+    /// Creates the scene of a sheet with the lattice found for these memberships in `groups` crease groups. Returns
+    /// `None` if the lattice has too many differences of cells to go through. Cost: O(faces of a cell + cells).
     #[must_use]
     pub fn new(
         pattern: &'a CreasePattern,
@@ -53,13 +52,13 @@ impl<'a> LatticeScene<'a> {
         groups: usize,
         lattice: &'a Lattice,
     ) -> Option<Self> {
-        let cells = Cells::new(pattern, memberships, groups, lattice);
+        let cells = CellPairs::new(pattern, memberships, groups, lattice);
         let [pieces, pairs] = cells.count();
         let all = pieces * pieces.saturating_sub(1) / 2;
         Some(Self {
             pattern,
-            tolerance: CROSSING * pattern.median_edge(),
-            differences: cells.all()?,
+            tolerance: CROSSING_DEPTH_EDGES * pattern.median_edge(),
+            offsets: lattice.offsets(MAX_OFFSETS)?,
             cells,
             pieces: Pieces::none(pattern),
             pairs: Vec::new(),
@@ -73,15 +72,13 @@ impl<'a> LatticeScene<'a> {
         })
     }
 
-    /// Returns the deepest crossing at a configuration (group angles, radians), at which the sheet has to
-    /// close. Its faces stand for all pairs that are placed alike. Cost: O(cells + pairs of faces near one
-    /// cell).
+    /// Returns the deepest crossing at a configuration (group angles, radians), at which the sheet has to close. Its
+    /// faces stand for all pairs that are placed alike. Cost: O(cells + pairs of faces near one cell).
     pub fn deepest_crossing(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.cells.go_to(angles);
         let mut near = core::mem::take(&mut self.near);
         near.clear();
-        self.cells
-            .touching(&self.differences, |class| near.push(class));
+        self.cells.touching(&self.offsets, |class| near.push(class));
         let mut deepest: Option<Crossing> = None;
         let (mut tested, mut joined) = (0, 0);
         for &class in &near {

@@ -2,7 +2,7 @@
 
 use core::ops::RangeInclusive;
 
-use super::lattice::{Lattice, Orbit, Place};
+use super::orbits::{Lattice, LatticeCoord, Orbit};
 use crate::pattern::FaceId;
 
 /// The pairs of a face of one orbit and a face of another orbit, or of the same orbit, with a fixed difference of
@@ -16,43 +16,22 @@ pub struct PairClass {
     pub offset: [i32; 2],
 }
 
+impl PairClass {
+    /// Returns the class of the pairs of a face of orbit `a` and a face of orbit `b` whose cells have this difference.
+    pub(crate) fn of_orbits([a, b]: [usize; 2], [column, row]: [i32; 2]) -> Self {
+        let (orbits, offset) = if a <= b {
+            ([a, b], [column, row])
+        } else {
+            ([b, a], [-column, -row])
+        };
+        Self {
+            orbits: orbits.map(|orbit| FaceId::new(orbit).0),
+            offset,
+        }
+    }
+}
+
 impl Lattice {
-    /// Returns the class of a pair of faces, and the pair in the order of the class; `None` for a face and itself.
-    #[must_use]
-    pub fn class_of(&self, [a, b]: [FaceId; 2]) -> Option<(PairClass, [FaceId; 2])> {
-        // The first face is the one of the earlier orbit, then of the earlier row, then of the earlier column.
-        let order = |face| {
-            let Place { orbit, cell } = self.place(face);
-            (orbit, cell[1], cell[0])
-        };
-        let [first, second] = if order(a) <= order(b) { [a, b] } else { [b, a] };
-        let (from, to) = (self.place(first), self.place(second));
-        let class = PairClass {
-            orbits: [from.orbit, to.orbit],
-            offset: [0, 1].map(|k| to.cell[k] - from.cell[k]),
-        };
-        (a != b).then_some((class, [first, second]))
-    }
-
-    /// Iterates over all classes of pairs of faces, each once. If a row of cells has gaps, some classes may be empty;
-    /// [`pair_of`](Self::pair_of) then returns `None`. Cost: O(classes + rows²).
-    pub fn pair_classes(&self) -> impl Iterator<Item = PairClass> + '_ {
-        let count = u32::try_from(self.orbits().len()).unwrap_or(u32::MAX);
-        (0..count).flat_map(move |a| (a..count).flat_map(move |b| self.classes_between([a, b])))
-    }
-
-    fn classes_between(&self, orbits: [u32; 2]) -> impl Iterator<Item = PairClass> + '_ {
-        let [a, b] = orbits.map(|orbit| &self.orbits()[orbit as usize]);
-        let rows = b.low[1].saturating_sub(a.high[1])..=b.high[1].saturating_sub(a.low[1]);
-        let same = orbits[0] == orbits[1];
-        rows.flat_map(move |row| {
-            let columns = self.columns_between([a, b], row);
-            let offsets = columns.map(move |column| [column, row]);
-            offsets.filter(move |&[column, row]| !same || (row, column) > (0, 0))
-        })
-        .map(move |offset| PairClass { orbits, offset })
-    }
-
     /// Returns the range of differences of columns between faces of two orbits that are `rows` rows apart. If a row has
     /// gaps, the range may contain differences that do not occur. Cost: O(rows).
     pub(crate) fn columns_between(&self, [a, b]: [&Orbit; 2], rows: i32) -> RangeInclusive<i32> {
@@ -68,22 +47,29 @@ impl Lattice {
         low..=high
     }
 
+    /// Returns all differences of cells in the sheet, and perhaps others between them in a row; `None` if there are
+    /// more than `most`. If the lattice is oblique to the sheet, these are few of the differences in their bounding
+    /// box.
+    pub(crate) fn offsets(&self, most: usize) -> Option<Vec<[i32; 2]>> {
+        let mut offsets = Vec::new();
+        for (row, columns) in (0..).zip(self.columns_of_rows()) {
+            let low = *columns.start();
+            let low = if row == 0 { low.max(0) } else { low };
+            offsets.extend((low..=*columns.end()).map(|column| [column, row]));
+            if offsets.len() > most {
+                return None;
+            }
+        }
+        Some(offsets)
+    }
+
     /// Returns, for each difference of rows from 0 on, the range of differences of columns between any two faces that
     /// many rows apart. If a row has gaps, a range may contain differences that do not occur. Cost: O(faces + rows²).
-    pub(crate) fn columns_of_rows(&self) -> Vec<RangeInclusive<i32>> {
-        let orbits = || self.orbits().iter();
-        let first = orbits().map(|orbit| orbit.low[1]).min().unwrap_or_default();
-        let last = orbits()
-            .map(|orbit| orbit.high[1])
-            .max()
-            .unwrap_or_default();
+    fn columns_of_rows(&self) -> Vec<RangeInclusive<i32>> {
+        let [_, [first, last]] = self.extent();
         let rows = (first..=last).map(|row| {
-            let spans = orbits().filter_map(|orbit| {
-                (orbit.low[1]..=orbit.high[1])
-                    .contains(&row)
-                    .then(|| span(self.row(orbit, row)))
-                    .flatten()
-            });
+            let orbits = self.orbits().iter();
+            let spans = orbits.filter_map(|orbit| span(self.row(orbit, row)));
             spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
         });
         let rows: Vec<_> = rows.collect();
@@ -107,23 +93,16 @@ impl Lattice {
         let from = self.orbits().get(orbit as usize)?;
         let pair = |face: FaceId, [column, row]: [i32; 2]| {
             let cell = [column.checked_add(dx)?, row.checked_add(dy)?];
-            let place = Place { orbit: other, cell };
-            Some([face, self.face_at(place)?])
+            let coord = LatticeCoord { orbit: other, cell };
+            Some([face, self.face_at(coord)?])
         };
         let middle = from.representative;
-        pair(middle, self.place(middle).cell).or_else(|| {
+        pair(middle, self.coord(middle).cell).or_else(|| {
             (from.low[1]..=from.high[1]).find_map(|row| {
                 let mut faces = self.row(from, row).iter();
                 faces.find_map(|&(column, face)| pair(face, [column, row]))
             })
         })
-    }
-
-    /// Returns the number of all pairs of faces of the sheet, which the classes represent.
-    #[must_use]
-    pub fn pairs(&self) -> u64 {
-        let faces = self.places().len() as u64;
-        faces * faces.saturating_sub(1) / 2
     }
 }
 

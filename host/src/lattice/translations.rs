@@ -7,21 +7,21 @@ use std::collections::VecDeque;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
-use super::lattice::Link;
+use super::orbits::Link;
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
 
-/// Largest distance between corners that count as equal, in median edges: the tolerance of exact crease groups.
-const SAME_PLACE: f64 = 1e-6;
+/// Largest distance between corners that count as equal: the tolerance of exact crease groups.
+const SAME_POINT_EDGES: f64 = 1e-6;
 /// Number of faces round a seed among which its images are searched. The second number is used if the first gives too
 /// few steps. Cells of a few faces are the rule, and a candidate costs little unless it is an image.
-const BALLS: [usize; 2] = [64, 2048];
+const CANDIDATE_FACES: [usize; 2] = [64, 2048];
 /// Positions of the seeds in the bounding box of the sheet, 0 to 1: the middle, then the corners, as in a small sheet
 /// the middle face may have no image.
-const SEEDS: [[f64; 2]; 5] = [CENTRE, [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+const SEED_POSITIONS: [[f64; 2]; 5] = [CENTRE, [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
 pub(super) const CENTRE: [f64; 2] = [0.5, 0.5];
-/// Budget of compared faces: `BUDGET` plus `PASSES` times their number.
-const BUDGET: usize = 100_000;
-const PASSES: usize = 8;
+/// Largest number of compared faces: `MAX_COMPARISONS` plus `MAX_PASSES` times the number of faces.
+const MAX_COMPARISONS: usize = 100_000;
+const MAX_PASSES: usize = 8;
 
 /// Marks a missing face beyond the border of the sheet.
 pub(super) const NONE: u32 = u32::MAX;
@@ -53,7 +53,7 @@ struct Pair {
 }
 
 /// The faces with the faces beyond their sides. A side has the number of the corner at which it begins.
-pub(super) struct Sheet<'a> {
+pub(super) struct FaceAdjacency<'a> {
     pattern: &'a CreasePattern,
     /// Index of each face's first side, followed by the number of all sides.
     starts: Vec<u32>,
@@ -66,7 +66,7 @@ pub(super) struct Sheet<'a> {
     budget: usize,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> FaceAdjacency<'a> {
     /// Makes the adjacency of the faces. Returns `None` if `memberships` has not one entry for each crease. Cost:
     /// linear.
     pub(super) fn new(pattern: &'a CreasePattern, memberships: &[Membership]) -> Option<Self> {
@@ -79,14 +79,14 @@ impl<'a> Sheet<'a> {
             hinge: None,
             edge: EdgeId(0),
         };
-        let mut sheet = Self {
+        let mut adjacency = Self {
             pattern,
             starts: [0].iter().chain(pattern.faces().ends()).copied().collect(),
             sides: vec![none; corners.len()],
             corners,
-            tolerance: SAME_PLACE * pattern.median_edge(),
+            tolerance: SAME_POINT_EDGES * pattern.median_edge(),
             deviation: 0.0,
-            budget: BUDGET + PASSES * pattern.faces().len(),
+            budget: MAX_COMPARISONS + MAX_PASSES * pattern.faces().len(),
         };
         for (index, edge) in (0..).zip(pattern.edges()) {
             let Some([left, right]) = edge.inner_faces() else {
@@ -97,10 +97,10 @@ impl<'a> Sheet<'a> {
                 None => None,
             };
             let [a, b] = edge.ends;
-            let ours = sheet.side_between(left, [a, b])?;
-            let theirs = sheet.side_between(right, [b, a])?;
+            let ours = adjacency.side_between(left, [a, b])?;
+            let theirs = adjacency.side_between(right, [b, a])?;
             for (side, twin, face) in [(ours, theirs, right), (theirs, ours, left)] {
-                sheet.sides[side] = Side {
+                adjacency.sides[side] = Side {
                     face: face.0,
                     twin: VertexId::new(twin).0,
                     hinge,
@@ -108,7 +108,7 @@ impl<'a> Sheet<'a> {
                 };
             }
         }
-        Some(sheet)
+        Some(adjacency)
     }
 
     /// Returns the side of `face` that leads from `a` to `b`.
@@ -171,11 +171,11 @@ impl<'a> Sheet<'a> {
     /// Returns at most two independent steps, the nearest that were found.
     pub(super) fn steps(&mut self) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::new();
-        for seed in SEEDS {
+        for seed in SEED_POSITIONS {
             let Some(seed) = self.seed(seed) else {
                 continue;
             };
-            for ball in BALLS {
+            for ball in CANDIDATE_FACES {
                 for (shift, pair) in self.candidates(seed, ball) {
                     let line = steps.first().map(|step| step.shift.normalize());
                     if line.is_some_and(|line| line.perp(&shift).abs() <= self.tolerance) {

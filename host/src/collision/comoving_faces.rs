@@ -1,21 +1,16 @@
-//! Finds faces that stay at rest relative to each other over a part of a motion, by union-find: faces joined by
-//! an edge that does not turn, and faces hinged to one body about the same line that turn about it alike.
-//! Layers that are folded over together move like this.
+//! Finds comoving faces, which stay at rest relative to each other over a part of a motion, by union-find: faces joined
+//! by an edge that does not turn, and faces hinged to one body about the same line that turn about it alike. Layers
+//! that are folded over as one move like this.
 
 use core::f64::consts::PI;
 
 use foldpath_core::Membership;
 
+use super::lazy_folding::Axis;
 use super::motion::{Motion, Tick};
-use super::sheet::Axis;
-use crate::joined::{are_joined, join, root};
+use super::tolerances::{MAX_HINGES, NEARLY_AT_REST_RATIO};
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
-
-/// Largest number of hinges against one body for which each is compared with all others.
-const MOST_HINGES: usize = 1000;
-/// Relative motion, in tolerances, up to which faces may be together over a shorter part: the largest ratio by
-/// which a part is shorter than the segment.
-const NEARLY: f64 = 64.0;
+use crate::util::union_find::UnionFind;
 
 /// A crease that turns, seen from one of its faces.
 struct Hinge {
@@ -26,8 +21,8 @@ struct Hinge {
     line: Axis,
 }
 
-/// Faces that move together from one time to another.
-pub(super) struct Together {
+/// Faces that are at rest relative to each other from one time to another.
+pub(super) struct ComovingFaces {
     /// For each face the representative of its body: faces that move relative to each other by no more than a
     /// tolerance.
     pub(super) bodies: Vec<usize>,
@@ -35,19 +30,20 @@ pub(super) struct Together {
     pub(super) nearly: bool,
 }
 
-/// Finds the faces that move together from one time to another of the same segment.
+/// Finds the faces that are at rest relative to each other from one time to another of the same segment.
 ///
 /// Groups that are `still` hardly turn in this time, and `axis` returns the line of a crease in the folded
 /// sheet at the first time. No two points of the folded sheet are ever farther from each other than `length`.
-pub(super) fn together(
+pub(super) fn comoving_faces(
     pattern: &CreasePattern,
     memberships: &[Membership],
     (motion, times): (&Motion, [Tick; 2]),
     still: &[bool],
     mut axis: impl FnMut(CreaseId) -> Axis,
     [length, tolerance]: [f64; 2],
-) -> Together {
-    let mut roots: Vec<usize> = (0..pattern.faces().len()).collect();
+) -> ComovingFaces {
+    let count = pattern.faces().len();
+    let mut bodies = UnionFind::new(count);
     let mut hinges = Vec::new();
     let mut moved = 0.0;
     for edge in pattern.edges() {
@@ -75,34 +71,34 @@ pub(super) fn together(
             _ => {
                 let turned = member.map_or(0.0, |(_, member)| motion.turned(times, member));
                 moved += length * turned;
-                join(&mut roots, [left, right]);
+                bodies.join([left, right]);
             }
         }
     }
     if moved > tolerance {
-        return Together {
-            bodies: (0..roots.len()).collect(),
-            nearly: moved <= NEARLY * tolerance,
+        return ComovingFaces {
+            bodies: (0..count).collect(),
+            nearly: moved <= NEARLY_AT_REST_RATIO * tolerance,
         };
     }
     let (mut found, mut nearly) = (true, false);
     while found {
         found = false;
         for hinge in &mut hinges {
-            hinge.against = root(&mut roots, hinge.against);
+            hinge.against = bodies.find(hinge.against);
         }
         hinges.sort_by_key(|hinge| hinge.against);
-        let bodies = hinges.chunk_by(|a, b| a.against == b.against);
-        for hinges in bodies.filter(|hinges| hinges.len() <= MOST_HINGES) {
+        let by_body = hinges.chunk_by(|a, b| a.against == b.against);
+        for hinges in by_body.filter(|hinges| hinges.len() <= MAX_HINGES) {
             for (k, hinge) in hinges.iter().enumerate() {
                 for other in &hinges[..k] {
-                    if are_joined(&mut roots, [hinge.face, other.face]) {
+                    if bodies.are_joined([hinge.face, other.face]) {
                         continue;
                     }
                     let more = hinge.parts_from(other, (motion, times), length);
-                    nearly |= moved + more > tolerance && more <= NEARLY * tolerance;
+                    nearly |= moved + more > tolerance && more <= NEARLY_AT_REST_RATIO * tolerance;
                     if moved + more <= tolerance {
-                        join(&mut roots, [hinge.face, other.face]);
+                        bodies.join([hinge.face, other.face]);
                         moved += more;
                         found = true;
                     }
@@ -110,16 +106,14 @@ pub(super) fn together(
             }
         }
     }
-    let faces = 0..roots.len();
-    Together {
-        bodies: faces.map(|face| root(&mut roots, face)).collect(),
+    ComovingFaces {
+        bodies: bodies.representatives(),
         nearly,
     }
 }
 
 impl Hinge {
-    /// Returns a bound on how far the face moves relative to that of another hinge, if both turn against one
-    /// body.
+    /// Returns a bound on how far the face moves relative to that of another hinge, if both turn against one body.
     fn parts_from(&self, other: &Self, (motion, times): (&Motion, [Tick; 2]), length: f64) -> f64 {
         let [a, b] = [&self.line, &other.line];
         let opposite = a.direction.dot(&b.direction) < 0.0;
@@ -171,7 +165,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Returns the number of bodies of faces that move together.
+    /// Returns the number of bodies of comoving faces.
     fn bodies(angles: [[f64; 4]; 2], negative: bool) -> usize {
         let pattern = flaps();
         let memberships = [(0, false), (1, negative)].map(|(group, negative)| Membership {
@@ -189,7 +183,7 @@ mod tests {
         };
         let still = angles.map(|angle| (angle[3] - angle[0]).abs() <= 0.0);
         let segment = (&motion, [0, SEGMENT]);
-        let found = together(&pattern, &memberships, segment, &still, axis, [4.0, 1e-6]);
+        let found = comoving_faces(&pattern, &memberships, segment, &still, axis, [4.0, 1e-6]);
         let mut found = found.bodies;
         found.sort_unstable();
         found.dedup();

@@ -1,8 +1,8 @@
-//! Union-find with parity: sets of creases that turn alike, each crease with a sign.
+//! Signed union-find: disjoint sets of creases that turn alike, each crease with a sign (union-find with parity).
 
 /// Disjoint sets of items, each with a sign relative to its set.
 #[derive(Clone)]
-pub(super) struct ParitySets {
+pub(super) struct SignedUnionFind {
     parent: Vec<u32>,
     /// `true` if the item turns against its parent.
     negative: Vec<bool>,
@@ -13,7 +13,7 @@ pub(super) struct ParitySets {
     spread: f64,
 }
 
-impl ParitySets {
+impl SignedUnionFind {
     /// Makes a set of each item, with its value if it has one. No set may come to hold values more than `spread` apart.
     pub(super) fn new(values: impl Iterator<Item = Option<f64>>, spread: f64) -> Self {
         let none = [f64::INFINITY, f64::NEG_INFINITY];
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn parity_is_carried_through_chains_and_contradictions_are_refused() {
-        let mut sets = ParitySets::new([None; 5].into_iter(), 0.0);
+        let mut sets = SignedUnionFind::new([None; 5].into_iter(), 0.0);
         assert!(sets.join(4, 3, true) && sets.join(3, 2, true) && sets.join(2, 1, true));
         assert!(sets.related(4, 1, true) && sets.related(4, 2, false));
         assert!(!sets.related(0, 1, false));
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn values_never_drift_apart_along_a_chain() {
         let values = [Some(1.0), Some(-1.4), None, Some(1.8)];
-        let mut sets = ParitySets::new(values.into_iter(), 0.5);
+        let mut sets = SignedUnionFind::new(values.into_iter(), 0.5);
         assert!(sets.join(0, 1, true) && sets.join(1, 2, true));
         assert!(!sets.join(2, 3, false) && !sets.related(0, 3, false));
         assert!(!sets.join(3, 1, false), "of opposite sign");

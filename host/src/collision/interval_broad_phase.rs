@@ -1,46 +1,38 @@
 //! Broad phase for a whole sheet, over one interval of a motion after the other: proves by a separating plane
 //! that two pieces stay apart during the whole interval.
 //!
-//! An interval has the positions of the pieces at its beginning, in its middle and at its end, and a bound on
-//! their deviation (*stray*) from the quadratic curves through these positions. Along such a quadratic a corner
-//! stays in the convex hull of the curve's control points, and a piece stays in the hull of its corners'
-//! control points. Take a fixed direction and, at each of the three control points, the least distance by which
-//! the corners of one piece are ahead of the corners of the other. At any time of the interval, the least
-//! distance by which that piece is ahead is no less than a sum of these three with weights that are positive
-//! and sum to one. If all three exceed the deviations of both pieces together, the pieces are apart from the
-//! beginning to the end, however both move together.
+//! An interval has the positions of the pieces at its beginning, in its middle and at its end, and a bound on their
+//! deviation from the quadratic curves through these positions. Along such a quadratic a corner stays in the convex
+//! hull of the curve's control points, and a piece stays in the hull of its corners' control points. Take a fixed
+//! direction and, at each of the three control points, the least distance by which the corners of one piece are ahead
+//! of the corners of the other. At any time of the interval, the least distance by which that piece is ahead is no less
+//! than a sum of these three with weights that are positive and sum to one. If all three exceed the deviations of both
+//! pieces together, the pieces are apart from the beginning to the end, however both move together.
 
 use core::ops::Range;
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
 use super::hierarchy::Hierarchy;
 use super::motion::{Motion, SEGMENT, Tick};
 use super::pieces::Pieces;
 use super::separation::distance;
-use crate::folding::{Bend, Pose, SpanningTree, Stray};
+use super::tolerances::{
+    CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
+};
+use crate::folding::{SpanningTree, Step};
+use crate::lattice::{AngleVariation, DeviationBound, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 
-/// Limit on the deviation of a piece, in median edges; intervals are shortened to meet it.
-const STRAY: f64 = 1.0 / 8.0;
-/// Shortest interval, ticks.
-const SHORTEST: Tick = SEGMENT >> 14;
-/// Number of parts of a segment over which second derivatives are bounded, and length of a part, ticks.
-const PARTS: u32 = 8;
-const PART: Tick = SEGMENT / PARTS as Tick;
-
-/// The hinge across which the spanning tree reaches a face from its parent.
+/// The step of the spanning tree that reaches a face, and its crease's group and sign.
 #[derive(Clone, Copy, Debug)]
 struct Hinge {
-    face: FaceId,
-    parent: FaceId,
-    crease: Option<Membership>,
-    pivot: Vector2<f64>,
-    axis: [f64; 2],
-    /// Distances in the flat sheet: from the pivot of the parent to this pivot (`way`), and from this pivot to
-    /// the farthest corner of the face (`reach`).
+    step: Step,
+    member: Option<Membership>,
+    /// Distances in the flat sheet: from the pivot of the parent to this pivot (`way`), and from this pivot to the
+    /// farthest corner of the face (`reach`).
     way: f64,
     reach: f64,
 }
@@ -48,9 +40,10 @@ struct Hinge {
 /// A value at the beginning of an interval, in its middle and at its end.
 type Three<T> = [T; 3];
 
-/// A sheet over an interval.
+/// The pieces of a sheet over an interval: their places at three times, boxes round them, and bounds on their
+/// deviation.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
@@ -61,11 +54,11 @@ pub(super) struct Course {
     angles: Vec<f64>,
     next: Vec<f64>,
     half_angles: Vec<HalfAngle<f64>>,
-    bends: Vec<Bend>,
-    /// For each face: sums over the hinges from the root to it (`paths`), bound on its deviation (`strays`),
-    /// and pose.
-    paths: Vec<Stray>,
-    strays: Vec<f64>,
+    variations: Vec<AngleVariation>,
+    /// For each face: bound on the deviation of its hinge to its parent (`bounds`), bound on the deviation of its
+    /// corners (`deviations`, units of the sheet), and pose.
+    bounds: Vec<DeviationBound>,
+    deviations: Vec<f64>,
     poses: Vec<Pose>,
     normals: Three<Vec<Vector3<f64>>>,
     /// Position of each corner of the pieces; in the middle, its control point.
@@ -75,7 +68,7 @@ pub(super) struct Course {
     open: Vec<[u32; 2]>,
 }
 
-impl Course {
+impl IntervalBroadPhase {
     pub(super) fn new(
         pattern: &CreasePattern,
         memberships: &[Membership],
@@ -90,29 +83,26 @@ impl Course {
             pivots[step.face.index()] = Some(pivot);
             let corners = pattern.faces()[step.face.index()].iter();
             let away = corners.map(|v| (pattern.vertices()[v.index()] - pivot).norm());
-            let crease = step.crease.and_then(|c| memberships.get(c.index()));
+            let member = step.crease.and_then(|c| memberships.get(c.index()));
             Hinge {
-                face: step.face,
-                parent: step.parent,
-                crease: crease.copied(),
-                pivot,
-                axis: [step.axis.x, step.axis.y],
+                step: *step,
+                member: member.copied(),
                 way: (pivot - before).norm(),
                 reach: away.fold(0.0, f64::max),
             }
         });
         Self {
             hinges: hinges.collect(),
-            limit: STRAY * pattern.median_edge(),
+            limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
             curvatures: Vec::new(),
             from: 0,
             to: 0,
             angles: vec![0.0; groups],
             next: vec![0.0; groups],
             half_angles: vec![HalfAngle::default(); groups],
-            bends: vec![Bend::default(); groups],
-            paths: vec![Stray::default(); faces],
-            strays: vec![0.0; faces],
+            variations: vec![AngleVariation::default(); groups],
+            bounds: vec![DeviationBound::default(); faces],
+            deviations: vec![0.0; faces],
             poses: vec![Pose::identity(); faces],
             normals: [(); 3].map(|()| vec![Vector3::z(); faces]),
             places: [(); 3].map(|()| Vec::new()),
@@ -131,8 +121,7 @@ impl Course {
         self.fold(motion, pieces, 0, 2);
     }
 
-    /// Goes on to the next interval. Returns `false` if the deviation is beyond the limit even over the
-    /// shortest one.
+    /// Goes on to the next interval. Returns `false` if the deviation is beyond the limit even over the shortest one.
     pub(super) fn advance(
         &mut self,
         motion: &Motion,
@@ -146,15 +135,15 @@ impl Course {
         if into > 0 {
             length = length.min(1 << into.trailing_zeros());
         } else {
-            motion.curvatures(self.from, PARTS, &mut self.curvatures);
+            motion.curvatures(self.from, CURVATURE_PARTS, &mut self.curvatures);
             if self.from == 0 || length > SEGMENT {
                 length = SEGMENT;
             }
         }
         self.to = self.from + length;
-        while !self.keeps_near(motion) {
+        while !self.is_within_limit(motion) {
             length /= 2;
-            if length < SHORTEST {
+            if length < MIN_INTERVAL_TICKS {
                 return false;
             }
             self.to = self.from + length;
@@ -173,35 +162,36 @@ impl Course {
     }
 
     /// Returns `true` if no piece deviates beyond the limit over the interval.
-    fn keeps_near(&mut self, motion: &Motion) -> bool {
+    fn is_within_limit(&mut self, motion: &Motion) -> bool {
         motion.angles(self.to, &mut self.next);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
         let part = (self.to - self.from) as f64 / SEGMENT as f64;
         let into = self.from % SEGMENT;
-        let parts = into / PART..(into + self.to - self.from).div_ceil(PART);
-        let groups = self.bends.len();
-        for (group, bend) in self.bends.iter_mut().enumerate() {
+        let parts = into / CURVATURE_PART_TICKS
+            ..(into + self.to - self.from).div_ceil(CURVATURE_PART_TICKS);
+        let groups = self.variations.len();
+        for (group, variation) in self.variations.iter_mut().enumerate() {
             let index = |k: Tick| usize::try_from(k).unwrap_or(usize::MAX) * groups + group;
             let curvatures = parts.clone().map(|k| self.curvatures[index(k)]);
             let curvature = curvatures.fold(0.0, f64::max);
             // The rate differs from its mean by no more than the second derivative times the interval.
             let bent = curvature * part * part;
-            *bend = Bend {
-                varied: (self.next[group] - self.angles[group]).abs() + bent,
-                off: bent / 8.0,
+            *variation = AngleVariation {
+                total: (self.next[group] - self.angles[group]).abs() + bent,
+                nonlinearity: bent / 8.0,
             };
         }
-        self.paths.fill(Stray::default());
-        self.strays.fill(0.0);
+        self.bounds.fill(DeviationBound::default());
+        self.deviations.fill(0.0);
         for hinge in &self.hinges {
-            let bend = hinge
-                .crease
-                .map_or(Bend::default(), |member| self.bends[member.group.index()]);
-            let path = self.paths[hinge.parent.index()].across(hinge.way, bend);
-            self.paths[hinge.face.index()] = path;
-            let stray = path.to(hinge.reach);
-            self.strays[hinge.face.index()] = stray;
-            if stray.is_nan() || stray > self.limit {
+            let [face, parent] = [hinge.step.face, hinge.step.parent].map(FaceId::index);
+            let group = hinge.member.map(|member| member.group.index());
+            let variation = group.map_or(AngleVariation::default(), |group| self.variations[group]);
+            let bound = self.bounds[parent].across(hinge.way, variation);
+            self.bounds[face] = bound;
+            let deviation = bound.at(hinge.reach);
+            self.deviations[face] = deviation;
+            if deviation.is_nan() || deviation > self.limit {
                 return false;
             }
         }
@@ -212,13 +202,13 @@ impl Course {
     fn fold(&mut self, motion: &Motion, pieces: &Pieces, time: Tick, which: usize) {
         motion.half_angles(time, &mut self.half_angles);
         self.poses.fill(Pose::identity());
-        for hinge in &self.hinges {
-            let parent = self.poses[hinge.parent.index()];
-            self.poses[hinge.face.index()] = match hinge.crease {
+        for Hinge { step, member, .. } in &self.hinges {
+            let parent = self.poses[step.parent.index()];
+            self.poses[step.face.index()] = match member {
                 Some(member) => {
                     let half = self.half_angles[member.group.index()].signed(member.negative);
-                    let turn = Rotation::about_crease(half, hinge.axis);
-                    Pose::about(parent.r_wf * turn, hinge.pivot, parent.apply(hinge.pivot))
+                    let turn = Rotation::about_crease(half, step.axis.into());
+                    Pose::about(parent.r_wf * turn, step.pivot, parent.apply(step.pivot))
                 }
                 None => parent,
             };
@@ -245,7 +235,7 @@ impl Course {
                 }
                 None => {
                     let piece = pieces.list[node];
-                    let slack = Vector3::repeat(self.strays[piece.face.index()]);
+                    let slack = Vector3::repeat(self.deviations[piece.face.index()]);
                     let corners = piece.corners();
                     let points = self
                         .places
@@ -306,10 +296,9 @@ impl Course {
         apart.sup(&Vector3::zeros()).norm()
     }
 
-    /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end.
-    /// Returns their separations along the plane's normal at the three control points; the first and the last
-    /// are lower bounds of their distance at the beginning and at the end. Returns `None` if no such plane is
-    /// found.
+    /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end. Returns
+    /// their separations along the plane's normal at the three control points; the first and the last are lower bounds
+    /// of their distance at the beginning and at the end. Returns `None` if no such plane is found.
     pub(super) fn parted(
         &self,
         pieces: &Pieces,
@@ -319,7 +308,7 @@ impl Course {
         let pair = pair.map(|piece| pieces.list[piece as usize]);
         let corners = pair.map(|piece| piece.corners());
         let faces = pair.map(|piece| piece.face.index());
-        let slack = self.strays[faces[0]] + self.strays[faces[1]] + touching;
+        let slack = self.deviations[faces[0]] + self.deviations[faces[1]] + touching;
         let center = |corners: &Range<usize>| {
             let sum: Vector3<f64> = self.places[1][corners.clone()].iter().sum();
             #[allow(clippy::cast_precision_loss, reason = "a mean")]
@@ -378,6 +367,7 @@ mod tests {
     use crate::pattern::{Drawing, DrawnEdge, Letter};
     use crate::symmetry::CreaseGroups;
     use foldpath_core::Curve;
+    use nalgebra::Vector2;
     use rand_pcg::Pcg64;
     use rand_pcg::rand_core::Rng as _;
 
@@ -402,20 +392,21 @@ mod tests {
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
-        let mut course = Course::new(&pattern, groups.memberships(), groups.len(), &tree);
-        course.begin(&motion, &pieces);
-        assert!(course.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
-        assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
+        let mut broad_phase =
+            IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+        broad_phase.begin(&motion, &pieces);
+        assert!(broad_phase.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
+        assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
         // Not even along the line between their centers, if the centers coincide.
-        for places in &mut course.places {
+        for places in &mut broad_phase.places {
             places.copy_within(pieces.list[0].corners(), pieces.list[2].corners().start);
         }
-        assert!(course.parted(&pieces, [0, 2], 1e-12).is_none());
+        assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
     }
 
     /// Torn sheets, each crease a group of its own: the spanning tree alone says where faces are.
     #[test]
-    fn pieces_stray_no_farther_and_stay_as_far_apart_as_is_said() {
+    fn pieces_deviate_no_farther_and_stay_as_far_apart_as_is_said() {
         let mut random = Pcg64::new(7, 1);
         let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
         let miura = Miura {
@@ -429,7 +420,7 @@ mod tests {
             columns: 4,
             fold: 0.5,
         };
-        let (mut parted, mut strayed) = (0, 0.0_f64);
+        let (mut parted, mut deviated) = (0, 0.0_f64);
         for round in 0..12 {
             let drawing = [miura.drawing(), waterbomb.drawing()][round % 2].clone();
             let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
@@ -459,20 +450,21 @@ mod tests {
             let motion = Motion::new(&segments, groups.len());
             let pieces = Pieces::new(&pattern);
             let hierarchy = Hierarchy::new(&pieces);
-            let mut course = Course::new(&pattern, groups.memberships(), groups.len(), &tree);
-            course.begin(&motion, &pieces);
+            let mut broad_phase =
+                IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+            broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
-            while course.to < motion.end() {
-                assert!(course.advance(&motion, &pieces, &hierarchy));
+            while broad_phase.to < motion.end() {
+                assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
                 let mut pairs = Vec::new();
-                course.near(&hierarchy, 0.0, f64::INFINITY, |course, pair| {
-                    pairs.extend(course.parted(&pieces, pair, 0.0).map(|_| pair));
+                broad_phase.near(&hierarchy, 0.0, f64::INFINITY, |broad_phase, pair| {
+                    pairs.extend(broad_phase.parted(&pieces, pair, 0.0).map(|_| pair));
                     f64::INFINITY
                 });
                 parted += pairs.len();
                 for part in 0..=10 {
-                    let time = course.from + (course.to - course.from) / 10 * part;
-                    let (segment, s) = motion.place(time.min(course.to - 1));
+                    let time = broad_phase.from + (broad_phase.to - broad_phase.from) / 10 * part;
+                    let (segment, s) = motion.place(time.min(broad_phase.to - 1));
                     let angles: Vec<_> = segments[segment].iter().map(|c| c.angle(s)).collect();
                     map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
                     let at = |piece: u32| {
@@ -486,13 +478,14 @@ mod tests {
                     let s = part as f64 / 10.0;
                     let weights = [(1.0 - s) * (1.0 - s), 2.0 * s * (1.0 - s), s * s];
                     for (index, piece) in (0..).zip(&pieces.list) {
-                        let stray = course.strays[piece.face.index()];
+                        let deviation = broad_phase.deviations[piece.face.index()];
                         for (corner, place) in piece.corners().zip(at(index).0) {
-                            let along: Vector3<f64> =
-                                (0..3).map(|k| course.places[k][corner] * weights[k]).sum();
+                            let along: Vector3<f64> = (0..3)
+                                .map(|k| broad_phase.places[k][corner] * weights[k])
+                                .sum();
                             let off = (place - along).norm();
-                            assert!(off <= stray + 1e-9, "{round} {time}: {off} {stray}");
-                            strayed = strayed.max(off / course.limit);
+                            assert!(off <= deviation + 1e-9, "{round} {time}: {off} {deviation}");
+                            deviated = deviated.max(off / broad_phase.limit);
                         }
                     }
                     for pair in &pairs {
@@ -505,6 +498,6 @@ mod tests {
             }
         }
         // The bounds are not vacuous: many pairs are parted, and pieces do deviate.
-        assert!(parted > 10_000 && strayed > 0.02, "{parted} {strayed}");
+        assert!(parted > 10_000 && deviated > 0.02, "{parted} {deviated}");
     }
 }

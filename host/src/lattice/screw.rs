@@ -3,7 +3,7 @@
 use foldpath_core::Rotation;
 use nalgebra::Vector3;
 
-use super::map::Pose;
+use super::pose::Pose;
 
 /// A rigid motion as a rotation about an axis and a translation along it (Chasles), which makes its powers as
 /// cheap and as exact as the motion itself.
@@ -56,8 +56,7 @@ impl Screw {
         self.motion
     }
 
-    /// Returns the length of the translation along the axis; of the whole translation if the motion does not
-    /// rotate.
+    /// Returns the length of the translation along the axis; of the whole translation if the motion does not rotate.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         if self.sin > 0.0 {

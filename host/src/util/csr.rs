@@ -1,16 +1,17 @@
-//! A list of lists in two arrays, as the rows of a matrix in compressed sparse rows (CSR).
+//! Compressed sparse rows (CSR): a list of lists in two arrays.
 
 use core::borrow::Borrow;
 use core::ops::{Index, IndexMut, Range};
 
-/// Lists of differing lengths, one behind the other in one array, with the end of each list in a second array.
+/// Compressed rows: lists of any lengths, stored one behind the other in one array, with the end of each list in a
+/// second array.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ragged<T> {
+pub struct Csr<T> {
     items: Vec<T>,
     ends: Vec<u32>,
 }
 
-impl<T> Default for Ragged<T> {
+impl<T> Default for Csr<T> {
     fn default() -> Self {
         Self {
             items: Vec::new(),
@@ -19,8 +20,8 @@ impl<T> Default for Ragged<T> {
     }
 }
 
-impl<T> Ragged<T> {
-    /// Makes an empty list of lists with room for `lists` lists and for `items` items in all of them.
+impl<T> Csr<T> {
+    /// Returns no list, with room for `lists` lists and for `items` items in all of them.
     #[must_use]
     pub fn with_capacity(lists: usize, items: usize) -> Self {
         Self {
@@ -59,7 +60,7 @@ impl<T> Ragged<T> {
         self.ends.clear();
     }
 
-    /// Number of lists.
+    /// Returns the number of lists.
     #[must_use]
     pub fn len(&self) -> usize {
         self.ends.len()
@@ -77,14 +78,14 @@ impl<T> Ragged<T> {
     }
 
     /// Replaces each item by its `image`. The lists keep their lengths.
-    pub fn map<U>(self, image: impl FnMut(T) -> U) -> Ragged<U> {
-        Ragged {
+    pub fn map<U>(self, image: impl FnMut(T) -> U) -> Csr<U> {
+        Csr {
             items: self.items.into_iter().map(image).collect(),
             ends: self.ends,
         }
     }
 
-    /// All items, list after list.
+    /// Returns all items, list after list.
     #[must_use]
     pub fn items(&self) -> &[T] {
         &self.items
@@ -97,7 +98,7 @@ impl<T> Ragged<T> {
     }
 }
 
-impl<T> Ragged<T> {
+impl<T> Csr<T> {
     /// Returns the positions of the items of a list in [`items`](Self::items).
     #[must_use]
     pub fn range(&self, list: usize) -> Range<usize> {
@@ -106,7 +107,7 @@ impl<T> Ragged<T> {
     }
 }
 
-impl<T> Index<usize> for Ragged<T> {
+impl<T> Index<usize> for Csr<T> {
     type Output = [T];
 
     fn index(&self, list: usize) -> &[T] {
@@ -114,20 +115,20 @@ impl<T> Index<usize> for Ragged<T> {
     }
 }
 
-impl<T> IndexMut<usize> for Ragged<T> {
+impl<T> IndexMut<usize> for Csr<T> {
     fn index_mut(&mut self, list: usize) -> &mut [T] {
         let range = self.range(list);
         &mut self.items[range]
     }
 }
 
-impl<T, L: IntoIterator<Item = T>> FromIterator<L> for Ragged<T> {
+impl<T, L: IntoIterator<Item = T>> FromIterator<L> for Csr<T> {
     fn from_iter<I: IntoIterator<Item = L>>(lists: I) -> Self {
-        let mut ragged = Self::default();
+        let mut rows = Self::default();
         for list in lists {
-            ragged.push(list);
+            rows.push(list);
         }
-        ragged
+        rows
     }
 }
 
@@ -139,7 +140,7 @@ impl<T, L: IntoIterator<Item = T>> FromIterator<L> for Ragged<T> {
 pub fn group_by_key<T: Copy + Default, P: Borrow<(usize, T)>>(
     count: usize,
     pairs: impl IntoIterator<Item = P> + Clone,
-) -> Ragged<T> {
+) -> Csr<T> {
     let mut ends = vec![0_u32; count];
     let mut total = 0;
     for pair in pairs.clone() {
@@ -158,7 +159,7 @@ pub fn group_by_key<T: Copy + Default, P: Borrow<(usize, T)>>(
         items[ends[key] as usize] = value;
         ends[key] += 1;
     }
-    Ragged { items, ends }
+    Csr { items, ends }
 }
 
 #[cfg(test)]
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn lists_are_changed_each_on_its_own() {
-        let mut lists: Ragged<i32> = [vec![1, 2], vec![], vec![3]].into_iter().collect();
+        let mut lists: Csr<i32> = [vec![1, 2], vec![], vec![3]].into_iter().collect();
         lists[0].reverse();
         lists[2][0] = 7;
         let lists = lists.map(|item| 10 * item);

@@ -3,12 +3,13 @@
 use foldpath_core::{HalfAngle, Membership, Rotation, Spoke};
 use nalgebra::{Vector2, Vector3};
 
-use super::lattice_course::{Bend, Folded, LatticeCourse, Passage, Stray};
-use super::map::Pose;
+use super::deviation::{AngleVariation, DeviationBound};
+use super::motion_bounds::LatticeMotionBounds;
+use super::orbits::{Lattice, Link};
+use super::pose::Pose;
 use super::screw::Screw;
 use crate::pattern::CreasePattern;
-use crate::ragged::Ragged;
-use crate::symmetry::{Lattice, Link, PairClass};
+use crate::util::csr::Csr;
 
 /// An edge between two faces of a cell, or of neighbouring cells, moved to the cell of the first.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,15 @@ struct Hinge {
     axis: Vector2<f64>,
 }
 
+/// A configuration of the cell and its steps.
+#[derive(Clone, Debug)]
+pub(super) struct CellConfiguration {
+    /// Pose of each orbit's face in cell `[0, 0]`.
+    pub(super) poses: Vec<Pose>,
+    /// S₁ and S₂; the second is the identity if there is one step only.
+    pub(super) steps: [Screw; 2],
+}
+
 /// Poses of all faces of a sheet from a few hinges: one cell folded along a tree of orbits, and the rigid
 /// motions S₁ and S₂ of space that the lattice steps become. If the sheet closes, these commute, and
 /// `pose(orbit, [i, j])` = S₁ⁱ S₂ʲ `pose(orbit, [0, 0])`; [`Lattice`] gives the reason.
@@ -39,21 +49,37 @@ pub struct LatticeMotion {
     /// For each step a hinge that leads one cell on, and the step.
     loops: Vec<(Hinge, Vector2<f64>)>,
     /// For each orbit the corners of its faces, reduced.
-    corners: Ragged<Vector2<f64>>,
-    folded: Folded,
+    corners: Csr<Vector2<f64>>,
+    folded: CellConfiguration,
     /// Positions of `corners` in space, for the cell at the origin.
     places: Vec<Vector3<f64>>,
     ball: Ball,
     center: Vector2<f64>,
     reaches: Vec<(f64, f64)>,
-    passages: Vec<Passage>,
+    /// For each step the path to the next cell.
+    paths: Vec<PathToNextCell>,
 }
 
 /// A ball round all faces of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Ball {
     center: Vector3<f64>,
     radius: f64,
+}
+
+/// A hinge on the way from a cell to the next, and the distance to it from the hinge before, both in the flat sheet.
+#[derive(Clone, Copy, Debug)]
+struct PathHinge {
+    /// The hinge as a spoke of a star; `None` if it stays flat.
+    spoke: Option<Spoke<f64>>,
+    way: f64,
+}
+
+/// The hinges from a cell to the next, and the distance from the last hinge to the next cell's centre.
+#[derive(Clone, Debug)]
+struct PathToNextCell {
+    hinges: Vec<PathHinge>,
+    rest: f64,
 }
 
 impl LatticeMotion {
@@ -64,34 +90,30 @@ impl LatticeMotion {
         let still = Screw::new(Pose::identity());
         let steps = lattice.loops().iter().zip(lattice.steps());
         let corners = lattice.orbits().iter().map(|orbit| {
-            let origin = lattice.translation(lattice.place(orbit.representative).cell);
+            let origin = lattice.translation(lattice.coord(orbit.representative).cell);
             let cycle = pattern.faces()[orbit.representative.index()].iter();
             cycle.map(move |v| pattern.vertices()[v.index()] - origin)
         });
+        let corners: Csr<_> = corners.collect();
+        #[allow(clippy::cast_precision_loss, reason = "a mean")]
+        let center = corners[0].iter().sum::<Vector2<f64>>() / corners[0].len() as f64;
         let mut motion = Self {
             tree: lattice.tree().iter().map(hinge).collect(),
             loops: steps.map(|(link, &step)| (hinge(link), step)).collect(),
-            corners: corners.collect(),
-            folded: Folded {
+            corners,
+            folded: CellConfiguration {
                 poses: vec![Pose::identity(); lattice.orbits().len()],
                 steps: [still; 2],
             },
             places: Vec::new(),
-            ball: Ball {
-                center: Vector3::zeros(),
-                radius: 0.0,
-            },
-            center: Vector2::zeros(),
+            ball: Ball::default(),
+            center,
             reaches: Vec::new(),
-            passages: Vec::new(),
+            paths: Vec::new(),
         };
-        let first = &motion.corners[0];
-        #[allow(clippy::cast_precision_loss, reason = "a mean")]
-        let center = first.iter().sum::<Vector2<f64>>() / first.len() as f64;
-        motion.center = center;
         motion.reaches = motion.reaches();
-        motion.passages = (0..motion.loops.len())
-            .map(|step| motion.passage(step))
+        motion.paths = (0..motion.loops.len())
+            .map(|step| motion.path_to_next(step))
             .collect();
         motion.fold(&[]);
         motion
@@ -100,7 +122,7 @@ impl LatticeMotion {
     /// Goes to the configuration with these half fold angles of the crease groups; groups without one are flat.
     /// The sheet has to close at this configuration. Cost: O(orbits).
     pub fn fold(&mut self, groups: &[HalfAngle<f64>]) {
-        let Folded { poses, steps } = &mut self.folded;
+        let CellConfiguration { poses, steps } = &mut self.folded;
         for hinge in &self.tree {
             poses[hinge.to as usize] = hinge.cross(&poses[hinge.from as usize], groups);
         }
@@ -151,8 +173,7 @@ impl LatticeMotion {
         }
     }
 
-    /// Returns the pose of the face of an orbit in a cell, for reduced points, whether the sheet has this face
-    /// or not.
+    /// Returns the pose of the face of an orbit in a cell, for reduced points, whether the sheet has this face or not.
     #[must_use]
     pub fn pose(&self, orbit: u32, cell: [i32; 2]) -> Pose {
         let here = self.folded.poses[orbit as usize];
@@ -160,14 +181,6 @@ impl LatticeMotion {
             [0, 0] => here,
             _ => self.translation(cell) * here,
         }
-    }
-
-    /// Returns the pose of the second face of each pair of a class as seen from the first, for reduced points:
-    /// in the frame in which the first lies flat at its reduced points.
-    #[must_use]
-    pub fn relative(&self, class: PairClass) -> Pose {
-        let [a, b] = class.orbits;
-        self.pose(a, [0, 0]).inverse() * self.pose(b, class.offset)
     }
 
     /// Returns a lower bound of the distance between all faces of a cell and all faces of the cell `offset`
@@ -189,13 +202,13 @@ impl LatticeMotion {
     }
 
     /// Returns the radius of the ball round a cell.
-    pub(crate) fn radius(&self) -> f64 {
+    pub(super) fn radius(&self) -> f64 {
         self.ball.radius
     }
 
     /// Returns the translation of a cell's centre by each step, and a bound on the distance of a centre up to
     /// `most` steps on from the sum of these translations, which comes from the rotation of the steps.
-    pub(crate) fn ways(&self, most: [u32; 2]) -> ([Vector3<f64>; 2], f64) {
+    pub(super) fn ways(&self, most: [u32; 2]) -> ([Vector3<f64>; 2], f64) {
         let center = self.ball.center;
         let motions = self.folded.steps.map(|step| step.motion());
         let ways = motions.map(|motion| motion.carry(&center) - center);
@@ -208,13 +221,13 @@ impl LatticeMotion {
         )
     }
 
-    /// Goes to the configuration that a course has at one of its times.
-    pub fn fold_as(&mut self, course: &LatticeCourse, time: usize) {
-        self.folded.clone_from(course.at(time));
+    /// Goes to the configuration at one of the times of a motion with these bounds.
+    pub fn fold_as(&mut self, bounds: &LatticeMotionBounds, time: usize) {
+        self.folded.clone_from(bounds.at(time));
         self.place();
     }
 
-    pub(super) fn folded(&self) -> &Folded {
+    pub(super) fn folded(&self) -> &CellConfiguration {
         &self.folded
     }
 
@@ -228,43 +241,38 @@ impl LatticeMotion {
         self.center.push(0.0)
     }
 
-    pub(super) fn corners_of(&self, orbit: usize) -> &[Vector2<f64>] {
-        &self.corners[orbit]
-    }
-
     /// Returns for each orbit a bound on the deviation of its corners from their quadratics, in the frame of
-    /// the first orbit's face (see [`LatticeCourse`]).
-    pub(super) fn strayed(&self, bends: &[Bend]) -> impl Iterator<Item = f64> {
-        let mut strays = vec![Stray::default(); self.reaches.len()];
+    /// the first orbit's face (see [`LatticeMotionBounds`]).
+    pub(super) fn deviations(&self, variations: &[AngleVariation]) -> impl Iterator<Item = f64> {
+        let mut deviations = vec![DeviationBound::default(); self.reaches.len()];
         for (hinge, &(way, _)) in self.tree.iter().zip(&self.reaches[1..]) {
-            let bend = bend(hinge.group(), bends);
-            strays[hinge.to as usize] = strays[hinge.from as usize].across(way, bend);
+            let variation = variation_of(hinge.group(), variations);
+            deviations[hinge.to as usize] = deviations[hinge.from as usize].across(way, variation);
         }
         let reaches = self.reaches.iter().map(|&(_, reach)| reach);
-        strays
+        deviations
             .into_iter()
             .zip(reaches)
-            .map(|(stray, reach)| stray.to(reach))
+            .map(|(deviation, reach)| deviation.at(reach))
     }
 
-    /// Returns bounds on the deviation from their quadratics of the next cell's centre, and of the step's
-    /// rotation.
-    pub(super) fn step_strayed(&self, step: usize, bends: &[Bend]) -> [f64; 2] {
-        let Some(passage) = self.passages.get(step) else {
+    /// Returns bounds on the deviation from their quadratics of the next cell's centre, and of the step's rotation.
+    pub(super) fn step_deviations(&self, step: usize, variations: &[AngleVariation]) -> [f64; 2] {
+        let Some(path) = self.paths.get(step) else {
             return [0.0; 2];
         };
-        let hinges = passage.hinges.iter();
-        let stray = hinges.fold(Stray::default(), |stray, hinge| {
+        let hinges = path.hinges.iter();
+        let deviation = hinges.fold(DeviationBound::default(), |deviation, hinge| {
             let group = hinge.spoke.map(|spoke| spoke.group.index());
-            stray.across(hinge.way, bend(group, bends))
+            deviation.across(hinge.way, variation_of(group, variations))
         });
-        [stray.to(passage.rest), stray.turn()]
+        [deviation.at(path.rest), deviation.rotation()]
     }
 
     /// Returns the creases that turn the part one step on, in order, as the star of a vertex: the star closes
     /// if the step is a translation.
     pub(crate) fn turning(&self, step: usize) -> Vec<Spoke<f64>> {
-        let hinges = self.passages.get(step).map(|passage| passage.hinges.iter());
+        let hinges = self.paths.get(step).map(|path| path.hinges.iter());
         hinges
             .into_iter()
             .flatten()
@@ -272,8 +280,7 @@ impl LatticeMotion {
             .collect()
     }
 
-    /// Returns for each orbit the distance to its hinge from the one before, and from the hinge to the farthest
-    /// corner.
+    /// Returns for each orbit the distance to its hinge from the one before, and from the hinge to the farthest corner.
     fn reaches(&self) -> Vec<(f64, f64)> {
         let mut pivots = vec![self.center; self.corners.len()];
         let mut reaches = vec![(0.0, 0.0); self.corners.len()];
@@ -288,8 +295,8 @@ impl LatticeMotion {
         reaches
     }
 
-    /// Returns the hinges on the way from the first orbit's face to its image one step on.
-    fn passage(&self, step: usize) -> Passage {
+    /// Returns the path from the first orbit's face to its image one step on.
+    fn path_to_next(&self, step: usize) -> PathToNextCell {
         let (closing, shift) = &self.loops[step];
         let up = |mut orbit: u32| {
             let mut hinges = Vec::new();
@@ -312,13 +319,27 @@ impl LatticeMotion {
             });
             (spoke, pivot + shift)
         }));
-        Passage::new(&hinges, self.center, self.center + shift)
+        let mut before = self.center;
+        let mut way_to = |pivot: Vector2<f64>| {
+            let way = (pivot - before).norm();
+            before = pivot;
+            way
+        };
+        let hinges = hinges.into_iter().map(|(spoke, pivot)| PathHinge {
+            spoke,
+            way: way_to(pivot),
+        });
+        PathToNextCell {
+            hinges: hinges.collect(),
+            rest: way_to(self.center + shift),
+        }
     }
 }
 
-fn bend(group: Option<usize>, bends: &[Bend]) -> Bend {
-    let bend = group.and_then(|group| bends.get(group));
-    bend.copied().unwrap_or_default()
+/// Returns the variation of a group, 0 if there is no group.
+fn variation_of(group: Option<usize>, variations: &[AngleVariation]) -> AngleVariation {
+    let variation = group.and_then(|group| variations.get(group));
+    variation.copied().unwrap_or_default()
 }
 
 impl Hinge {
@@ -329,7 +350,7 @@ impl Hinge {
         link: &Link,
     ) -> Self {
         let edge = pattern.edge(link.edge);
-        let [from, to] = [link.from, link.to].map(|face| lattice.place(face));
+        let [from, to] = [link.from, link.to].map(|face| lattice.coord(face));
         // A positive turn about the edge's direction lifts its left side.
         let start = usize::from(edge.faces[0] != Some(link.to));
         let ends = edge.ends.map(|end| pattern.vertices()[end.index()]);

@@ -1,26 +1,26 @@
-//! The folded sheet at one time: poses, crease lines and spheres, computed when they are requested and cached
-//! for that time.
+//! The sheet folded lazily: poses, crease lines and spheres at one time are computed when they are first requested, and
+//! cached for that time.
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::{Vector2, Vector3};
 
-use super::cells::Cells;
 use super::chains::Link;
 use super::hierarchy::{Hierarchy, Sphere};
+use super::lattice::CellPairs;
 use super::motion::{Motion, Tick};
 use super::pieces::{Pieces, Placed};
-use crate::folding::SpanningTree;
+use crate::folding::{SpanningTree, Step};
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
-/// A cache of items that are valid at one time only; memory is taken only for items that were requested.
+/// A cache of items that are valid at one time only. It takes memory only for items that were requested.
 #[derive(Clone, Debug)]
-struct Fresh<T> {
+struct TimeCached<T> {
     /// For each index the position of its item plus one; 0 if there is none.
     numbers: Vec<u32>,
     items: Vec<(Tick, T)>,
 }
 
-impl<T> Fresh<T> {
+impl<T> TimeCached<T> {
     fn new(count: usize) -> Self {
         Self {
             numbers: vec![0; count],
@@ -93,15 +93,6 @@ impl Frame {
     }
 }
 
-/// The hinge across which the spanning tree reaches a face from its parent.
-#[derive(Clone, Copy, Debug)]
-struct Reached {
-    parent: FaceId,
-    crease: Option<Membership>,
-    pivot: Vector2<f64>,
-    axis: Vector2<f64>,
-}
-
 /// The line of a crease in space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
@@ -118,60 +109,56 @@ impl Axis {
 
 /// A sheet that is folded at one time after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Sheet<'a> {
+pub(super) struct LazyFolding<'a> {
     pattern: &'a CreasePattern,
+    memberships: &'a [Membership],
     pub(super) time: Tick,
     /// The lattice that says where faces are, if there is one.
-    pub(super) cells: Option<Cells<'a>>,
-    /// For each face but the roots its hinge; empty if there is a lattice.
-    reached: Vec<Option<Reached>>,
-    half_angles: Fresh<HalfAngle<f64>>,
-    frames: Fresh<Frame>,
-    axes: Fresh<Axis>,
-    spheres: Fresh<Sphere>,
-    spreads: Fresh<f64>,
+    pub(super) cells: Option<CellPairs<'a>>,
+    /// For each face but the roots the step of the spanning tree that reaches it; empty if there is a lattice.
+    steps: Vec<Option<Step>>,
+    half_angles: TimeCached<HalfAngle<f64>>,
+    frames: TimeCached<Frame>,
+    axes: TimeCached<Axis>,
+    spheres: TimeCached<Sphere>,
+    spreads: TimeCached<f64>,
     /// Time at which each piece was placed last.
     placed: Vec<Tick>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
-    way: Vec<(FaceId, Reached)>,
+    way: Vec<Step>,
     open: Vec<u32>,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> LazyFolding<'a> {
     pub(super) fn new(
         pattern: &'a CreasePattern,
-        memberships: &[Membership],
+        memberships: &'a [Membership],
         groups: usize,
         tree: Option<&SpanningTree>,
-        cells: Option<Cells<'a>>,
+        cells: Option<CellPairs<'a>>,
     ) -> Self {
         let faces = pattern.faces().len();
-        let mut reached = vec![None; if tree.is_some() { faces } else { 0 }];
+        let mut steps = vec![None; if tree.is_some() { faces } else { 0 }];
         for step in tree.into_iter().flat_map(SpanningTree::steps) {
-            let membership = step.crease.and_then(|c| memberships.get(c.index()));
-            reached[step.face.index()] = Some(Reached {
-                parent: step.parent,
-                crease: membership.copied(),
-                pivot: step.pivot,
-                axis: step.axis,
-            });
+            steps[step.face.index()] = Some(*step);
         }
         Self {
             pattern,
+            memberships,
             time: 0,
             cells,
-            half_angles: Fresh::new(groups),
-            frames: Fresh::new(faces),
-            axes: Fresh::new(pattern.creases().len()),
-            spheres: Fresh::new(0),
-            spreads: Fresh::new(0),
+            half_angles: TimeCached::new(groups),
+            frames: TimeCached::new(faces),
+            axes: TimeCached::new(pattern.creases().len()),
+            spheres: TimeCached::new(0),
+            spreads: TimeCached::new(0),
             placed: Vec::new(),
             folded: Vec::new(),
             normals: Vec::new(),
             way: Vec::new(),
             open: Vec::new(),
-            reached,
+            steps,
         }
     }
 
@@ -223,22 +210,22 @@ impl<'a> Sheet<'a> {
                 self.frames.set(at.index(), self.time, frame);
                 break frame;
             }
-            let Some(reached) = self.reached[at.index()] else {
+            let Some(step) = self.steps[at.index()] else {
                 let root = Frame::new(Rotation::identity(), Vector2::zeros(), Vector3::zeros());
                 self.frames.set(at.index(), self.time, root);
                 break root;
             };
-            way.push((at, reached));
-            at = reached.parent;
+            way.push(step);
+            at = step.parent;
         };
-        while let Some((face, reached)) = way.pop() {
-            if let Some(member) = reached.crease {
+        while let Some(step) = way.pop() {
+            let member = step.crease.and_then(|c| self.memberships.get(c.index()));
+            if let Some(&member) = member {
                 let half = self.half_angle(motion, member);
-                let turn = Rotation::about_crease(half, [reached.axis.x, reached.axis.y]);
-                let pivot = reached.pivot;
-                frame = Frame::new(frame.r_wf * turn, pivot, frame.apply(pivot));
+                let turn = Rotation::about_crease(half, step.axis.into());
+                frame = Frame::new(frame.r_wf * turn, step.pivot, frame.apply(step.pivot));
             }
-            self.frames.set(face.index(), self.time, frame);
+            self.frames.set(step.face.index(), self.time, frame);
         }
         self.way = way;
         frame

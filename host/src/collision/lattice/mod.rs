@@ -1,0 +1,8 @@
+//! Pairs of faces of a tessellation that move alike: one pair stands for all.
+
+mod disk;
+mod pairs;
+mod scene;
+
+pub(super) use pairs::CellPairs;
+pub use scene::LatticeScene;

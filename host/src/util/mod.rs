@@ -1,0 +1,6 @@
+//! Data structures and functions that know nothing of origami.
+
+pub mod csr;
+pub(crate) mod nan_max;
+pub mod progress;
+pub(crate) mod union_find;
