@@ -5,7 +5,7 @@ use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::formats::fold::read_pattern;
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Goal, Judged, Outcome, PlanOptions, Symmetry, Vertices, plan};
+use foldpath::planner::{Goal, Judged, Note, Outcome, PlanOptions, Symmetry, Vertices, plan};
 use foldpath_tests::{Motion, Planned, Sheet, pattern_file, worst};
 use nalgebra::Vector2;
 
@@ -49,7 +49,7 @@ fn knots_are_as_good_as_is_said_and_no_step_is_too_long() {
                 assert_eq!(plan.outcome, Outcome::Planned, "{what}: {:?}", plan.reason);
                 assert_eq!(plan.certified_deformation, None, "{what}");
                 assert!(plan.goal_error <= 1e-9, "{what}: {}", plan.goal_error);
-                assert!(plan.notes.iter().any(|note| note.contains("knots alone")));
+                assert!(plan.notes.contains(&Note::JudgedAtKnots));
                 let knots = &plan.path.knots;
                 for pair in knots.windows(2) {
                     let steps = pair[0].angles.iter().zip(&pair[1].angles);
@@ -156,7 +156,7 @@ fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
     };
     let plan = plan(&pattern, &Goal::of_pattern(&pattern).unwrap(), &options);
     assert_eq!(plan.outcome, Outcome::Planned, "{:?}", plan.reason);
-    let said = |note: &String| note.starts_with("crossings were looked for at knots only");
+    let said = |note: &Note| matches!(note, Note::CrossingsAtKnots { .. });
     assert!(plan.notes.iter().any(said), "{:?}", plan.notes);
     assert!(plan.collision.pairs > 0);
 }

@@ -102,7 +102,9 @@ fn files_of_other_programs_get_their_answers() {
         let file = read_pattern(&folder.join(name)).unwrap();
         let plan = Planned::of(file, &PlanOptions::default()).plan;
         assert_eq!(plan.outcome, outcome, "{name}: {:?}", plan.reason);
-        let reason = plan.reason.unwrap_or_default();
+        let reason = plan
+            .reason
+            .map_or_else(String::new, |reason| reason.to_string());
         assert_eq!(
             reason.contains("vertex"),
             outcome != Outcome::Planned,
@@ -164,7 +166,7 @@ fn folded_shapes_unfold_and_fold_again() {
     let title = file.title;
     let plan = Planned::of(PatternFile { title, pattern }, &PlanOptions::default()).plan;
     assert_eq!(plan.outcome, Outcome::Partial);
-    let reason = plan.reason.unwrap();
+    let reason = plan.reason.unwrap().to_string();
     assert!(
         reason.contains("no motion leaves the flat sheet"),
         "{reason}"
