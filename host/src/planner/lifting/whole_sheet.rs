@@ -13,11 +13,11 @@ use super::swept_motion::{
     MAX_SWEPT_FACES, Swept, SweptKnots, crossed_knot, ends_at_knot, is_blocked, is_torn, lattice,
     sweep_all, sweep_knots, sweep_knots_or_lattice, sweep_lattice, sweep_options,
 };
-use crate::collision::{Crossing, SweepVerdict};
+use crate::collision::{Crossing, Place, SweepVerdict};
 use crate::folding::Rigidity;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::Reduction;
-use crate::planner::knots::Knot;
+use crate::planner::knots::{Knot, Path};
 use crate::planner::options::Judged;
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::{Failure, Outcome, Plan};
@@ -82,7 +82,7 @@ pub(crate) fn lift(
         return plan.ended(failure);
     }
     let Some(proved) = proved else {
-        return without_crossings(problem, reduction, candidate, &path, plan);
+        return sweep_if_asked(problem, reduction, candidate, &path, plan);
     };
     let reason = Reason::ProofStops {
         reached: plan.reached,
@@ -95,7 +95,7 @@ pub(crate) fn lift(
         bound_fraction: LEAST_BOUND_FRACTION,
         ..*candidate
     };
-    let mut plan = without_crossings(problem, reduction, &candidate, &path, plan);
+    let mut plan = sweep_if_asked(problem, reduction, &candidate, &path, plan);
     if plan.outcome == Outcome::Planned {
         (plan.outcome, plan.reason) = (Outcome::Partial, Some(reason));
     }
@@ -214,7 +214,7 @@ fn ended_at_knots(mut plan: Plan, swept: SweptKnots) -> Plan {
 }
 
 /// Looks for crossings along the motion, if asked to.
-fn without_crossings(
+fn sweep_if_asked(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
     candidate: &CandidatePath<'_>,
@@ -330,21 +330,8 @@ fn sweep(
             if let Some(nearer) = nearer.flatten().filter(leads) {
                 return nearer;
             }
-            let curves = plan.path.curves();
-            let free: Option<Vec<f64>> = last_free.map(|place| {
-                let curves = curves[place.segment].iter();
-                let rates = curves
-                    .clone()
-                    .map(|curve| curve.derivatives(place.s)[0].abs());
-                let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
-                let room = if candidate.retreats {
-                    ROOM_RAD / fastest
-                } else {
-                    0.0
-                };
-                let s = (place.s - room).max(0.0);
-                curves.map(|curve| curve.angle(s)).collect()
-            });
+            let room = if candidate.retreats { ROOM_RAD } else { 0.0 };
+            let free = last_free.map(|place| angles_before(&plan.path, place, room));
             let crossed = Crossed {
                 crossing,
                 segment: last_free.map_or(0, |place| place.segment),
@@ -353,6 +340,18 @@ fn sweep(
             end_before(problem, reduction, candidate, path, plan, crossed)
         }
     }
+}
+
+/// Returns the group angles at a place of a motion or, if `room` (radians) is above 0, as much before it as the fastest
+/// hinge turns by `room`, at most to the start of the segment.
+fn angles_before(path: &Path, place: Place, room: f64) -> Vec<f64> {
+    let curves = &path.curves()[place.segment];
+    let rates = curves
+        .iter()
+        .map(|curve| curve.derivatives(place.s)[0].abs());
+    let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
+    let s = (place.s - room / fastest).max(0.0);
+    curves.iter().map(|curve| curve.angle(s)).collect()
 }
 
 /// Looks for crossings at the knots alone, and adds a note about it.

@@ -101,16 +101,28 @@ pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Opt
             }
         }
     };
+    if stop.is_none() {
+        note_moved_goal(problem, &route, asked_closure, &mut plan);
+    }
+    let (plan, ending) = along_route(problem, &route, stop, plan, bound_fraction);
+    pass(plan, route, ending)
+}
+
+/// Lifts the route to the whole sheet, as far as it leads; `stop` tells why it ends before the goal, if it does.
+fn along_route(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    stop: Option<Stop>,
+    plan: Plan,
+    bound_fraction: f64,
+) -> (Plan, Ending) {
     // Outcome if the motion along the route keeps the bound and is free of crossings.
     let (outcome, reason) = match stop {
-        None => {
-            note_moved_goal(problem, &route, asked_closure, &mut plan);
-            (Outcome::Planned, None)
-        }
+        None => (Outcome::Planned, None),
         Some(stop) => {
-            let crossing = goal_crossing(problem, &route);
+            let crossing = goal_crossing(problem, route);
             let outcome = crossing.map_or(Outcome::Partial, Outcome::Crossing);
-            (outcome, Some(path_stops(problem, &route, stop)))
+            (outcome, Some(path_stops(problem, route, stop)))
         }
     };
     let candidate = CandidatePath {
@@ -142,7 +154,7 @@ pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Opt
     } else {
         Ending::Route
     };
-    pass(plan, route, ending)
+    (plan, ending)
 }
 
 /// Stores the sizes and tolerances of the reduced problem in the plan.
