@@ -36,7 +36,7 @@
 //! while the linear model lets them close most of what is open.
 
 use crate::Scalar;
-use crate::dense::dot;
+use crate::dense::{copy, dot};
 use crate::least_squares::{
     ClosureProblem, Cost, FactorReuse, Limits, NormalEquations, Options, Outcome, Report, split,
 };
@@ -166,7 +166,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
 
             self.fix_blocked_unknowns();
             let (damping, method) = (self.damping(), self.method());
-            self.trial.copy_from_slice(self.x);
+            copy(self.x, self.trial);
             let Some(step) = self.bounded_step(damping, method) else {
                 return Outcome::Stalled;
             };
@@ -177,7 +177,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
             // Estimate of the residual that the step leaves: right in the median.
             let closes = length * length * T::HALF <= tolerance;
             if closes && self.closes_for_certain(&step) {
-                self.x.copy_from_slice(self.trial);
+                copy(self.trial, self.x);
                 return Outcome::Converged;
             }
             let repeatable = self.repeats(&step);
@@ -271,7 +271,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
                 }
             }
             if !cut {
-                self.trial.copy_from_slice(self.step);
+                copy(self.step, self.trial);
                 return Some(Step {
                     predicted: predicted - growth,
                     method,
@@ -367,7 +367,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
 
     /// Moves on to `trial`, whose residual is `cost`. Returns the residual of the point before.
     fn accept(&mut self, cost: Cost<T>) -> Cost<T> {
-        self.x.copy_from_slice(self.trial);
+        copy(self.trial, self.x);
         core::mem::replace(&mut self.cost, cost)
     }
 
