@@ -35,10 +35,31 @@ struct PlanJson<'a> {
     max_gap: f64,
     goal_error: f64,
     min_clearance: Option<f64>,
+    attempts: Vec<AttemptJson>,
     time: TimeJson,
     solver: SolverJson,
     collision: CollisionJson,
     seed: u64,
+}
+
+/// A strategy that was tried.
+#[derive(Serialize)]
+struct AttemptJson {
+    strategy: &'static str,
+    outcome: &'static str,
+    reason: Option<String>,
+    seconds: f64,
+}
+
+impl AttemptJson {
+    fn of(attempt: &planner::Attempt) -> Self {
+        Self {
+            strategy: attempt.strategy.name(),
+            outcome: attempt.outcome.name(),
+            reason: attempt.reason.as_ref().map(ToString::to_string),
+            seconds: attempt.seconds,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -106,6 +127,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         max_gap: plan.rigidity.gap,
         goal_error: plan.goal_error.to_degrees(),
         min_clearance: plan.clearance.map(|clearance| clearance.distance),
+        attempts: plan.attempts.iter().map(AttemptJson::of).collect(),
         time: TimeJson {
             write: write.as_secs_f64(),
             total: start.elapsed().as_secs_f64(),
@@ -312,6 +334,11 @@ fn summary(
     let mut text = format!("{}: {outcome}\n", file.title);
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
+        let attempts = json.attempts.iter();
+        let tried: Vec<String> = attempts
+            .map(|attempt| format!("{}: {}", attempt.strategy, attempt.outcome))
+            .collect();
+        text += &format!("  tried        {}\n", tried.join("; "));
     }
     text += &format!(
         "  goal         {}\n  \

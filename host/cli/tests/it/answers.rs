@@ -49,6 +49,9 @@ fn plan_shape() -> Value {
         "max_deformation": "number", "certified_deformation": "number|null",
         "max_closure": "number", "max_gap": "number", "goal_error": "number",
         "min_clearance": "number|null",
+        "attempts": [{
+            "strategy": "text", "outcome": "text", "reason": "text|null", "seconds": "number",
+        }],
         "time": {
             "total": "number", "read": "number", "symmetry": "number", "solve": "number",
             "fold": "number", "collision": "number", "write": "number",

@@ -178,6 +178,8 @@ fn hash(answer: &Answer, output: &Path) -> u64 {
         Ok(mut value) => {
             if let Value::Object(object) = &mut value {
                 object.remove("time");
+                // Has times as well.
+                object.remove("attempts");
             }
             value.to_string()
         }
