@@ -142,7 +142,7 @@ impl<T: Scalar> NormalEquations<T> for DenseNormalEquations<'_, T> {
 }
 
 /// Copies numbers one by one, as far as both slices go. `copy_from_slice` would bring a panic into the controller's image,
-/// because the compiler cannot prove that slices of a struct have the same length.
+/// because the compiler cannot always prove that two slices have the same length.
 #[inline]
 pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
     for (to, &from) in to.iter_mut().zip(from) {

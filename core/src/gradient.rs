@@ -5,7 +5,7 @@
 //! Converges linearly, whereas Levenberg-Marquardt converges quadratically.
 
 use crate::Scalar;
-use crate::dense::dot;
+use crate::dense::{copy, dot};
 use crate::least_squares::{ClosureProblem, Gradient, Limits, Options, Outcome, Report, split};
 
 /// Number of past costs against which a step is judged. With 1 the descent would be monotone, which takes away what
@@ -78,8 +78,8 @@ pub fn solve<T: Scalar>(
         }
         restarted = false;
         length = barzilai_borwein(x, gradient, trial, trial_gradient, options.max_step);
-        x.copy_from_slice(trial);
-        gradient.copy_from_slice(trial_gradient);
+        copy(trial, x);
+        copy(trial_gradient, gradient);
         cost = new_cost;
         last_costs.rotate_left(1);
         if let Some(last) = last_costs.last_mut() {
