@@ -1,30 +1,65 @@
-//! Judges a path file: `cargo run --release -p foldpath --example check_file -- path.fold`.
+//! Judges the motion in a path file: closure, deformation, limits and crossings, at the knots and between them. Without
+//! a file, judges a path that it plans.
+//!
+//! ```text
+//! cargo run --release --example check_file -- path.fold
+//! ```
 
 use core::error::Error;
+use std::env::args_os;
 use std::path::Path;
 
 use foldpath::check::{CheckOptions, check};
+use foldpath::generate::Miura;
+use foldpath::motion::Motion;
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::read::fold::read_motion;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let file = std::env::args().nth(1);
-    let file =
-        file.ok_or("expected a path file, such as `foldpath plan` or the example `plan` writes")?;
-    let motion = read_motion(Path::new(&file))?;
+    let motion = match args_os().nth(1) {
+        Some(file) => read_motion(Path::new(&file))?,
+        None => planned()?,
+    };
     let verdict = check(&motion, &CheckOptions::default());
-    for failure in &verdict.failures {
-        println!("fails: {failure}");
+
+    println!("{}: {} knots", motion.title, motion.knots.len());
+    println!(
+        "deformation            {:.1e}",
+        verdict.rigidity().deformation
+    );
+    match verdict.certified() {
+        Some(bound) => println!("certified deformation  {:.1e}", bound.deformation),
+        None => println!("certified deformation  unknown"),
+    }
+    println!("closure residual       {:.1e}", verdict.closure());
+    if let Some(clearance) = verdict.min_clearance {
+        println!("smallest clearance     {clearance:.3}");
     }
     if verdict.failures.is_empty() {
-        println!("holds");
+        println!("the path holds");
     }
-    let rigidity = verdict.rigidity();
-    println!(
-        "{} knots; at knots and between: deformation {:.1e}, gap {:.1e}, closure {:.1e}",
-        motion.knots.len(),
-        rigidity.deformation,
-        rigidity.gap,
-        verdict.closure()
-    );
+    for failure in &verdict.failures {
+        println!("failure: {failure}");
+    }
     Ok(())
+}
+
+/// Plans a small Miura fold.
+fn planned() -> Result<Motion, Box<dyn Error>> {
+    let miura = Miura {
+        rows: 4,
+        columns: 4,
+        sector_angle: 60_f64.to_radians(),
+        fold: 0.9,
+    };
+    let pattern = CreasePattern::new(miura.drawing()?)?;
+    let plan = plan(
+        &pattern,
+        &Goal::of_pattern(&pattern)?,
+        &PlanOptions::default(),
+    );
+    let mut motion = plan.motion.ok_or("no motion leaves the flat sheet")?;
+    motion.title = "Miura 4 x 4".into();
+    Ok(motion)
 }

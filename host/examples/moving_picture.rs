@@ -1,95 +1,161 @@
-//! Draws a folding sheet as a moving picture in SVG:
-//! `cargo run --release -p foldpath --example moving_picture -- pattern.fold picture.svg`.
+//! Draws a folding sheet as an animated SVG, which browsers play in an `<img>` too. Writes to stdout; without a pattern,
+//! it draws the picture of the README.
+//!
+//! ```text
+//! cargo run --release --example moving_picture -- pattern.fold > docs/pictures/miura-11x11-folding.svg
+//! ```
 
 use core::error::Error;
 use core::fmt::Write;
+use core::iter::{once, repeat_n};
+use std::env::args_os;
 use std::path::Path;
 
 use foldpath::folding::shapes;
+use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::read::read_pattern;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-/// Number of configurations, from flat to the goal.
+const DEFAULT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../patterns/miura-11x11.fold");
+
+/// Number of configurations drawn.
 const FRAMES: usize = 24;
-/// Seconds from flat to the goal and back.
-const PERIOD_S: f64 = 6.0;
-/// Width of the picture.
+/// Number of frames for which the sheet rests at each end.
+const REST: usize = 6;
+/// Time that a frame is shown, seconds.
+const FRAME_S: f64 = 0.1;
+/// Width of the picture, pixels.
 const WIDTH: f64 = 640.0;
-/// Colours of the front and of the back of the paper: red, green and blue.
-const COLOURS: [[f64; 3]; 2] = [[236.0, 106.0, 76.0], [246.0, 232.0, 208.0]];
+/// Space round the sheet, pixels.
+const MARGIN: f64 = 8.0;
+/// Direction to the eye round the z axis, from +x, degrees.
+const AZIMUTH: f64 = -60.0;
+/// Height of the eye above the plane of the flat sheet, degrees.
+const ELEVATION: f64 = 40.0;
+/// Colours of front and back in full light, red, green and blue from 0 to 255.
+const FRONT: [f64; 3] = [240.0, 190.0, 110.0];
+const BACK: [f64; 3] = [110.0, 150.0, 205.0];
+/// Fraction of full light that every face receives, however it is turned.
+const AMBIENT: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let (Some(pattern), Some(picture)) = (arguments.next(), arguments.next()) else {
-        return Err("expected a crease pattern and the name of the picture".into());
-    };
-    let file = read_pattern(Path::new(&pattern))?;
-    let goal = Goal::of_pattern(&file.pattern)?;
-    let motion = plan(&file.pattern, &goal, &PlanOptions::default()).motion;
-    let motion = motion.ok_or("no motion was found")?.resampled(FRAMES);
-
-    // The sheet is seen from above and in front.
-    let view = Rotation3::from_axis_angle(&Vector3::x_axis(), -0.9)
-        * Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5);
-    let frames: Vec<Vec<Vector3<f64>>> = shapes(&motion)
-        .map(|shape| shape.iter().map(|point| view * point).collect())
-        .collect();
-    let points = || frames.iter().flatten();
-    let (low, high) = points().fold((frames[0][0], frames[0][0]), |(low, high), p| {
-        (low.inf(p), high.sup(p))
-    });
-    let scale = WIDTH / (high.x - low.x);
-    let height = scale * (high.y - low.y);
-
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-8 -8 {:.0} {:.0}\" stroke=\"#432\" \
-         stroke-width=\"0.6\" stroke-linejoin=\"round\">\n",
-        WIDTH + 16.0,
-        height + 16.0
+    let file = args_os().nth(1).unwrap_or_else(|| DEFAULT.into());
+    let pattern = read_pattern(Path::new(&file))?.pattern;
+    let plan = plan(
+        &pattern,
+        &Goal::of_pattern(&pattern)?,
+        &PlanOptions::default(),
     );
-    for (index, shape) in frames.iter().enumerate() {
-        writeln!(svg, "<g visibility=\"hidden\">{}", shown(index))?;
-        let faces = file.pattern.faces().iter().map(|face| {
-            let corners: Vec<Vector3<f64>> = face.iter().map(|v| shape[v.index()]).collect();
-            let middle =
-                corners.iter().sum::<Vector3<f64>>() / corners.iter().map(|_| 1.0).sum::<f64>();
-            (middle.z, corners)
-        });
-        let mut faces: Vec<(f64, Vec<Vector3<f64>>)> = faces.collect();
-        // Faces behind are drawn first.
-        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, corners) in faces {
-            let normal = (corners[1] - corners[0])
-                .cross(&(corners[2] - corners[1]))
-                .normalize();
-            let light = 0.65 + 0.35 * normal.z.abs();
-            let [r, g, b] = COLOURS[usize::from(normal.z < 0.0)].map(|c| c * light);
-            write!(svg, "<path fill=\"rgb({r:.0},{g:.0},{b:.0})\" d=\"M")?;
-            for corner in corners {
-                let (x, y) = (scale * (corner.x - low.x), scale * (high.y - corner.y));
-                write!(svg, "{x:.1} {y:.1} ")?;
-            }
-            svg += "Z\"/>";
-        }
-        svg += "</g>\n";
-    }
-    svg += "</svg>\n";
-    std::fs::write(&picture, &svg)?;
-    println!("{picture}: {FRAMES} shapes, {} bytes", svg.len());
+    let motion = plan.motion.ok_or("no motion leaves the flat sheet")?;
+
+    // In the coordinates of the view, x points to the right, y up and z to the eye.
+    let view = view();
+    let seen = |shape: Vec<Vector3<f64>>| shape.iter().map(|point| view * point).collect();
+    let frames: Vec<Vec<Vector3<f64>>> = shapes(&motion.resampled(FRAMES)).map(seen).collect();
+    print!("{}", picture(&pattern, &frames)?);
     Ok(())
 }
 
-/// Returns the animation that shows a frame on the way to the goal and on the way back.
-fn shown(index: usize) -> String {
-    let steps = 2 * FRAMES - 2;
-    let visible = |step: usize| step == index || step == steps - index;
-    let values: Vec<&str> = (0..steps)
-        .map(|step| if visible(step) { "visible" } else { "hidden" })
+/// Returns the rotation from the sheet to the view.
+fn view() -> Matrix3<f64> {
+    let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
+    let level = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
+    let eye = level * elevation.cos() + Vector3::z() * elevation.sin();
+    let right = Vector3::z().cross(&level);
+    Matrix3::from_columns(&[right, eye.cross(&right), eye]).transpose()
+}
+
+/// Draws the frames one over the other, each shown in its turn.
+fn picture(
+    pattern: &CreasePattern,
+    frames: &[Vec<Vector3<f64>>],
+) -> Result<String, core::fmt::Error> {
+    let points = || frames.iter().flatten();
+    let low = points().fold(Vector3::repeat(f64::INFINITY), |low, point| low.inf(point));
+    let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |high, point| {
+        high.sup(point)
+    });
+    let scale = (WIDTH - 2.0 * MARGIN) / (high.x - low.x);
+    let height = (high.y - low.y) * scale + 2.0 * MARGIN;
+
+    let last = frames.len() - 1;
+    let slots: Vec<usize> = repeat_n(0, REST)
+        .chain(0..last)
+        .chain(repeat_n(last, REST))
+        .chain((1..=last).rev())
         .collect();
-    format!(
-        "<animate attributeName=\"visibility\" calcMode=\"discrete\" dur=\"{PERIOD_S}s\" repeatCount=\"indefinite\" \
-         values=\"{}\"/>",
-        values.join(";")
-    )
+    #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
+    let duration = slots.len() as f64 * FRAME_S;
+
+    let mut svg = String::new();
+    writeln!(
+        svg,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
+         stroke=\"#333\" stroke-width=\".6\" stroke-linejoin=\"round\">"
+    )?;
+    for (number, frame) in frames.iter().enumerate() {
+        // A program that does not play the picture shows the sheet half folded.
+        let still = if number == frames.len() / 2 {
+            "visible"
+        } else {
+            "hidden"
+        };
+        let shown = slots
+            .iter()
+            .map(|&slot| if slot == number { "visible" } else { "hidden" });
+        let values: Vec<&str> = shown.collect();
+        writeln!(
+            svg,
+            "<g visibility=\"{still}\"><animate attributeName=\"visibility\" calcMode=\"discrete\" \
+             dur=\"{duration:.1}s\" repeatCount=\"indefinite\" values=\"{}\"/>",
+            values.join(";")
+        )?;
+        let mut faces: Vec<Vec<Vector3<f64>>> = pattern
+            .faces()
+            .iter()
+            .map(|face| face.iter().map(|vertex| frame[vertex.index()]).collect())
+            .collect();
+        faces.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
+        for face in &faces {
+            write!(svg, "<polygon fill=\"{}\" points=\"", fill(face))?;
+            for (corner, point) in face.iter().enumerate() {
+                let between = if corner == 0 { "" } else { " " };
+                let x = (point.x - low.x) * scale + MARGIN;
+                let y = (high.y - point.y) * scale + MARGIN;
+                write!(svg, "{between}{x:.1},{y:.1}")?;
+            }
+            writeln!(svg, "\"/>")?;
+        }
+        writeln!(svg, "</g>")?;
+    }
+    writeln!(svg, "</svg>")?;
+    Ok(svg)
+}
+
+/// Returns how near to the eye the middle of a face is.
+fn depth(face: &[Vector3<f64>]) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a few corners")]
+    let corners = face.len() as f64;
+    face.iter().map(|point| point.z).sum::<f64>() / corners
+}
+
+/// Returns the colour of a face: its front or back, shaded by the angle to light from above on the left.
+fn fill(face: &[Vector3<f64>]) -> String {
+    // The sum over all corners is the normal of the polygon times twice its area (Newell's method).
+    let next = face.iter().skip(1).chain(once(&face[0]));
+    let normal: Vector3<f64> = face.iter().zip(next).map(|(a, b)| a.cross(b)).sum();
+    let normal = normal.normalize();
+    let colour = if normal.z > 0.0 { FRONT } else { BACK };
+    let light = Vector3::new(-0.4, 0.6, 0.7).normalize();
+    let towards_eye = normal * normal.z.signum();
+    let shade = AMBIENT + (1.0 - AMBIENT) * towards_eye.dot(&light).max(0.0);
+    let [red, green, blue] = colour.map(|part| part * shade);
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 to 255"
+    )]
+    let byte = |part: f64| part.round() as u8;
+    format!("#{:02x}{:02x}{:02x}", byte(red), byte(green), byte(blue))
 }

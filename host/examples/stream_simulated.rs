@@ -1,4 +1,9 @@
-//! Sends a planned path to the simulated controller: `cargo run --release -p foldpath --example stream_simulated`.
+//! Sends a planned path to a simulated controller, which runs the firmware's code in virtual time, and watches its
+//! telemetry.
+//!
+//! ```text
+//! cargo run --release --example stream_simulated
+//! ```
 
 use core::error::Error;
 use std::io;
@@ -10,15 +15,19 @@ use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::stream::{self, Options, Sim, StreamPath, Telemetry, Watcher, Wish};
 
-/// Counts telemetry, and stops nothing.
-struct Counter(usize);
+/// Keeps the largest closure residual of the angles that the controller reports.
+struct LargestClosure<'a> {
+    path: &'a StreamPath,
+    residual: f64,
+}
 
-impl Watcher for Counter {
-    fn telemetry(&mut self, _: &Telemetry) -> io::Result<()> {
-        self.0 += 1;
+impl Watcher for LargestClosure<'_> {
+    fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
+        self.residual = self.residual.max(self.path.residual(&telemetry.angles));
         Ok(())
     }
 
+    /// Called again and again; `Wish::Stop` would slow the motion down and hold the sheet.
     fn wish(&mut self) -> Wish {
         Wish::Run
     }
@@ -26,8 +35,8 @@ impl Watcher for Counter {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let miura = Miura {
-        rows: 6,
-        columns: 6,
+        rows: 4,
+        columns: 4,
         sector_angle: 60_f64.to_radians(),
         fold: 0.9,
     };
@@ -37,21 +46,27 @@ fn main() -> Result<(), Box<dyn Error>> {
         &Goal::of_pattern(&pattern)?,
         &PlanOptions::default(),
     );
-    let motion = plan.motion.ok_or("no motion was found")?;
+    let motion = plan.motion.ok_or("no motion leaves the flat sheet")?;
 
-    // The name of the file is for messages: nothing is written.
-    let name = Path::new("miura-6x6.traj");
-    let bytes = TrajFile::of(&motion, name)?.bytes;
-    let path = StreamPath::read(&bytes, name)?;
-    let mut counter = Counter(0);
+    // The name is for messages: no file is written.
+    let name = Path::new("miura.traj");
+    let path = StreamPath::read(&TrajFile::of(&motion, name)?.bytes, name)?;
+    let mut watcher = LargestClosure {
+        path: &path,
+        residual: 0.0,
+    };
     let options = Options {
         resume: false,
         id: 1,
     };
-    let summary = stream::run(&mut Sim::new(), &path, options, &mut counter)?;
-    println!(
-        "{:?}: {} setpoints in {} bytes, {} messages of telemetry, closure at most {:.1e}",
-        summary.outcome, summary.setpoints, summary.bytes_sent, counter.0, summary.max_closure
-    );
+    let summary = stream::run(&mut Sim::new(), &path, options, &mut watcher)?;
+
+    println!("outcome          {}", summary.outcome.name());
+    if let Some(reason) = &summary.reason {
+        println!("reason           {reason}");
+    }
+    println!("largest closure  {:.1e}", watcher.residual);
+    println!("setpoints        {}", summary.setpoints);
+    println!("bytes sent       {}", summary.bytes_sent);
     Ok(())
 }
