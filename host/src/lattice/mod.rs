@@ -35,8 +35,8 @@
 //! and S₂ are translations while a Miura folds; other sheets roll up, and then a [`Screw`] has the powers of S₁ and S₂.
 //! [`Lattice`] proves these statements and says what they require.
 //!
-//! Whether cells can come near each other between two times follows from [`LatticeMotionBounds`], which bounds the
-//! motion of each cell as seen from any other. If the steps are translations, few cells can be near a given one, and
+//! [`LatticeMotionBounds`] bounds the motion of each cell as seen from any other, and so tells if cells can come near each
+//! other between two times. If the steps are translations, few cells can be near a given one, and
 //! their offsets are found without looking at the others.
 //!
 //! # Files

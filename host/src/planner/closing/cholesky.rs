@@ -284,7 +284,7 @@ mod tests {
         assert!(!symbolic.factorise(&values, 0.0, &mut factor));
         values[place] = f64::NAN;
         assert!(!symbolic.factorise(&values, 0.0, &mut factor));
-        // What a failure left behind does not reach the next factor.
+        // A failure leaves nothing behind that reaches the next factor.
         values[place] = diagonal;
         let mut solutions = [vec![1.0; 60], vec![1.0; 60]];
         assert!(symbolic.factorise(&values, 0.0, &mut factor));

@@ -185,7 +185,7 @@ pub(crate) fn cut(
     })
 }
 
-/// What knots are placed for.
+/// The purpose for which knots are placed.
 #[derive(Clone, Copy)]
 struct Placing<'a> {
     problem: &'a PlanningProblem<'a>,
