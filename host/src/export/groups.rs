@@ -66,7 +66,7 @@ impl HingeGroups {
     /// Returns angle, rate and weight of each group at a knot.
     pub(super) fn nodes(&self, motion: &Motion, knot: usize) -> impl Iterator<Item = Node<f64>> {
         let leaders = self.leaders.iter();
-        leaders.map(move |&(edge, member)| group_node(motion, knot, edge, member))
+        leaders.map(move |&(edge, member)| motion.group_node(knot, edge, member))
     }
 
     /// Checks that each hinge turns as the first hinge of its group does.
@@ -79,7 +79,7 @@ impl HingeGroups {
         for knot in 0..motion.knots.len() {
             let nodes: Vec<_> = self.nodes(motion, knot).collect();
             for &(edge, member) in members {
-                let node = group_node(motion, knot, edge, member);
+                let node = motion.group_node(knot, edge, member);
                 if !alike(node, nodes[member.group.index()]) {
                     let degrees = motion.node(knot, edge).angle.to_degrees();
                     return Err(FileError::Expected {
@@ -92,16 +92,6 @@ impl HingeGroups {
             }
         }
         Ok(())
-    }
-}
-
-/// Returns angle, rate and weight that a group would have if it turned as one of its hinges.
-fn group_node(motion: &Motion, knot: usize, edge: EdgeId, member: Membership) -> Node<f64> {
-    let node = motion.node(knot, edge);
-    Node {
-        angle: member.apply(node.angle),
-        rate: member.apply(node.rate),
-        ..node
     }
 }
 

@@ -80,6 +80,13 @@ pub struct Claims {
     pub closure: Option<f64>,
 }
 
+/// Angle, rate and weight of an edge or group that stays flat.
+pub(crate) const REST: Node<f64> = Node {
+    angle: 0.0,
+    rate: 0.0,
+    weight: [1.0, 0.0],
+};
+
 /// Largest number of steps into which [`Motion::with_steps`] divides a segment.
 const MAX_STEPS: f64 = 1000.0;
 
@@ -166,12 +173,7 @@ impl Motion {
     /// If there is no such knot or edge.
     #[must_use]
     pub fn node(&self, knot: usize, edge: EdgeId) -> Node<f64> {
-        let rest = Node {
-            angle: 0.0,
-            rate: 0.0,
-            weight: [1.0, 0.0],
-        };
-        self.members[edge.index()].map_or(rest, |member| {
+        self.members[edge.index()].map_or(REST, |member| {
             let node = self.knots[knot].node(member.group);
             // The sum turns -0 into 0, so that a flat hinge has the same sign in every group.
             Node {
@@ -180,6 +182,16 @@ impl Motion {
                 ..node
             }
         })
+    }
+
+    /// Returns angle, rate and weight that a group would have at a knot if it turned as one of its edges.
+    pub(crate) fn group_node(&self, knot: usize, edge: EdgeId, member: Membership) -> Node<f64> {
+        let node = self.node(knot, edge);
+        Node {
+            angle: member.apply(node.angle),
+            rate: member.apply(node.rate),
+            ..node
+        }
     }
 
     /// Returns the fold angle (radians) of each crease at a knot.

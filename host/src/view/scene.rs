@@ -1,12 +1,12 @@
 //! Computes the scene of a path: the data that its page shows.
 
-use foldpath_core::{Membership, Node};
+use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneMotion, ScenePair, SceneShape};
 use crate::check::{MergedGroups, check_groups, clearances_until_over, measure};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
-use crate::motion::{GroupNaming, Motion, interpolation_name, leaders};
+use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use crate::progress::{Progress, Watch};
 
@@ -116,21 +116,9 @@ fn turn(member: Option<Membership>) -> i64 {
 /// Returns the motion of the groups at the knots of the path.
 fn motion(path: &Motion, members: &[Option<Membership>]) -> SceneMotion {
     let leaders = leaders(members);
-    let rest = Node {
-        angle: 0.0,
-        rate: 0.0,
-        weight: [1.0, 0.0],
-    };
     let nodes = (0..path.knots.len()).flat_map(|knot| {
         leaders.iter().map(move |leader| {
-            leader.map_or(rest, |(edge, member)| {
-                let node = path.node(knot, edge);
-                Node {
-                    angle: member.apply(node.angle),
-                    rate: member.apply(node.rate),
-                    ..node
-                }
-            })
+            leader.map_or(REST, |(edge, member)| path.group_node(knot, edge, member))
         })
     });
     let weighted = path.knots.iter().any(|knot| !knot.weights.is_empty());
