@@ -6,35 +6,30 @@ use super::closure::{Effort, Place, SegmentClosure, certify};
 use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
-use crate::collision::{CollisionScene, Crossing, Sweep, SweepOptions, SweepVerdict, rounding};
+use crate::collision::{
+    CollisionScene, Crossing, SearchEffort, SearchedMotion, SweepOptions, SweepVerdict, is_torn,
+    rounding,
+};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::lattice::Lattice;
 use crate::motion::Motion;
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
-
-/// Number of queries of pairs of faces for a path that is known to fail, whose motion may be absurd.
-const ENOUGH_LOOKS: u64 = 200_000;
-
-/// Number of faces up to which all pairs are swept, where the planner lets one pair stand for those that move
-/// alike.
-const MANY_FACES: usize = 4000;
 
 /// Bounds closure between knots, and with it the deformation of the whole sheet. The deformation is bounded by
 /// the worst case of the sum of all closure residuals or, if that is too much, by folding the sheet from its
 /// middle and from its rim.
 pub(super) fn check_closure(
     path: &Motion,
+    tree: &SpanningTree,
     motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let pattern = &path.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
     let all = ReducedStars::all(pattern, &motion.groups);
     let essential = all.essential();
-    let mut sheet = SheetCertifier::new(pattern, &tree, &all);
+    let mut sheet = SheetCertifier::new(pattern, tree, &all);
     let mut bound = |curves: &[Curve<f64>], effort: &Effort| {
         let (mut segment, bounds) = certify(&essential, curves, effort, options.bound);
         let (stars, holes) = bounds.split_at(essential.vertices().len());
@@ -103,6 +98,7 @@ fn uncertified(path: &Motion, options: &CheckOptions, verdict: &Verdict) -> Opti
 /// Searches the whole motion for faces that pass through each other, and stores the first crossing.
 pub(super) fn check_crossings(
     path: &Motion,
+    tree: &SpanningTree,
     motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
@@ -111,35 +107,35 @@ pub(super) fn check_crossings(
     let pattern = &path.pattern;
     let certified = verdict.certified().map(|most| most.gap);
     let certified = certified.filter(|gap| *gap <= options.bound);
-    let mut options = SweepOptions {
+    let failed = !verdict.failures.is_empty();
+    // The motion of a path that fails may be absurd.
+    let effort = if failed {
+        SearchEffort::CHECK_FAILED
+    } else {
+        SearchEffort::CHECK
+    };
+    let options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
         rounding: rounded(verdict),
+        max_queries: effort.max_queries,
         ..SweepOptions::default()
     };
-    let failed = !verdict.failures.is_empty();
-    if failed {
-        options.max_queries = options.max_queries.min(ENOUGH_LOOKS);
-    }
-    let members = motion.groups.memberships();
-    let large = pattern.faces().len() > MANY_FACES && !failed;
-    let lattice = large.then(|| Lattice::find(pattern, members)).flatten();
-    if let Some(lattice) = &lattice
-        && options.gap > options.tolerance
-    {
-        options.lattice_deviation = lattice.lattice_deviation(pattern, verdict.closure_bound());
-    }
-    let lattice =
-        lattice.filter(|_| options.lattice_deviation < SweepOptions::FAR_FROM_LATTICE_EDGES);
-    let sweep = match &lattice {
-        Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
-        None => Sweep::new(pattern, members, options),
+    let memberships = motion.groups.memberships();
+    let lattice = effort.lattice(pattern, memberships, options.gap);
+    let searched = SearchedMotion {
+        pattern,
+        memberships,
+        segments: &motion.segments,
+        closure: verdict.closure_bound(),
+        options,
+        watch,
     };
-    match sweep.watched(watch).sweep(&motion.segments) {
+    match searched.search(lattice.as_ref()).verdict {
         SweepVerdict::Free(clearance) => {
             // Faces round a vertex may lie across each other by as much as the motion may tear the sheet, but
             // not at knots, which tear the sheet by less.
-            if options.gap > options.tolerance {
-                let crossing = crossed_knot(path, verdict);
+            if is_torn(options.gap) {
+                let crossing = crossed_knot(path, tree, verdict);
                 verdict.crossings.extend(crossing);
             }
             verdict.min_clearance = clearance.map(|clearance| clearance.distance);
@@ -171,13 +167,12 @@ fn rounded(verdict: &Verdict) -> f64 {
 }
 
 /// Returns the first knot at which faces pass through each other.
-fn crossed_knot(path: &Motion, verdict: &Verdict) -> Option<PathCrossing> {
+fn crossed_knot(path: &Motion, tree: &SpanningTree, verdict: &Verdict) -> Option<PathCrossing> {
     let pattern = &path.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
     let (mut map, mut scene) = (FoldingMap::flat(pattern), CollisionScene::new(pattern));
     let mut knots = verdict.knots.iter().enumerate();
     knots.find_map(|(index, measured)| {
-        map.fold(pattern, &tree, &path.crease_angles(index));
+        map.fold(pattern, tree, &path.crease_angles(index));
         let crossing = scene.deepest_crossing(&map, measured.gap, rounding(measured.gap))?;
         Some(PathCrossing {
             crossing,
@@ -191,13 +186,13 @@ fn crossed_knot(path: &Motion, verdict: &Verdict) -> Option<PathCrossing> {
 /// faces.
 pub(super) fn check_shapes(
     path: &Motion,
+    tree: &SpanningTree,
     motion: &MergedGroups,
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let pattern = &path.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
     let rounded = rounded(verdict);
@@ -218,8 +213,8 @@ pub(super) fn check_shapes(
                 || path.crease_angles(index),
                 |segment| motion.angles(segment, at),
             );
-            map.fold(pattern, &tree, &angles);
-            let rigidity = map.rigidity(pattern, &tree);
+            map.fold(pattern, tree, &angles);
+            let rigidity = map.rigidity(pattern, tree);
             verdict.samples.extend(between.map(|segment| Sample {
                 segment,
                 at,

@@ -4,17 +4,10 @@ use foldpath_core::Curve;
 
 use super::Measured;
 use super::merged_groups::MergedGroups;
-use crate::collision::{Place, Sweep, SweepOptions, SweepVerdict, rounding};
-use crate::lattice::Lattice;
+use crate::collision::{Place, SearchEffort, Sweep, SweepOptions, SweepVerdict, rounding};
 use crate::motion::{Knot, Motion};
 use crate::pattern::FaceId;
 use crate::progress::Watch;
-
-/// Number of faces above which only sheets with a lattice are judged, in which one pair stands for many.
-const MANY_FACES: usize = 2000;
-/// Numbers of queries of pairs of faces, for the motion and for one shape, after which the clearance stays
-/// unknown.
-const ENOUGH_LOOKS: [u64; 2] = [1_000_000, 200_000];
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,24 +66,20 @@ pub(crate) fn clearances_until_over(
     let at_knots = shapes.knots.iter().zip(measured);
     let at_knots = at_knots.filter(|(shape, _)| is_knot(shape));
     let rounded = at_knots.map(|(_, m)| m.gap).fold(0.0, f64::max);
-    let torn = gap.is_nan() || gap > SweepOptions::default().tolerance;
-    let lattice = (!torn).then(|| Lattice::find(pattern, members)).flatten();
-    if !motion.is_finite() || lattice.is_none() && pattern.faces().len() > MANY_FACES {
+    let lattice = SearchEffort::PICTURE.lattice(pattern, members, gap);
+    if !motion.is_finite() || !SearchEffort::PICTURE.affords(pattern, lattice.as_ref()) {
         return unknown;
     }
-    let [mut sweep, mut still_sweep] = ENOUGH_LOOKS.map(|max_queries| {
-        let options = SweepOptions {
-            gap,
-            rounding: rounding(rounded),
-            max_queries,
-            ..SweepOptions::default()
-        };
-        let sweep = match &lattice {
-            Some(lattice) => Sweep::with_lattice(pattern, members, options, lattice),
-            None => Sweep::new(pattern, members, options),
-        };
-        sweep.watched(watch)
-    });
+    let [mut sweep, mut still_sweep] =
+        [SearchEffort::PICTURE, SearchEffort::PICTURE_SHAPE].map(|effort| {
+            let options = SweepOptions {
+                gap,
+                rounding: rounding(rounded),
+                max_queries: effort.max_queries,
+                ..SweepOptions::default()
+            };
+            Sweep::build(pattern, members, options, lattice.as_ref()).watched(watch)
+        });
     let mut found = Clearances {
         worst: worst(&sweep.sweep(&motion.segments), |at| time(path, at)),
         ..unknown

@@ -15,15 +15,14 @@ const CLAIM_FLOOR: f64 = 1e-9;
 /// Error of a coordinate in space, in ε, that folding and rigid registration leave.
 const ROUNDINGS: f64 = 16.0;
 
-/// Measures every knot of a path.
+/// Measures every knot of a path, on the sheet folded along a tree of its faces.
 #[must_use]
-pub fn measure(path: &Motion) -> Vec<Measured> {
+pub fn measure(path: &Motion, tree: &SpanningTree) -> Vec<Measured> {
     let pattern = &path.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
     let mut map = FoldingMap::flat(pattern);
     let knots = path.knots.iter().enumerate().map(|(index, knot)| {
-        map.fold(pattern, &tree, &path.crease_angles(index));
-        let mut rigidity = map.rigidity(pattern, &tree);
+        map.fold(pattern, tree, &path.crease_angles(index));
+        let mut rigidity = map.rigidity(pattern, tree);
         let gap = rigidity.gap;
         let written = &knot.vertices;
         if !written.is_empty() {

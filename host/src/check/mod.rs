@@ -23,7 +23,7 @@ pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
 use crate::collision::Crossing;
-use crate::folding::Rigidity;
+use crate::folding::{Rigidity, SpanningTree};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
 use crate::progress::{Progress, Stage, Watch};
@@ -166,8 +166,9 @@ pub fn check_watched(path: &Motion, options: &CheckOptions, progress: &Progress)
 
 pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Watch<'_>) -> Verdict {
     watch.begin(Stage::Folding);
+    let tree = SpanningTree::from_central_face(&path.pattern);
     let mut verdict = Verdict {
-        knots: measure(path),
+        knots: measure(path, &tree),
         ..Verdict::default()
     };
     if options.bound.is_nan() {
@@ -192,12 +193,12 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     // Numbers that overflow have been found by now.
     if motion.is_finite() {
         watch.begin(Stage::Closure);
-        between::check_closure(path, &motion, options, watch, &mut verdict);
+        between::check_closure(path, &tree, &motion, options, watch, &mut verdict);
         watch.begin(Stage::Folding);
-        between::check_shapes(path, &motion, options, watch, &mut verdict);
+        between::check_shapes(path, &tree, &motion, options, watch, &mut verdict);
         if options.sweep {
             watch.begin(Stage::Crossings);
-            between::check_crossings(path, &motion, options, watch, &mut verdict);
+            between::check_crossings(path, &tree, &motion, options, watch, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);

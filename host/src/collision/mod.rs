@@ -4,7 +4,8 @@
 //! need no test: they cannot cross while the fold angle between them is within half a turn. A
 //! [`CollisionScene`] judges one configuration: the broad phase, a bounding volume hierarchy, finds the pairs
 //! of pieces whose boxes overlap, and the narrow phase, [`crossing_depth`], judges each of these pairs. A
-//! [`Sweep`] judges a whole motion by conservative advancement.
+//! [`Sweep`] judges a whole motion by conservative advancement. `routes.rs` decides for all callers whether the
+//! lattice of a tessellation stands in for its faces, and what a search may cost.
 
 mod chains;
 mod comoving_faces;
@@ -17,6 +18,7 @@ mod layers;
 mod lazy_folding;
 mod motion;
 mod pieces;
+mod routes;
 mod scene;
 mod separation;
 mod sweep;
@@ -26,6 +28,7 @@ mod variation;
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use lattice::LatticeScene;
 pub use pieces::rounding;
+pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn, lattice_scene};
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};

@@ -1,5 +1,5 @@
-//! Judges one configuration of a sheet after another: finds the deepest crossing of faces, and the clearance
-//! between them. A bounding volume hierarchy is the broad phase.
+//! Judges one configuration of a sheet after another: finds the deepest crossing of faces. A bounding volume hierarchy is
+//! the broad phase.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -7,7 +7,6 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{Pieces, Placed};
-use super::separation::distance;
 use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
@@ -60,8 +59,6 @@ pub struct CollisionScene {
     hierarchy: Bvh,
     workspace: BvhWorkspace,
     median_edge: f64,
-    /// Distance up to which faces are compared when a clearance is requested, units of the sheet.
-    reach: f64,
     counts: CollisionCounts,
 }
 
@@ -76,7 +73,6 @@ impl CollisionScene {
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
             median_edge: pattern.median_edge(),
-            reach: 0.1 * pattern.median_edge(),
             counts: CollisionCounts::default(),
             pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs(),
             pieces,
@@ -94,7 +90,7 @@ impl CollisionScene {
         gap: f64,
         rounding: f64,
     ) -> Option<Crossing> {
-        self.place(map, 0.0);
+        self.place(map);
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
         let unit = self.median_edge;
@@ -131,51 +127,14 @@ impl CollisionScene {
         deepest
     }
 
-    /// Returns the smallest distance, in units of the sheet, between faces of a sheet that share no point of
-    /// it; `None` if all do. Cost: two or three times that of [`deepest_crossing`](Self::deepest_crossing),
-    /// while few faces are as near to each other as the nearest.
-    pub fn clearance(&mut self, map: &FoldingMap) -> Option<f64> {
-        let pieces = self.pieces.list.len() as u64;
-        let all = pieces * pieces.saturating_sub(1) / 2;
-        let mut reach = self.reach;
-        loop {
-            self.place(map, 0.5 * reach);
-            let (mut nearest, mut seen) = (f64::INFINITY, 0);
-            let pieces = &self.pieces;
-            let placed = Placed {
-                pieces,
-                folded: &self.folded,
-                normals: &self.normals,
-            };
-            let judge = &mut |a: u32, b: u32| {
-                seen += 1;
-                if pieces.comparable(a, b).is_some() && !pieces.meet(a, b) {
-                    nearest = nearest.min(distance(&placed.piece(a), &placed.piece(b)));
-                }
-            };
-            self.hierarchy
-                .traverse_bvtt_single_tree::<false>(&mut self.workspace, judge);
-            let found = nearest.is_finite();
-            if seen >= all || nearest <= reach || !reach.is_finite() {
-                // The next configuration is a little different.
-                let next = if found { 1.1 * nearest } else { 0.0 };
-                self.reach = next.max(1e-3 * self.median_edge);
-                return found.then_some(nearest);
-            }
-            // With this reach, pairs out of reach are no nearer than the nearest found.
-            reach = if found { nearest } else { 4.0 * reach };
-        }
-    }
-
     /// Returns the numbers of pairs tested and skipped since the scene was made.
     #[must_use]
     pub fn counts(&self) -> CollisionCounts {
         self.counts
     }
 
-    /// Places the pieces and updates the hierarchy, its boxes enlarged by `margin` on all sides.
-    fn place(&mut self, map: &FoldingMap, margin: f64) {
-        let margin = Vector3::repeat(margin);
+    /// Places the pieces and updates the hierarchy.
+    fn place(&mut self, map: &FoldingMap) {
         let boxes = self
             .pieces
             .list
@@ -193,7 +152,6 @@ impl CollisionScene {
                     low = low.inf(folded);
                     high = high.sup(folded);
                 }
-                let (low, high) = (low - margin, high + margin);
                 Aabb::new(
                     Vector::new(low.x, low.y, low.z),
                     Vector::new(high.x, high.y, high.z),

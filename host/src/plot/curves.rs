@@ -2,9 +2,8 @@
 
 use foldpath_core::Membership;
 
-use crate::check::{CheckOptions, check_until_over};
-use crate::collision::CollisionScene;
-use crate::folding::{Dihedral, FoldingMap, SpanningTree, shapes};
+use crate::check::{CheckOptions, check_until_over, clearances_until_over, measure};
+use crate::folding::{Dihedral, SpanningTree, shapes};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::EdgeId;
 use crate::progress::{Progress, Watch};
@@ -17,8 +16,6 @@ const FOLDED: usize = 20_000_000;
 const MOST_CURVES: usize = 200;
 /// Number of times at which the clearance is measured.
 const CLEARANCES: usize = 120;
-/// Largest number of faces for which the clearance is measured: the distance of every pair of near faces is computed.
-const MANY_FACES: usize = 4000;
 
 /// Time in seconds, and the value of a curve.
 pub type Point = (f64, f64);
@@ -165,23 +162,10 @@ fn measured(path: &Motion) -> Vec<Point> {
 
 /// Returns the clearance at times spaced evenly.
 fn clearance(path: &Motion, watch: Watch<'_>) -> Vec<Point> {
-    let pattern = &path.pattern;
-    if pattern.faces().len() > MANY_FACES {
-        return Vec::new();
-    }
-    let tree = SpanningTree::from_central_face(pattern);
-    let mut map = FoldingMap::flat(pattern);
-    let mut scene = CollisionScene::new(pattern);
-    let path = path.resampled(CLEARANCES);
-    let knots = path.knots.iter().enumerate();
-    let knots = knots.take_while(|_| !watch.is_over());
-    let points = knots.filter_map(|(index, knot)| {
-        let angles = path.crease_angles(index);
-        if !angles.iter().all(|angle| angle.is_finite()) {
-            return None;
-        }
-        map.fold(pattern, &tree, &angles);
-        Some((knot.time, scene.clearance(&map)?))
-    });
+    let tree = SpanningTree::from_central_face(&path.pattern);
+    let shapes = path.resampled(CLEARANCES);
+    let found = clearances_until_over(path, &shapes, &measure(&shapes, &tree), watch);
+    let points = shapes.knots.iter().zip(found.shapes);
+    let points = points.filter_map(|(knot, distance)| Some((knot.time, distance?)));
     points.collect()
 }

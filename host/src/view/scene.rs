@@ -29,7 +29,7 @@ impl Scene {
         let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
-        let measured = measure(shapes);
+        let measured = measure(shapes, &tree);
         let clearances = clearances_until_over(path, shapes, &measured, watch);
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)

@@ -167,7 +167,7 @@ impl<'a> Sweep<'a> {
         Self::build(pattern, memberships, options, Some(lattice))
     }
 
-    fn build(
+    pub(crate) fn build(
         pattern: &'a CreasePattern,
         memberships: &'a [Membership],
         options: SweepOptions,

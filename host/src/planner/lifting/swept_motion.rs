@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use super::certified_motion::CandidatePath;
 use crate::collision::{
-    Crossing, LatticeScene, Sweep, SweepCounts, SweepOptions, SweepVerdict, rounding,
+    Crossing, SearchEffort, SweepCounts, SweepOptions, lattice_scene, rounding,
 };
 use crate::lattice::Lattice;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
-use crate::planner::knots::{Knot, Path};
+use crate::planner::knots::Knot;
 use crate::planner::options::Skips;
 use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
@@ -20,14 +20,6 @@ use crate::planner::reason::{Reason, TimeoutAt};
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
-/// Largest number of faces for which the motion between knots is swept without a lattice.
-pub(crate) const MAX_SWEPT_FACES: usize = 4000;
-
-/// Result of a search for crossings over a motion.
-pub(crate) struct Swept {
-    pub(crate) verdict: SweepVerdict,
-    pub(crate) counts: SweepCounts,
-}
 
 /// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, of which the deformation
 /// `certified` is proved.
@@ -38,7 +30,7 @@ pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> S
         rounding: rounding(gap),
         // There is no limit for a user who switches a skip off, to look at everything.
         max_queries: if skips == Skips::default() {
-            usual.max_queries
+            SearchEffort::PLAN.max_queries
         } else {
             u64::MAX
         },
@@ -49,12 +41,6 @@ pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> S
     }
 }
 
-/// Returns `true` if the sheet may be torn by more than faces may lie across each other. Such a sheet crosses elsewhere
-/// than its path does.
-pub(crate) fn is_torn(options: SweepOptions) -> bool {
-    options.gap > SweepOptions::default().tolerance
-}
-
 /// Returns the lattice along which to look for crossings, if there is one and it may be used.
 pub(crate) fn lattice<'r>(
     problem: &PlanningProblem<'_>,
@@ -62,56 +48,6 @@ pub(crate) fn lattice<'r>(
 ) -> Option<&'r Lattice> {
     let used = problem.options.skips.symmetry;
     used.then(|| reduction.lattice(problem.pattern)).flatten()
-}
-
-/// Looks for crossings along the lattice, on a motion whose vertices close to within `closure`. Returns `None` if the
-/// faces may be far from where the lattice has them, or the lattice does not decide.
-pub(crate) fn sweep_lattice(
-    problem: &PlanningProblem<'_>,
-    lattice: &Lattice,
-    path: &Path,
-    closure: f64,
-    options: SweepOptions,
-) -> Option<Swept> {
-    let torn = is_torn(options);
-    let lattice_deviation = if torn {
-        lattice.lattice_deviation(problem.pattern, closure)
-    } else {
-        0.0
-    };
-    let options = SweepOptions {
-        lattice_deviation,
-        ..options
-    };
-    let mut sweep = (lattice_deviation < SweepOptions::FAR_FROM_LATTICE_EDGES).then(|| {
-        Sweep::with_lattice(problem.pattern, &path.memberships, options, lattice)
-            .watched(problem.watch)
-    })?;
-    let verdict = sweep.sweep(&path.curves());
-    let decided = match verdict {
-        SweepVerdict::Free(_) => true,
-        // Too many cells may meet along the lattice, more than the pairs of faces that do meet.
-        SweepVerdict::Undecided { faces: None, .. } => false,
-        // On a torn sheet, faces that nearly touch along the lattice may not do so by the folding map.
-        _ => !torn,
-    };
-    decided.then(|| Swept {
-        verdict,
-        counts: sweep.counts(),
-    })
-}
-
-/// Looks for crossings of all faces over the whole motion.
-pub(crate) fn sweep_all(
-    problem: &PlanningProblem<'_>,
-    path: &Path,
-    options: SweepOptions,
-) -> Swept {
-    let mut sweep = Sweep::new(problem.pattern, &path.memberships, options).watched(problem.watch);
-    Swept {
-        verdict: sweep.sweep(&path.curves()),
-        counts: sweep.counts(),
-    }
 }
 
 /// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex
@@ -181,13 +117,9 @@ pub(crate) fn sweep_knots_or_lattice(
 ) -> SweptKnots {
     let start = Instant::now();
     let (pattern, groups) = (problem.pattern, &reduction.groups);
-    let near = |lattice: &&Lattice| {
-        let lattice_deviation = lattice.lattice_deviation(pattern, max_closure);
-        lattice_deviation.max(gap) <= SweepOptions::default().tolerance
-    };
-    let lattice = lattice(problem, reduction).filter(near);
-    let scene = lattice.and_then(|lattice| {
-        LatticeScene::new(pattern, groups.memberships(), groups.len(), lattice)
+    let scene = lattice(problem, reduction).and_then(|lattice| {
+        let errors = [max_closure, gap];
+        lattice_scene(pattern, groups.memberships(), groups.len(), lattice, errors)
     });
     let Some(mut scene) = scene else {
         let found = start.elapsed();

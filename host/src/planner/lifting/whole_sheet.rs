@@ -10,10 +10,10 @@ use super::measured_motion::{
     MeasuredMotion, SheetErrors, measure, measure_or_bound, torn, torn_from_rim,
 };
 use super::swept_motion::{
-    MAX_SWEPT_FACES, Swept, SweptKnots, crossed_knot, ends_at_knot, is_blocked, is_torn, lattice,
-    sweep_all, sweep_knots, sweep_knots_or_lattice, sweep_lattice, sweep_options,
+    SweptKnots, crossed_knot, ends_at_knot, is_blocked, lattice, sweep_knots,
+    sweep_knots_or_lattice, sweep_options,
 };
-use crate::collision::{Crossing, Place, SweepVerdict};
+use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, is_torn};
 use crate::folding::Rigidity;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::Reduction;
@@ -252,13 +252,19 @@ fn sweep(
     let start = Instant::now();
     let certified = plan.certified_deformation;
     let options = sweep_options(problem.options.skips, certified, plan.rigidity.gap);
-    let torn = is_torn(options);
-    let along = lattice.and_then(|lattice| {
-        let closure = plan.certified_closure.unwrap_or(f64::INFINITY);
-        sweep_lattice(problem, lattice, &plan.path, closure, options)
-    });
+    let torn = is_torn(options.gap);
+    let segments = plan.path.curves();
+    let motion = SearchedMotion {
+        pattern: problem.pattern,
+        memberships: &plan.path.memberships,
+        segments: &segments,
+        closure: plan.certified_closure.unwrap_or(f64::INFINITY),
+        options,
+        watch: problem.watch,
+    };
+    let along = lattice.and_then(|lattice| motion.along_lattice(lattice));
     plan.times.collision += start.elapsed();
-    let Swept { verdict, counts } = if let Some(along) = along {
+    let Searched { verdict, counts } = if let Some(along) = along {
         along
     } else {
         let faces = problem.pattern.faces().len();
@@ -269,20 +275,16 @@ fn sweep(
         {
             return nearer;
         }
-        if faces > MAX_SWEPT_FACES {
-            return sweep_no_more_than_knots(problem, reduction, plan);
-        }
         let start = Instant::now();
-        let swept = sweep_all(problem, &plan.path, options);
+        let swept = motion.all_faces();
         plan.times.collision += start.elapsed();
         swept
     };
     plan.collision = counts;
     match verdict {
         SweepVerdict::Free(clearance) => {
-            let looked_at = torn && problem.pattern.faces().len() <= MAX_SWEPT_FACES;
             let start = Instant::now();
-            let crossed_knot = looked_at
+            let crossed_knot = torn
                 .then(|| crossed_knot(problem, reduction, &plan.path.knots, plan.max_closure))
                 .flatten();
             plan.times.collision += start.elapsed();
