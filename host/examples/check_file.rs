@@ -36,11 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(clearance) = verdict.min_clearance {
         println!("smallest clearance     {clearance:.3}");
     }
-    if verdict.failures.is_empty() {
-        println!("the path holds");
-    }
-    for failure in &verdict.failures {
-        println!("failure: {failure}");
+    println!("the path {}", verdict.outcome().name());
+    for finding in verdict.findings() {
+        println!("  {finding}");
     }
     Ok(())
 }

@@ -52,7 +52,7 @@
 //! let mut motion = plan.motion.ok_or("no motion")?;
 //! motion.title = "Miura".into();
 //! let verdict = check(&motion, &CheckOptions::default());
-//! assert!(verdict.failures.is_empty(), "{:?}", verdict.failures);
+//! assert!(verdict.holds(), "{:?}", verdict.failures);
 //!
 //! let page: String = view::page(&view::Scene::of_path(&motion));
 //! let curves: String = plot::svg(&plot::Curves::of_path(&motion));

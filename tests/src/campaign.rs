@@ -315,7 +315,7 @@ fn judge(
                 // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
                 let usual = CheckOptions::default();
                 let bound = if rough { options.bound } else { usual.bound };
-                found.extend(check(&file, &CheckOptions { bound, ..usual }).failures);
+                found.extend(check(&file, &CheckOptions { bound, ..usual }).findings());
             }
             Err(error) => found.push(error.to_string()),
         }

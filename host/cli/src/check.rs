@@ -13,6 +13,7 @@ use foldpath::read::fold::read_motion;
 struct CheckJson {
     outcome: &'static str,
     reason: Option<String>,
+    undecided: Vec<String>,
     knots: usize,
     max_deformation: f64,
     max_gap: f64,
@@ -27,6 +28,10 @@ struct CrossingJson {
     faces: [u32; 2],
     between_knots: [usize; 2],
     at: f64,
+}
+
+fn sentences(findings: &[impl ToString]) -> Vec<String> {
+    findings.iter().map(ToString::to_string).collect()
 }
 
 pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
@@ -49,7 +54,13 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         let verdict = check_watched(&path, &options, progress);
         Ok::<_, CliError>((path, verdict))
     })?;
-    let holds = verdict.failures.is_empty();
+    let holds = verdict.holds();
+    let [failures, undecided] = [sentences(&verdict.failures), sentences(&verdict.undecided)];
+    let reasons = if failures.is_empty() {
+        &undecided
+    } else {
+        &failures
+    };
     let rigidity = verdict.rigidity();
     let crossings = verdict.crossings.iter().map(|found| CrossingJson {
         faces: found.crossing.faces.map(|face| face.0),
@@ -57,8 +68,9 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         at: found.at,
     });
     let json = CheckJson {
-        outcome: if holds { "holds" } else { "fails" },
-        reason: (!holds).then(|| verdict.failures.join("; ")),
+        outcome: verdict.outcome().name(),
+        reason: (!holds).then(|| reasons.join("; ")),
+        undecided: undecided.clone(),
         knots: path.knots.len(),
         max_deformation: rigidity.deformation,
         max_gap: rigidity.gap,
@@ -74,8 +86,11 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
     print_notes(quiet, path.pattern.assumptions());
     let outcome = outcome(holds, json.outcome);
     let mut text = format!("{}: {outcome}\n", path.title);
-    for failure in &verdict.failures {
+    for failure in &failures {
         text += &format!("  fails: {failure}\n");
+    }
+    for question in &undecided {
+        text += &format!("  undecided: {question}\n");
     }
     text += &format!(
         "  {} knots, deformation {:.1e}, gap {:.1e}, closure {:.1e}, {} segments with crossings\n",

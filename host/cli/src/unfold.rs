@@ -10,9 +10,9 @@ use foldpath::read::{FileError, read_shape};
 use foldpath::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
 
 #[derive(Serialize)]
-struct UnfoldJson<'a> {
-    outcome: &'a str,
-    reason: Option<&'a str>,
+struct UnfoldJson {
+    outcome: &'static str,
+    reason: Option<String>,
     vertices: usize,
     faces: usize,
     creases: usize,
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     if args.report.json {
         print_json(&UnfoldJson {
             outcome: unfolding.outcome.name(),
-            reason: unfolding.reason.as_deref(),
+            reason: unfolding.reason.map(|reason| reason.to_string()),
             vertices: unfolding.vertices,
             faces: unfolding.faces,
             creases: unfolding.creases,

@@ -2,7 +2,8 @@
 
 use foldpath_core::Curve;
 
-use super::closure::{Effort, Place, SegmentClosure, certify};
+use super::closure::{Effort, SegmentClosure, certify};
+use super::finding::{Failure, Moment, SheetError, Undecided};
 use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
@@ -31,7 +32,7 @@ pub(super) fn check_closure(
     let essential = all.essential();
     let mut sheet = SheetCertifier::new(pattern, tree, &all);
     let mut bound = |curves: &[Curve<f64>], effort: &Effort| {
-        let (mut segment, bounds) = certify(&essential, curves, effort, options.bound);
+        let (mut segment, bounds) = certify(pattern, &essential, curves, effort, options.bound);
         let (stars, holes) = bounds.split_at(essential.vertices().len());
         let loops: Vec<_> = holes.iter().map(|&bound| [bound; 2]).collect();
         let closure = Closure {
@@ -60,39 +61,37 @@ pub(super) fn check_closure(
         fine
     });
     verdict.segments = segments.collect();
-    verdict.failures.extend(uncertified(path, options, verdict));
-}
-
-/// Returns the worst violation of the bound in words or, if there is none, the worst that cannot be excluded.
-fn uncertified(path: &Motion, options: &CheckOptions, verdict: &Verdict) -> Option<String> {
-    let name = |place: Option<Place>| place.map_or_else(String::new, |at| at.name(&path.pattern));
     let worst = |value: fn(&SegmentClosure) -> f64| {
         let segments = verdict.segments.iter().enumerate();
-        let order = move |a: &(_, &SegmentClosure), b: &(_, &SegmentClosure)| {
-            value(a.1).total_cmp(&value(b.1))
-        };
-        segments.max_by(order)
+        segments.max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
     };
-    let (bound, knots) = (options.bound, |index| {
-        format!("between knots {index} and {}", index + 1)
-    });
-    let (index, open) = worst(|segment| segment.sampled)?;
+    let bound = options.bound;
+    let Some((index, open)) = worst(|segment| segment.sampled) else {
+        return;
+    };
     if open.sampled > bound || open.sampled.is_nan() {
-        let (at, vertex, sampled) = (open.at, name(open.open), open.sampled);
-        return Some(format!(
-            "{}, at {at:.3}: {vertex} fails to close by {sampled:.3e}, over the bound {bound:.3e}",
-            knots(index)
-        ));
+        verdict.failures.push(Failure::FailsToClose {
+            at: Moment::Between {
+                segment: index,
+                s: open.at,
+            },
+            site: open.open,
+            residual: open.sampled,
+            bound,
+        });
+        return;
     }
-    let (index, segment) = worst(SegmentClosure::error)?;
-    let (vertex, most, error) = (name(segment.place), segment.bound, segment.error());
-    (error > bound).then(|| {
-        format!(
-            "not certified: {}, {vertex} fails to close by up to {most:.3e}, and the sheet may deform or \
-             tear by {error:.3e}, over the bound {bound:.3e}",
-            knots(index)
-        )
-    })
+    if let Some((index, worst)) = worst(SegmentClosure::error)
+        && (worst.error() > bound || worst.error().is_nan())
+    {
+        verdict.undecided.push(Undecided::Errors {
+            segment: index,
+            site: worst.place,
+            closure: worst.bound,
+            error: worst.error(),
+            bound,
+        });
+    }
 }
 
 /// Searches the whole motion for faces that pass through each other, and stores the first crossing.
@@ -107,12 +106,11 @@ pub(super) fn check_crossings(
     let pattern = &path.pattern;
     let certified = verdict.certified().map(|most| most.gap);
     let certified = certified.filter(|gap| *gap <= options.bound);
-    let failed = !verdict.failures.is_empty();
     // The motion of a path that fails may be absurd.
-    let effort = if failed {
-        SearchEffort::CHECK_FAILED
-    } else {
+    let effort = if verdict.holds() {
         SearchEffort::CHECK
+    } else {
+        SearchEffort::CHECK_FAILED
     };
     let options = SweepOptions {
         gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
@@ -145,17 +143,13 @@ pub(super) fn check_crossings(
             between_knots: [at.segment, at.segment + 1],
             at: at.s,
         }),
-        SweepVerdict::Undecided { .. } if failed => {}
-        SweepVerdict::Undecided { faces, at } => {
-            let pair = faces.map_or_else(String::new, |[a, b]| format!(": faces {a} and {b}"));
-            verdict.failures.push(format!(
-                "not certified: between knots {} and {}, at {:.3}, whether faces pass through each other \
-                 takes too long to tell{pair}",
-                at.segment,
-                at.segment + 1,
-                at.s
-            ));
-        }
+        SweepVerdict::Undecided { faces, at } => verdict.undecided.push(Undecided::Crossings {
+            at: Moment::Between {
+                segment: at.segment,
+                s: at.s,
+            },
+            faces,
+        }),
     }
 }
 
@@ -243,39 +237,48 @@ fn places(samples: usize) -> impl Iterator<Item = f64> {
     (0..samples).map(move |k| count(k + 1) / count(samples + 1))
 }
 
-/// Returns the worst violation of the bound between knots, in words.
-fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<String> {
+/// Returns the worst violation of the bound between knots.
+fn worst_sample(options: &CheckOptions, verdict: &Verdict) -> Option<Failure> {
     let errors = verdict.samples.iter().map(|sample| {
         let Rigidity {
             deformation, gap, ..
         } = sample.rigidity;
         if deformation > gap || deformation.is_nan() {
-            (sample, "deformation", deformation)
+            (sample, SheetError::Deformation, deformation)
         } else {
-            (sample, "gap", gap)
+            (sample, SheetError::Gap, gap)
         }
     });
     let bound = options.bound;
     let over = errors.filter(|(.., value)| *value > bound || value.is_nan());
-    let (sample, name, value) = over.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let (segment, next, at) = (sample.segment, sample.segment + 1, sample.at);
-    Some(format!(
-        "between knots {segment} and {next}, at {at:.3}: {name} {value:.3e} over the bound {bound:.3e}"
-    ))
+    let (sample, error, value) = over.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    Some(Failure::OverBound {
+        at: Moment::Between {
+            segment: sample.segment,
+            s: sample.at,
+        },
+        error,
+        value,
+        bound,
+        open: None,
+    })
 }
 
-/// Returns the first crossing, in words.
-pub(super) fn first_crossing(path: &Motion, verdict: &Verdict) -> Option<String> {
+/// Returns the first crossing as a fault of the path.
+pub(super) fn first_crossing(path: &Motion, verdict: &Verdict) -> Option<Failure> {
     let first = verdict.crossings.first()?;
     let ([before, knot], at) = (first.between_knots, first.at);
-    let place = if at > 0.0 && at < 1.0 {
-        format!("between knots {before} and {knot}, at {at:.3}")
+    let at = if at > 0.0 && at < 1.0 {
+        Moment::Between {
+            segment: before,
+            s: at,
+        }
     } else {
-        format!("knot {}", if at > 0.0 { knot } else { before })
+        Moment::Knot(if at > 0.0 { knot } else { before })
     };
-    let [a, b] = first.crossing.faces;
-    let depth = first.crossing.depth / path.pattern.median_edge();
-    Some(format!(
-        "{place}: faces {a} and {b} pass through each other, {depth:.3e} median edges deep"
-    ))
+    Some(Failure::Crosses {
+        at,
+        crossing: first.crossing,
+        depth_edges: first.crossing.depth / path.pattern.median_edge(),
+    })
 }

@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::count;
 use super::majorant::{ORDER, Series, exponential, of_angle};
 use crate::folding::Rigidity;
-use crate::pattern::{CreasePattern, VertexId};
+use crate::pattern::{ClosureSite, CreasePattern};
 use crate::symmetry::ReducedStars;
 
 /// Effort of bounding a segment: how close a bound has to come to the samples.
@@ -57,32 +57,6 @@ const FEW: usize = 64;
 /// Margin below which a bound is good enough.
 const MARGIN: f64 = 1e-11;
 
-/// A place at which a sheet fails to close.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Round a real vertex.
-    Vertex(VertexId),
-    /// Round a hole, by its number in [`CreasePattern::holes`].
-    Hole(usize),
-}
-
-impl Place {
-    /// Returns the place in words.
-    #[must_use]
-    pub fn name(self, pattern: &CreasePattern) -> String {
-        match self {
-            Self::Vertex(vertex) => format!("vertex {vertex}"),
-            Self::Hole(hole) => {
-                let rim = pattern.holes()[hole].first();
-                format!(
-                    "the hole at vertex {}",
-                    rim.map_or(0, |passage| passage.at.0)
-                )
-            }
-        }
-    }
-}
-
 /// The closure residual of a segment, over all vertices and holes, and the errors of the sheet that it allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClosure {
@@ -91,11 +65,11 @@ pub struct SegmentClosure {
     /// Place of this sample in the segment, from 0 to 1.
     pub at: f64,
     /// The vertex or hole with this residual.
-    pub open: Option<Place>,
+    pub open: Option<ClosureSite>,
     /// Upper bound of all residuals.
     pub bound: f64,
     /// A vertex or hole with this bound: one of those that close worst.
-    pub place: Option<Place>,
+    pub place: Option<ClosureSite>,
     /// Number of samples taken.
     pub samples: usize,
     /// Upper bounds of deformation, gap and twist of the whole sheet. `None` if no bound is known.
@@ -115,12 +89,13 @@ impl SegmentClosure {
 /// stars, then those of holes. Bounds are not refined further once a residual larger than `decided` is sampled.
 /// Cost: O(samples · stars).
 pub(super) fn certify(
+    pattern: &CreasePattern,
     stars: &ReducedStars,
     curves: &[Curve<f64>],
     effort: &Effort,
     decided: f64,
 ) -> (SegmentClosure, Vec<f64>) {
-    let conditions = conditions(stars);
+    let conditions = conditions(pattern, stars);
     let all: Vec<usize> = (0..conditions.len()).collect();
     let mut segment = Segment {
         curves,
@@ -145,7 +120,7 @@ pub(super) fn certify(
 
 /// A vertex or a hole, and the creases met on the way round it.
 struct Condition<'a> {
-    place: Place,
+    place: ClosureSite,
     spokes: &'a [Spoke<f64>],
     /// Points of the creases round a hole; empty for a vertex.
     places: &'a [[f64; 2]],
@@ -155,12 +130,12 @@ struct Condition<'a> {
     hidden: f64,
 }
 
-fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
+fn conditions<'a>(pattern: &CreasePattern, stars: &'a ReducedStars) -> Vec<Condition<'a>> {
     // The Frobenius norm is at most √3 times the operator norm, and the residual is the Frobenius norm over √2.
     let turn = 1.5_f64.sqrt();
     let vertices = stars.vertices().iter().zip(stars.view().iter());
     let vertices = vertices.map(|(&vertex, star)| Condition {
-        place: Place::Vertex(vertex),
+        place: ClosureSite::Vertex(vertex),
         spokes: star.spokes,
         places: &[],
         lever: turn,
@@ -178,7 +153,7 @@ fn conditions(stars: &ReducedStars) -> Vec<Condition<'_>> {
         let steps = points().zip(points().skip(1)).map(|(a, b)| (b - a).norm());
         let last = points().next_back().map_or(0.0, |q| q.norm());
         Condition {
-            place: Place::Hole(hole),
+            place: pattern.hole_site(hole),
             spokes: way.spokes,
             places: way.places,
             lever: turn.max(steps.sum::<f64>() + last),
@@ -354,24 +329,37 @@ mod tests {
             letter,
             goal: None,
         });
-        let pattern = CreasePattern::new(Drawing {
+        let drawing = Drawing {
             vertices: places.map(Vector2::from).to_vec(),
             edges: edges.collect(),
             ..Drawing::default()
-        });
-        let stars = ReducedStars::of_creases(&pattern.unwrap());
+        };
+        let pattern = CreasePattern::new(drawing).unwrap();
+        let stars = ReducedStars::of_creases(&pattern);
         let [moving, still] = [[0.0, 0.55, 1.0, 1.0], [0.0; 4]].map(|sin| Curve::HalfAngle {
             cos: [1.0, 1.0, 0.5, 0.002],
             sin,
         });
         for effort in [Effort::ROUGH, Effort::FINE] {
-            let (segment, _) = certify(&stars, &[moving, still, moving, still], &effort, 1e-3);
+            let (segment, _) = certify(
+                &pattern,
+                &stars,
+                &[moving, still, moving, still],
+                &effort,
+                1e-3,
+            );
             assert!(segment.bound <= 2e-11, "{segment:?}");
             // This says nothing about a whole sheet.
             assert!(segment.error().is_infinite(), "{segment:?}");
         }
         // One hinge of the line turns differently from the other: hopeless, and soon known.
-        let (segment, _) = certify(&stars, &[moving, still, still, still], &Effort::ROUGH, 1e3);
+        let (segment, _) = certify(
+            &pattern,
+            &stars,
+            &[moving, still, still, still],
+            &Effort::ROUGH,
+            1e3,
+        );
         assert!(segment.bound >= 1.0, "{segment:?}");
         assert!(segment.samples <= 24 * 600, "{segment:?}");
     }

@@ -3,7 +3,8 @@
 use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
-use super::{CheckOptions, Measured, SAME_ANGLE, Verdict};
+use super::finding::{Failure, GroupQuantity, Moment, SheetError, WrongTurn};
+use super::{Measured, SAME_ANGLE};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, align_sheets, deformation};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
@@ -85,127 +86,122 @@ fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> 
     )
 }
 
-pub(super) fn check_angles(path: &Motion, failures: &mut Vec<String>) {
-    for index in 0..path.knots.len() {
-        for (edge, data) in path.pattern.edges().iter().enumerate() {
-            let Node { angle, rate, .. } = path.node(index, EdgeId::new(edge));
-            let degrees = angle.to_degrees();
-            let code = data.letter.code();
-            let wrong = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
-                format!("is at {degrees} degrees, beyond half a turn")
-            } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
-                format!("is lettered {code} and must stay flat, but is at {degrees} degrees")
-            } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {
-                let rate = rate.to_degrees();
-                format!(
-                    "is lettered {code} and must stay flat, but turns by {rate} degrees a second"
-                )
-            } else if angle * data.letter.sign() < -SAME_ANGLE {
-                format!("is lettered {code}, but is at {degrees} degrees: wrong sign")
-            } else {
-                continue;
-            };
-            failures.push(format!("knot {index}: edge {edge} {wrong}"));
-            return;
-        }
-    }
+/// Returns the first hinge that is turned at a knot as it must not be.
+pub(super) fn wrong_angle(path: &Motion) -> Option<Failure> {
+    let knots = 0..path.knots.len();
+    let mut hinges = knots.flat_map(|knot| {
+        let edges = path.pattern.edges().iter().enumerate();
+        edges.map(move |(edge, data)| (knot, EdgeId::new(edge), data))
+    });
+    hinges.find_map(|(knot, edge, data)| {
+        let Node { angle, rate, .. } = path.node(knot, edge);
+        let (wrong, value) = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
+            (WrongTurn::BeyondHalfTurn, angle)
+        } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
+            (WrongTurn::NotFlat, angle)
+        } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {
+            (WrongTurn::FlatButTurns, rate)
+        } else if angle * data.letter.sign() < -SAME_ANGLE {
+            (WrongTurn::AgainstLetter, angle)
+        } else {
+            return None;
+        };
+        Some(Failure::Turns {
+            at: Moment::Knot(knot),
+            edge,
+            letter: data.letter,
+            wrong,
+            value,
+        })
+    })
 }
 
-/// Checks that all hinges of a group turn alike; if some do not, reports the first failure.
-pub(crate) fn check_groups(path: &Motion, failures: &mut Vec<String>) {
+/// Returns the first hinge that does not turn like the others of its group in the file.
+pub(crate) fn differing_hinge(path: &Motion) -> Option<Failure> {
     let GroupNaming::Contradicted(named) = &path.naming else {
-        return;
+        return None;
     };
     let leaders = path.leaders();
-    for index in 0..path.knots.len() {
-        for (edge, member) in named.iter().enumerate() {
-            let Some(member) = *member else { continue };
-            let Some((leader, part)) = leaders[member.group.index()] else {
-                continue;
-            };
-            // A membership is a sign, so it takes an edge's angle to its group's as well as back.
-            let [expected, found] =
-                [(leader, part), (EdgeId::new(edge), member)].map(|(edge, part)| {
-                    let node = path.node(index, edge);
-                    let rate = if path.uses_rates() { node.rate } else { 0.0 };
-                    [
-                        part.apply(node.angle),
-                        part.apply(rate),
-                        node.weight[0],
-                        node.weight[1],
-                    ]
-                });
-            let kinds = [
-                "turn to",
-                "turn at",
-                "have weights of",
-                "have weights that grow by",
-            ];
-            let pairs = expected.iter().zip(&found);
-            let differ = pairs.map(|(a, b)| (a - b).abs() > SAME_ANGLE);
-            if let Some(kind) = differ.into_iter().position(|differs| differs) {
-                let [a, b] = [expected, found].map(|values| {
-                    let value = values[kind];
-                    if kind < 2 { value.to_degrees() } else { value }
-                });
-                failures.push(format!(
-                    "knot {index}: edges {leader} and {edge} are in group {}, but {} {a} and {b}{}, signs applied",
-                    member.group.0,
-                    kinds[kind],
-                    [" degrees", " degrees a second", "", " a second"][kind],
-                ));
-                return;
-            }
-        }
-    }
+    let knots = 0..path.knots.len();
+    let mut hinges = knots.flat_map(|knot| {
+        let members = named.iter().enumerate();
+        members.filter_map(move |(edge, member)| Some((knot, EdgeId::new(edge), (*member)?)))
+    });
+    hinges.find_map(|(knot, edge, member)| {
+        let (leader, part) = leaders[member.group.index()]?;
+        // A membership is a sign, so it takes an edge's angle to its group's as well as back.
+        let [expected, found] = [(leader, part), (edge, member)].map(|(edge, part)| {
+            let node = path.node(knot, edge);
+            let rate = if path.uses_rates() { node.rate } else { 0.0 };
+            [
+                part.apply(node.angle),
+                part.apply(rate),
+                node.weight[0],
+                node.weight[1],
+            ]
+        });
+        let quantities = [
+            GroupQuantity::Angle,
+            GroupQuantity::Rate,
+            GroupQuantity::Weight,
+            GroupQuantity::WeightGrowth,
+        ];
+        let mut pairs = quantities.into_iter().zip(expected.into_iter().zip(found));
+        let (quantity, (a, b)) = pairs.find(|(_, (a, b))| (a - b).abs() > SAME_ANGLE)?;
+        Some(Failure::GroupDiffers {
+            knot,
+            edges: [leader, edge],
+            group: member.group,
+            quantity,
+            values: [a, b],
+        })
+    })
 }
 
-pub(super) fn check_rigidity(path: &Motion, options: &CheckOptions, verdict: &mut Verdict) {
-    let mut worst: Option<(f64, String)> = None;
+/// Returns the claims of the file that are false, and the worst violation of the bound at a knot.
+pub(super) fn check_rigidity(path: &Motion, bound: f64, knots: &[Measured]) -> Vec<Failure> {
+    let mut failures = Vec::new();
+    let mut worst: Option<(f64, Failure)> = None;
     let points = path.pattern.vertices();
     let far = points.iter().map(|point| (point - points[0]).norm());
     let rounding = ROUNDINGS * f64::EPSILON * far.fold(0.0, f64::max) / path.pattern.median_edge();
     let floor = CLAIM_FLOOR.max(rounding);
-    for (index, (measured, knot)) in verdict.knots.iter().zip(&path.knots).enumerate() {
+    for (index, (measured, knot)) in knots.iter().zip(&path.knots).enumerate() {
         let Rigidity {
             deformation, gap, ..
         } = measured.rigidity;
-        let values = [deformation, gap, measured.closure];
-        let claims = [
-            knot.claims.deformation,
-            knot.claims.gap,
-            knot.claims.closure,
+        let claims = &knot.claims;
+        let errors = [
+            (SheetError::Deformation, deformation, claims.deformation),
+            (SheetError::Gap, gap, claims.gap),
+            (SheetError::Closure, measured.closure, claims.closure),
         ];
-        for ((name, value), claim) in ["deformation", "gap", "closure"]
-            .into_iter()
-            .zip(values)
-            .zip(claims)
-        {
-            if claim.is_some_and(|claim| value > CLAIM_FACTOR * claim.max(floor)) {
-                let claim = claim.unwrap_or_default();
-                verdict.failures.push(format!(
-                    "knot {index}: the file claims a {name} of {claim:.3e}, but it is {value:.3e}"
-                ));
-            }
-            let over = value > options.bound || value.is_nan();
-            if over
-                && worst
-                    .as_ref()
-                    .is_none_or(|(most, _)| value > *most || value.is_nan())
+        for (error, value, claim) in errors {
+            if let Some(claimed) = claim
+                && value > CLAIM_FACTOR * claimed.max(floor)
             {
-                let open = measured.vertex.filter(|_| measured.closure > SAME_ANGLE);
-                let vertex = open.map_or(String::new(), |vertex| {
-                    format!(
-                        "; vertex {vertex} fails to close by {:.3e}",
-                        measured.closure
-                    )
+                failures.push(Failure::FalseClaim {
+                    knot: index,
+                    error,
+                    claimed,
+                    found: value,
                 });
-                let bound = options.bound;
-                let text =
-                    format!("knot {index}: {name} {value:.3e} over the bound {bound:.3e}{vertex}");
-                worst = Some((value, text));
+            }
+            let over = value > bound || value.is_nan();
+            let worse = |(most, _): &(f64, Failure)| value > *most || value.is_nan();
+            if over && worst.as_ref().is_none_or(worse) {
+                let open = measured.vertex.filter(|_| measured.closure > SAME_ANGLE);
+                let failure = Failure::OverBound {
+                    at: Moment::Knot(index),
+                    error,
+                    value,
+                    bound,
+                    open: open.map(|vertex| (vertex, measured.closure)),
+                };
+                worst = Some((value, failure));
             }
         }
     }
-    verdict.failures.extend(worst.map(|(_, text)| text));
+    failures.extend(worst.map(|(_, failure)| failure));
+    failures
 }

@@ -10,15 +10,18 @@
 mod between;
 mod clearance;
 mod closure;
+mod finding;
 mod knots;
 mod majorant;
 mod merged_groups;
+mod messages;
 mod turns;
 
 pub(crate) use clearance::clearances_until_over;
 pub use clearance::{Clearances, WorstPair, clearances};
-pub use closure::{Place, SegmentClosure};
-pub(crate) use knots::check_groups;
+pub use closure::SegmentClosure;
+pub use finding::{Failure, GroupQuantity, Moment, SheetError, Undecided, WrongTurn};
+pub(crate) use knots::differing_hinge;
 pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
@@ -103,8 +106,10 @@ pub struct Sample {
 /// The verdict on a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// Faults of the path, in words; the path holds if this is empty.
-    pub failures: Vec<String>,
+    /// Faults of the path.
+    pub failures: Vec<Failure>,
+    /// Questions left open.
+    pub undecided: Vec<Undecided>,
     /// Measurements at each knot.
     pub knots: Vec<Measured>,
     /// Shapes judged between knots.
@@ -117,7 +122,56 @@ pub struct Verdict {
     pub min_clearance: Option<f64>,
 }
 
+/// Answer of a check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The path has no fault, and no question is open.
+    Holds,
+    /// The path has a fault.
+    Fails,
+    /// No fault was found, but a question is open.
+    Undecided,
+}
+
+impl Outcome {
+    /// Returns the name in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "fails",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
 impl Verdict {
+    /// Returns the answer.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        if !self.failures.is_empty() {
+            Outcome::Fails
+        } else if self.undecided.is_empty() {
+            Outcome::Holds
+        } else {
+            Outcome::Undecided
+        }
+    }
+
+    /// Returns `true` if the path has no fault, and no question is open.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.outcome() == Outcome::Holds
+    }
+
+    /// Returns all faults and open questions in words; none if the path holds.
+    #[must_use]
+    pub fn findings(&self) -> Vec<String> {
+        let failures = self.failures.iter().map(ToString::to_string);
+        let undecided = self.undecided.iter().map(ToString::to_string);
+        failures.chain(undecided).collect()
+    }
+
     /// Returns the largest deformation, gap and twist, at knots and between.
     #[must_use]
     pub fn rigidity(&self) -> Rigidity {
@@ -157,8 +211,8 @@ pub fn check(path: &Motion, options: &CheckOptions) -> Verdict {
     check_until_over(path, options, Watch::default())
 }
 
-/// Judges a path as [`check`] does, and reports its progress to `progress`. A cancelled call answers that the
-/// path was not judged to its end, which is a failure.
+/// Judges a path as [`check`] does, and reports its progress to `progress`. A cancelled call leaves the
+/// questions open that it did not come to.
 #[must_use]
 pub fn check_watched(path: &Motion, options: &CheckOptions, progress: &Progress) -> Verdict {
     check_until_over(path, options, Watch::new(progress))
@@ -172,12 +226,12 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         ..Verdict::default()
     };
     if options.bound.is_nan() {
-        let failure = "bound: expected a number, found NaN, which nothing exceeds";
-        verdict.failures.push(failure.into());
+        verdict.failures.push(Failure::BoundIsNotANumber);
     }
-    knots::check_angles(path, &mut verdict.failures);
-    knots::check_groups(path, &mut verdict.failures);
-    knots::check_rigidity(path, options, &mut verdict);
+    verdict.failures.extend(knots::wrong_angle(path));
+    verdict.failures.extend(knots::differing_hinge(path));
+    let errors = knots::check_rigidity(path, options.bound, &verdict.knots);
+    verdict.failures.extend(errors);
     let mut motion = MergedGroups::of(path);
     if options.samples == 0 && !options.sweep {
         motion.segments.clear();
@@ -204,8 +258,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         verdict.failures.extend(crossing);
     }
     if watch.is_over() {
-        let failure = "cancelled before it was judged to its end";
-        verdict.failures.push(failure.into());
+        verdict.undecided.push(Undecided::Cancelled);
     }
     verdict
 }

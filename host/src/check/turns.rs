@@ -3,11 +3,12 @@
 
 use foldpath_core::Curve;
 
+use super::finding::{Failure, Moment, WrongTurn};
 use super::{MergedGroups, SAME_ANGLE};
 use crate::pattern::CreasePattern;
 
-/// Returns the first hinge that turns the wrong way between two knots, in words.
-pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &MergedGroups) -> Option<String> {
+/// Returns the first hinge that turns the wrong way between two knots.
+pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &MergedGroups) -> Option<Failure> {
     let segments = motion.segments.iter().enumerate();
     let mut curves = segments.flat_map(|(segment, curves)| {
         let leaders = curves.iter().zip(&motion.leaders);
@@ -16,20 +17,24 @@ pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &MergedGroups) -> Opti
     curves.find_map(|(segment, curve, edge)| {
         let letter = pattern.edge(edge).letter;
         extremes(curve).into_iter().find_map(|s| {
-            let angle = curve.angle(s);
-            let wrong = if angle * letter.sign() < -SAME_ANGLE {
-                format!("is lettered {}, but turns to", letter.code())
-            } else if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
-                "turns beyond half a turn, to".into()
-            } else if angle.is_nan() {
-                "turns to".into()
+            let value = curve.angle(s);
+            let wrong = if value * letter.sign() < -SAME_ANGLE {
+                WrongTurn::AgainstLetter
+            } else if value.abs() > core::f64::consts::PI + SAME_ANGLE {
+                WrongTurn::BeyondHalfTurn
+            } else if value.is_nan() {
+                WrongTurn::NotANumber
             } else {
                 return None;
             };
-            let (next, degrees) = (segment + 1, angle.to_degrees());
-            Some(format!(
-                "between knots {segment} and {next}, at {s:.3}: edge {edge} {wrong} {degrees} degrees"
-            ))
+            let at = Moment::Between { segment, s };
+            Some(Failure::Turns {
+                at,
+                edge,
+                letter,
+                wrong,
+                value,
+            })
         })
     })
 }

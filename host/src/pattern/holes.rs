@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{CreasePattern, EdgeId, FaceId, VertexId};
+use super::{ClosureSite, CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::csr::Csr;
 
 /// One step of the loop round a hole: across an edge that ends at the hole's rim.
@@ -30,6 +30,16 @@ impl CreasePattern {
         let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
         let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
         (middle, from_middle.fold(f64::MIN_POSITIVE, f64::max))
+    }
+
+    /// Returns the closure condition of a hole.
+    ///
+    /// # Panics
+    /// If there is no hole of that number.
+    #[must_use]
+    pub fn hole_site(&self, hole: usize) -> ClosureSite {
+        let first = self.holes[hole].first();
+        ClosureSite::Hole(first.map(|passage| passage.at).unwrap_or_default())
     }
 
     /// Finds for each hole the loop through the faces that touch its rim. A cut inside the sheet is a hole too. Cost:

@@ -35,3 +35,21 @@ id!(VertexId, "a vertex");
 id!(EdgeId, "an edge");
 id!(FaceId, "a face");
 id!(CreaseId, "a crease");
+
+/// Place of a closure condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClosureSite {
+    /// A real vertex.
+    Vertex(VertexId),
+    /// The hole whose boundary passes this vertex.
+    Hole(VertexId),
+}
+
+impl core::fmt::Display for ClosureSite {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Self::Hole(vertex) => write!(f, "the hole at vertex {vertex}"),
+        }
+    }
+}

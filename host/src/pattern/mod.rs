@@ -19,7 +19,7 @@ pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
 pub use flat_folding::FlatFlaw;
 pub use holes::Passage;
-pub use ids::{CreaseId, EdgeId, FaceId, VertexId};
+pub use ids::{ClosureSite, CreaseId, EdgeId, FaceId, VertexId};
 pub use letter::Letter;
 pub use model::{CreasePattern, Edge};
 pub(crate) use trace::twice_area;

@@ -2,20 +2,11 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use super::reason::{ClosureSite, GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+use super::reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
 use crate::pattern::EdgeId;
 
 /// Largest number of edges that a sentence names.
 const MAX_NAMED_EDGES: usize = 12;
-
-impl Display for ClosureSite {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
-            Self::Hole(vertex) => write!(f, "the hole at vertex {vertex}"),
-        }
-    }
-}
 
 impl Display for WorstClosure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

@@ -2,7 +2,7 @@
 //! them in `messages.rs`.
 
 use crate::folding::Rigidity;
-use crate::pattern::{EdgeId, FaceId, VertexId};
+use crate::pattern::{ClosureSite, EdgeId, FaceId};
 
 /// Reason why path following stops before its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,15 +19,6 @@ pub enum Stop {
     Timeout,
     /// The motion goes on without coming nearer to the target.
     TooLong,
-}
-
-/// Place of a closure condition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClosureSite {
-    /// A real vertex.
-    Vertex(VertexId),
-    /// The hole whose boundary passes this vertex.
-    Hole(VertexId),
 }
 
 /// The vertex or hole that closes worst.

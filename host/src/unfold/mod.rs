@@ -71,13 +71,67 @@ impl Outcome {
     }
 }
 
+/// Reason why a shape has no flat pattern. `Display` makes a sentence of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// The angles round a vertex do not sum to a full turn.
+    AngleDefect {
+        /// Number of the vertex in the shape.
+        vertex: usize,
+        /// Position of the vertex.
+        at: [f64; 3],
+        /// A full turn less the sum of the angles, radians.
+        defect: f64,
+        /// Largest defect that counts as none, radians.
+        max_defect: f64,
+    },
+    /// Faces lie on each other in the flat pattern.
+    FacesOverlap {
+        /// Numbers of the faces in the first way to cut the shape.
+        faces: [usize; 2],
+        /// Number of ways to cut the shape that were tried.
+        ways: usize,
+    },
+}
+
+impl core::fmt::Display for Reason {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::AngleDefect {
+                vertex,
+                at: [x, y, z],
+                defect,
+                max_defect,
+            } => {
+                let [defect, most] = [defect, max_defect].map(f64::to_degrees);
+                write!(
+                    f,
+                    "vertex {vertex} at ({x}, {y}, {z}): the angles round it sum to {:.6} degrees, angle defect \
+                     {defect:.6} degrees; a sheet has 360 degrees there, to within {most}",
+                    360.0 - defect,
+                )
+            }
+            Self::FacesOverlap {
+                faces: [a, b],
+                ways,
+            } => {
+                write!(f, "faces {a} and {b} overlap or touch in the flat pattern")?;
+                if ways > 1 {
+                    write!(f, ", and others do in each of {ways} ways to cut the shape")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
 /// Result of unfolding a shape.
 #[derive(Clone, Debug)]
 pub struct Unfolding {
     /// Outcome of unfolding.
     pub outcome: Outcome,
     /// Reason why there is no pattern.
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
     /// The flat sheet with the measured fold angles as its goal, if unfolded.
     pub drawing: Option<Drawing>,
     /// Number of vertices of the flat sheet, or of the shape if there is no flat sheet.
@@ -142,14 +196,12 @@ fn unfold_within(
         notes,
     };
     if let Some((vertex, defect)) = surface.not_developable(options.max_defect) {
-        let [x, y, z] = shape.vertices[vertex].into();
-        unfolding.reason = Some(format!(
-            "vertex {vertex} at ({x}, {y}, {z}): the angles round it sum to {:.6} degrees, angle defect \
-             {:.6} degrees; a sheet has 360 degrees there, to within {}",
-            360.0 - defect.to_degrees(),
-            defect.to_degrees(),
-            options.max_defect.to_degrees(),
-        ));
+        unfolding.reason = Some(Reason::AngleDefect {
+            vertex,
+            at: shape.vertices[vertex].into(),
+            defect,
+            max_defect: options.max_defect,
+        });
         return Ok(unfolding);
     }
     let tries = if surface.is_disc() {
@@ -179,15 +231,8 @@ fn unfold_within(
             Err(error) if unfolding.reason.is_none() => {
                 let faces = overlapping(&error, &drawing)
                     .ok_or_else(|| ShapeError::Pattern(error.to_string()))?;
-                let [a, b] = faces;
-                let tried = match tries {
-                    1 => String::new(),
-                    _ => format!(", and others do in each of {tries} ways to cut the shape"),
-                };
                 unfolding.outcome = Outcome::Overlap;
-                unfolding.reason = Some(format!(
-                    "faces {a} and {b} overlap or touch in the flat pattern{tried}"
-                ));
+                unfolding.reason = Some(Reason::FacesOverlap { faces, ways: tries });
             }
             Err(_) => {}
         }

@@ -4,7 +4,7 @@ use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneMotion, ScenePair, SceneShape};
-use crate::check::{MergedGroups, check_groups, clearances_until_over, measure};
+use crate::check::{MergedGroups, clearances_until_over, differing_hinge, measure};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
@@ -92,11 +92,9 @@ fn members(path: &Motion) -> Vec<Option<Membership>> {
     let pattern = &path.pattern;
     if let GroupNaming::Contradicted(named) = &path.naming {
         // Hinges of a group may differ by rounding.
-        let mut failures = Vec::new();
-        check_groups(path, &mut failures);
         let mut hinges = pattern.edges().iter().zip(named);
         let whole = hinges.all(|(edge, member)| edge.crease.is_some() == member.is_some());
-        if failures.is_empty() && whole {
+        if whole && differing_hinge(path).is_none() {
             return named.clone();
         }
     }

@@ -226,7 +226,7 @@ fn plan_and_check(file: &Path) -> Option<()> {
                 ..CheckOptions::default()
             },
         );
-        assert_eq!(verdict.failures, [""; 0], "a planned path holds");
+        assert_eq!(verdict.findings(), [""; 0], "a planned path holds");
     }
     Some(())
 }

@@ -1,8 +1,8 @@
 //! The sentences of the planner's reasons and notes.
 
 use foldpath::folding::Rigidity;
-use foldpath::pattern::{EdgeId, FaceId, VertexId};
-use foldpath::planner::{ClosureSite, GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
+use foldpath::planner::{GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
 
 const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
 

@@ -5,7 +5,7 @@
 use core::f64::consts::PI;
 
 use crate::common::path_text;
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::{CheckOptions, Failure, check};
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Miura;
@@ -315,7 +315,7 @@ fn a_path_of_no_numbers_does_not_hold() {
         (|p, _, x| p.knots[1].vertices[9].y = x, "position"),
     ];
     let path = path();
-    assert_eq!(check(&path, &CheckOptions::default()).failures, [""; 0]);
+    assert_eq!(check(&path, &CheckOptions::default()).findings(), [""; 0]);
     for (spoil, name) in spoil {
         for bad in NONE.into_iter().chain([f64::MAX]) {
             let mut path = path.clone();
@@ -324,12 +324,15 @@ fn a_path_of_no_numbers_does_not_hold() {
             }
             spoil(&mut path, 0, bad);
             let verdict = check(&path, &CheckOptions::default());
-            assert!(!verdict.failures.is_empty(), "{name} {bad}");
+            assert!(!verdict.holds(), "{name} {bad}");
         }
     }
     let unbound = CheckOptions {
         bound: f64::NAN,
         ..CheckOptions::default()
     };
-    assert!(!check(&path, &unbound).failures.is_empty());
+    assert_eq!(
+        check(&path, &unbound).failures,
+        [Failure::BoundIsNotANumber]
+    );
 }

@@ -127,9 +127,9 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
     assert!((along_lattice.1 - among_all.1).abs() < 1e-9);
 }
 
-/// The strip has no lattice and so many faces that its motion between knots is not swept.
+/// The strip has no lattice, so that all its faces are searched.
 #[test]
-fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
+fn the_whole_motion_of_a_large_sheet_is_searched() {
     let count = 4002_usize;
     let point = |k: usize| {
         let x = f64::from(u32::try_from(k / 2).unwrap());
@@ -165,7 +165,7 @@ fn a_sheet_that_is_looked_at_at_its_knots_only_says_so() {
     };
     let plan = plan(&pattern, &Goal::of_pattern(&pattern).unwrap(), &options);
     assert_eq!(plan.outcome, Outcome::Planned, "{:?}", plan.reason);
-    let said = |note: &Note| matches!(note, Note::CrossingsAtKnots { .. });
-    assert!(plan.notes.iter().any(said), "{:?}", plan.notes);
-    assert!(plan.collision.pairs > 0);
+    assert_eq!(plan.notes, []);
+    let nearest = plan.clearance.expect("faces without a common vertex");
+    assert!(nearest.distance > 0.5 && nearest.distance <= 1.0);
 }

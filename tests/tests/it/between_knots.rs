@@ -20,7 +20,7 @@ fn verdict(path: &Value, options: &CheckOptions) -> Verdict {
 #[track_caller]
 fn failures(path: &Value) -> Verdict {
     let knots_alone = CheckOptions::knots_alone(CheckOptions::default().bound);
-    assert_eq!(verdict(path, &knots_alone).failures, [""; 0]);
+    assert_eq!(verdict(path, &knots_alone).findings(), [""; 0]);
     verdict(path, &CheckOptions::default())
 }
 
@@ -164,7 +164,7 @@ fn both_certificates_agree() {
 /// Returns the bound on the closure residual of the whole motion, and the largest number of samples of a segment.
 fn certified(path: &Value) -> (f64, usize) {
     let verdict = verdict(path, &CheckOptions::default());
-    assert_eq!(verdict.failures, [""; 0]);
+    assert_eq!(verdict.findings(), [""; 0]);
     let samples = verdict.segments.iter().map(|segment| segment.samples);
     (verdict.closure_bound(), samples.max().unwrap())
 }
@@ -324,9 +324,9 @@ fn sheets_that_open_between_knots_are_refused() {
             let verdict = failures(&path);
             let words = "fails to close by";
             assert!(
-                verdict.failures[0].contains(words),
+                verdict.findings()[0].contains(words),
                 "{:?}",
-                verdict.failures
+                verdict.findings()
             );
             // The residual at the place that the verdict names is the residual that it names.
             let (motion, sheet) = (Motion::of(&path).unwrap(), Sheet::of(&path).unwrap());
@@ -337,7 +337,7 @@ fn sheets_that_open_between_knots_are_refused() {
             let residual = sheet.closure(&motion.angles(index, worst.at));
             assert!((residual - worst.sampled).abs() <= 1e-12);
             assert!(
-                verdict.failures[0].contains(&format!("between knots {index} and {}", index + 1))
+                verdict.findings()[0].contains(&format!("between knots {index} and {}", index + 1))
             );
         }
     }
@@ -389,12 +389,12 @@ fn paths_that_only_seem_to_hold_are_not_certified() {
     };
     let seen = at(1.0);
     let measured = seen.rigidity().gap.max(seen.closure());
-    let failures = at(1.5 * measured).failures;
+    let failures = at(1.5 * measured).findings();
     assert!(
         matches!(&failures[..], [one] if one.starts_with("not certified: between knots")),
         "{failures:?}"
     );
-    assert_eq!(at(1e-3).failures, [""; 0]);
+    assert_eq!(at(1e-3).findings(), [""; 0]);
 }
 
 #[test]
@@ -414,17 +414,17 @@ fn hinges_turn_no_way_of_their_own_between_knots() {
     };
     let over = |rate| swing(170.0, rate);
     assert_eq!(
-        verdict(&over(39.9), &CheckOptions::default()).failures,
+        verdict(&over(39.9), &CheckOptions::default()).findings(),
         [""; 0]
     );
-    let failures = failures(&over(40.1)).failures;
+    let failures = failures(&over(40.1)).findings();
     assert!(
         failures[0].contains("between knots 0 and 1, at 0.500: edge 1 turns beyond half a turn"),
         "{failures:?}"
     );
     let mut lettered = swing(10.0, -40.1);
     lettered["edges_assignment"][1] = json!("V");
-    let failures = verdict(&lettered, &CheckOptions::default()).failures;
+    let failures = verdict(&lettered, &CheckOptions::default()).findings();
     assert!(
         failures[0].contains("edge 1 is lettered V, but turns to -0.02"),
         "{failures:?}"
@@ -487,11 +487,16 @@ fn faces_that_pass_through_each_other_between_knots_are_found() {
         ),
     ] {
         let verdict = failures(&path);
-        assert_eq!(verdict.failures.len(), 1, "{what}: {:?}", verdict.failures);
-        assert!(
-            verdict.failures[0].contains("pass through each other"),
+        assert_eq!(
+            verdict.findings().len(),
+            1,
             "{what}: {:?}",
-            verdict.failures
+            verdict.findings()
+        );
+        assert!(
+            verdict.findings()[0].contains("pass through each other"),
+            "{what}: {:?}",
+            verdict.findings()
         );
         let [crossing] = verdict.crossings[..] else {
             panic!("{what}: {:?}", verdict.crossings);

@@ -136,7 +136,7 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let certified = blind.plan.certified_deformation.unwrap();
     assert!(certified > 3e-4, "{certified:e}");
     let file = path_file(&blind.text()).unwrap();
-    let failures = check(&file, &CheckOptions::default()).failures;
+    let failures = check(&file, &CheckOptions::default()).findings();
     assert_eq!(failures.len(), 1, "{failures:?}");
     assert!(
         failures[0].contains("knot 8: faces 1 and 5 pass through each other"),
@@ -206,12 +206,9 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
             };
             check(&path_file(&planned.text()).unwrap(), &options)
         };
-        assert_eq!(verdict(options.bound).failures, [""; 0], "{seed}");
+        assert_eq!(verdict(options.bound).findings(), [""; 0], "{seed}");
         // The measured gap counts: a bound below it is refused.
-        assert!(
-            !verdict(plan.rigidity.gap / 2.0).failures.is_empty(),
-            "{seed}"
-        );
+        assert!(!verdict(plan.rigidity.gap / 2.0).holds(), "{seed}");
         let tally = run(wide, seed, 1, &options);
         assert_eq!(tally.disagreements, [], "{seed}");
     }
@@ -290,7 +287,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let path = Animation::parse(&text).unwrap();
             let opinion = judge(&path, &goal, plan, bound);
             if options.collision {
-                assert_eq!(verdict.failures, [""; 0], "{what}");
+                assert_eq!(verdict.findings(), [""; 0], "{what}");
                 assert_eq!(opinion.disagreements, [""; 0], "{what}");
             } else {
                 assert_eq!(verdict.crossings.len(), 1, "{what}");

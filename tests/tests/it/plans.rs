@@ -194,10 +194,10 @@ fn fastest(path: &Animation) -> f64 {
 fn check_agrees(plan: &Plan, text: &str) {
     let file = path_file(text).unwrap();
     let knots = check(&file, &CheckOptions::knots_alone(RIGID));
-    assert_eq!(knots.failures, [""; 0]);
+    assert_eq!(knots.findings(), [""; 0]);
     assert!(knots.closure() <= CLOSED);
     let verdict = check(&file, &CheckOptions::default());
-    assert_eq!(verdict.failures, [""; 0]);
+    assert_eq!(verdict.findings(), [""; 0]);
     let most = plan.certified_deformation.unwrap() + RIGID;
     assert!(verdict.rigidity().deformation <= most);
     assert!(verdict.rigidity().gap <= most);

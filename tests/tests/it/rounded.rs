@@ -185,7 +185,7 @@ fn paths_of_measured_sheets_hold() {
                 bound,
                 ..CheckOptions::default()
             };
-            let failures = check(&path_file(&found.text()).unwrap(), &options).failures;
+            let failures = check(&path_file(&found.text()).unwrap(), &options).findings();
             assert_eq!(failures, [""; 0], "{name} {off} {bound}");
         }
     }

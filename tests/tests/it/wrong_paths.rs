@@ -28,7 +28,7 @@ fn good(name: &str) -> Value {
 /// Returns the failures of a path; none if it holds.
 fn failures(path: &Value) -> Vec<String> {
     match path_file(&path.to_string()) {
-        Ok(path) => check(&path, &CheckOptions::default()).failures,
+        Ok(path) => check(&path, &CheckOptions::default()).findings(),
         Err(error) => vec![error.to_string()],
     }
 }
@@ -392,11 +392,11 @@ fn crossing_faces_are_rejected() {
     };
     let text = Planned::new("waterbomb-12x22-crossing", &blind).text();
     let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
-    let mut failures = verdict.failures.iter();
+    let mut failures = verdict.findings().into_iter();
     assert!(
         failures.any(|failure| failure.contains("pass through each other")),
         "{:?}",
-        verdict.failures
+        verdict.findings()
     );
 }
 

@@ -67,7 +67,8 @@ fn plan_shape() -> Value {
 
 fn check_shape() -> Value {
     json!({
-        "outcome": "holds|fails", "reason": "text|null", "knots": "count",
+        "outcome": "holds|fails|undecided", "reason": "text|null", "undecided": ["text"],
+        "knots": "count",
         "max_deformation": "number", "max_gap": "number", "max_closure": "number",
         "certified_deformation": "number|null",
         "crossings": [{

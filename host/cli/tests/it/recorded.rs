@@ -176,6 +176,8 @@ fn hash(answer: &Answer, output: &Path) -> u64 {
                 object.remove("time");
                 // Has times as well.
                 object.remove("attempts");
+                // Not in the answers that were recorded first.
+                object.remove("undecided");
             }
             value.to_string()
         }

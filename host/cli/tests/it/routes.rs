@@ -22,7 +22,7 @@ fn holds(folder: &Folder, path: &str) {
         &read_motion(&folder.path(path)).unwrap(),
         &CheckOptions::knots_alone(1e-9),
     );
-    assert_eq!(knots.failures, [""; 0]);
+    assert_eq!(knots.findings(), [""; 0]);
 }
 
 /// Returns the fold angles of an edge at all knots of the path, degrees.

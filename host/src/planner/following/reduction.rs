@@ -7,11 +7,11 @@ use std::rc::Rc;
 use super::follow::{approach, same_signs};
 use crate::folding::{Amplification, SpanningTree};
 use crate::lattice::Lattice;
-use crate::pattern::{CreasePattern, EdgeId};
+use crate::pattern::{ClosureSite, CreasePattern, EdgeId};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::closing::sparse::Structure;
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{ClosureSite, WorstClosure};
+use crate::planner::reason::WorstClosure;
 use crate::planner::{Goal, PlanOptions, Vertices};
 use crate::progress::Watch;
 use crate::symmetry::{CreaseGroups, ReducedStars};
@@ -218,11 +218,11 @@ impl<'a> Reduction<'a> {
                 pattern.stars()[vertex.index()].to_vec(),
             ),
             None => {
-                let way = &pattern.holes()[self.all.holes()[worst - vertices.len()]];
-                let at = way.first().map(|passage| passage.at);
+                let hole = self.all.holes()[worst - vertices.len()];
+                let way = pattern.holes()[hole].iter();
                 (
-                    ClosureSite::Hole(at.unwrap_or_default()),
-                    way.iter().map(|passage| passage.edge).collect(),
+                    pattern.hole_site(hole),
+                    way.map(|passage| passage.edge).collect(),
                 )
             }
         };
