@@ -112,19 +112,19 @@ pub(super) fn check_crossings(
     } else {
         SearchEffort::CHECK_FAILED
     };
+    let gap = certified.unwrap_or_else(|| verdict.rigidity().gap);
     let options = SweepOptions {
-        gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
+        closure: verdict.closure_bound(),
         rounding: rounded(verdict),
         max_queries: effort.max_queries,
         ..SweepOptions::default()
     };
     let memberships = motion.groups.memberships();
-    let lattice = effort.lattice(pattern, memberships, options.gap);
+    let lattice = effort.lattice(pattern, memberships, gap);
     let searched = SearchedMotion {
         pattern,
         memberships,
         segments: &motion.segments,
-        closure: verdict.closure_bound(),
         options,
         watch,
     };
@@ -132,7 +132,7 @@ pub(super) fn check_crossings(
         SweepVerdict::Free(clearance) => {
             // Faces round a vertex may lie across each other by as much as the motion may tear the sheet, but
             // not at knots, which tear the sheet by less.
-            if is_torn(options.gap) {
+            if is_torn(gap) {
                 let crossing = crossed_knot(path, tree, verdict);
                 verdict.crossings.extend(crossing);
             }
@@ -167,7 +167,7 @@ fn crossed_knot(path: &Motion, tree: &SpanningTree, verdict: &Verdict) -> Option
     let mut knots = verdict.knots.iter().enumerate();
     knots.find_map(|(index, measured)| {
         map.fold(pattern, tree, &path.crease_angles(index));
-        let crossing = scene.deepest_crossing(&map, measured.gap, rounding(measured.gap))?;
+        let crossing = scene.deepest_crossing(&map, rounding(measured.gap))?;
         Some(PathCrossing {
             crossing,
             between_knots: [index.saturating_sub(1), index],
@@ -216,7 +216,7 @@ pub(super) fn check_shapes(
             }));
             let rounded = between.map_or_else(|| rounding(rigidity.gap), |_| rounded);
             let found = scene.as_mut();
-            let found = found.and_then(|scene| scene.deepest_crossing(&map, rigidity.gap, rounded));
+            let found = found.and_then(|scene| scene.deepest_crossing(&map, rounded));
             if let Some(found) = found.filter(|f| deepest.is_none_or(|d| d.depth < f.depth)) {
                 (deepest, place) = (Some(found), at);
             }

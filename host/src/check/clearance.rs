@@ -55,6 +55,7 @@ pub(crate) fn clearances_until_over(
     let motion = MergedGroups::of(path);
     let members = motion.groups.memberships();
     let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
+    let closure = measured.iter().map(|m| m.closure).fold(0.0, f64::max);
     // Between knots a motion tears even a sheet that could close: only gaps at knots tell of rounded
     // coordinates.
     let is_knot = |shape: &Knot| {
@@ -73,7 +74,7 @@ pub(crate) fn clearances_until_over(
     let [mut sweep, mut still_sweep] =
         [SearchEffort::PICTURE, SearchEffort::PICTURE_SHAPE].map(|effort| {
             let options = SweepOptions {
-                gap,
+                closure,
                 rounding: rounding(rounded),
                 max_queries: effort.max_queries,
                 ..SweepOptions::default()

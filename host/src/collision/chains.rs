@@ -7,6 +7,7 @@ use foldpath_core::Membership;
 use nalgebra::Vector2;
 
 use super::tolerances::{MAX_FACES_OF_DISTANCES, PARALLEL_RAD, TURNING_COST};
+use crate::folding::{SpanningTree, Step, Tear};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
 
 /// A crease of a chain, or two creases that turn by opposite angles about parallel lines: the part beyond such
@@ -27,6 +28,61 @@ pub(super) struct Chain {
     start: usize,
     pairs: usize,
     end: usize,
+    /// How far the faces at its ends may be off the position that its creases give them, because edges that the chain
+    /// crosses are torn: for points of the faces, units of the sheet (`tear`), and for directions, radians (`turn`).
+    pub(super) tear: f64,
+    pub(super) turn: f64,
+}
+
+/// The spanning tree along which the sheet is folded, and how far the sheet is torn at the edges off the tree.
+#[derive(Clone, Debug)]
+struct TornSheet {
+    /// For each face but the roots, the step that reaches it.
+    steps: Vec<Option<Step>>,
+    /// For each face the number of steps from a root.
+    depths: Vec<u32>,
+    /// For each edge off the tree its tear, once the motion is known; all others are 0.
+    tears: Vec<[f64; 2]>,
+}
+
+impl TornSheet {
+    fn new(pattern: &CreasePattern, tree: &SpanningTree, tears: &[Tear]) -> Self {
+        let mut sheet = Self {
+            steps: vec![None; tree.faces()],
+            depths: vec![0; tree.faces()],
+            tears: vec![[0.0; 2]; pattern.edges().len()],
+        };
+        for step in tree.steps() {
+            sheet.steps[step.face.index()] = Some(*step);
+            sheet.depths[step.face.index()] = sheet.depths[step.parent.index()] + 1;
+        }
+        // Edges without a bound may be torn by anything.
+        for step in tree.loops() {
+            sheet.tears[step.edge.index()] = [f64::INFINITY; 2];
+        }
+        for tear in tears {
+            sheet.tears[tear.edge.index()] = [tear.turn, tear.shift];
+        }
+        sheet
+    }
+
+    /// Returns the way along the tree from a face to another; `None` if they are in different sheets.
+    fn way(&self, [mut from, mut to]: [FaceId; 2]) -> Option<Vec<(EdgeId, FaceId)>> {
+        let (mut way, mut back) = (Vec::new(), Vec::new());
+        while from != to {
+            if self.depths[from.index()] >= self.depths[to.index()] {
+                let step = self.steps[from.index()]?;
+                way.push((step.edge, step.parent));
+                from = step.parent;
+            } else {
+                let step = self.steps[to.index()]?;
+                back.push((step.edge, to));
+                to = step.parent;
+            }
+        }
+        way.extend(back.into_iter().rev());
+        Some(way)
+    }
 }
 
 /// A crease as a chain crosses it.
@@ -62,6 +118,8 @@ pub(super) struct Chains<'a> {
     searched: Search,
     crossed: Vec<Crossed>,
     way: Vec<(EdgeId, FaceId)>,
+    /// `None` along a lattice, where faces are placed as in a sheet that closes.
+    torn: Option<TornSheet>,
 }
 
 /// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with
@@ -96,10 +154,15 @@ impl Search {
 }
 
 impl<'a> Chains<'a> {
-    /// Creates an empty list of chains. If they are requested only for faces `near` each other, distances are not kept.
-    pub(super) fn new(pattern: &CreasePattern, memberships: &'a [Membership], near: bool) -> Self {
+    /// Creates an empty list of chains of a sheet that is folded along a tree and torn at edges off the tree. Without a
+    /// tree, chains are requested only for faces near each other, so that distances are not kept.
+    pub(super) fn new(
+        pattern: &CreasePattern,
+        memberships: &'a [Membership],
+        folded: Option<(&SpanningTree, &[Tear])>,
+    ) -> Self {
         let faces = pattern.faces().len();
-        let keeps = !near && faces <= MAX_FACES_OF_DISTANCES;
+        let keeps = folded.is_some() && faces <= MAX_FACES_OF_DISTANCES;
         Self {
             memberships,
             still: Vec::new(),
@@ -112,7 +175,14 @@ impl<'a> Chains<'a> {
             },
             crossed: Vec::new(),
             way: Vec::new(),
+            torn: folded.map(|(tree, tears)| TornSheet::new(pattern, tree, tears)),
         }
+    }
+
+    /// Returns how far the sheet may be torn at an edge: an angle in radians, and a distance at the edge.
+    pub(super) fn tear(&self, edge: EdgeId) -> [f64; 2] {
+        let torn = self.torn.as_ref();
+        torn.map_or([0.0; 2], |torn| torn.tears[edge.index()])
     }
 
     /// Sets the groups that do not turn from now on, one flag each; an empty list lets all groups turn. Returns
@@ -180,10 +250,9 @@ impl<'a> Chains<'a> {
         if far[from.index()] == 0 {
             return None;
         }
-        let start = self.links.len();
         let mut way = core::mem::take(&mut self.way);
+        way.clear();
         let (mut face, mut heading) = (from, Vector2::zeros());
-        self.crossed.clear();
         while face != to {
             let ahead = pattern.neighbours()[face.index()].iter().copied();
             let ahead = ahead.filter(|&(next, edge)| {
@@ -198,11 +267,29 @@ impl<'a> Chains<'a> {
             way.push((edge, next));
             face = next;
         }
-        for (place, &(edge, beyond)) in (0..).zip(&way) {
+        let chain = self.chain(pattern, from, &way);
+        self.way = way;
+        Some(chain)
+    }
+
+    /// Returns the chain from a face to another along the spanning tree, on which nothing is torn. Returns `None` if no
+    /// chain joins them, or there is no tree. Cost: O(length of the chain).
+    pub(super) fn along_tree(
+        &mut self,
+        pattern: &CreasePattern,
+        faces: [FaceId; 2],
+    ) -> Option<Chain> {
+        let way = self.torn.as_ref()?.way(faces)?;
+        Some(self.chain(pattern, faces[0], &way))
+    }
+
+    /// Makes the chain from a face along a way of edges and the faces beyond them.
+    fn chain(&mut self, pattern: &CreasePattern, from: FaceId, way: &[(EdgeId, FaceId)]) -> Chain {
+        let start = self.links.len();
+        self.crossed.clear();
+        for (place, &(edge, beyond)) in (0..).zip(way) {
             self.cross(pattern, edge, beyond, place);
         }
-        way.clear();
-        self.way = way;
         let pairs = self.links.len();
         // The creases left single come before the pairs.
         let singles = self.crossed.iter().map(|crossed| Link {
@@ -212,11 +299,51 @@ impl<'a> Chains<'a> {
         });
         self.links.extend(singles);
         self.links[start..].rotate_left(pairs - start);
-        Some(Chain {
+        let [tear, turn] = self.torn_along(pattern, from, way);
+        Chain {
             start,
             pairs: self.links.len() - (pairs - start),
             end: self.links.len(),
-        })
+            tear,
+            turn,
+        }
+    }
+
+    /// Sums up the tears along a way, for points of the faces at its ends and for their directions. A tear turns the part
+    /// of the chain before it or the part beyond it: whichever is shorter counts. From an edge of the chain, no point of
+    /// the first face is ever farther than the way through the faces between.
+    fn torn_along(
+        &self,
+        pattern: &CreasePattern,
+        from: FaceId,
+        way: &[(EdgeId, FaceId)],
+    ) -> [f64; 2] {
+        let is_torn = |&(edge, _): &(EdgeId, FaceId)| self.tear(edge)[1] > 0.0;
+        let Some(&(_, to)) = way.last().filter(|_| way.iter().any(is_torn)) else {
+            return [0.0; 2];
+        };
+        let pivot = |edge: EdgeId| pattern.vertices()[pattern.edge(edge).ends[0].index()];
+        let away = |face: FaceId, from: Vector2<f64>| {
+            let corners = pattern.faces()[face.index()].iter();
+            let away = corners.map(|v| (pattern.vertices()[v.index()] - from).norm());
+            away.fold(0.0, f64::max)
+        };
+        let ends = [way[0].0, way[way.len() - 1].0].map(pivot);
+        let legs = way
+            .windows(2)
+            .map(|pair| (pivot(pair[1].0) - pivot(pair[0].0)).norm());
+        let total: f64 = away(from, ends[0]) + legs.clone().sum::<f64>() + away(to, ends[1]);
+        let mut before = away(from, ends[0]);
+        let mut sum = [0.0; 2];
+        for (&(edge, _), leg) in way.iter().zip(legs.chain([0.0])) {
+            let [turn, shift] = self.tear(edge);
+            if shift > 0.0 {
+                sum[0] += shift + turn * before.min(total - before);
+                sum[1] += turn;
+            }
+            before += leg;
+        }
+        sum
     }
 
     /// Finds the distances to `to` from all faces, or from the faces up to `from`; round a vertex, if one is given.

@@ -9,7 +9,7 @@ use foldpath_core::Membership;
 use super::lazy_folding::Axis;
 use super::motion::{Motion, Tick};
 use super::tolerances::{MAX_HINGES, NEARLY_AT_REST_RATIO};
-use crate::pattern::{CreaseId, CreasePattern, FaceId};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::util::union_find::UnionFind;
 
 /// A crease that turns, seen from one of its faces.
@@ -19,6 +19,8 @@ struct Hinge {
     member: Membership,
     /// Axis about which a positive fold angle turns the face against the other.
     line: Axis,
+    /// How far a tear at the crease may move the face, units of the sheet.
+    torn: f64,
 }
 
 /// Faces that are at rest relative to each other from one time to another.
@@ -39,18 +41,31 @@ pub(super) fn comoving_faces(
     memberships: &[Membership],
     (motion, times): (&Motion, [Tick; 2]),
     still: &[bool],
+    tear: impl Fn(EdgeId) -> [f64; 2],
     mut axis: impl FnMut(CreaseId) -> Axis,
     [length, tolerance]: [f64; 2],
 ) -> ComovingFaces {
     let count = pattern.faces().len();
-    let mut bodies = UnionFind::new(count);
+    let mut bodies = Bodies {
+        sets: UnionFind::new(count),
+        moved: vec![0.0; count],
+        tolerance,
+        nearly: false,
+    };
     let mut hinges = Vec::new();
-    let mut moved = 0.0;
-    for edge in pattern.edges() {
+    let mut torn_edges = Vec::new();
+    for (index, edge) in pattern.edges().iter().enumerate() {
         let Some(faces) = edge.inner_faces() else {
             continue;
         };
         let [left, right] = faces.map(FaceId::index);
+        // A tear may be another at the end than at the beginning.
+        let [turn, shift] = tear(EdgeId::new(index));
+        let torn = if shift > 0.0 {
+            2.0 * (turn * length + shift)
+        } else {
+            0.0
+        };
         let member = |crease: CreaseId| Some((crease, *memberships.get(crease.index())?));
         let member = edge.crease.and_then(member);
         match member {
@@ -65,50 +80,78 @@ pub(super) fn comoving_faces(
                         against,
                         member,
                         line,
+                        torn,
                     });
                 }
             }
             _ => {
                 let turned = member.map_or(0.0, |(_, member)| motion.turned(times, member));
-                moved += length * turned;
-                bodies.join([left, right]);
+                if torn > 0.0 {
+                    // Two faces may turn a little against each other though the crease between them is still.
+                    torn_edges.push(([left, right], length * turned + torn));
+                    continue;
+                }
+                bodies.join([left, right], length * turned);
             }
         }
     }
-    if moved > tolerance {
-        return ComovingFaces {
-            bodies: (0..count).collect(),
-            nearly: moved <= NEARLY_AT_REST_RATIO * tolerance,
-        };
+    for (faces, off) in torn_edges {
+        bodies.join(faces, off);
     }
-    let (mut found, mut nearly) = (true, false);
+    let mut found = true;
     while found {
         found = false;
         for hinge in &mut hinges {
-            hinge.against = bodies.find(hinge.against);
+            hinge.against = bodies.sets.find(hinge.against);
         }
         hinges.sort_by_key(|hinge| hinge.against);
         let by_body = hinges.chunk_by(|a, b| a.against == b.against);
         for hinges in by_body.filter(|hinges| hinges.len() <= MAX_HINGES) {
             for (k, hinge) in hinges.iter().enumerate() {
                 for other in &hinges[..k] {
-                    if bodies.are_joined([hinge.face, other.face]) {
-                        continue;
-                    }
-                    let more = hinge.parts_from(other, (motion, times), length);
-                    nearly |= moved + more > tolerance && more <= NEARLY_AT_REST_RATIO * tolerance;
-                    if moved + more <= tolerance {
-                        bodies.join([hinge.face, other.face]);
-                        moved += more;
-                        found = true;
+                    let faces = [hinge.face, other.face];
+                    if !bodies.sets.are_joined(faces) {
+                        let more = hinge.parts_from(other, (motion, times), length);
+                        found |= bodies.join(faces, more);
                     }
                 }
             }
         }
     }
     ComovingFaces {
-        bodies: bodies.representatives(),
-        nearly,
+        bodies: bodies.sets.representatives(),
+        nearly: bodies.nearly,
+    }
+}
+
+/// Sets of faces that stay at rest relative to each other.
+struct Bodies {
+    sets: UnionFind,
+    /// For the representative of each body a bound on how far its faces move relative to each other.
+    moved: Vec<f64>,
+    tolerance: f64,
+    /// `true` if some bodies were not joined that move relative to each other by little more than the tolerance.
+    nearly: bool,
+}
+
+impl Bodies {
+    /// Joins the bodies of two faces that move relative to each other by `more`, unless the faces of the joined body then
+    /// move by more than the tolerance. Returns `true` if bodies were joined.
+    fn join(&mut self, faces: [usize; 2], more: f64) -> bool {
+        let bodies = faces.map(|face| self.sets.find(face));
+        if bodies[0] == bodies[1] {
+            return false;
+        }
+        let moved = self.moved[bodies[0]] + self.moved[bodies[1]] + more;
+        let joins = moved <= self.tolerance;
+        if joins {
+            self.sets.join(bodies);
+            let joined = self.sets.find(bodies[0]);
+            self.moved[joined] = moved;
+        } else {
+            self.nearly |= more <= NEARLY_AT_REST_RATIO * self.tolerance;
+        }
+        joins
     }
 }
 
@@ -119,7 +162,10 @@ impl Hinge {
         let opposite = a.direction.dot(&b.direction) < 0.0;
         let unlike = motion.unlike(times, [self.member, other.member], opposite);
         let off = a.distance(&b.point) + length * a.direction.cross(&b.direction).norm();
-        length * unlike + 2.0 * motion.turned(times, other.member).min(PI) * off
+        self.torn
+            + other.torn
+            + length * unlike
+            + 2.0 * motion.turned(times, other.member).min(PI) * off
     }
 }
 
@@ -183,7 +229,15 @@ mod tests {
         };
         let still = angles.map(|angle| (angle[3] - angle[0]).abs() <= 0.0);
         let segment = (&motion, [0, SEGMENT]);
-        let found = comoving_faces(&pattern, &memberships, segment, &still, axis, [4.0, 1e-6]);
+        let found = comoving_faces(
+            &pattern,
+            &memberships,
+            segment,
+            &still,
+            |_| [0.0; 2],
+            axis,
+            [4.0, 1e-6],
+        );
         let mut found = found.bodies;
         found.sort_unstable();
         found.dedup();
@@ -217,6 +271,7 @@ mod tests {
                 group: GroupId(0),
                 negative: false,
             },
+            torn: 0.0,
             line: Axis { point, direction },
         };
         let motion = Motion::new(&[vec![Curve::Angle([0.0, 1.0, 2.0, 3.0])]], 1);

@@ -5,7 +5,7 @@ use core::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
-use super::tolerances::{CHAIN_GAP_RATIO, MAX_ROUNDING_EDGES};
+use super::tolerances::{CHAIN_GAP_RATIO, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 
 /// Returns the additional depth, in median edges, up to which faces that share no point of the flat sheet may
@@ -19,6 +19,46 @@ pub fn rounding(gap: f64) -> f64 {
         return 0.0;
     }
     (CHAIN_GAP_RATIO * gap).min(MAX_ROUNDING_EDGES)
+}
+
+/// Depths up to which an overlap of two pieces is contact. They belong to a pair: in front of a thin face they are less.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// Depth that counts as a crossing, and additional depth that rounded coordinates explain, units of the sheet.
+    depth: f64,
+    rounding: f64,
+    /// Largest ratio of additional depth to the size of the smaller face.
+    rounding_ratio: f64,
+}
+
+impl Contact {
+    /// Takes the depth that counts as a crossing, and the additional depth that rounded coordinates explain, in median
+    /// edges.
+    pub(super) fn new(median_edge: f64, depths: [f64; 2]) -> Self {
+        let [depth, rounding] = depths.map(|depth| depth * median_edge);
+        Self {
+            depth,
+            rounding,
+            rounding_ratio: MAX_ROUNDING_EDGES,
+        }
+    }
+
+    /// Returns the depth that counts as a crossing of two pieces in a sheet without rounding, units of the sheet.
+    pub(super) fn depth(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
+        self.depth
+            .min(CROSSING_DEPTH_RATIO * pieces.smaller_size(pair))
+    }
+
+    /// Returns the depth up to which an overlap of two pieces is contact, units of the sheet.
+    pub(super) fn of(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
+        let most = self.rounding_ratio * pieces.smaller_size(pair);
+        self.depth(pieces, pair) + self.rounding.min(most)
+    }
+
+    /// Returns the largest depth up to which an overlap of any pieces is contact, units of the sheet.
+    pub(super) fn largest(&self) -> f64 {
+        self.depth + self.rounding
+    }
 }
 
 /// A convex part of a face.
@@ -54,6 +94,8 @@ pub(super) struct Pieces {
     pub(super) flat: Vec<Vector2<f64>>,
     /// For each face its range of `list`: first piece and one past the last; `[0, 0]` if the face was not requested.
     of_faces: Vec<[u32; 2]>,
+    /// For each piece the size of its face: the length of the face's shortest edge, or its least width if that is less.
+    sizes: Vec<f64>,
     joints: Vec<Joint>,
     /// For each piece its range of `joints`, once `join` has found them.
     joints_of: Vec<Option<[u32; 2]>>,
@@ -85,6 +127,7 @@ impl Pieces {
             vertices: Vec::new(),
             flat: Vec::new(),
             of_faces: vec![[0; 2]; pattern.faces().len()],
+            sizes: Vec::new(),
             joints: Vec::new(),
             joints_of: Vec::new(),
         }
@@ -102,11 +145,18 @@ impl Pieces {
                     self.add(pattern, face, triangle);
                 }
             }
+            self.sizes.resize(self.list.len(), size(pattern, cycle));
             let range = [start, self.list.len()];
             self.of_faces[face.index()] = range.map(|n| FaceId::new(n).0);
         }
         let [start, end] = self.of_faces[face.index()];
         start..end
+    }
+
+    /// Returns the size of the smaller of the faces of two pieces.
+    pub(super) fn smaller_size(&self, pair: [u32; 2]) -> f64 {
+        let [a, b] = pair.map(|piece| self.sizes[piece as usize]);
+        a.min(b)
     }
 
     fn add(&mut self, pattern: &CreasePattern, face: FaceId, piece: &[VertexId]) {
@@ -304,6 +354,18 @@ impl<'a> Placed<'a> {
         depth
     }
 
+    /// Returns the distance between the positions that two pieces give a vertex that they share, the largest if they share
+    /// several; 0 if they share none.
+    pub(super) fn torn(&self, pair: [u32; 2]) -> f64 {
+        let [first, second] = pair.map(|piece| self.pieces.list[piece as usize].corners());
+        let vertices = &self.pieces.vertices;
+        let tears = first.flat_map(|a| {
+            let same = second.clone().filter(move |&b| vertices[a] == vertices[b]);
+            same.map(move |b| (self.folded[a] - self.folded[b]).norm())
+        });
+        tears.fold(0.0, f64::max)
+    }
+
     /// Returns the depth to which piece `a`, which only touches `b`, passes through it together with a piece
     /// joined to `a`: the sheet may continue beyond `b` across a side of `a`.
     fn beyond(&self, a: u32, b: u32, tolerance: f64) -> f64 {
@@ -315,6 +377,19 @@ impl<'a> Placed<'a> {
         });
         depths.fold(0.0, f64::max)
     }
+}
+
+/// Returns the length of the shortest edge of a face, or its least width across an edge if that is less.
+fn size(pattern: &CreasePattern, cycle: &[VertexId]) -> f64 {
+    let point = |v: &VertexId| pattern.vertices()[v.index()];
+    let next = cycle.iter().cycle().skip(1);
+    let sizes = cycle.iter().zip(next).map(|(a, b)| {
+        let (a, side) = (point(a), point(b) - point(a));
+        let across = cycle.iter().map(|v| side.perp(&(point(v) - a)).abs());
+        let width = across.fold(0.0, f64::max) / side.norm();
+        side.norm().min(width)
+    });
+    sizes.fold(f64::INFINITY, f64::min)
 }
 
 fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {

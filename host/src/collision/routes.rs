@@ -93,8 +93,6 @@ pub(crate) struct SearchedMotion<'a> {
     pub(crate) memberships: &'a [Membership],
     /// For each segment the curve of each group.
     pub(crate) segments: &'a [Vec<Curve<f64>>],
-    /// Upper bound of the closure residuals all along the motion.
-    pub(crate) closure: f64,
     pub(crate) options: SweepOptions,
     pub(crate) watch: Watch<'a>,
 }
@@ -106,6 +104,12 @@ pub(crate) struct Searched {
 }
 
 impl SearchedMotion<'_> {
+    /// Returns the motion, to be searched with at most this number of queries of pairs.
+    pub(crate) fn with_queries(mut self, max_queries: u64) -> Self {
+        self.options.max_queries = max_queries.min(self.options.max_queries);
+        self
+    }
+
     /// Searches by the lattice if there is one and it decides, and all faces otherwise.
     pub(crate) fn search(&self, lattice: Option<&Lattice>) -> Searched {
         let along = lattice.and_then(|lattice| self.along_lattice(lattice));
@@ -115,19 +119,21 @@ impl SearchedMotion<'_> {
     /// Searches along the lattice. Returns `None` if faces may be far from where the lattice has them, or the lattice
     /// does not decide.
     pub(crate) fn along_lattice(&self, lattice: &Lattice) -> Option<Searched> {
-        let torn = is_torn(self.options.gap);
-        let lattice_deviation = if torn {
-            lattice.lattice_deviation(self.pattern, self.closure)
-        } else {
-            0.0
-        };
-        let options = SweepOptions {
-            lattice_deviation,
-            ..self.options
-        };
-        if lattice_deviation.is_nan() || lattice_deviation >= SweepOptions::FAR_FROM_LATTICE_EDGES {
+        let deviation = lattice.lattice_deviation(self.pattern, self.options.closure);
+        if deviation.is_nan() || deviation >= SweepOptions::FAR_FROM_LATTICE_EDGES {
             return None;
         }
+        // A deviation that counts as contact may be left out.
+        let torn = is_torn(deviation);
+        let options = if torn {
+            SweepOptions {
+                lattice_deviation: deviation,
+                lattice_turn: lattice.turn_deviation(self.pattern, self.options.closure),
+                ..self.options
+            }
+        } else {
+            self.options
+        };
         let sweep = Sweep::with_lattice(self.pattern, self.memberships, options, lattice);
         let searched = self.run(sweep);
         let decided = match searched.verdict {

@@ -6,7 +6,7 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-use super::pieces::{Pieces, Placed};
+use super::pieces::{Contact, Pieces, Placed};
 use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
@@ -56,9 +56,9 @@ pub struct CollisionScene {
     normals: Vec<Vector3<f64>>,
     /// Number of pairs of pieces of the same sheet that share no side.
     pairs: u64,
+    median_edge: f64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
-    median_edge: f64,
     counts: CollisionCounts,
 }
 
@@ -70,9 +70,9 @@ impl CollisionScene {
         Self {
             folded: pieces.flat.iter().map(|p| p.push(0.0)).collect(),
             normals: vec![Vector3::z(); pieces.list.len()],
+            median_edge: pattern.median_edge(),
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
-            median_edge: pattern.median_edge(),
             counts: CollisionCounts::default(),
             pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs(),
             pieces,
@@ -81,20 +81,15 @@ impl CollisionScene {
 
     /// Returns the deepest crossing under a folding map, if any.
     ///
-    /// If the map tears the sheet by a `gap` (in median edges), faces that meet in a vertex cross only if they are
-    /// deeper in each other than the gap. Other faces cross only if they are deeper than the
-    /// [`rounding`](super::rounding) of coordinates. Cost: about O(faces log faces) while few bounding boxes overlap.
-    pub fn deepest_crossing(
-        &mut self,
-        map: &FoldingMap,
-        gap: f64,
-        rounding: f64,
-    ) -> Option<Crossing> {
+    /// Faces that share a vertex cross only if they are deeper in each other than the distance between the positions that
+    /// they give this vertex. `rounding` is an additional depth up to which any faces may overlap, in median edges: the
+    /// [`rounding`](super::rounding) of coordinates, at most a thousandth of the smaller of two faces. Cost: about
+    /// O(faces log faces) while few bounding boxes overlap.
+    pub fn deepest_crossing(&mut self, map: &FoldingMap, rounding: f64) -> Option<Crossing> {
         self.place(map);
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
-        let unit = self.median_edge;
-        let tolerance = CROSSING_DEPTH_EDGES * unit;
+        let contact = Contact::new(self.median_edge, [CROSSING_DEPTH_EDGES, rounding]);
         let pieces = &self.pieces;
         let placed = Placed {
             pieces,
@@ -106,12 +101,8 @@ impl CollisionScene {
                 return;
             };
             tested += 1;
-            let depth = placed.depth(a, b, tolerance);
-            if depth <= 0.0 {
-                return;
-            }
-            let torn = if pieces.meet(a, b) { gap } else { rounding };
-            if depth <= tolerance + torn * unit {
+            let depth = placed.depth(a, b, contact.depth(pieces, [a, b]));
+            if depth <= 0.0 || depth <= contact.of(pieces, [a, b]) + placed.torn([a, b]) {
                 return;
             }
             let crossing = Crossing::new(faces, depth);

@@ -8,6 +8,15 @@ use super::motion::{SEGMENT, Tick};
 
 /// Depth above which an overlap counts as a crossing; a shallower overlap is contact.
 pub(super) const CROSSING_DEPTH_EDGES: f64 = 1e-6;
+/// Ratio of the depth that counts as a crossing to the size of the smaller of two faces, if that is less than
+/// `CROSSING_DEPTH_EDGES`: faces however thin do not pass through others.
+pub(super) const CROSSING_DEPTH_RATIO: f64 = 1e-3;
+/// Ratio of a tear at a common vertex to the size of the smaller face up to which an overlap of the two faces may come
+/// from the tear.
+pub(super) const MAX_TEAR_RATIO: f64 = 0.25;
+/// Largest part of the distance of two faces that the tears along a chain between them may use up; for nearer faces, the
+/// chain follows the spanning tree, along which nothing is torn.
+pub(super) const CHAIN_TEAR_RATIO: f64 = 0.25;
 /// Ratio of the displacement allowed to faces that share no point of the flat sheet to the gap of the sheet: gaps add
 /// up along the chain of faces from one to the other.
 pub(super) const CHAIN_GAP_RATIO: f64 = 10.0;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::map::Rigidity;
 use super::tree::SpanningTree;
-use crate::pattern::{CreasePattern, VertexId};
+use crate::pattern::{CreasePattern, EdgeId, VertexId};
 use crate::util::csr::{Csr, group_by_key};
 
 /// The vertices and holes enclosed by each loop of faces that the spanning tree closes.
@@ -40,9 +40,22 @@ pub struct Holonomy {
     struts: Vec<([VertexId; 2], f64)>,
 }
 
+/// How far the two faces at an edge that no step of the tree crosses may be off the position that they have in a sheet
+/// that closes. The error is an isometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tear {
+    /// The edge.
+    pub edge: EdgeId,
+    /// Bound on the angle of its rotation, radians.
+    pub turn: f64,
+    /// Bound on the distance by which it moves the ends of the edge, units of the sheet.
+    pub shift: f64,
+}
+
 /// An edge of the forest.
 #[derive(Clone, Copy, Debug)]
 struct Hanging {
+    edge: EdgeId,
     vertex: VertexId,
     /// The hole on whose rim the vertex is.
     hole: Option<usize>,
@@ -64,9 +77,12 @@ impl Holonomy {
     #[must_use]
     pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
         let vertices = pattern.vertices().len();
-        let edges = tree.loops().iter().map(|step| pattern.edge(step.edge).ends);
+        let edges = tree.loops().iter().map(|step| step.edge);
         let pairs: Vec<_> = edges
-            .flat_map(|[a, b]| [(a.index(), b), (b.index(), a)])
+            .flat_map(|edge| {
+                let [a, b] = pattern.edge(edge).ends;
+                [(a.index(), (b, edge)), (b.index(), (a, edge))]
+            })
             .collect();
         let uncrossed = group_by_key(vertices, &pairs);
         let ways = pattern.holes().iter();
@@ -90,7 +106,7 @@ impl Holonomy {
         let mut hangs = vec![false; rims.len()];
         let mut hanging: Vec<Hanging> = Vec::with_capacity(tree.loops().len());
         while let Some(on) = open.pop_front() {
-            for &vertex in &uncrossed[on.index()] {
+            for &(vertex, edge) in &uncrossed[on.index()] {
                 if above[on.index()] == Some(vertex) {
                     continue;
                 }
@@ -102,6 +118,7 @@ impl Holonomy {
                 above[vertex.index()] = Some(on);
                 let length = pattern.length([vertex, on]);
                 hanging.push(Hanging {
+                    edge,
                     vertex,
                     hole,
                     on,
@@ -144,11 +161,39 @@ impl Holonomy {
     /// If a vertex or a hole has no entry.
     #[must_use]
     pub fn rigidity(&self, vertices: &[f64], holes: &[[f64; 2]]) -> Rigidity {
+        let mut twist = 0.0_f64;
+        let moved = self.sum_up(vertices, holes, |tear| twist = twist.max(tear.turn));
+        let strain = |(ends, length): &([VertexId; 2], f64)| {
+            let [a, b] = ends.map(|end| moved[end.index()]);
+            (a + b) / length
+        };
+        Rigidity {
+            deformation: self.struts.iter().map(strain).fold(0.0, f64::max),
+            gap: moved.iter().copied().fold(0.0, f64::max) / self.median_edge,
+            twist,
+        }
+    }
+
+    /// Bounds the tear at each edge that no step of the tree crosses, on a sheet whose vertices and holes all have
+    /// residuals of at most `closure`. Cost: linear.
+    #[must_use]
+    pub fn tears(&self, closure: f64) -> Vec<Tear> {
+        let (vertices, holes) = (
+            vec![closure; self.vertices],
+            vec![[closure; 2]; self.holes.len()],
+        );
+        let mut tears = Vec::with_capacity(self.hanging.len());
+        self.sum_up(&vertices, &holes, |tear| tears.push(tear));
+        tears
+    }
+
+    /// Calls `tear` for each edge of the forest, those below an edge before it. Returns T for each vertex.
+    fn sum_up(&self, vertices: &[f64], holes: &[[f64; 2]], mut tear: impl FnMut(Tear)) -> Vec<f64> {
         // Sums over everything below a vertex: of |r| (`below`), and T (`moved`).
         let mut below = vec![0.0; self.vertices];
         let mut moved = vec![0.0; self.vertices];
-        let mut twist = 0.0_f64;
         for &Hanging {
+            edge,
             vertex,
             hole,
             on,
@@ -167,18 +212,15 @@ impl Holonomy {
             } else {
                 below[vertex.index()] + vertices[vertex.index()]
             };
-            twist = twist.max(turned);
+            let shift = moved[vertex.index()] + turned * length;
+            tear(Tear {
+                edge,
+                turn: turned,
+                shift,
+            });
             below[on.index()] += turned;
-            moved[on.index()] += moved[vertex.index()] + turned * length;
+            moved[on.index()] += shift;
         }
-        let strain = |(ends, length): &([VertexId; 2], f64)| {
-            let [a, b] = ends.map(|end| moved[end.index()]);
-            (a + b) / length
-        };
-        Rigidity {
-            deformation: self.struts.iter().map(strain).fold(0.0, f64::max),
-            gap: moved.iter().copied().fold(0.0, f64::max) / self.median_edge,
-            twist,
-        }
+        moved
     }
 }

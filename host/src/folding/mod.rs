@@ -16,7 +16,7 @@ pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::vertices_of_sheets;
 pub use fit::{align_rigid, align_sheets, fit};
-pub use holonomy::Holonomy;
+pub use holonomy::{Holonomy, Tear};
 pub use map::{FoldingMap, Rigidity, deformation};
 pub(crate) use plane::in_plane;
 pub use rounding::rounding;

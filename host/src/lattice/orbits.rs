@@ -152,12 +152,20 @@ impl Lattice {
     /// residual.
     #[must_use]
     pub fn lattice_deviation(&self, pattern: &CreasePattern, closure: f64) -> f64 {
+        let ends = self.cells_across();
+        let ways = self.steps.iter().zip(ends);
+        let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
+        self.turn_deviation(pattern, closure) * reach / pattern.median_edge()
+    }
+
+    /// Returns a bound, in radians, on the angle by which a face is turned from its orientation by the lattice, as seen
+    /// from any other face, if all stars close to within `closure`. The bound is infinite if the sheet has holes.
+    #[must_use]
+    pub fn turn_deviation(&self, pattern: &CreasePattern, closure: f64) -> f64 {
         if !pattern.holes().is_empty() {
             return f64::INFINITY;
         }
-        let ends = self
-            .extent()
-            .map(|[low, high]| f64::from(high) - f64::from(low) + 1.0);
+        let ends = self.cells_across();
         #[allow(clippy::cast_precision_loss, reason = "counts of vertices and faces")]
         let [vertices, faces, orbits] = [
             pattern.vertices().len(),
@@ -165,10 +173,13 @@ impl Lattice {
             self.orbits.len(),
         ]
         .map(|count| count as f64);
-        let enclosed = vertices * orbits / faces * ends[0] * ends[1];
-        let ways = self.steps.iter().zip(ends);
-        let reach: f64 = ways.map(|(step, count)| step.norm() * count).sum();
-        closure * enclosed * reach / pattern.median_edge()
+        closure * (vertices * orbits / faces * ends[0] * ends[1])
+    }
+
+    /// Returns the largest number of cells side by side along each step.
+    fn cells_across(&self) -> [f64; 2] {
+        let extent = self.extent();
+        extent.map(|[low, high]| f64::from(high) - f64::from(low) + 1.0)
     }
 
     /// Returns the largest distance, in the units of the flat sheet, between a corner moved by a step and the corner

@@ -219,7 +219,7 @@ fn what_rounded_coordinates_explain_is_contact() {
         let mut crosses = |turned: f64| {
             let angles = [PI / 2.0, PI / 2.0, PI / 2.0 + turned];
             let map = FoldingMap::new(pattern, &tree, &angles);
-            scene.deepest_crossing(&map, 0.0, rounding).is_some()
+            scene.deepest_crossing(&map, rounding).is_some()
         };
         assert!(crosses(1.01 * turned) && !crosses(0.9 * depth));
     }
@@ -534,7 +534,7 @@ impl<'a> Sampler<'a> {
         let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
         let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
         let map = FoldingMap::new(self.pattern, &self.tree, &angles);
-        let crossing = self.scene.deepest_crossing(&map, 0.0, 0.0);
+        let crossing = self.scene.deepest_crossing(&map, 0.0);
         crossing.map_or(0.0, |crossing| crossing.depth)
     }
 }

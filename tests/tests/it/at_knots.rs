@@ -118,7 +118,7 @@ fn a_path_ends_before_the_first_knot_that_crosses() {
                 &plan.motion.as_ref().unwrap().memberships(),
                 &knot.angles,
             );
-            let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0, 0.0);
+            let found = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0);
             assert_eq!(found, None);
         }
         (plan.knots().len(), crossing.depth)

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::pairs::CellPairs;
 use crate::collision::motion::Tick;
-use crate::collision::pieces::{Pieces, Placed};
+use crate::collision::pieces::{Contact, Pieces, Placed};
 use crate::collision::scene::Crossing;
 use crate::collision::sweep::SweepCounts;
 use crate::collision::tolerances::{CROSSING_DEPTH_EDGES, MAX_OFFSETS};
@@ -22,8 +22,7 @@ use crate::pattern::CreasePattern;
 #[derive(Clone, Debug)]
 pub struct LatticeScene<'a> {
     pattern: &'a CreasePattern,
-    /// Depth up to which an overlap is contact, units of the sheet.
-    tolerance: f64,
+    contact: Contact,
     cells: CellPairs<'a>,
     /// All differences between two cells of the sheet.
     offsets: Vec<[i32; 2]>,
@@ -57,7 +56,7 @@ impl<'a> LatticeScene<'a> {
         let all = pieces * pieces.saturating_sub(1) / 2;
         Some(Self {
             pattern,
-            tolerance: CROSSING_DEPTH_EDGES * pattern.median_edge(),
+            contact: Contact::new(pattern.median_edge(), [CROSSING_DEPTH_EDGES, 0.0]),
             offsets: lattice.offsets(MAX_OFFSETS)?,
             cells,
             pieces: Pieces::none(pattern),
@@ -141,7 +140,8 @@ impl<'a> LatticeScene<'a> {
         for piece in pair {
             self.put(piece);
         }
-        let (depth, stands) = self.placed().depth_alone(pair, self.tolerance);
+        let tolerance = self.contact.depth(&self.pieces, pair);
+        let (depth, stands) = self.placed().depth_alone(pair, tolerance);
         if depth > 0.0 {
             return depth;
         }
@@ -150,7 +150,7 @@ impl<'a> LatticeScene<'a> {
                 self.put(self.pieces.joints(piece)[index].piece);
             }
         }
-        self.placed().depth_beyond(pair, stands, self.tolerance)
+        self.placed().depth_beyond(pair, stands, tolerance)
     }
 
     fn placed(&self) -> Placed<'_> {

@@ -36,9 +36,11 @@ use super::interval_broad_phase::IntervalBroadPhase;
 use super::lattice::CellPairs;
 use super::lazy_folding::LazyFolding;
 use super::motion::{Levers, Motion, SEGMENT, Tick};
-use super::pieces::Pieces;
+use super::pieces::{Contact, Pieces};
 use super::scene::Crossing;
-use super::tolerances::{LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK};
+use super::tolerances::{
+    CHAIN_TEAR_RATIO, LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK,
+};
 use crate::folding::SpanningTree;
 use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
@@ -52,6 +54,8 @@ struct Pair {
     /// The chain of creases between them, once requested, and the phase in which it was found.
     chain: Option<Chain>,
     phase: usize,
+    /// The chain along the spanning tree, once requested.
+    along_tree: Option<Chain>,
     /// Time of the last query.
     last: Option<Tick>,
     /// Time from which on the broad phase proves that the pair is free.
@@ -101,6 +105,7 @@ pub struct Sweep<'a> {
     memberships: &'a [Membership],
     groups: usize,
     options: SweepOptions,
+    contact: Contact,
     watch: Watch<'a>,
     pieces: Pieces,
     hierarchy: Hierarchy,
@@ -110,6 +115,9 @@ pub struct Sweep<'a> {
     /// list of links that holds them (`kept`).
     within: Vec<[Chain; 2]>,
     kept: usize,
+    /// For each cluster a bound on the sum of the tears along the chains from its face to its pieces, units of the
+    /// sheet.
+    tears: Vec<f64>,
     /// Upper bound of the distance between any two points of the sheet; 0 along a lattice.
     length: f64,
     levers: Levers,
@@ -194,7 +202,10 @@ impl<'a> Sweep<'a> {
         let broad_phase =
             broad_phase.map(|tree| IntervalBroadPhase::new(pattern, memberships, groups, tree));
         let cells = lattice.map(|lattice| CellPairs::new(pattern, memberships, groups, lattice));
-        let mut chains = Chains::new(pattern, memberships, lattice.is_some());
+        let holonomy = tree.as_ref().and_then(|tree| tree.holonomy(pattern));
+        let tears = holonomy.map_or_else(Vec::new, |holonomy| holonomy.tears(options.closure));
+        let folded = tree.as_ref().map(|tree| (tree, &tears[..]));
+        let mut chains = Chains::new(pattern, memberships, folded);
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
             children.map(|child| {
@@ -205,18 +216,29 @@ impl<'a> Sweep<'a> {
                 chain.unwrap_or_default()
             })
         });
+        let within: Vec<[Chain; 2]> = within.collect();
+        let mut tears = Vec::with_capacity(within.len());
+        for (node, chains) in hierarchy.nodes.iter().zip(&within) {
+            // Children come before their cluster.
+            let parts = node.children.unwrap_or_default().into_iter().zip(chains);
+            let parts = parts.filter(|_| node.children.is_some());
+            let tear = parts.map(|(child, chain)| chain.tear + tears[child as usize]);
+            tears.push(tear.fold(0.0, f64::max));
+        }
         Self {
             pattern,
             memberships,
             groups,
+            contact: Contact::new(pattern.median_edge(), [options.tolerance, options.rounding]),
             options,
             watch: Watch::default(),
             folding: LazyFolding::new(pattern, memberships, groups, tree.as_ref(), cells),
             broad_phase,
             unseen: HashMap::new(),
             others: 0,
-            within: within.collect(),
+            within,
             kept: chains.len(),
+            tears,
             length: tree.as_ref().map_or(0.0, |tree| 2.0 * tree.reach(pattern)),
             chains,
             levers: Levers::new(groups),
@@ -448,12 +470,14 @@ impl<'a> Sweep<'a> {
     /// Finds the comoving faces from the present time to another.
     fn comoving(&mut self, motion: &Motion, times: [Tick; 2]) -> ComovingFaces {
         let tolerance = self.options.tolerance * self.pattern.median_edge();
+        let (chains, folding) = (&self.chains, &mut self.folding);
         comoving_faces(
             self.pattern,
             self.memberships,
             (motion, times),
-            self.chains.still(),
-            |crease| self.folding.axis(motion, crease),
+            chains.still(),
+            |edge| chains.tear(edge),
+            |crease| folding.axis(motion, crease),
             [self.length, tolerance],
         )
     }
@@ -523,6 +547,7 @@ impl<'a> Sweep<'a> {
             kind,
             chain,
             phase: self.phase,
+            along_tree: None,
             last: None,
             end: Tick::MAX,
             above: None,
@@ -598,7 +623,29 @@ impl<'a> Sweep<'a> {
         Some((kind, chain))
     }
 
-    /// Returns the chain of creases between the two members of a pair.
+    /// Returns a chain of creases between the two members of a pair, along which tears use up only a part of `room`: the
+    /// distance (units of the sheet) up to which the members may approach each other or, for pieces that share a vertex,
+    /// the angle (radians).
+    fn chain_within(&mut self, index: u32, room: f64) -> Chain {
+        let chain = self.chain(index);
+        let pair = &self.pairs[index as usize];
+        let torn = match pair.kind {
+            Kind::Vertex(_) => chain.turn,
+            _ => chain.tear,
+        };
+        if 2.0 * torn <= CHAIN_TEAR_RATIO * room {
+            return chain;
+        }
+        if let Some(along_tree) = &pair.along_tree {
+            return along_tree.clone();
+        }
+        let along_tree = self.chains.along_tree(self.pattern, self.faces(index));
+        let along_tree = along_tree.unwrap_or(chain);
+        self.pairs[index as usize].along_tree = Some(along_tree.clone());
+        along_tree
+    }
+
+    /// Returns the shortest chain of creases between the two members of a pair.
     fn chain(&mut self, index: u32) -> Chain {
         let pair = &self.pairs[index as usize];
         let nodes = pair.nodes;
@@ -664,7 +711,6 @@ impl<'a> Sweep<'a> {
     /// query of the pair.
     fn first(&mut self, motion: &Motion, found: Crossing, index: u32, time: Tick) -> SweepVerdict {
         let pair = self.pairs[index as usize].clone();
-        let tolerance = self.tolerance(pair.kind);
         let (mut crossing, mut high) = (found, time);
         let mut low = pair.last;
         while let Some(free) = low
@@ -672,7 +718,7 @@ impl<'a> Sweep<'a> {
         {
             self.folding.time = (free + high) / 2;
             let depth = self.depth(motion, pair.nodes);
-            if depth > tolerance {
+            if depth > self.allowed(&pair) {
                 (crossing, high) = (Crossing::new(found.faces, depth), self.folding.time);
             } else {
                 low = Some(self.folding.time);

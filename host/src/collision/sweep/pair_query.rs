@@ -11,7 +11,8 @@ use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sweep::Clearance;
 use crate::collision::tolerances::{
-    APART_TIMES, MEASURE_RATIO, NEAREST_APART_TIMES, SPLIT_RATIO, TOUCHING_RATIO, WAKE_TIMES,
+    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, NEAREST_APART_TIMES, SPLIT_RATIO, TOUCHING_RATIO,
+    WAKE_TIMES,
 };
 use crate::pattern::FaceId;
 
@@ -70,8 +71,13 @@ impl Sweep<'_> {
         for node in [a, b] {
             self.levers.any += self.spread(motion, node);
         }
+        let torn = chain.tear + self.tears[a as usize] + self.tears[b as usize];
+        let room = distance - 2.0 * torn;
+        if torn > 0.0 && (room.is_nan() || room <= 0.0) {
+            return QueryOutcome::Split;
+        }
         let time = self.folding.time;
-        let until = motion.tabulated_until(&self.levers, time, distance);
+        let until = motion.tabulated_until(&self.levers, time, room);
         let outcome = match until {
             Some(until) => self.next(motion, until, distance, true),
             None if time == motion.end() => QueryOutcome::Free,
@@ -101,7 +107,7 @@ impl Sweep<'_> {
             self.add_roots(time);
             return QueryOutcome::Split;
         }
-        let touching = self.tolerance(Kind::Pieces);
+        let touching = self.largest_contact();
         let (pieces, hierarchy) = (&self.pieces, &self.hierarchy);
         let mut nearest = self.clearance;
         let best = |nearest: &Option<Clearance>| nearest.map_or(f64::INFINITY, |n| n.distance);
@@ -287,17 +293,18 @@ impl Sweep<'_> {
             if let Some(outcome) = self.along_lattice(motion, index, apart - deviation, counts) {
                 return outcome;
             }
-            let chain = self.chain(index);
+            let chain = self.chain_within(index, apart);
             self.gather(motion, &chain, |side, axis| {
                 axis.distance(&spheres[side].center) + spheres[side].radius
             });
-            return self.after(motion, apart, apart - deviation, counts);
+            let allowance = apart - deviation - 2.0 * chain.tear;
+            return self.after(motion, apart, allowance, counts);
         }
         self.counts.tested += 1;
         self.put(motion, [a, b], false);
         let placed = self.folding.placed(&self.pieces);
         let apart = distance(&placed.piece(a), &placed.piece(b));
-        let tolerance = self.tolerance(pair.kind);
+        let tolerance = self.allowed(pair);
         if deviation > 0.0 && apart <= deviation + tolerance {
             return QueryOutcome::Undecided;
         }
@@ -313,10 +320,11 @@ impl Sweep<'_> {
         if let Some(outcome) = self.along_lattice(motion, index, apart - deviation, counts) {
             return outcome;
         }
-        let chain = self.chain(index);
+        let room = apart - deviation + tolerance;
+        let chain = self.chain_within(index, room);
         self.gather_corners(motion, &chain, [a, b]);
-        let outcome = self.after(motion, apart, apart - deviation + tolerance, counts);
-        self.at_contact(motion, index, pair.kind, apart, outcome)
+        let outcome = self.after(motion, apart, room - 2.0 * chain.tear, counts);
+        self.at_contact(motion, index, tolerance, apart, outcome)
     }
 
     fn query_sectors(
@@ -340,7 +348,15 @@ impl Sweep<'_> {
         };
         let reach = reach(0).min(reach(1));
         let angle = sectors[0].separation(&sectors[1]);
-        let tolerance = self.tolerance(pair.kind);
+        let tolerance = self.allowed(pair);
+        let off_lattice = if self.folding.cells.is_some() {
+            self.options.lattice_turn
+        } else {
+            0.0
+        };
+        if off_lattice > 0.0 && angle <= off_lattice || self.is_split(pair) {
+            return QueryOutcome::Undecided;
+        }
         if let Some(depth) = self.crosses(motion, index, pair, angle * reach) {
             return QueryOutcome::Crossing(depth);
         }
@@ -349,19 +365,20 @@ impl Sweep<'_> {
         }
         self.levers.clear();
         // Pairs of creases do not turn the part beyond them.
-        let chain = self.chain(index);
+        let room = angle - off_lattice + tolerance / reach;
+        let chain = self.chain_within(index, room);
         for link in self.chains.singles(&chain) {
             self.levers.add(link.group, 1.0);
         }
-        let outcome = self.after(motion, angle, angle + tolerance / reach, false);
-        self.at_contact(motion, index, pair.kind, angle * reach, outcome)
+        let outcome = self.after(motion, angle, room - 2.0 * chain.turn, false);
+        self.at_contact(motion, index, tolerance, angle * reach, outcome)
     }
 
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
     /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
     /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
     fn crosses(&mut self, motion: &Motion, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
-        let (nodes, tolerance) = (pair.nodes, self.tolerance(pair.kind));
+        let (nodes, tolerance) = (pair.nodes, self.allowed(pair));
         if apart <= tolerance {
             let depth = self.depth(motion, nodes);
             if depth > tolerance {
@@ -428,11 +445,11 @@ impl Sweep<'_> {
         &mut self,
         motion: &Motion,
         index: u32,
-        kind: Kind,
+        tolerance: f64,
         apart: f64,
         outcome: QueryOutcome,
     ) -> QueryOutcome {
-        let (time, tolerance) = (self.folding.time, self.tolerance(kind));
+        let time = self.folding.time;
         let next = motion.next_tabulated(time);
         let QueryOutcome::Until(until) = outcome else {
             return outcome;
@@ -460,7 +477,8 @@ impl Sweep<'_> {
 
     /// Returns the planes that separate two pieces.
     fn parted(&mut self, motion: &Motion, index: u32, tolerance: f64) -> Vec<Parted> {
-        let (chain, nodes) = (self.chain(index), self.pairs[index as usize].nodes);
+        let chain = self.chain_within(index, tolerance);
+        let nodes = self.pairs[index as usize].nodes;
         let links = self.chains.links(&chain);
         let mut places: Vec<_> = links
             .iter()
@@ -498,14 +516,32 @@ impl Sweep<'_> {
         all
     }
 
-    /// Returns the depth up to which an overlap of such a pair is contact, units of the sheet.
-    pub(super) fn tolerance(&self, kind: Kind) -> f64 {
-        let gap = match kind {
-            Kind::Meeting | Kind::Vertex(_) | Kind::Joined => self.options.gap,
-            Kind::Pieces => self.options.rounding,
-            Kind::Clusters | Kind::Interval | Kind::Far | Kind::Cells(_) => 0.0,
+    /// Returns the depth up to which an overlap of the two pieces of a pair is contact, units of the sheet. If they share
+    /// a vertex, they have to be placed: the distance of their positions of the vertex adds to the depth.
+    pub(super) fn allowed(&self, pair: &Pair) -> f64 {
+        self.contact.of(&self.pieces, pair.nodes) + self.torn(pair)
+    }
+
+    /// Returns the distance between the positions that two placed pieces give a vertex that they share.
+    fn torn(&self, pair: &Pair) -> f64 {
+        let Kind::Vertex(corners) = pair.kind else {
+            return 0.0;
         };
-        (self.options.tolerance + gap) * self.pattern.median_edge()
+        let corner = |k: usize| {
+            let corners_of = self.pieces.list[pair.nodes[k] as usize].corners();
+            self.folding.corners(corners_of)[corners[k] as usize]
+        };
+        (corner(0) - corner(1)).norm()
+    }
+
+    /// Returns `true` if two placed pieces are torn so far apart at their common vertex that nothing can be told of them.
+    fn is_split(&self, pair: &Pair) -> bool {
+        self.torn(pair) > MAX_TEAR_RATIO * self.pieces.smaller_size(pair.nodes)
+    }
+
+    /// Returns the largest depth up to which an overlap is contact, units of the sheet.
+    pub(super) fn largest_contact(&self) -> f64 {
+        self.contact.largest()
     }
 
     fn best(&self) -> f64 {
@@ -528,7 +564,7 @@ impl Sweep<'_> {
             self.hierarchy.extend(&self.pieces);
         }
         self.put(motion, [a, b], true);
-        let tolerance = self.options.tolerance * self.pattern.median_edge();
+        let tolerance = self.contact.depth(&self.pieces, [a, b]);
         self.folding.placed(&self.pieces).depth(a, b, tolerance)
     }
 
@@ -538,14 +574,17 @@ impl Sweep<'_> {
         self.levers.clear();
         let folding = &mut self.folding;
         for link in self.chains.pairs(chain) {
-            self.levers.add(link.group, folding.width(motion, link));
+            self.levers
+                .add(link.group, folding.width(motion, link) + chain.tear);
         }
         let singles = self.chains.singles(chain);
         let Some(last) = singles.len().checked_sub(1) else {
             return;
         };
-        let mut lever =
-            |side: usize, k: usize| reach(side, &folding.axis(motion, singles[k].creases[0]));
+        // On a torn sheet, the lines of creases are off by the tears.
+        let mut lever = |side: usize, k: usize| {
+            reach(side, &folding.axis(motion, singles[k].creases[0])) + chain.tear
+        };
         let (mut ends, mut levers) = ([0, last], [lever(0, 0), lever(1, last)]);
         for _ in singles {
             let side = usize::from(levers[1] < levers[0]);

@@ -9,16 +9,18 @@ use crate::pattern::FaceId;
 pub struct SweepOptions {
     /// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
     pub tolerance: f64,
-    /// Largest gap that the motion tears into the sheet, in median edges: pairs that meet in a vertex may overlap by
-    /// this much more. In a torn sheet, the bounds on motion hold up to the gaps along the chains of faces.
-    pub gap: f64,
-    /// Additional depth to which pairs that meet nowhere may overlap, in median edges: the
-    /// [`rounding`](crate::collision::rounding) of a gap.
+    /// Upper bound of the closure residuals of all vertices and holes, all along the motion. It bounds how far the sheet
+    /// is torn, and with it the motion of faces whose chain crosses a tear.
+    pub closure: f64,
+    /// Additional depth up to which an overlap is contact, in median edges: the
+    /// [`rounding`](crate::collision::rounding) of a gap. It is at most a thousandth of the smaller of two faces.
     pub rounding: f64,
     /// Largest distance of a face from its position by the lattice, as seen from any other face, in median edges, if
     /// the motion tears the sheet. Faces without a common vertex that come this near to each other are not decided
     /// along the lattice.
     pub lattice_deviation: f64,
+    /// Largest angle by which such a face is turned from its orientation by the lattice, radians.
+    pub lattice_turn: f64,
     /// `true` if pairs are skipped while their motion cannot bring them together. If `false`, each pair is
     /// queried at every tabulated time.
     pub skip_motion: bool,
@@ -39,9 +41,10 @@ impl Default for SweepOptions {
     fn default() -> Self {
         Self {
             tolerance: CROSSING_DEPTH_EDGES,
-            gap: 0.0,
+            closure: 0.0,
             rounding: 0.0,
             lattice_deviation: 0.0,
+            lattice_turn: 0.0,
             skip_motion: true,
             skip_bounds: true,
             skip_edges: true,

@@ -95,7 +95,7 @@ impl<'a> Judge<'a> {
 
     fn crossing(&mut self, gap: f64) -> Option<Crossing> {
         let scene = self.scene.as_mut()?;
-        scene.deepest_crossing(&self.map, gap, rounding(gap))
+        scene.deepest_crossing(&self.map, rounding(gap))
     }
 
     /// Returns the largest deformation and gap of the essential crease pattern over some configurations, and its number
@@ -133,7 +133,7 @@ impl<'a> Judge<'a> {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
                 part.fold(self.reduction, &knot.angles);
                 let gap = part.rigidity().gap;
-                scene.deepest_crossing(&part.map, gap, rounding(gap))?;
+                scene.deepest_crossing(&part.map, rounding(gap))?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);

@@ -13,20 +13,24 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::Knot;
 use crate::planner::options::Skips;
-use crate::planner::plan::{Failure, Outcome};
+use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
 
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
+/// Ratio of the sum of all tears to the depth that counts as a crossing above which tears may hide contact.
+const HIDING_RATIO: f64 = 0.1;
+/// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
+const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
-/// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, of which the deformation
-/// `certified` is proved.
-pub(crate) fn sweep_options(skips: Skips, certified: Option<f64>, gap: f64) -> SweepOptions {
+/// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, whose closure residuals are
+/// proved to be at most `closure` all along the motion.
+pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, gap: f64) -> SweepOptions {
     let usual = SweepOptions::default();
     SweepOptions {
-        gap: certified.unwrap_or(0.0).max(gap),
+        closure: closure.unwrap_or(f64::INFINITY),
         rounding: rounding(gap),
         // There is no limit for a user who switches a skip off, to look at everything.
         max_queries: if skips == Skips::default() {
@@ -48,6 +52,26 @@ pub(crate) fn lattice<'r>(
 ) -> Option<&'r Lattice> {
     let used = problem.options.skips.symmetry;
     used.then(|| reduction.lattice(problem.pattern)).flatten()
+}
+
+/// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
+/// whether layers that move together pass through each other is then hard to tell.
+pub(crate) fn tears_hide_contact(
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    plan: &Plan,
+) -> bool {
+    let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
+    let angles = plan.path.knots.iter().flat_map(|knot| &knot.angles);
+    let touches = angles.copied().any(|angle| angle.abs() >= flat);
+    let holonomy = reduction.tree.holonomy(problem.pattern).filter(|_| touches);
+    let (Some(holonomy), Some(closure)) = (holonomy, plan.certified_closure) else {
+        return false;
+    };
+    let length = reduction.tree.reach(problem.pattern);
+    let tears = holonomy.tears(closure).into_iter();
+    let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
+    sum > HIDING_RATIO * SweepOptions::default().tolerance * problem.pattern.median_edge()
 }
 
 /// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex

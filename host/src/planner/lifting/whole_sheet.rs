@@ -11,7 +11,7 @@ use super::measured_motion::{
 };
 use super::swept_motion::{
     SweptKnots, crossed_knot, ends_at_knot, is_blocked, lattice, sweep_knots,
-    sweep_knots_or_lattice, sweep_options,
+    sweep_knots_or_lattice, sweep_options, tears_hide_contact,
 };
 use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, is_torn};
 use crate::folding::Rigidity;
@@ -33,6 +33,10 @@ pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
 const NEARER_FACTOR: f64 = 0.01;
 /// Smallest fraction of the certified deformation that is aimed for.
 pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
+/// The same, if layers touch and the sheet may be torn by more than layers may overlap.
+const NEAREST_BOUND_FRACTION: f64 = 5e-7;
+/// Number of queries of pairs after which a motion nearer to the path is tried, if tears may hide contact.
+const MAX_HIDDEN_QUERIES: u64 = 200_000;
 /// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const MAX_RETREAT_RAD: f64 = 0.02;
 /// Distance that such a path keeps from the configuration at which faces meet, radians.
@@ -250,15 +254,14 @@ fn sweep(
     let lattice = lattice(problem, reduction);
     plan.times.symmetry += start.elapsed();
     let start = Instant::now();
-    let certified = plan.certified_deformation;
-    let options = sweep_options(problem.options.skips, certified, plan.rigidity.gap);
-    let torn = is_torn(options.gap);
+    let gap = plan.rigidity.gap;
+    let options = sweep_options(problem.options.skips, plan.certified_closure, gap);
+    let torn = is_torn(plan.certified_deformation.unwrap_or(0.0).max(gap));
     let segments = plan.path.curves();
     let motion = SearchedMotion {
         pattern: problem.pattern,
         memberships: &plan.path.memberships,
         segments: &segments,
-        closure: plan.certified_closure.unwrap_or(f64::INFINITY),
         options,
         watch: problem.watch,
     };
@@ -276,8 +279,25 @@ fn sweep(
             return nearer;
         }
         let start = Instant::now();
-        let swept = motion.all_faces();
+        let hidden = tears_hide_contact(problem, reduction, &plan)
+            && candidate.bound_fraction > NEAREST_BOUND_FRACTION;
+        let first = if hidden {
+            motion.with_queries(MAX_HIDDEN_QUERIES)
+        } else {
+            motion
+        };
+        let mut swept = first.all_faces();
         plan.times.collision += start.elapsed();
+        if hidden && matches!(swept.verdict, SweepVerdict::Undecided { .. }) {
+            if let Some(nearer) =
+                nearer_than(NEAREST_BOUND_FRACTION, problem, reduction, candidate, &plan)
+            {
+                return nearer;
+            }
+            let start = Instant::now();
+            swept = motion.all_faces();
+            plan.times.collision += start.elapsed();
+        }
         swept
     };
     plan.collision = counts;
@@ -379,7 +399,18 @@ fn nearer(
     candidate: &CandidatePath<'_>,
     plan: &Plan,
 ) -> Option<Plan> {
-    if candidate.bound_fraction <= LEAST_BOUND_FRACTION || candidate.retreats {
+    nearer_than(LEAST_BOUND_FRACTION, problem, reduction, candidate, plan)
+}
+
+/// Does what [`nearer`] does, until `least` of the bound is aimed for.
+fn nearer_than(
+    least: f64,
+    problem: &PlanningProblem<'_>,
+    reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    plan: &Plan,
+) -> Option<Plan> {
+    if candidate.bound_fraction <= least || candidate.retreats {
         return None;
     }
     let nearer = CandidatePath {

@@ -321,7 +321,7 @@ impl<'a> Judge<'a> {
         };
         let gap = self.map.rigidity(&sheet.pattern, &sheet.tree).gap;
         let start = Instant::now();
-        let crossing = scene.deepest_crossing(&self.map, gap, rounding(gap));
+        let crossing = scene.deepest_crossing(&self.map, rounding(gap));
         self.collision += start.elapsed();
         match crossing {
             Some(_) => Verdict::Crossed,
