@@ -1,5 +1,5 @@
 //! Runs a campaign and prints its summary to stdout: `cargo run --release -p foldpath-tests --example campaign --
-//! stars|plans|paths --count 1000 --seed 1`. `tests/campaign/run` runs all campaigns.
+//! stars|plans|paths|torn --count 1000 --seed 1`. `tests/campaign/run` runs all campaigns.
 
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::{Parser, Subcommand};
 use foldpath::export::fold::pattern_text;
 use foldpath::planner::PlanOptions;
-use foldpath_tests::campaign::{Family, Report, paths, run, stars};
+use foldpath_tests::campaign::{Family, Report, paths, run, stars, torn};
 
 /// Judges many seeded stars, plans or paths
 #[derive(Parser)]
@@ -47,6 +47,12 @@ enum What {
         #[arg(long)]
         write: Option<PathBuf>,
     },
+    /// Motions of torn sheets: does check find all crossings?
+    Torn {
+        /// Folder for those that cross and are said to hold
+        #[arg(long)]
+        write: Option<PathBuf>,
+    },
 }
 
 fn main() -> std::io::Result<ExitCode> {
@@ -81,6 +87,18 @@ fn main() -> std::io::Result<ExitCode> {
                 }
             }
             paths.failures.is_empty()
+        }
+        What::Torn { write } => {
+            let torn = torn::run(seed, count);
+            println!("{torn}");
+            if let Some(folder) = write {
+                std::fs::create_dir_all(&folder)?;
+                for (kind, judged) in torn.false_holds() {
+                    let name = format!("{}-{}.fold", kind.name(), judged.seed);
+                    std::fs::write(folder.join(name), torn::motion_of(judged.seed).to_string())?;
+                }
+            }
+            torn.is_good()
         }
     };
     eprintln!("{:?}", start.elapsed());
