@@ -49,6 +49,9 @@ enum What {
     },
     /// Motions of torn sheets: does check find all crossings?
     Torn {
+        /// Only this kind
+        #[arg(long)]
+        kind: Option<String>,
         /// Folder for those that cross and are said to hold
         #[arg(long)]
         write: Option<PathBuf>,
@@ -88,14 +91,14 @@ fn main() -> std::io::Result<ExitCode> {
             }
             paths.failures.is_empty()
         }
-        What::Torn { write } => {
-            let torn = torn::run(seed, count);
+        What::Torn { kind, write } => {
+            let torn = torn(kind.as_deref(), seed, count)?;
             println!("{torn}");
             if let Some(folder) = write {
                 std::fs::create_dir_all(&folder)?;
                 for (kind, judged) in torn.false_holds() {
                     let name = format!("{}-{}.fold", kind.name(), judged.seed);
-                    std::fs::write(folder.join(name), torn::motion_of(judged.seed).to_string())?;
+                    std::fs::write(folder.join(name), torn::motion_of(*kind, judged.seed).to_string())?;
                 }
             }
             torn.is_good()
@@ -107,6 +110,20 @@ fn main() -> std::io::Result<ExitCode> {
     } else {
         ExitCode::FAILURE
     })
+}
+
+fn torn(only: Option<&str>, seed: u64, count: u64) -> std::io::Result<torn::Torn> {
+    let wanted = |kind: &torn::Kind| only.is_none_or(|name| name == kind.name());
+    let kinds: Vec<_> = torn::Kind::ALL.into_iter().filter(wanted).collect();
+    if kinds.is_empty() {
+        let names = torn::Kind::ALL.map(torn::Kind::name);
+        return Err(std::io::Error::other(format!(
+            "--kind: expected one of {}",
+            names.join(", ")
+        )));
+    }
+    let each = count.div_ceil(kinds.len() as u64);
+    Ok(torn::run(&kinds, seed, each))
 }
 
 fn plans(only: Option<&str>, seed: u64, count: u64, timeout: f64) -> std::io::Result<Report> {

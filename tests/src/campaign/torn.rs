@@ -84,44 +84,46 @@ pub struct Torn {
     /// The motions that were judged, by kind.
     pub judged: Vec<(Kind, Judged)>,
     /// Motions that were not read, and panics, with seeds.
-    pub failures: Vec<(u64, String)>,
+    pub failures: Vec<(Kind, u64, String)>,
     /// Time that making, checking and judging took.
     pub times: [Duration; 3],
 }
 
 /// Returns the motion of a seed, as the content of its file.
 #[must_use]
-pub fn motion_of(seed: u64) -> Value {
-    make::make(seed)
+pub fn motion_of(kind: Kind, seed: u64) -> Value {
+    make::make(kind, seed)
 }
 
-/// Makes and judges `count` motions, with the seeds from `seed` on.
+/// Makes and judges `count` motions of each of these kinds, with the seeds from `seed` on.
 #[must_use]
-pub fn run(seed: u64, count: u64) -> Torn {
+pub fn run(kinds: &[Kind], seed: u64, count: u64) -> Torn {
     let mut torn = Torn::default();
-    for seed in seed..seed + count {
-        let made = catch_unwind(|| make::make(seed));
-        match made {
-            Ok(file) => torn.one(seed, &file),
-            Err(_) => torn.failures.push((seed, "panicked while made".into())),
+    for &kind in kinds {
+        for seed in seed..seed + count {
+            let judged = catch_unwind(AssertUnwindSafe(|| torn.one(kind, seed)));
+            let words = match judged {
+                Ok(Ok(())) => continue,
+                Ok(Err(words)) => words,
+                Err(_) => "panicked".into(),
+            };
+            torn.failures.push((kind, seed, words));
         }
     }
     torn
 }
 
 impl Torn {
-    fn one(&mut self, seed: u64, file: &Value) {
-        let judged = catch_unwind(AssertUnwindSafe(|| judge(seed, file)));
-        match judged {
-            Ok(Ok((judged, times))) => {
-                self.judged.push((Kind::of(seed), judged));
-                for (sum, time) in self.times.iter_mut().zip(times) {
-                    *sum += time;
-                }
-            }
-            Ok(Err(words)) => self.failures.push((seed, words)),
-            Err(_) => self.failures.push((seed, "panicked".into())),
+    fn one(&mut self, kind: Kind, seed: u64) -> Result<(), String> {
+        let begun = Instant::now();
+        let file = make::make(kind, seed);
+        let made = begun.elapsed();
+        let (judged, [check, oracle]) = judge(seed, &file)?;
+        self.judged.push((kind, judged));
+        for (sum, time) in self.times.iter_mut().zip([made, check, oracle]) {
+            *sum += time;
         }
+        Ok(())
     }
 
     /// Returns the motions that cross and are said to hold.
@@ -136,13 +138,11 @@ impl Torn {
     }
 }
 
-/// Checks the motion of a file and judges it by the oracle. Returns the time that reading, checking and judging took,
-/// too.
+/// Checks the motion of a file and judges it by the oracle. Returns the times that both took, too.
 ///
 /// # Errors
 /// If the file is no path, or lacks a key.
-pub fn judge(seed: u64, file: &Value) -> Result<(Judged, [Duration; 3]), String> {
-    let begun = Instant::now();
+pub fn judge(seed: u64, file: &Value) -> Result<(Judged, [Duration; 2]), String> {
     let path = path_file(&file.to_string()).map_err(|error| error.to_string())?;
     let tree = SpanningTree::from_central_face(&path.pattern);
     let read = Instant::now();
@@ -150,7 +150,7 @@ pub fn judge(seed: u64, file: &Value) -> Result<(Judged, [Duration; 3]), String>
     let checked = Instant::now();
     let oracle = Oracle::of(file, &tree).map_err(|error| error.to_string())?;
     let found = oracle.judge();
-    let times = [read - begun, checked - read, checked.elapsed()];
+    let times = [checked - read, checked.elapsed()];
     let judged = Judged {
         seed,
         faces: oracle.sheet.faces.len(),
@@ -288,9 +288,9 @@ impl fmt::Display for Torn {
                 )?;
             }
         }
-        for (seed, words) in self.failures.iter().take(SHOWN) {
-            writeln!(f, "torn, seed {seed}: {words}")?;
+        for (kind, seed, words) in self.failures.iter().take(SHOWN) {
+            writeln!(f, "{}, seed {seed}: {words}", kind.name())?;
         }
-        writeln!(f, "read, checked, judged in {:.1?}", self.times)
+        writeln!(f, "Made, checked and judged in {:.1?}.", self.times)
     }
 }

@@ -26,17 +26,6 @@ impl Kind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Walls, Self::Flaps, Self::Boxes, Self::Thin];
 
-    /// Returns the kind of the motion of this seed.
-    #[must_use]
-    pub fn of(seed: u64) -> Self {
-        match seed % 4 {
-            0 => Self::Walls,
-            1 => Self::Flaps,
-            2 => Self::Boxes,
-            _ => Self::Thin,
-        }
-    }
-
     /// Returns the name of the kind.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -61,9 +50,9 @@ const AIMING: u32 = 12;
 const TRIALS: usize = 8;
 
 /// Returns the motion of this seed, as the content of its file.
-pub(super) fn make(seed: u64) -> Value {
+pub(super) fn make(kind: Kind, seed: u64) -> Value {
     let mut random = Random::new(seed);
-    match Kind::of(seed) {
+    match kind {
         Kind::Walls => walls(&mut random, None),
         Kind::Flaps => flaps(&mut random),
         Kind::Boxes => boxes(&mut random),
@@ -451,7 +440,11 @@ fn amount(random: &mut Random, [low, high]: [f64; 2]) -> f64 {
 /// Twists edges that lie between two panels: one to three of them, or all in a row alike. Returns the sum of the twists,
 /// radians.
 fn twist_some(random: &mut Random, strip: &mut Strip, first: usize) -> f64 {
-    let size = random.log_uniform(TWISTS[0], TWISTS[1]);
+    let size = if random.chance(0.4) {
+        random.uniform(0.5, 1.0) * TWISTS[1]
+    } else {
+        random.log_uniform(TWISTS[0], TWISTS[1])
+    };
     if random.chance(0.2) {
         let (row, twist) = (random.below(strip.rows), random.sign() * size);
         let profile = random.clone();
