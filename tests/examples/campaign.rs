@@ -98,7 +98,10 @@ fn main() -> std::io::Result<ExitCode> {
                 std::fs::create_dir_all(&folder)?;
                 for (kind, judged) in torn.false_holds() {
                     let name = format!("{}-{}.fold", kind.name(), judged.seed);
-                    std::fs::write(folder.join(name), torn::motion_of(*kind, judged.seed).to_string())?;
+                    std::fs::write(
+                        folder.join(name),
+                        torn::motion_of(*kind, judged.seed).to_string(),
+                    )?;
                 }
             }
             torn.is_good()

@@ -252,7 +252,11 @@ impl fmt::Display for Torn {
                         judged.seed,
                         judged.faces,
                         crossing.faces,
-                        if crossing.share { ", which share a vertex," } else { "" },
+                        if crossing.share {
+                            ", which share a vertex,"
+                        } else {
+                            ""
+                        },
                         crossing.depth,
                         crossing.at,
                         crossing.segment,

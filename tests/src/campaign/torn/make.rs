@@ -105,7 +105,9 @@ impl Strip {
         }
         let lines = columns + 1;
         let at = |i: usize, j: usize| j * lines + i;
-        let vertices = y.iter().flat_map(|&y| x.iter().map(move |&x| [x - middle, y]));
+        let vertices = y
+            .iter()
+            .flat_map(|&y| x.iter().map(move |&x| [x - middle, y]));
         let rungs = (0..rows).flat_map(|r| (0..lines).map(move |i| [at(i, r), at(i, r + 1)]));
         let along = (0..=rows).flat_map(|j| (0..columns).map(move |c| [at(c, j), at(c + 1, j)]));
         let faces = (0..rows).flat_map(|r| {
@@ -218,13 +220,17 @@ impl Strip {
                 let knot = random.whole(first.min(knots - 1), knots - 1);
                 self.turn_edge(edge, knot, [twist, 0.0]);
             }
-            _ => {
-                let from = random.whole(first.min(knots - 2), knots - 2);
-                let rate = 4.0 * twist / (self.times[from + 1] - self.times[from]);
-                self.turn_edge(edge, from, [0.0, rate]);
-                self.turn_edge(edge, from + 1, [0.0, -rate]);
-            }
+            _ => self.bump(random, edge, twist, first),
         }
+    }
+
+    /// Turns an edge by `turn` radians at the middle between two knots, and by nothing at both.
+    fn bump(&mut self, random: &mut Random, edge: usize, turn: f64, first: usize) {
+        let last = self.knots() - 2;
+        let from = random.whole(first.min(last), last);
+        let rate = 4.0 * turn / (self.times[from + 1] - self.times[from]);
+        self.turn_edge(edge, from, [0.0, rate]);
+        self.turn_edge(edge, from + 1, [0.0, -rate]);
     }
 
     /// Returns the content of the file.
@@ -381,7 +387,13 @@ impl Aim {
 
     /// Returns the strip that `bend` makes of `strip` with the number for which the aim is met, as nearly as it is found
     /// from `start` on with steps of no more than `widest` (secants).
-    fn meet(&self, strip: &Strip, start: f64, widest: f64, bend: impl Fn(&mut Strip, f64)) -> Strip {
+    fn meet(
+        &self,
+        strip: &Strip,
+        start: f64,
+        widest: f64,
+        bend: impl Fn(&mut Strip, f64),
+    ) -> Strip {
         let bent = |by: f64| {
             let mut bent = strip.clone();
             bend(&mut bent, by);
@@ -477,23 +489,25 @@ fn twist_some(random: &mut Random, strip: &mut Strip, first: usize) -> f64 {
 fn walls(random: &mut Random, thin: Option<f64>) -> Value {
     let rows = random.whole(2, 3);
     let fin = usize::from(thin.is_some());
-    let columns = columns(random, rows, 5);
+    // Nothing but one edge of long walls turns between two knots.
+    let quiet = thin.is_none() && random.chance(0.4);
+    let columns = columns(random, rows, if quiet { 20 } else { 5 });
     let floor = random.whole(1, 4.min(columns - 4));
     let left = (columns - floor) / 2 - random.below(2).min((columns - floor) / 2 - 2);
     let right = columns - floor - left;
     let widths: Vec<f64> = thin.into_iter().chain(widths(random, columns)).collect();
     let feet = [fin + left, fin + left + floor];
     let length = |part: &[f64]| part.iter().sum::<f64>();
-    let heights = [
-        length(&widths[fin..feet[0]]),
-        length(&widths[feet[1]..]),
-    ];
+    let heights = [length(&widths[fin..feet[0]]), length(&widths[feet[1]..])];
     let half = length(&widths[feet[0]..feet[1]]) / 2.0;
     let mut strip = Strip::new(random, &widths, rows);
     strip.order(random);
+    if quiet && strip.interpolation == "linear" {
+        strip.interpolation = INTERPOLATIONS[random.whole(1, 3)];
+    }
     let first = usize::from(strip.knots() > 2 && random.chance(0.5));
-    let lean = (half / heights[0].min(heights[1])).min(0.95).asin();
-    let sways = random.chance(0.5);
+    let lean = (half / heights[0].min(heights[1])).min(0.8).asin();
+    let sways = !quiet && random.chance(0.5);
     for knot in first..strip.knots() {
         for foot in feet {
             // The walls stand farther apart at some knots, and sway between them.
@@ -513,7 +527,14 @@ fn walls(random: &mut Random, thin: Option<f64>) -> Value {
             strip.turn(1, knot, [FRAC_PI_2, 0.0]);
         }
     }
-    let twist = if thin.is_none() || random.chance(0.5) {
+    let twist = if quiet {
+        let twist = random.uniform(0.2, 1.0) * TWISTS[1];
+        let line = random.whole(feet[0] - left / 4, feet[1] + right / 4);
+        let edge = strip.rung(line, random.below(rows));
+        let turn = random.sign() * twist;
+        strip.bump(random, edge, turn, first);
+        twist
+    } else if thin.is_none() || random.chance(0.5) {
         twist_some(random, &mut strip, first)
     } else {
         0.0
@@ -532,13 +553,13 @@ fn walls(random: &mut Random, thin: Option<f64>) -> Value {
         [row, row + 1].map(|line| [face, strip.vertex(end, line)])
     });
     let faces = others.flat_map(|column| (0..rows).map(move |row| [column, row]));
-    debug_assert!(right > 0, "two walls");
     let aim = Aim {
         corners: corners.collect(),
         faces: faces.map(|[column, row]| strip.face(column, row)).collect(),
         first,
         height: match thin {
             Some(width) => amount(random, [1e-3 * width, 0.9 * width]),
+            None if quiet => random.sign() * random.uniform(0.05, 0.9) * most,
             None if random.chance(0.6) => amount(random, [AMOUNTS[0], most]),
             None => amount(random, AMOUNTS),
         },
@@ -656,7 +677,11 @@ fn flaps(random: &mut Random) -> Value {
     let column = random.below(columns);
     let corner = strip.vertices[strip.vertex(column, 0)];
     let from_corner = random.chance(0.5);
-    let start = if from_corner { 0.0 } else { 0.3 * widths[column] };
+    let start = if from_corner {
+        0.0
+    } else {
+        0.3 * widths[column]
+    };
     // The turning edge leans, and the second part leaves a slit between itself and the panel.
     let lean = random.uniform(60_f64.to_radians(), 120_f64.to_radians());
     let slit = random.log_uniform(1e-3, lean - 0.5);

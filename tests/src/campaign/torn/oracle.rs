@@ -240,9 +240,7 @@ impl<'a> Bodies<'a> {
         let (sheet, motion) = (&oracle.sheet, &oracle.motion);
         let moves = |edge: usize| {
             let angles = [0.0, 0.21, 0.5, 0.83, 1.0].map(|s| motion.angle(segment, s, edge));
-            angles
-                .iter()
-                .any(|angle| (angle - angles[0]).abs() > STILL)
+            angles.iter().any(|angle| (angle - angles[0]).abs() > STILL)
         };
         let mut of_face = vec![0; sheet.faces.len()];
         let mut in_body = vec![Pose::identity(); sheet.faces.len()];
@@ -341,8 +339,7 @@ impl<'a> Bodies<'a> {
         };
         let mut most = f64::NEG_INFINITY;
         let mut part = |axis: &Vector3<f64>| {
-            let ([low, high], [least, last]) =
-                (range(&panel.corners, axis), range(&corners, axis));
+            let ([low, high], [least, last]) = (range(&panel.corners, axis), range(&corners, axis));
             most = most.max((least - high).max(low - last));
         };
         part(&panel.normal);
@@ -399,14 +396,8 @@ impl<'a> Bodies<'a> {
             let poses = self.at(part);
             let pose = |face: usize| poses[self.of_face[face]].after(&self.in_body[face]);
             for &[face, parent, edge] in &self.oracle.loops {
-                let angle = self
-                    .oracle
-                    .motion
-                    .angle(self.segment, place(part), edge);
-                let (is, should) = (
-                    pose(face),
-                    sheet.across(&pose(parent), edge, face, angle),
-                );
+                let angle = self.oracle.motion.angle(self.segment, place(part), edge);
+                let (is, should) = (pose(face), sheet.across(&pose(parent), edge, face, angle));
                 let apart = sheet.edges[edge]
                     .map(|v| (is.apply(sheet.flat[v]) - should.apply(sheet.flat[v])).norm());
                 found.gap = found.gap.max(worst(apart) / self.oracle.unit);
@@ -471,7 +462,11 @@ impl Search {
             return;
         }
         let speed = bodies.speed(pair, from).max(f64::MIN_POSITIVE);
-        let shortest_step = if meeting == Meeting::Vertex { SHARING } else { 1 };
+        let shortest_step = if meeting == Meeting::Vertex {
+            SHARING
+        } else {
+            1
+        };
         let mut nearest = (f64::INFINITY, from);
         let mut part = from;
         loop {
@@ -508,7 +503,8 @@ impl Search {
         let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
         let (mut low, mut high) = (place(part.saturating_sub(1)), place((part + 1).min(PARTS)));
         let mut look = |s: f64| self.look(bodies, pair, s, &bodies.place(s));
-        let inner = |low: f64, high: f64| [high - golden * (high - low), low + golden * (high - low)];
+        let inner =
+            |low: f64, high: f64| [high - golden * (high - low), low + golden * (high - low)];
         let mut places = inner(low, high);
         let mut values = places.map(&mut look);
         for _ in 0..GOLDEN {
