@@ -1,9 +1,10 @@
 //! Short campaigns, and regression tests of what campaigns have found. Plans: nothing panics, every answer without a
 //! path gives a reason, and `check` and the oracle agree with every path. Stars: closure equals the product of 4x4
 //! matrices, and no solver is wrong when it says that it converged. Paths: a spoilt path is refused or does no harm.
-//! `tests/campaign/run` is the long form.
+//! Torn motions: none holds whose faces pass through each other. `tests/campaign/run` is the long form.
 
 use core::time::Duration;
+use std::sync::LazyLock;
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::export::fold::motion_text;
@@ -91,8 +92,12 @@ fn spoilt_paths_are_refused_or_do_no_harm() {
     assert!(paths.hold < paths.read, "{paths}");
 }
 
-/// Number of torn motions of each kind.
-const TORN: u64 = 20;
+/// Torn motions, twenty of each kind.
+static TORN: LazyLock<torn::Torn> = LazyLock::new(|| {
+    let torn = torn::run(&torn::Kind::ALL, 1, 20);
+    println!("{torn}");
+    torn
+});
 
 /// A motion of a torn sheet that holds has no faces that pass through each other.
 ///
@@ -100,10 +105,8 @@ const TORN: u64 = 20;
 #[test]
 #[ignore = "check accepts some torn motions whose faces cross"]
 fn no_torn_motion_holds_whose_faces_pass_through_each_other() {
-    let torn = torn::run(&torn::Kind::ALL, 1, TORN);
-    println!("{torn}");
-    assert_eq!(torn.failures, []);
-    let wrong: Vec<_> = torn.false_holds().collect();
+    assert_eq!(TORN.failures, []);
+    let wrong: Vec<_> = TORN.false_holds().collect();
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
@@ -111,12 +114,10 @@ fn no_torn_motion_holds_whose_faces_pass_through_each_other() {
 /// and most of the clear ones hold.
 #[test]
 fn torn_motions_cross_or_stay_clear() {
-    let torn = torn::run(&torn::Kind::ALL, 1, TORN);
-    println!("{torn}");
-    assert_eq!(torn.failures, []);
+    assert_eq!(TORN.failures, []);
     for kind in torn::Kind::ALL {
         let of_kind = || {
-            let judged = torn.judged.iter().filter(move |(other, _)| *other == kind);
+            let judged = TORN.judged.iter().filter(move |(other, _)| *other == kind);
             judged.map(|(_, judged)| judged)
         };
         let cross = of_kind().filter(|judged| judged.found.crossing.is_some());
