@@ -194,6 +194,9 @@ impl fmt::Display for Torn {
                 let judged = self.judged.iter().filter(move |(other, _)| *other == kind);
                 judged.map(|(_, judged)| judged)
             };
+            if of_kind().next().is_none() {
+                continue;
+            }
             let count = |test: &dyn Fn(&&Judged) -> bool| of_kind().filter(test).count();
             let crosses = |judged: &&Judged| judged.found.crossing.is_some();
             // False answers whose depth is from the first of these to the second.

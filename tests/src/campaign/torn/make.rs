@@ -16,7 +16,8 @@ pub enum Kind {
     Walls,
     /// A small flap swings into a panel with which it shares a vertex, or beside it.
     Flaps,
-    /// A sheet rolls up to a box whose end comes to lie on its floor; only edges off the spanning tree are twisted.
+    /// A sheet rolls up to a box whose end comes near its floor. In half of them only edges off the spanning tree are
+    /// twisted.
     Boxes,
     /// Thin panels roll up, or a thin panel at the end of a wall passes through another wall.
     Thin,
@@ -601,20 +602,39 @@ fn boxes(random: &mut Random) -> Value {
             strip.turn(line, knot, [FRAC_PI_2 - less, 0.0]);
         }
     }
-    // Only edges off the tree are twisted.
+    // Still edges are twisted: those off the tree, which leaves the folded sheet as it is, or any.
     let oracle = strip.oracle();
-    let moving = |edge: &usize| strip.moves[*edge].iter().any(|at| at[0].abs() > 0.0);
-    let off: Vec<usize> = oracle.loops().map(|edge| strip.edge_order[edge]).collect();
-    let still: Vec<usize> = off.iter().copied().filter(|edge| !moving(edge)).collect();
-    let from = if still.is_empty() { off } else { still };
+    let still = |edge: &usize| strip.moves[*edge].iter().all(|at| at[0].abs() <= 0.0);
+    let off_tree = random.chance(0.5);
+    let mut edges: Vec<usize> = if off_tree {
+        oracle.loops().map(|edge| strip.edge_order[edge]).collect()
+    } else {
+        let lines = (0..rows).flat_map(|row| (1..strip.columns).map(move |line| [line, row]));
+        lines.map(|[line, row]| strip.rung(line, row)).collect()
+    };
+    if edges.iter().any(still) {
+        edges.retain(still);
+    }
+    let mut most = 0.0;
     for _ in 0..random.whole(1, 3) {
-        if from.is_empty() {
+        if edges.is_empty() {
             break;
         }
-        let edge = from[random.below(from.len())];
-        let twist = random.sign() * random.log_uniform(TWISTS[0], TWISTS[1]);
-        strip.twist(random, edge, twist, first);
+        let edge = edges[random.below(edges.len())];
+        let twist = random.log_uniform(TWISTS[0], TWISTS[1]);
+        let turn = random.sign() * twist;
+        if random.chance(0.5) && strip.interpolation != "linear" {
+            strip.bump(random, edge, turn, first);
+        } else {
+            strip.twist(random, edge, turn, first);
+        }
+        most += twist * widths.iter().sum::<f64>() / 2.0;
     }
+    let most = if off_tree {
+        AMOUNTS[1]
+    } else {
+        most.clamp(2.0 * AMOUNTS[0], AMOUNTS[1])
+    };
     let (end, beside) = (strip.columns, strip.columns - 1);
     let ends = (0..rows).map(|row| [strip.face(beside, row), strip.vertex(end, row)]);
     let faces = (0..long).flat_map(|column| (0..rows).map(move |row| [column, row]));
@@ -623,7 +643,7 @@ fn boxes(random: &mut Random) -> Value {
         corners: ends.collect(),
         faces: faces.map(|[column, row]| strip.face(column, row)).collect(),
         first,
-        height: amount(random, AMOUNTS),
+        height: amount(random, [AMOUNTS[0], most]),
     };
     let strip = aim.meet(&strip, 0.0, 0.02, |strip, by| {
         for knot in first..strip.knots() {
