@@ -1,5 +1,5 @@
 //! Runs a campaign and prints its summary to stdout: `cargo run --release -p foldpath-tests --example campaign --
-//! stars|plans|paths --count 1000 --seed 1`. `tests/campaign/run` runs all campaigns.
+//! stars|plans|paths|torn --count 1000 --seed 1`. `tests/campaign/run` runs all campaigns.
 
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::{Parser, Subcommand};
 use foldpath::export::fold::pattern_text;
 use foldpath::planner::PlanOptions;
-use foldpath_tests::campaign::{Family, Report, paths, run, stars};
+use foldpath_tests::campaign::{Family, Report, paths, run, stars, torn};
 
 /// Judges many seeded stars, plans or paths
 #[derive(Parser)]
@@ -44,6 +44,15 @@ enum What {
     /// Good paths, spoilt: check, exports and the follower
     Paths {
         /// Folder for those in dispute
+        #[arg(long)]
+        write: Option<PathBuf>,
+    },
+    /// Motions of torn sheets: does check find all crossings?
+    Torn {
+        /// Only this kind
+        #[arg(long)]
+        kind: Option<String>,
+        /// Folder for those that cross and are said to hold
         #[arg(long)]
         write: Option<PathBuf>,
     },
@@ -82,6 +91,21 @@ fn main() -> std::io::Result<ExitCode> {
             }
             paths.failures.is_empty()
         }
+        What::Torn { kind, write } => {
+            let torn = torn(kind.as_deref(), seed, count)?;
+            println!("{torn}");
+            if let Some(folder) = write {
+                std::fs::create_dir_all(&folder)?;
+                for (kind, judged) in torn.false_holds() {
+                    let name = format!("{}-{}.fold", kind.name(), judged.seed);
+                    std::fs::write(
+                        folder.join(name),
+                        torn::motion_of(*kind, judged.seed).to_string(),
+                    )?;
+                }
+            }
+            torn.is_good()
+        }
     };
     eprintln!("{:?}", start.elapsed());
     Ok(if good {
@@ -89,6 +113,20 @@ fn main() -> std::io::Result<ExitCode> {
     } else {
         ExitCode::FAILURE
     })
+}
+
+fn torn(only: Option<&str>, seed: u64, count: u64) -> std::io::Result<torn::Torn> {
+    let wanted = |kind: &torn::Kind| only.is_none_or(|name| name == kind.name());
+    let kinds: Vec<_> = torn::Kind::ALL.into_iter().filter(wanted).collect();
+    if kinds.is_empty() {
+        let names = torn::Kind::ALL.map(torn::Kind::name);
+        return Err(std::io::Error::other(format!(
+            "--kind: expected one of {}",
+            names.join(", ")
+        )));
+    }
+    let each = count.div_ceil(kinds.len() as u64);
+    Ok(torn::run(&kinds, seed, each))
 }
 
 fn plans(only: Option<&str>, seed: u64, count: u64, timeout: f64) -> std::io::Result<Report> {

@@ -1,9 +1,10 @@
 //! Campaigns: do all answers hold on many seeded inputs? Sheets of the [`meshes`] are planned, then judged by `check`
-//! and by the oracle. Random [`stars`] and random [`paths`] are judged as well.
+//! and by the oracle. Random [`stars`], random [`paths`] and motions of [`torn`] sheets are judged as well.
 
 mod follow;
 pub mod paths;
 pub mod stars;
+pub mod torn;
 
 use core::fmt;
 use core::panic::AssertUnwindSafe;

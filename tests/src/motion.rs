@@ -45,6 +45,16 @@ impl Motion {
     /// If the file names an unknown kind of interpolation.
     #[must_use]
     pub fn angles(&self, segment: usize, s: f64) -> Vec<f64> {
+        let edges = 0..self.knots[segment].angles.len();
+        edges.map(|edge| self.angle(segment, s, edge)).collect()
+    }
+
+    /// Returns the fold angle of one edge in a segment, radians; `s` is the fraction of the segment, from 0 to 1.
+    ///
+    /// # Panics
+    /// If the file names an unknown kind of interpolation.
+    #[must_use]
+    pub fn angle(&self, segment: usize, s: f64, edge: usize) -> f64 {
         let knots = [&self.knots[segment], &self.knots[segment + 1]];
         let span = knots[1].time - knots[0].time;
         let cubic = |[p, q]: [f64; 2], [m, n]: [f64; 2]| {
@@ -54,36 +64,33 @@ impl Motion {
                 + (3.0 * square - 2.0 * cube) * q
                 + (cube - square) * span * n
         };
-        let of_edge = |edge: usize| {
-            let angles = knots.map(|knot| knot.angles[edge]);
-            let rates = knots.map(|knot| knot.rates[edge]);
-            match self.kind.as_str() {
-                "linear" => angles[0] + s * (angles[1] - angles[0]),
-                "hermite" => cubic(angles, rates),
-                "half-angle" => {
-                    let tangents = angles.map(|angle| (angle / 2.0).tan());
-                    let grow = [0, 1].map(|k| rates[k] / 2.0 * (1.0 + tangents[k].powi(2)));
-                    2.0 * cubic(tangents, grow).atan()
-                }
-                "homogeneous" => {
-                    let pair = [0, 1].map(|k| {
-                        let [weight, grow] = knots[k].weights[edge];
-                        let ((sin, cos), turn) = ((angles[k] / 2.0).sin_cos(), rates[k] / 2.0);
-                        [
-                            [weight * cos, grow * cos - weight * turn * sin],
-                            [weight * sin, grow * sin + weight * turn * cos],
-                        ]
-                    });
-                    let [c, n] = [0, 1].map(|part| {
-                        let ends = pair.map(|knot| knot[part]);
-                        cubic(ends.map(|end| end[0]), ends.map(|end| end[1]))
-                    });
-                    2.0 * n.atan2(c)
-                }
-                other => panic!("interpolation {other}"),
+        let angles = knots.map(|knot| knot.angles[edge]);
+        let rates = knots.map(|knot| knot.rates[edge]);
+        match self.kind.as_str() {
+            "linear" => angles[0] + s * (angles[1] - angles[0]),
+            "hermite" => cubic(angles, rates),
+            "half-angle" => {
+                let tangents = angles.map(|angle| (angle / 2.0).tan());
+                let grow = [0, 1].map(|k| rates[k] / 2.0 * (1.0 + tangents[k].powi(2)));
+                2.0 * cubic(tangents, grow).atan()
             }
-        };
-        (0..knots[0].angles.len()).map(of_edge).collect()
+            "homogeneous" => {
+                let pair = [0, 1].map(|k| {
+                    let [weight, grow] = knots[k].weights[edge];
+                    let ((sin, cos), turn) = ((angles[k] / 2.0).sin_cos(), rates[k] / 2.0);
+                    [
+                        [weight * cos, grow * cos - weight * turn * sin],
+                        [weight * sin, grow * sin + weight * turn * cos],
+                    ]
+                });
+                let [c, n] = [0, 1].map(|part| {
+                    let ends = pair.map(|knot| knot[part]);
+                    cubic(ends.map(|end| end[0]), ends.map(|end| end[1]))
+                });
+                2.0 * n.atan2(c)
+            }
+            other => panic!("interpolation {other}"),
+        }
     }
 }
 
