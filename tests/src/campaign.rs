@@ -314,7 +314,7 @@ fn judge(
         match path_file(&text) {
             Ok(file) => {
                 // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
-                let usual = CheckOptions::default();
+                let usual = crate::strict();
                 let bound = if rough { options.bound } else { usual.bound };
                 found.extend(check(&file, &CheckOptions { bound, ..usual }).findings());
             }

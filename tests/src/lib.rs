@@ -30,6 +30,7 @@ mod sheet;
 
 pub use animation::{Animation, Frame};
 pub use folding::Pose;
+use foldpath::check::CheckOptions;
 pub use foldpath_test_support::{Random, closed_form};
 pub use hand_made::{HandKnot, HandMade};
 pub use judge::{Verdict, judge};
@@ -51,4 +52,13 @@ pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
 /// Returns `true` if `value` is above `most` or NaN.
 fn exceeds(value: f64, most: f64) -> bool {
     value > most || value.is_nan()
+}
+
+/// Returns the options of a check with a bound of 1e-3, tighter than usual.
+#[must_use]
+pub fn strict() -> CheckOptions {
+    CheckOptions {
+        bound: 1e-3,
+        ..CheckOptions::default()
+    }
 }

@@ -324,6 +324,15 @@ pub(crate) struct Plan {
     /// sheets that lie 1e11 edge lengths from the origin.
     #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
     pub(crate) bound: f64,
+    /// Write the path as far as it goes, even if the answer is no
+    #[arg(long, requires = "output", help_heading = "Path written")]
+    pub(crate) keep: bool,
+    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
+    ///
+    /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit
+    /// if they are rounded. In front of a small face, at most a thousandth of the face counts.
+    #[arg(long, value_name = "EDGES", help_heading = "Limits")]
+    pub(crate) contact: Option<f64>,
     /// Unknowns of the plan: crease groups, or single creases
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub(crate) symmetry: Symmetry,
@@ -597,6 +606,7 @@ impl Plan {
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,
+            contact: self.contact,
             symmetry: match self.symmetry {
                 Symmetry::Auto => planner::Symmetry::Auto,
                 Symmetry::Off => planner::Symmetry::Off,
@@ -668,8 +678,14 @@ pub(crate) struct Check {
     /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
     /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
     /// sheets that lie 1e11 edge lengths from the origin.
-    #[arg(long, default_value_t = 1e-3)]
+    #[arg(long, default_value_t = 0.01)]
     pub(crate) bound: f64,
+    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
+    ///
+    /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit
+    /// if they are rounded. In front of a small face, at most a thousandth of the face counts.
+    #[arg(long, value_name = "EDGES")]
+    pub(crate) contact: Option<f64>,
     #[command(flatten)]
     pub(crate) report: Report,
 }

@@ -35,6 +35,8 @@ struct PlanJson<'a> {
     max_gap: f64,
     goal_error: f64,
     min_clearance: Option<f64>,
+    contact_tolerance: f64,
+    undecided: Vec<String>,
     attempts: Vec<AttemptJson>,
     time: TimeJson,
     solver: SolverJson,
@@ -127,6 +129,8 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         max_gap: plan.rigidity.gap,
         goal_error: plan.goal_error.to_degrees(),
         min_clearance: plan.clearance.map(|clearance| clearance.distance),
+        contact_tolerance: plan.contact_tolerance,
+        undecided: plan.undecided.iter().map(ToString::to_string).collect(),
         attempts: plan.attempts.iter().map(AttemptJson::of).collect(),
         time: TimeJson {
             write: write.as_secs_f64(),
@@ -206,7 +210,11 @@ fn planned(
     let start = Instant::now();
     if let Some(motion) = &mut plan.motion {
         motion.title.clone_from(&file.title);
-        if let (Some(output), Outcome::Planned) = (&args.output, plan.outcome) {
+        if let Some(output) = args
+            .output
+            .as_ref()
+            .filter(|_| is_written(args, plan.outcome))
+        {
             write_whole_with(output, |out| write_motion(motion, out))?;
         }
     }
@@ -219,6 +227,11 @@ fn planned(
         read,
         write,
     })
+}
+
+/// Returns `true` if the path of a plan with this outcome is written.
+fn is_written(args: &Plan, outcome: Outcome) -> bool {
+    args.keep || outcome == Outcome::Planned
 }
 
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
@@ -400,7 +413,7 @@ fn summary(
         1e3 * json.time.write,
     );
     match (&args.output, plan.outcome) {
-        (Some(output), Outcome::Planned) => {
+        (Some(output), outcome) if plan.motion.is_some() && is_written(args, outcome) => {
             text += &format!("  written to   {}\n", output.display())
         }
         (Some(_), _) => text += "  nothing written\n",

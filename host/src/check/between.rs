@@ -9,7 +9,6 @@ use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
     CollisionScene, Crossing, SearchEffort, SearchedMotion, SweepOptions, SweepVerdict, is_torn,
-    rounding,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Motion;
@@ -115,7 +114,7 @@ pub(super) fn check_crossings(
     let gap = certified.unwrap_or_else(|| verdict.rigidity().gap);
     let options = SweepOptions {
         closure: verdict.closure_bound(),
-        rounding: rounded(verdict),
+        contact: verdict.contact_tolerance,
         max_queries: effort.max_queries,
         ..SweepOptions::default()
     };
@@ -153,21 +152,13 @@ pub(super) fn check_crossings(
     }
 }
 
-/// Returns the additional depth, in median edges, up to which faces that meet nowhere may overlap. Between
-/// knots a motion tears even a sheet that could close, so only gaps at knots show that coordinates are rounded.
-fn rounded(verdict: &Verdict) -> f64 {
-    let gaps = verdict.knots.iter().map(|knot| knot.gap);
-    rounding(gaps.fold(0.0, f64::max))
-}
-
 /// Returns the first knot at which faces pass through each other.
 fn crossed_knot(path: &Motion, tree: &SpanningTree, verdict: &Verdict) -> Option<PathCrossing> {
     let pattern = &path.pattern;
     let (mut map, mut scene) = (FoldingMap::flat(pattern), CollisionScene::new(pattern));
-    let mut knots = verdict.knots.iter().enumerate();
-    knots.find_map(|(index, measured)| {
+    (0..path.knots.len()).find_map(|index| {
         map.fold(pattern, tree, &path.crease_angles(index));
-        let crossing = scene.deepest_crossing(&map, rounding(measured.gap))?;
+        let crossing = scene.deepest_crossing(&map, verdict.contact_tolerance)?;
         Some(PathCrossing {
             crossing,
             between_knots: [index.saturating_sub(1), index],
@@ -189,7 +180,7 @@ pub(super) fn check_shapes(
     let pattern = &path.pattern;
     let mut map = FoldingMap::flat(pattern);
     let mut scene = (!options.sweep).then(|| CollisionScene::new(pattern));
-    let rounded = rounded(verdict);
+    let contact = verdict.contact_tolerance;
     for index in 0..path.knots.len() {
         if watch.is_over() {
             break;
@@ -214,9 +205,8 @@ pub(super) fn check_shapes(
                 at,
                 rigidity,
             }));
-            let rounded = between.map_or_else(|| rounding(rigidity.gap), |_| rounded);
             let found = scene.as_mut();
-            let found = found.and_then(|scene| scene.deepest_crossing(&map, rounded));
+            let found = found.and_then(|scene| scene.deepest_crossing(&map, contact));
             if let Some(found) = found.filter(|f| deepest.is_none_or(|d| d.depth < f.depth)) {
                 (deepest, place) = (Some(found), at);
             }

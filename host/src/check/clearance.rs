@@ -4,8 +4,8 @@ use foldpath_core::Curve;
 
 use super::Measured;
 use super::merged_groups::MergedGroups;
-use crate::collision::{Place, SearchEffort, Sweep, SweepOptions, SweepVerdict, rounding};
-use crate::motion::{Knot, Motion};
+use crate::collision::{Place, SearchEffort, Sweep, SweepOptions, SweepVerdict, contact_tolerance};
+use crate::motion::Motion;
 use crate::pattern::FaceId;
 use crate::progress::Watch;
 
@@ -56,17 +56,6 @@ pub(crate) fn clearances_until_over(
     let members = motion.groups.memberships();
     let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
     let closure = measured.iter().map(|m| m.closure).fold(0.0, f64::max);
-    // Between knots a motion tears even a sheet that could close: only gaps at knots tell of rounded
-    // coordinates.
-    let is_knot = |shape: &Knot| {
-        let knots = path
-            .knots
-            .binary_search_by(|knot| knot.time.total_cmp(&shape.time));
-        knots.is_ok()
-    };
-    let at_knots = shapes.knots.iter().zip(measured);
-    let at_knots = at_knots.filter(|(shape, _)| is_knot(shape));
-    let rounded = at_knots.map(|(_, m)| m.gap).fold(0.0, f64::max);
     let lattice = SearchEffort::PICTURE.lattice(pattern, members, gap);
     if !motion.is_finite() || !SearchEffort::PICTURE.affords(pattern, lattice.as_ref()) {
         return unknown;
@@ -75,7 +64,7 @@ pub(crate) fn clearances_until_over(
         [SearchEffort::PICTURE, SearchEffort::PICTURE_SHAPE].map(|effort| {
             let options = SweepOptions {
                 closure,
-                rounding: rounding(rounded),
+                contact: contact_tolerance(pattern),
                 max_queries: effort.max_queries,
                 ..SweepOptions::default()
             };

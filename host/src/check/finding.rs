@@ -59,6 +59,15 @@ pub enum SheetError {
     Closure,
 }
 
+/// A limit on the motion of hinges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RateLimit {
+    /// Largest speed, radians per second.
+    Speed,
+    /// Largest acceleration, radians per second squared.
+    Acceleration,
+}
+
 /// A fault of a path. `Display` makes a sentence of it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -101,6 +110,24 @@ pub enum Failure {
         claimed: f64,
         /// Value measured.
         found: f64,
+    },
+    /// A hinge exceeds the speed or the acceleration that the file claims.
+    FalseRate {
+        /// What is claimed.
+        limit: RateLimit,
+        /// Value in the file.
+        claimed: f64,
+        /// Value measured; infinite if a hinge changes its speed at once.
+        found: f64,
+    },
+    /// Faces are nearer to each other at a knot than the file claims, or their distance is not known.
+    FalseClearance {
+        /// Number of the knot.
+        knot: usize,
+        /// Distance in the file, units of the sheet.
+        claimed: f64,
+        /// Distance measured; `None` if it is not known.
+        found: Option<f64>,
     },
     /// The sheet breaks the bound.
     OverBound {
@@ -153,6 +180,13 @@ pub enum Undecided {
         error: f64,
         /// Bound that they have to keep.
         bound: f64,
+    },
+    /// The fold angle of a hinge is not known at a place where the weights of its curve vanish.
+    Angle {
+        /// Place on the path.
+        at: Moment,
+        /// The hinge.
+        edge: EdgeId,
     },
     /// Whether faces pass through each other was not decided within the budget.
     Crossings {

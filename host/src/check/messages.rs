@@ -2,7 +2,7 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use super::finding::{Failure, GroupQuantity, Moment, SheetError, Undecided, WrongTurn};
+use super::finding::{Failure, GroupQuantity, Moment, RateLimit, SheetError, Undecided, WrongTurn};
 use crate::pattern::{ClosureSite, EdgeId, Letter};
 
 impl Display for Moment {
@@ -72,6 +72,40 @@ impl Display for Failure {
                 f,
                 "knot {knot}: the file claims a {error} of {claimed:.3e}, but it is {found:.3e}"
             ),
+            Self::FalseRate {
+                limit,
+                claimed,
+                found,
+            } => {
+                let (what, unit) = match limit {
+                    RateLimit::Speed => ("speed", "degrees per second"),
+                    RateLimit::Acceleration => ("acceleration", "degrees per second squared"),
+                };
+                let claimed = claimed.to_degrees();
+                write!(
+                    f,
+                    "the file claims a largest {what} of {claimed:.3e} {unit}, but "
+                )?;
+                if found.is_finite() {
+                    write!(f, "it is {:.3e}", found.to_degrees())
+                } else {
+                    f.write_str("hinges change their speed at once")
+                }
+            }
+            Self::FalseClearance {
+                knot,
+                claimed,
+                found,
+            } => {
+                write!(
+                    f,
+                    "knot {knot}: the file claims a clearance of {claimed:.3e}, but "
+                )?;
+                match found {
+                    Some(found) => write!(f, "it is {found:.3e}"),
+                    None => f.write_str("it is not known"),
+                }
+            }
             Self::OverBound {
                 at,
                 error,
@@ -165,6 +199,10 @@ impl Display for Undecided {
                  sheet may deform or tear by {error:.3e}, over the bound {bound:.3e}",
                 segment + 1,
                 Site(*site)
+            ),
+            Self::Angle { at, edge } => write!(
+                f,
+                "not certified: {at}, the fold angle of edge {edge} is not known, as its weights vanish"
             ),
             Self::Crossings { at, faces } => {
                 write!(

@@ -8,6 +8,7 @@
 //! core's `bernstein`, on which the planner's bounds rest, does not go unseen here.
 
 mod between;
+mod claims;
 mod clearance;
 mod closure;
 mod finding;
@@ -17,15 +18,16 @@ mod merged_groups;
 mod messages;
 mod turns;
 
+pub use claims::Rates;
 pub(crate) use clearance::clearances_until_over;
 pub use clearance::{Clearances, WorstPair, clearances};
 pub use closure::SegmentClosure;
-pub use finding::{Failure, GroupQuantity, Moment, SheetError, Undecided, WrongTurn};
+pub use finding::{Failure, GroupQuantity, Moment, RateLimit, SheetError, Undecided, WrongTurn};
 pub(crate) use knots::differing_hinge;
 pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
-use crate::collision::Crossing;
+use crate::collision::{Crossing, contact_tolerance};
 use crate::folding::{Rigidity, SpanningTree};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
@@ -36,6 +38,9 @@ use crate::progress::{Progress, Stage, Watch};
 pub struct CheckOptions {
     /// Bound on deformation and gap, a fraction.
     pub bound: f64,
+    /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
+    /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
+    pub contact: Option<f64>,
     /// Number of shapes judged in each segment between its knots; with 0, knots alone are judged.
     pub samples: usize,
     /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
@@ -48,6 +53,7 @@ impl CheckOptions {
     pub fn knots_alone(bound: f64) -> Self {
         Self {
             bound,
+            contact: None,
             samples: 0,
             sweep: false,
         }
@@ -57,7 +63,8 @@ impl CheckOptions {
 impl Default for CheckOptions {
     fn default() -> Self {
         Self {
-            bound: 1e-3,
+            bound: 0.01,
+            contact: None,
             samples: 16,
             sweep: true,
         }
@@ -120,6 +127,10 @@ pub struct Verdict {
     pub crossings: Vec<PathCrossing>,
     /// Smallest distance found between faces that share no vertex, in units of the sheet.
     pub min_clearance: Option<f64>,
+    /// Depth up to which an overlap of faces counts as contact, in median edges.
+    pub contact_tolerance: f64,
+    /// Largest speed and acceleration of a hinge.
+    pub rates: Rates,
 }
 
 /// Answer of a check.
@@ -223,6 +234,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     let tree = SpanningTree::from_central_face(&path.pattern);
     let mut verdict = Verdict {
         knots: measure(path, &tree),
+        contact_tolerance: (options.contact).unwrap_or_else(|| contact_tolerance(&path.pattern)),
         ..Verdict::default()
     };
     if options.bound.is_nan() {
@@ -233,6 +245,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     let errors = knots::check_rigidity(path, options.bound, &verdict.knots);
     verdict.failures.extend(errors);
     let mut motion = MergedGroups::of(path);
+    verdict.rates = Rates::of(path, &motion);
     if options.samples == 0 && !options.sweep {
         motion.segments.clear();
     }
@@ -241,9 +254,12 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         ..*options
     };
     if verdict.failures.is_empty() {
-        let wrong = turns::wrong_turn(&path.pattern, &motion);
+        let (wrong, unknown) = turns::wrong_turn(&path.pattern, &motion);
         verdict.failures.extend(wrong);
+        verdict.undecided.extend(unknown);
     }
+    let rates = claims::false_rates(path, verdict.rates);
+    verdict.failures.extend(rates);
     // Numbers that overflow have been found by now.
     if motion.is_finite() {
         watch.begin(Stage::Closure);
@@ -256,6 +272,8 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
+        let clearances = claims::false_clearances(path, &verdict.knots, watch);
+        verdict.failures.extend(clearances);
     }
     if watch.is_over() {
         verdict.undecided.push(Undecided::Cancelled);

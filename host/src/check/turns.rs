@@ -1,64 +1,160 @@
-//! Checks the turns of hinges between knots: none may turn against its assignment (letter), or beyond half a
-//! turn.
+//! Checks the turns of hinges between knots: none may turn against its assignment (letter), or beyond half a turn.
+//!
+//! A curve is halved until its control points prove for each part that the fold angle stays in its range, or a place is
+//! found where it does not. The angle of a cubic stays between those of its control points. The half angle of a curve
+//! (c, n) stays in the cone of its control points, as long as they lie in an open half plane.
+
+use core::f64::consts::PI;
 
 use foldpath_core::Curve;
 
-use super::finding::{Failure, Moment, WrongTurn};
+use super::finding::{Failure, Moment, Undecided, WrongTurn};
 use super::{MergedGroups, SAME_ANGLE};
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, Letter};
 
-/// Returns the first hinge that turns the wrong way between two knots.
-pub(super) fn wrong_turn(pattern: &CreasePattern, motion: &MergedGroups) -> Option<Failure> {
-    let segments = motion.segments.iter().enumerate();
-    let mut curves = segments.flat_map(|(segment, curves)| {
-        let leaders = curves.iter().zip(&motion.leaders);
-        leaders.map(move |(curve, &edge)| (segment, curve, edge))
-    });
-    curves.find_map(|(segment, curve, edge)| {
-        let letter = pattern.edge(edge).letter;
-        extremes(curve).into_iter().find_map(|s| {
-            let value = curve.angle(s);
-            let wrong = if value * letter.sign() < -SAME_ANGLE {
-                WrongTurn::AgainstLetter
-            } else if value.abs() > core::f64::consts::PI + SAME_ANGLE {
-                WrongTurn::BeyondHalfTurn
-            } else if value.is_nan() {
-                WrongTurn::NotANumber
-            } else {
-                return None;
-            };
-            let at = Moment::Between { segment, s };
-            Some(Failure::Turns {
-                at,
-                edge,
-                letter,
-                wrong,
-                value,
-            })
-        })
-    })
+/// Largest number of successive halvings: parts are no shorter than 2^-40 of the segment.
+const MAX_HALVINGS: u32 = 40;
+/// Largest number of parts of a curve that are looked at.
+const MAX_PARTS: usize = 4096;
+/// Rounding errors of a control point, in the roundings of the largest coefficient.
+const ROUNDINGS: f64 = 16.0;
+
+/// Verdict on the turn of a hinge between two knots.
+enum Turn {
+    Right,
+    /// The hinge is at a wrong angle at this place in the segment.
+    Wrong(f64, WrongTurn),
+    /// The control points decide nothing at this place, as the weights vanish.
+    Unknown(f64),
 }
 
-/// Returns the places in the segment at which the fold angle can be farthest from 0 on either side, except for
-/// rounding of the second order: the turning points of cubics. For a homogeneous half angle (c, n) these are
-/// the cubics c and n: n changes its sign with the angle, and c at half a turn.
-fn extremes(curve: &Curve<f64>) -> Vec<f64> {
-    let cubics = match curve {
-        Curve::Angle(angle) => [Some(angle), None],
-        Curve::HalfAngle { cos, sin } => [Some(cos), Some(sin)],
+/// Finds the first hinge that turns the wrong way between two knots. If there is none, returns the first place at which
+/// the angle of a hinge is not known.
+pub(super) fn wrong_turn(
+    pattern: &CreasePattern,
+    motion: &MergedGroups,
+) -> (Option<Failure>, Option<Undecided>) {
+    let mut unknown = None;
+    for (segment, curves) in motion.segments.iter().enumerate() {
+        for (curve, &edge) in curves.iter().zip(&motion.leaders) {
+            let letter = pattern.edge(edge).letter;
+            match turn(curve, letter) {
+                Turn::Right => {}
+                Turn::Wrong(s, wrong) => {
+                    let failure = Failure::Turns {
+                        at: Moment::Between { segment, s },
+                        edge,
+                        letter,
+                        wrong,
+                        value: curve.angle(s),
+                    };
+                    return (Some(failure), None);
+                }
+                Turn::Unknown(s) => {
+                    let at = Moment::Between { segment, s };
+                    unknown.get_or_insert(Undecided::Angle { at, edge });
+                }
+            }
+        }
+    }
+    (None, unknown)
+}
+
+/// Returns what is wrong with a fold angle.
+fn wrong(angle: f64, letter: Letter) -> Option<WrongTurn> {
+    if angle * letter.sign() < -SAME_ANGLE {
+        Some(WrongTurn::AgainstLetter)
+    } else if angle.abs() > PI + SAME_ANGLE {
+        Some(WrongTurn::BeyondHalfTurn)
+    } else if angle.is_nan() {
+        Some(WrongTurn::NotANumber)
+    } else {
+        None
+    }
+}
+
+/// Judges the turn of a hinge with this letter over a segment.
+fn turn(curve: &Curve<f64>, letter: Letter) -> Turn {
+    for s in [0.0, 1.0] {
+        if let Some(wrong) = wrong(curve.angle(s), letter) {
+            return Turn::Wrong(s, wrong);
+        }
+    }
+    let size = match curve {
+        Curve::Angle(angle) => largest(angle),
+        Curve::HalfAngle { cos, sin } => largest(cos).max(largest(sin)),
     };
-    let turns = cubics.into_iter().flatten().flat_map(turning_points);
-    turns.chain([0.0, 1.0]).collect()
+    let slack = ROUNDINGS * f64::EPSILON * size;
+    let mut open = vec![(*curve, [0.0, 1.0], 0)];
+    let (mut parts, mut unknown) = (0, None);
+    while let Some((part, [from, to], halvings)) = open.pop() {
+        let ends = range(&part, slack);
+        if ends.is_some_and(|ends| ends.iter().all(|&end| wrong(end, letter).is_none())) {
+            continue;
+        }
+        let middle = f64::midpoint(from, to);
+        if let Some(wrong) = wrong(curve.angle(middle), letter) {
+            return Turn::Wrong(middle, wrong);
+        }
+        parts += 1;
+        if halvings == MAX_HALVINGS || parts == MAX_PARTS {
+            unknown = Some(middle);
+            break;
+        }
+        let [first, second] = halves(&part);
+        open.push((second, [middle, to], halvings + 1));
+        open.push((first, [from, middle], halvings + 1));
+    }
+    unknown.map_or(Turn::Right, Turn::Unknown)
 }
 
-/// Returns the zeros between 0 and 1 of the derivative of a cubic with these Bernstein coefficients.
-fn turning_points([a, b, c, d]: &[f64; 4]) -> impl Iterator<Item = f64> + use<> {
-    // The derivative over 3 is x (1 - s)² + 2 y s (1 - s) + z s².
-    let (x, y, z) = (b - a, c - b, d - c);
-    let (second, first) = (x - 2.0 * y + z, y - x);
-    let root = (first * first - second * x).max(0.0).sqrt();
-    // Zeros of second s² + 2 first s + x, without cancellation.
-    let sum = -(first + root.copysign(first));
-    let zeros = [sum / second, x / sum];
-    zeros.into_iter().filter(|s| *s > 0.0 && *s < 1.0)
+fn largest(cubic: &[f64; 4]) -> f64 {
+    cubic.iter().fold(0.0, |most, b| most.max(b.abs()))
+}
+
+/// Returns bounds on the fold angle over a curve; `None` if its control points exclude no angle. A control point is known
+/// to within `slack`.
+fn range(curve: &Curve<f64>, slack: f64) -> Option<[f64; 2]> {
+    let ends = |angles: [f64; 4]| {
+        let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [low, high]
+    };
+    match curve {
+        Curve::Angle(angle) => {
+            let [low, high] = ends(*angle);
+            Some([low - slack, high + slack])
+        }
+        Curve::HalfAngle { cos, sin } => {
+            let halves = core::array::from_fn(|k| sin[k].atan2(cos[k]));
+            let norms = (0..4).map(|k| cos[k].hypot(sin[k]));
+            let off = 2.0 * slack / norms.fold(f64::INFINITY, f64::min);
+            let [low, high] = ends(halves);
+            let cone = high - low + 2.0 * off < PI && off.is_finite();
+            cone.then_some([2.0 * (low - off), 2.0 * (high + off)])
+        }
+    }
+}
+
+/// Returns the two halves of a curve, by de Casteljau's algorithm.
+fn halves(curve: &Curve<f64>) -> [Curve<f64>; 2] {
+    let split = |[a, b, c, d]: [f64; 4]| {
+        let [ab, bc, cd] = [(a, b), (b, c), (c, d)].map(|(x, y)| f64::midpoint(x, y));
+        let [abc, bcd] = [(ab, bc), (bc, cd)].map(|(x, y)| f64::midpoint(x, y));
+        let middle = f64::midpoint(abc, bcd);
+        [[a, ab, abc, middle], [middle, bcd, cd, d]]
+    };
+    match *curve {
+        Curve::Angle(angle) => split(angle).map(Curve::Angle),
+        Curve::HalfAngle { cos, sin } => {
+            let [[cos, more_cos], [sin, more_sin]] = [split(cos), split(sin)];
+            [
+                Curve::HalfAngle { cos, sin },
+                Curve::HalfAngle {
+                    cos: more_cos,
+                    sin: more_sin,
+                },
+            ]
+        }
+    }
 }

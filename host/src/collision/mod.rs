@@ -27,7 +27,7 @@ mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use lattice::LatticeScene;
-pub use pieces::rounding;
+pub use pieces::contact_tolerance;
 pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn, lattice_scene};
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;

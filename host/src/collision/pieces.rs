@@ -5,20 +5,18 @@ use core::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
-use super::tolerances::{CHAIN_GAP_RATIO, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES};
+use super::tolerances::{
+    CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
+};
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 
-/// Returns the additional depth, in median edges, up to which faces that share no point of the flat sheet may
-/// overlap in a sheet torn by `gap` (in median edges, too).
-///
-/// As far as the gap may be one of rounded coordinates, such faces lie elsewhere if the sheet is folded from
-/// another face.
+/// Returns the depth up to which an overlap of two faces counts as contact, in median edges: 1e-6, and ten times the
+/// unit of the last digit if coordinates are rounded, at most 1e-3 more. In front of a face whose size is below the
+/// median edge it is less.
 #[must_use]
-pub fn rounding(gap: f64) -> f64 {
-    if gap.is_nan() {
-        return 0.0;
-    }
-    (CHAIN_GAP_RATIO * gap).min(MAX_ROUNDING_EDGES)
+pub fn contact_tolerance(pattern: &CreasePattern) -> f64 {
+    let rounding = CHAIN_ROUNDING_RATIO * pattern.coordinate_unit() / pattern.median_edge();
+    CROSSING_DEPTH_EDGES + rounding.min(MAX_ROUNDING_EDGES)
 }
 
 /// Depths up to which an overlap of two pieces is contact. They belong to a pair: in front of a thin face they are less.
@@ -32,13 +30,12 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// Takes the depth that counts as a crossing, and the additional depth that rounded coordinates explain, in median
-    /// edges.
-    pub(super) fn new(median_edge: f64, depths: [f64; 2]) -> Self {
-        let [depth, rounding] = depths.map(|depth| depth * median_edge);
+    /// Takes the depth up to which an overlap is contact, in median edges.
+    pub(super) fn new(median_edge: f64, contact: f64) -> Self {
+        let depth = CROSSING_DEPTH_EDGES.min(contact);
         Self {
-            depth,
-            rounding,
+            depth: depth * median_edge,
+            rounding: (contact - depth) * median_edge,
             rounding_ratio: MAX_ROUNDING_EDGES,
         }
     }
@@ -53,6 +50,11 @@ impl Contact {
     pub(super) fn of(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
         let most = self.rounding_ratio * pieces.smaller_size(pair);
         self.depth(pieces, pair) + self.rounding.min(most)
+    }
+
+    /// Returns the depth that counts as a crossing of faces that are not small, in a sheet without rounding.
+    pub(super) fn base(&self) -> f64 {
+        self.depth
     }
 
     /// Returns the largest depth up to which an overlap of any pieces is contact, units of the sheet.

@@ -82,7 +82,7 @@ impl SearchEffort {
 /// Returns `true` if a sheet with this gap, in median edges, may be torn by more than faces may lie across each other.
 /// Such a sheet may cross elsewhere than its path does.
 pub(crate) fn is_torn(gap: f64) -> bool {
-    gap.is_nan() || gap > SweepOptions::default().tolerance
+    gap.is_nan() || gap > SweepOptions::default().contact
 }
 
 /// A motion to be searched for crossings.

@@ -7,7 +7,6 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{Contact, Pieces, Placed};
-use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -82,14 +81,14 @@ impl CollisionScene {
     /// Returns the deepest crossing under a folding map, if any.
     ///
     /// Faces that share a vertex cross only if they are deeper in each other than the distance between the positions that
-    /// they give this vertex. `rounding` is an additional depth up to which any faces may overlap, in median edges: the
-    /// [`rounding`](super::rounding) of coordinates, at most a thousandth of the smaller of two faces. Cost: about
-    /// O(faces log faces) while few bounding boxes overlap.
-    pub fn deepest_crossing(&mut self, map: &FoldingMap, rounding: f64) -> Option<Crossing> {
+    /// they give this vertex. `contact` is the depth up to which any faces may overlap, in median edges: the
+    /// [`contact_tolerance`](super::contact_tolerance), of which at most a thousandth of the smaller of two faces counts.
+    /// Cost: about O(faces log faces) while few bounding boxes overlap.
+    pub fn deepest_crossing(&mut self, map: &FoldingMap, contact: f64) -> Option<Crossing> {
         self.place(map);
         let mut deepest: Option<Crossing> = None;
         let mut tested = 0;
-        let contact = Contact::new(self.median_edge, [CROSSING_DEPTH_EDGES, rounding]);
+        let contact = Contact::new(self.median_edge, contact);
         let pieces = &self.pieces;
         let placed = Placed {
             pieces,

@@ -13,13 +13,13 @@ pub(super) const CROSSING_DEPTH_EDGES: f64 = 1e-6;
 pub(super) const CROSSING_DEPTH_RATIO: f64 = 1e-3;
 /// Ratio of a tear at a common vertex to the size of the smaller face up to which an overlap of the two faces may come
 /// from the tear.
-pub(super) const MAX_TEAR_RATIO: f64 = 0.25;
+pub(super) const MAX_TEAR_RATIO: f64 = 0.5;
 /// Largest part of the distance of two faces that the tears along a chain between them may use up; for nearer faces, the
 /// chain follows the spanning tree, along which nothing is torn.
 pub(super) const CHAIN_TEAR_RATIO: f64 = 0.25;
-/// Ratio of the displacement allowed to faces that share no point of the flat sheet to the gap of the sheet: gaps add
-/// up along the chain of faces from one to the other.
-pub(super) const CHAIN_GAP_RATIO: f64 = 10.0;
+/// Ratio of the displacement that is attributed to rounded coordinates to the unit of their last digit: errors add up
+/// along the chain of faces from one face to another.
+pub(super) const CHAIN_ROUNDING_RATIO: f64 = 10.0;
 /// Largest displacement that is attributed to rounded coordinates.
 pub(super) const MAX_ROUNDING_EDGES: f64 = 1e-3;
 /// Ratio of a corner's distance from a plane to the tolerance up to which the corner is close to the plane.

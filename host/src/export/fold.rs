@@ -197,7 +197,7 @@ fn write_knot(knot: &Knot, turns: &[usize], frame: &mut Object<'_, impl Write>) 
     frame.set("foldpath:deformation", &knot.claims.deformation)?;
     frame.set("foldpath:gap", &knot.claims.gap)?;
     frame.set("foldpath:closure", &knot.claims.closure)?;
-    frame.set("foldpath:clearance", &None::<f64>)
+    frame.set("foldpath:clearance", &knot.claims.clearance)
 }
 
 /// Writes an angle or rate of each group (radians) as one number for each edge, in degrees and with the edge's sign.

@@ -78,6 +78,8 @@ pub struct Claims {
     pub gap: Option<f64>,
     /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger.
     pub closure: Option<f64>,
+    /// Smallest distance between faces that share no vertex, units of the sheet.
+    pub clearance: Option<f64>,
 }
 
 /// Angle, rate and weight of an edge or group that stays flat.
@@ -87,6 +89,8 @@ pub(crate) const REST: Node<f64> = Node {
     weight: [1.0, 0.0],
 };
 
+/// Largest fold angle of a hinge that counts as flat, radians.
+const FLAT_RAD: f64 = 1e-9;
 /// Largest number of steps into which [`Motion::with_steps`] divides a segment.
 const MAX_STEPS: f64 = 1000.0;
 
@@ -112,6 +116,13 @@ impl Motion {
     #[must_use]
     pub fn groups(&self) -> usize {
         self.knots.first().map_or(0, |knot| knot.angles.len())
+    }
+
+    /// Returns `true` if all hinges are at angle 0 at the first knot.
+    #[must_use]
+    pub fn begins_flat(&self) -> bool {
+        let first = self.knots.first();
+        first.is_some_and(|knot| knot.angles.iter().all(|angle| angle.abs() <= FLAT_RAD))
     }
 
     /// Number of segments between two knots.

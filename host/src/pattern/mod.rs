@@ -11,6 +11,7 @@ mod ids;
 mod letter;
 mod model;
 mod planarity;
+mod precision;
 mod split;
 mod trace;
 mod triangulate;

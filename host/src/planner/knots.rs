@@ -65,7 +65,11 @@ impl Path {
             naming: GroupNaming::Named,
             interpolation: self.interpolation,
             max_speed: Some(options.max_speed),
-            max_acceleration: Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
+            // A hinge that turns evenly from knot to knot changes its speed at once.
+            max_acceleration: match self.interpolation {
+                Interpolation::Linear => Some(f64::INFINITY),
+                _ => Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
+            },
             seed: Some(options.seed),
             knots: self.knots.into_iter().map(Knot::into_stored).collect(),
             phases,
@@ -106,6 +110,7 @@ impl Knot {
                 deformation: Some(self.deformation),
                 gap: Some(self.gap),
                 closure: Some(self.closure),
+                clearance: None,
             },
         }
     }

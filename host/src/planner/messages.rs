@@ -2,7 +2,7 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use super::reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+use super::reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
 use crate::pattern::EdgeId;
 
 /// Largest number of edges that a sentence names.
@@ -45,9 +45,31 @@ impl Display for TimeoutAt {
     }
 }
 
+impl Display for Undecided {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::JudgedAtKnots => f.write_str(
+                "judged at its knots alone: of the motion between them nothing is known",
+            ),
+            Self::Crossings { faces, segment } => {
+                f.write_str("crossings are not decided: the search gave up")?;
+                if let Some([a, b]) = faces {
+                    write!(f, " at the pair of faces {a} and {b}")?;
+                }
+                write!(f, " between knots {segment} and {}", segment + 1)
+            }
+            Self::CrossingsAtKnots { faces } => write!(
+                f,
+                "crossings were looked for at knots alone: the search over the motion of {faces} faces gave up"
+            ),
+        }
+    }
+}
+
 impl Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
+            Self::Undecided(question) => question.fmt(f),
             Self::OutOfTime(at) => write!(f, "out of time while {at}"),
             Self::GoalNotClosed {
                 goal,
@@ -219,20 +241,6 @@ impl Display for Note {
             ),
             Self::Deforming => f.write_str(
                 "no exact motion leads to the goal; the sheet is taken there straight, deforming",
-            ),
-            Self::JudgedAtKnots => f.write_str(
-                "judged at its knots alone: of the motion between them nothing is known",
-            ),
-            Self::CrossingsUndecided { faces, segment } => {
-                f.write_str("crossings are not decided: the search gave up at the pair")?;
-                if let Some([a, b]) = faces {
-                    write!(f, " of faces {a} and {b}")?;
-                }
-                write!(f, " between knots {segment} and {}", segment + 1)
-            }
-            Self::CrossingsAtKnots { faces } => write!(
-                f,
-                "crossings were looked for at knots only: too many faces ({faces}) for the motion between them"
             ),
             Self::EndsBeforeCrossing {
                 residual,

@@ -85,5 +85,5 @@ pub use options::{
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;
 pub use plan::{Attempt, Outcome, Plan, Strategy, Times};
-pub use reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+pub use reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
 pub use strategies::driver::{plan, plan_watched};

@@ -115,6 +115,9 @@ pub struct HingeLimit {
 pub struct PlanOptions {
     /// Bound on deformation and gap of the whole sheet, a fraction of lengths: above 0 and at most 1.
     pub bound: f64,
+    /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
+    /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
+    pub contact: Option<f64>,
     /// Use of crease groups.
     pub symmetry: Symmetry,
     /// Vertices whose closure conditions are solved.
@@ -157,6 +160,7 @@ impl Default for PlanOptions {
     fn default() -> Self {
         Self {
             bound: 0.01,
+            contact: None,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
             judged: Judged::default(),
@@ -199,6 +203,8 @@ impl OptionsError {
     }
 }
 
+/// Largest depth of contact that may be asked for, median edges.
+const MAX_CONTACT_EDGES: f64 = 1e-3;
 /// Smallest speed that may be asked for, radians per second: below it times become too large to tell knots apart.
 const MIN_SPEED_RAD_PER_S: f64 = 1e-9;
 
@@ -222,6 +228,16 @@ impl PlanOptions {
                 option: "bound",
                 expected: "a fraction of at most 1",
                 found: self.bound,
+            });
+        }
+        if let Some(found) = self
+            .contact
+            .filter(|c| !(0.0..=MAX_CONTACT_EDGES).contains(c))
+        {
+            return Err(OptionsError {
+                option: "contact",
+                expected: "median edges from 0 to 0.001",
+                found,
             });
         }
         for limit in &self.limits {

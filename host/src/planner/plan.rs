@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use super::PlanOptions;
 use super::knots::Path;
-use super::reason::{Note, Reason, TimeoutAt};
+use super::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion};
@@ -25,6 +25,8 @@ pub enum Outcome {
     GoalNotClosed,
     /// Faces pass through each other.
     Crossing(Crossing),
+    /// A path to the goal was found, but something that was asked could not be decided within its budget.
+    Undecided,
     /// Out of time.
     Timeout,
 }
@@ -39,6 +41,7 @@ impl Outcome {
             Self::NotRigidlyFoldable => "not_rigidly_foldable",
             Self::GoalNotClosed => "goal_not_closed",
             Self::Crossing(_) => "crossing",
+            Self::Undecided => "undecided",
             Self::Timeout => "timeout",
         }
     }
@@ -115,10 +118,14 @@ pub struct Plan {
     /// Smallest distance of two faces that share no vertex, over the whole motion, if crossings were looked for and
     /// none was found.
     pub clearance: Option<Clearance>,
+    /// Depth up to which an overlap of faces counted as contact, in median edges.
+    pub contact_tolerance: f64,
     /// Time spent.
     pub times: Times,
     /// Remarks for the user.
     pub notes: Vec<Note>,
+    /// Questions left open; with any of them, the outcome is no longer [`Outcome::Planned`].
+    pub undecided: Vec<Undecided>,
     /// Strategies that were tried, in this order.
     pub attempts: Vec<Attempt>,
 }

@@ -45,6 +45,8 @@ pub(super) struct PlanningProblem<'a> {
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
     pub(super) errors: ErrorModel,
+    /// Depth up to which an overlap of faces is contact, median edges.
+    pub(super) contact: f64,
     pub(super) watch: Watch<'a>,
 }
 

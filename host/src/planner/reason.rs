@@ -45,10 +45,32 @@ pub enum TimeoutAt {
     LookingForCrossings,
 }
 
+/// A question that a plan leaves open. `Display` makes a sentence of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Undecided {
+    /// Nothing is known of the motion between knots.
+    JudgedAtKnots,
+    /// The search for crossings gave up.
+    Crossings {
+        /// The two faces that are not decided, if they are known.
+        faces: Option<[FaceId; 2]>,
+        /// Number of the knot after which they are not decided.
+        segment: usize,
+    },
+    /// Crossings were looked for at knots alone, as the search over the motion gave up.
+    CrossingsAtKnots {
+        /// Number of faces.
+        faces: usize,
+    },
+}
+
 /// Reason why an outcome is not [`Planned`](super::Outcome::Planned). `Display` makes a sentence of it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
+    /// A path was found, but this question is open.
+    Undecided(Undecided),
     /// Time ran out.
     OutOfTime(TimeoutAt),
     /// No closed configuration was found near a goal.
@@ -201,20 +223,6 @@ pub enum Note {
     },
     /// The sheet deforms on its way to the goal.
     Deforming,
-    /// Nothing is known of the motion between knots.
-    JudgedAtKnots,
-    /// The search for crossings gave up.
-    CrossingsUndecided {
-        /// The two faces that are not decided, if they are known.
-        faces: Option<[FaceId; 2]>,
-        /// Number of the knot after which they are not decided.
-        segment: usize,
-    },
-    /// Crossings were looked for at knots alone.
-    CrossingsAtKnots {
-        /// Number of faces, too many for the motion between knots.
-        faces: usize,
-    },
     /// The path ends a little before a goal that does not close, as faces cross there.
     EndsBeforeCrossing {
         /// Closure residual of the goal as asked.

@@ -42,7 +42,7 @@ fn both(drawing: Drawing) -> [f64; 2] {
     let mut map = FoldingMap::flat(&pattern);
     let tree = SpanningTree::from_central_face(&pattern);
     map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
-    let deepest = CollisionScene::new(&pattern).deepest_crossing(&map, 0.0);
+    let deepest = CollisionScene::new(&pattern).deepest_crossing(&map, 1e-6);
     [found, deepest].map(|crossing| crossing.map_or(0.0, |c| c.depth) / pattern.median_edge())
 }
 

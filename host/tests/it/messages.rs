@@ -2,7 +2,7 @@
 
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
-use foldpath::planner::{GroupsDropped, Note, Reason, Stop, TimeoutAt, WorstClosure};
+use foldpath::planner::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
 
 const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
 
@@ -227,9 +227,34 @@ fn reasons_are_sentences() {
 }
 
 #[test]
+fn open_questions_are_sentences() {
+    let crossings = |faces| Undecided::Crossings { faces, segment: 4 };
+    for (question, sentence) in [
+        (
+            Undecided::JudgedAtKnots,
+            "judged at its knots alone: of the motion between them nothing is known",
+        ),
+        (
+            crossings(Some(FACES)),
+            "crossings are not decided: the search gave up at the pair of faces 3 and 8 between knots 4 and 5",
+        ),
+        (
+            crossings(None),
+            "crossings are not decided: the search gave up between knots 4 and 5",
+        ),
+        (
+            Undecided::CrossingsAtKnots { faces: 9000 },
+            "crossings were looked for at knots alone: the search over the motion of 9000 faces gave up",
+        ),
+    ] {
+        assert_eq!(question.to_string(), sentence);
+        assert_eq!(Reason::Undecided(question).to_string(), sentence);
+    }
+}
+
+#[test]
 fn notes_are_sentences() {
     let dropped = |why| Note::GroupsDropped { groups: 4, why };
-    let undecided = |faces| Note::CrossingsUndecided { faces, segment: 4 };
     let all = [
         (
             dropped(GroupsDropped::GoalNotClosed),
@@ -275,22 +300,6 @@ fn notes_are_sentences() {
         (
             Note::Deforming,
             "no exact motion leads to the goal; the sheet is taken there straight, deforming",
-        ),
-        (
-            Note::JudgedAtKnots,
-            "judged at its knots alone: of the motion between them nothing is known",
-        ),
-        (
-            undecided(Some(FACES)),
-            "crossings are not decided: the search gave up at the pair of faces 3 and 8 between knots 4 and 5",
-        ),
-        (
-            undecided(None),
-            "crossings are not decided: the search gave up at the pair between knots 4 and 5",
-        ),
-        (
-            Note::CrossingsAtKnots { faces: 9000 },
-            "crossings were looked for at knots only: too many faces (9000) for the motion between them",
         ),
         (
             Note::Phases(3),

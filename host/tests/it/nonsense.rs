@@ -251,7 +251,7 @@ fn folded_by_no_numbers_a_sheet_has_none() {
         assert!(rigidity.worst().is_nan() && rigidity.gap.is_nan());
         // No call panics or runs without end.
         let mut scene = CollisionScene::new(&pattern);
-        let _none = scene.deepest_crossing(&map, 0.0);
+        let _none = scene.deepest_crossing(&map, 1e-6);
         let open = vec![Some(bad); pattern.creases().len()];
         assert!(closure_of(&pattern, &open).unwrap().is_nan());
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::common::class_of;
-use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict, rounding};
+use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Yoshimura;
 use foldpath::lattice::Lattice;
@@ -197,21 +197,19 @@ fn what_rounded_coordinates_explain_is_contact() {
     let box_ = strip(&[0.0, 2.0, 3.0, 5.0, 6.5], &[0.0; 5]);
     let motion = vec![vec![line(90.0, 90.0), line(90.0, 90.0), line(0.0, 150.0)]];
     let (pattern, memberships) = &box_;
-    for gap in [0.0, 1e-6, 1e-5, 1e-4, 1.0] {
-        let rounding = rounding(gap);
-        assert!(rounding <= 1e-3);
+    for contact in [1e-9, 1e-6, 1e-5, 1e-4, 1e-3] {
         let options = SweepOptions {
-            rounding,
+            contact,
             ..SweepOptions::default()
         };
         let (faces, s) = crossing_at(Sweep::new(pattern, memberships, options).sweep(&motion));
         assert_eq!(faces, [FaceId(0), FaceId(3)]);
         let turned = (150.0 * s - 90.0).to_radians();
-        let depth = (options.tolerance + rounding) * pattern.median_edge();
+        let depth = contact * pattern.median_edge();
         let sooner = turned / depth;
         assert!(
             (0.9..2.0).contains(&sooner),
-            "{gap:e}: {turned:e}, {depth:e}"
+            "{contact:e}: {turned:e}, {depth:e}"
         );
         // The verdict on one configuration is the same.
         let tree = SpanningTree::from_central_face(pattern);
@@ -219,7 +217,7 @@ fn what_rounded_coordinates_explain_is_contact() {
         let mut crosses = |turned: f64| {
             let angles = [PI / 2.0, PI / 2.0, PI / 2.0 + turned];
             let map = FoldingMap::new(pattern, &tree, &angles);
-            scene.deepest_crossing(&map, rounding).is_some()
+            scene.deepest_crossing(&map, contact).is_some()
         };
         assert!(crosses(1.01 * turned) && !crosses(0.9 * depth));
     }
@@ -534,7 +532,7 @@ impl<'a> Sampler<'a> {
         let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
         let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
         let map = FoldingMap::new(self.pattern, &self.tree, &angles);
-        let crossing = self.scene.deepest_crossing(&map, 0.0);
+        let crossing = self.scene.deepest_crossing(&map, 1e-6);
         crossing.map_or(0.0, |crossing| crossing.depth)
     }
 }

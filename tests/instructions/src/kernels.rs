@@ -199,7 +199,7 @@ fn collide() -> Box<dyn FnMut()> {
     let sheet = sheet();
     let mut scene = CollisionScene::new(&sheet.pattern);
     Box::new(move || {
-        let crossing = scene.deepest_crossing(black_box(&sheet.map), 0.0);
+        let crossing = scene.deepest_crossing(black_box(&sheet.map), 1e-6);
         assert_eq!(crossing, None);
     })
 }

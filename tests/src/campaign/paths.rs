@@ -257,7 +257,7 @@ impl Paths {
         let options = CheckOptions {
             samples: 4,
             sweep,
-            ..CheckOptions::default()
+            ..crate::strict()
         };
         let verdict = check(&file, &options);
         let holds = verdict.holds();

@@ -10,7 +10,7 @@ use core::time::Duration;
 use std::panic::catch_unwind;
 use std::time::Instant;
 
-use foldpath::check::{self, CheckOptions, Failure, Undecided, check};
+use foldpath::check::{self, Failure, Undecided, check};
 use foldpath::folding::SpanningTree;
 use serde_json::Value;
 
@@ -146,7 +146,7 @@ pub fn judge(seed: u64, file: &Value) -> Result<(Judged, [Duration; 2]), String>
     let path = path_file(&file.to_string()).map_err(|error| error.to_string())?;
     let tree = SpanningTree::from_central_face(&path.pattern);
     let read = Instant::now();
-    let verdict = check(&path, &CheckOptions::default());
+    let verdict = check(&path, &crate::strict());
     let checked = Instant::now();
     let oracle = Oracle::of(file, &tree).map_err(|error| error.to_string())?;
     let found = oracle.judge();

@@ -12,14 +12,14 @@ use std::{
     time::Instant,
 };
 
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::check;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::read::fold::PatternFile;
 use foldpath::view::{Scene, page};
 use foldpath_core::Interpolation;
-use foldpath_tests::{Animation, Planned, Random, path_file};
+use foldpath_tests::{Animation, Planned, Random, path_file, strict};
 use headless_chrome::{
     Browser, LaunchOptions, Tab,
     browser::tab::ModifierKey,
@@ -403,7 +403,7 @@ fn faces_that_pass_through_each_other_are_named_and_shown() {
     };
     let planned = Planned::new("waterbomb-12x22-crossing", &options);
     let path = path_file(&planned.text()).unwrap();
-    let verdict = check(&path, &CheckOptions::default());
+    let verdict = check(&path, &strict());
     let [a, b] = verdict.crossings[0].crossing.faces;
     let view = View::open(&Scene::of_path(&path), &[]);
     let text = view.text("#pair");

@@ -4,7 +4,6 @@
 //! Torn motions: none holds whose faces pass through each other. `tests/campaign/run` is the long form.
 
 use core::time::Duration;
-use std::sync::LazyLock;
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::export::fold::motion_text;
@@ -14,7 +13,7 @@ use foldpath::planner::{Goal, Note, Outcome, PlanOptions, plan};
 use foldpath::read::fold::PatternFile;
 use foldpath_tests::campaign::{Family, Report, paths, run, stars, torn};
 use foldpath_tests::meshes::{self, variant};
-use foldpath_tests::{Animation, Planned, Random, judge, path_file};
+use foldpath_tests::{Animation, Planned, Random, judge, path_file, strict};
 
 /// Number of sheets of each family.
 const EACH: u64 = 20;
@@ -92,32 +91,18 @@ fn spoilt_paths_are_refused_or_do_no_harm() {
     assert!(paths.hold < paths.read, "{paths}");
 }
 
-/// Torn motions, twenty of each kind.
-static TORN: LazyLock<torn::Torn> = LazyLock::new(|| {
+/// A motion of a torn sheet that holds has no faces that pass through each other. The verdict matters: many motions cross,
+/// many stay clear by more than the sheet is torn, and most of the clear ones hold.
+#[test]
+fn no_torn_motion_holds_whose_faces_pass_through_each_other() {
     let torn = torn::run(&torn::Kind::ALL, 1, 20);
     println!("{torn}");
-    torn
-});
-
-/// A motion of a torn sheet that holds has no faces that pass through each other.
-///
-/// Ignored as long as `check` lets crossings pass that the tears of a sheet, or its thinnest faces, hide.
-#[test]
-#[ignore = "check accepts some torn motions whose faces cross"]
-fn no_torn_motion_holds_whose_faces_pass_through_each_other() {
-    assert_eq!(TORN.failures, []);
-    let wrong: Vec<_> = TORN.false_holds().collect();
+    assert_eq!(torn.failures, []);
+    let wrong: Vec<_> = torn.false_holds().collect();
     assert!(wrong.is_empty(), "{wrong:?}");
-}
-
-/// The motions are such that the verdict on them matters: many cross, many stay clear by more than the sheet is torn,
-/// and most of the clear ones hold.
-#[test]
-fn torn_motions_cross_or_stay_clear() {
-    assert_eq!(TORN.failures, []);
     for kind in torn::Kind::ALL {
         let of_kind = || {
-            let judged = TORN.judged.iter().filter(move |(other, _)| *other == kind);
+            let judged = torn.judged.iter().filter(move |(other, _)| *other == kind);
             judged.map(|(_, judged)| judged)
         };
         let cross = of_kind().filter(|judged| judged.found.crossing.is_some());
@@ -178,7 +163,7 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let certified = blind.plan.certified_deformation.unwrap();
     assert!(certified > 3e-4, "{certified:e}");
     let file = path_file(&blind.text()).unwrap();
-    let failures = check(&file, &CheckOptions::default()).findings();
+    let failures = check(&file, &strict()).findings();
     assert_eq!(failures.len(), 1, "{failures:?}");
     let crossing = "between knots 7 and 8, at 0.999: faces 1 and 4 pass through each other";
     assert!(failures[0].contains(crossing), "{failures:?}");
@@ -240,10 +225,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
             "{seed}: {plan:?}"
         );
         let verdict = |bound| {
-            let options = CheckOptions {
-                bound,
-                ..CheckOptions::default()
-            };
+            let options = CheckOptions { bound, ..strict() };
             check(&path_file(&planned.text()).unwrap(), &options)
         };
         assert_eq!(verdict(options.bound).findings(), [""; 0], "{seed}");
@@ -319,10 +301,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let certified = plan.certified_deformation.unwrap();
             assert!(certified <= 1000.0 * unit, "{what}");
             let bound = options.bound;
-            let judged = CheckOptions {
-                bound,
-                ..CheckOptions::default()
-            };
+            let judged = CheckOptions { bound, ..strict() };
             let verdict = check(&path_file(&text).unwrap(), &judged);
             let path = Animation::parse(&text).unwrap();
             let opinion = judge(&path, &goal, plan, bound);

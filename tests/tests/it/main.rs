@@ -6,6 +6,7 @@ mod branches;
 mod browser;
 mod campaign;
 mod certified;
+mod claims;
 mod closed_forms;
 mod controller_figures;
 mod controller_image;

@@ -6,7 +6,9 @@ use foldpath::planner::{Outcome, Plan, PlanOptions, Timing};
 use foldpath::read::fold::read_pattern;
 use foldpath_core::Interpolation;
 use foldpath_tests::closed_form::Waterbomb;
-use foldpath_tests::{Animation, Frame, Planned, goal_angles, path_file, pattern_file, worst};
+use foldpath_tests::{
+    Animation, Frame, Planned, goal_angles, path_file, pattern_file, strict, worst,
+};
 use nalgebra::Vector4;
 
 /// The report's counts of a pattern.
@@ -196,7 +198,7 @@ fn check_agrees(plan: &Plan, text: &str) {
     let knots = check(&file, &CheckOptions::knots_alone(RIGID));
     assert_eq!(knots.findings(), [""; 0]);
     assert!(knots.closure() <= CLOSED);
-    let verdict = check(&file, &CheckOptions::default());
+    let verdict = check(&file, &strict());
     assert_eq!(verdict.findings(), [""; 0]);
     let most = plan.certified_deformation.unwrap() + RIGID;
     assert!(verdict.rigidity().deformation <= most);
@@ -236,7 +238,7 @@ fn the_waterbomb_tube_meets_itself_where_it_closes() {
 
     // The faces that the planner and `check` name cross just beyond the place that `check` names; no faces cross before
     // it.
-    let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
+    let verdict = check(&path_file(&text).unwrap(), &strict());
     let found = verdict.crossings[0];
     let segment = found.between_knots[0];
     let shape = |s: f64| path.motion.angles(segment, s);

@@ -54,7 +54,7 @@ fn a_panel_that_passes_through_a_crease_is_a_crossing() {
     let tree = SpanningTree::from_central_face(&pattern);
     let crossing = |angles: [f64; 4]| {
         let map = FoldingMap::new(&pattern, &tree, &angles.map(f64::to_radians));
-        CollisionScene::new(&pattern).deepest_crossing(&map, 0.0)
+        CollisionScene::new(&pattern).deepest_crossing(&map, 1e-6)
     };
     assert!(crossing([0.0, 90.0, 90.0, 90.0]).is_some());
     assert!(crossing([0.0, 90.0, 90.0, 90.1]).is_some());

@@ -2,13 +2,13 @@
 
 use core::f64::consts::PI;
 
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::check;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::read::fold::PatternFile;
 use foldpath_core::Interpolation;
-use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Random, Sheet, path_file};
+use foldpath_tests::{HandKnot, HandMade, Motion, Planned, Random, Sheet, path_file, strict};
 use nalgebra::{Rotation3, Vector3};
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 fn good(name: &str) -> Value {
     let options = PlanOptions {
         interpolation: Some(Interpolation::Hermite),
-        bound: CheckOptions::default().bound,
+        bound: strict().bound,
         ..PlanOptions::default()
     };
     let planned = Planned::new(name, &options);
@@ -28,7 +28,7 @@ fn good(name: &str) -> Value {
 /// Returns the failures of a path; none if it holds.
 fn failures(path: &Value) -> Vec<String> {
     match path_file(&path.to_string()) {
-        Ok(path) => check(&path, &CheckOptions::default()).findings(),
+        Ok(path) => check(&path, &strict()).findings(),
         Err(error) => vec![error.to_string()],
     }
 }
@@ -391,7 +391,7 @@ fn crossing_faces_are_rejected() {
         ..PlanOptions::default()
     };
     let text = Planned::new("waterbomb-12x22-crossing", &blind).text();
-    let verdict = check(&path_file(&text).unwrap(), &CheckOptions::default());
+    let verdict = check(&path_file(&text).unwrap(), &strict());
     let mut failures = verdict.findings().into_iter();
     assert!(
         failures.any(|failure| failure.contains("pass through each other")),
@@ -466,7 +466,7 @@ fn layers_in_contact_hold() {
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
         let title = format!("Miura of {sector_angle} degrees");
         let options = PlanOptions {
-            bound: CheckOptions::default().bound,
+            bound: strict().bound,
             ..PlanOptions::default()
         };
         let planned = Planned::of(PatternFile { title, pattern }, &options);

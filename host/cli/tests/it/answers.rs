@@ -43,12 +43,12 @@ fn info_shape() -> Value {
 
 fn plan_shape() -> Value {
     json!({
-        "outcome": "planned|partial|not_rigidly_foldable|goal_not_closed|crossing|timeout",
+        "outcome": "planned|partial|not_rigidly_foldable|goal_not_closed|crossing|undecided|timeout",
         "reason": "text|null", "reached": "number", "creases": "count", "real_vertices": "count",
         "groups": "count", "essential_vertices": "count", "unknowns": "count", "knots": "count",
         "max_deformation": "number", "certified_deformation": "number|null",
         "max_closure": "number", "max_gap": "number", "goal_error": "number",
-        "min_clearance": "number|null",
+        "min_clearance": "number|null", "contact_tolerance": "number", "undecided": ["text"],
         "attempts": [{
             "strategy": "text", "outcome": "text", "reason": "text|null", "seconds": "number",
         }],
@@ -68,13 +68,15 @@ fn plan_shape() -> Value {
 fn check_shape() -> Value {
     json!({
         "outcome": "holds|fails|undecided", "reason": "text|null", "undecided": ["text"],
+        "start": "flat|folded", "max_bend": "number", "certified_of": "text",
+        "max_speed": "number", "max_acceleration": "number|null",
         "knots": "count",
         "max_deformation": "number", "max_gap": "number", "max_closure": "number",
         "certified_deformation": "number|null",
         "crossings": [{
             "faces": ["count", "count"], "between_knots": ["count", "count"], "at": "number",
         }],
-        "min_clearance": "number|null",
+        "min_clearance": "number|null", "contact_tolerance": "number",
     })
 }
 

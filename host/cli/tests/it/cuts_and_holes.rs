@@ -378,7 +378,7 @@ fn the_sides_of_a_cut_touch_and_do_not_cross() {
                 size * angle.signum()
             });
             let map = FoldingMap::new(&pattern, &tree, &angles.collect::<Vec<_>>());
-            assert_eq!(scene.deepest_crossing(&map, 0.0), None, "{part:e}");
+            assert_eq!(scene.deepest_crossing(&map, 1e-6), None, "{part:e}");
         }
     }
 }

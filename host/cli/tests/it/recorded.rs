@@ -178,6 +178,16 @@ fn hash(answer: &Answer, output: &Path) -> u64 {
                 object.remove("attempts");
                 // Not in the answers that were recorded first.
                 object.remove("undecided");
+                for key in [
+                    "contact_tolerance",
+                    "start",
+                    "max_bend",
+                    "certified_of",
+                    "max_speed",
+                    "max_acceleration",
+                ] {
+                    object.remove(key);
+                }
             }
             value.to_string()
         }

@@ -56,7 +56,7 @@ impl<'a> LatticeScene<'a> {
         let all = pieces * pieces.saturating_sub(1) / 2;
         Some(Self {
             pattern,
-            contact: Contact::new(pattern.median_edge(), [CROSSING_DEPTH_EDGES, 0.0]),
+            contact: Contact::new(pattern.median_edge(), CROSSING_DEPTH_EDGES),
             offsets: lattice.offsets(MAX_OFFSETS)?,
             cells,
             pieces: Pieces::none(pattern),

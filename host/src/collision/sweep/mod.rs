@@ -8,6 +8,11 @@
 //! sheet as it is now. So a pair is free until the sum over its chain of variation of angle times distance has
 //! used up the pair's distance. This holds whatever the motion does in between, as long as the sheet closes.
 //!
+//! A sheet that does not quite close is folded along a spanning tree of its faces, and torn at the edges off the tree. A
+//! tear is an isometry whose size the closure residuals bound (`Holonomy::tears`). It may be any such isometry at each
+//! time, so that each tear along a chain uses up twice its size. If that is too much of the distance, the chain follows
+//! the tree, along which nothing is torn.
+//!
 //! Two faces that share a vertex have distance 0, but they lie in sectors round the vertex, and cross only if the arcs
 //! of the sectors on the unit sphere do. For these arcs the same bound holds with angles in place of distances.
 //!
@@ -39,7 +44,8 @@ use super::motion::{Levers, Motion, SEGMENT, Tick};
 use super::pieces::{Contact, Pieces};
 use super::scene::Crossing;
 use super::tolerances::{
-    CHAIN_TEAR_RATIO, LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK,
+    CHAIN_TEAR_RATIO, CROSSING_DEPTH_EDGES, LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS,
+    QUERIES_PER_CLOCK,
 };
 use crate::folding::SpanningTree;
 use crate::lattice::Lattice;
@@ -229,7 +235,7 @@ impl<'a> Sweep<'a> {
             pattern,
             memberships,
             groups,
-            contact: Contact::new(pattern.median_edge(), [options.tolerance, options.rounding]),
+            contact: Contact::new(pattern.median_edge(), options.contact),
             options,
             watch: Watch::default(),
             folding: LazyFolding::new(pattern, memberships, groups, tree.as_ref(), cells),
@@ -328,7 +334,7 @@ impl<'a> Sweep<'a> {
     /// Returns the first place at which a hinge turns past half a turn: the faces that it joins then pass
     /// through each other.
     fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
-        let (segment, s, group, angle) = motion.overturned(self.options.tolerance)?;
+        let (segment, s, group, angle) = motion.overturned(CROSSING_DEPTH_EDGES)?;
         let at = Place { segment, s };
         let creases = self.pattern.creases().iter().zip(self.memberships);
         let edges = creases.filter(|(_, member)| member.group.index() == group);
@@ -469,7 +475,7 @@ impl<'a> Sweep<'a> {
 
     /// Finds the comoving faces from the present time to another.
     fn comoving(&mut self, motion: &Motion, times: [Tick; 2]) -> ComovingFaces {
-        let tolerance = self.options.tolerance * self.pattern.median_edge();
+        let tolerance = self.contact.base();
         let (chains, folding) = (&self.chains, &mut self.folding);
         comoving_faces(
             self.pattern,

@@ -159,7 +159,7 @@ impl Sweep<'_> {
     /// Wakes cells that come near each other soon.
     fn query_far_cells(&mut self, motion: &Motion) -> QueryOutcome {
         let (time, best, deviation) = (self.folding.time, self.best(), self.lattice_deviation());
-        let touching = self.options.tolerance * self.pattern.median_edge();
+        let touching = self.contact.base();
         let Some(cells) = &mut self.folding.cells else {
             return QueryOutcome::Free;
         };
@@ -189,7 +189,7 @@ impl Sweep<'_> {
     fn query_cells(&mut self, motion: &Motion, offset: u32) -> QueryOutcome {
         let (time, best) = (self.folding.time, self.best());
         let (bounds, deviation) = (self.options.skip_bounds, self.lattice_deviation());
-        let touching = self.options.tolerance * self.pattern.median_edge();
+        let touching = self.contact.base();
         let Some(cells) = &mut self.folding.cells else {
             return QueryOutcome::Free;
         };

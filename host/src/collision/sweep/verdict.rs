@@ -7,14 +7,13 @@ use crate::pattern::FaceId;
 /// Options of a [`Sweep`](super::Sweep).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepOptions {
-    /// Depth above which an overlap counts as a crossing, in median edges; a shallower overlap is contact.
-    pub tolerance: f64,
+    /// Depth up to which an overlap is contact, in median edges: the
+    /// [`contact_tolerance`](crate::collision::contact_tolerance). In front of a small face, at most a thousandth of the
+    /// face counts.
+    pub contact: f64,
     /// Upper bound of the closure residuals of all vertices and holes, all along the motion. It bounds how far the sheet
     /// is torn, and with it the motion of faces whose chain crosses a tear.
     pub closure: f64,
-    /// Additional depth up to which an overlap is contact, in median edges: the
-    /// [`rounding`](crate::collision::rounding) of a gap. It is at most a thousandth of the smaller of two faces.
-    pub rounding: f64,
     /// Largest distance of a face from its position by the lattice, as seen from any other face, in median edges, if
     /// the motion tears the sheet. Faces without a common vertex that come this near to each other are not decided
     /// along the lattice.
@@ -40,9 +39,8 @@ impl SweepOptions {
 impl Default for SweepOptions {
     fn default() -> Self {
         Self {
-            tolerance: CROSSING_DEPTH_EDGES,
+            contact: CROSSING_DEPTH_EDGES,
             closure: 0.0,
-            rounding: 0.0,
             lattice_deviation: 0.0,
             lattice_turn: 0.0,
             skip_motion: true,

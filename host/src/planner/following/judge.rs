@@ -4,10 +4,11 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::reduction::Reduction;
-use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts, rounding};
+use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::knots::Knot;
+use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
 
 /// A whole sheet that is folded at one configuration after another.
@@ -16,6 +17,8 @@ pub(crate) struct Judge<'a> {
     reduction: &'a Reduction<'a>,
     tree: &'a SpanningTree,
     map: FoldingMap,
+    /// Depth up to which an overlap of faces is contact, median edges.
+    contact: f64,
     scene: Option<CollisionScene>,
     /// `true` if judged knots keep the folded positions of the vertices.
     pub(crate) keep_vertices: bool,
@@ -25,11 +28,11 @@ pub(crate) struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     pub(crate) fn new(
-        pattern: &'a CreasePattern,
+        problem: &PlanningProblem<'a>,
         reduction: &'a Reduction<'a>,
         collision: bool,
     ) -> Self {
-        let start = Instant::now();
+        let (pattern, start) = (problem.pattern, Instant::now());
         let tree = &reduction.tree;
         let map = FoldingMap::flat(pattern);
         let fold = start.elapsed();
@@ -38,6 +41,7 @@ impl<'a> Judge<'a> {
             reduction,
             tree,
             map,
+            contact: problem.contact,
             scene: collision.then(|| CollisionScene::new(pattern)),
             keep_vertices: false,
             fold,
@@ -59,15 +63,13 @@ impl<'a> Judge<'a> {
             knot.vertices = self.map.vertices().to_vec();
         }
         self.fold += start.elapsed();
-        self.crossing(rigidity.gap)
+        self.crossing()
     }
 
     /// Returns the deepest crossing at these group angles.
     pub(crate) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.place(angles);
-        // Measured afresh: the gap of a knot may be a bound.
-        let gap = self.map.rigidity(self.pattern, self.tree).gap;
-        self.crossing(gap)
+        self.crossing()
     }
 
     /// Folds the sheet by these group angles.
@@ -93,9 +95,9 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn crossing(&mut self, gap: f64) -> Option<Crossing> {
+    fn crossing(&mut self) -> Option<Crossing> {
         let scene = self.scene.as_mut()?;
-        scene.deepest_crossing(&self.map, rounding(gap))
+        scene.deepest_crossing(&self.map, self.contact)
     }
 
     /// Returns the largest deformation and gap of the essential crease pattern over some configurations, and its number
@@ -132,8 +134,7 @@ impl<'a> Judge<'a> {
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
                 part.fold(self.reduction, &knot.angles);
-                let gap = part.rigidity().gap;
-                scene.deepest_crossing(&part.map, rounding(gap))?;
+                scene.deepest_crossing(&part.map, self.contact)?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);

@@ -572,11 +572,7 @@ impl<'a> RouteFinder<'a> {
             self.reduction.closure_tolerance(options)
         };
         let mut solver = self.solver(tolerance).content_with(tolerance);
-        let mut judge = Judge::new(
-            self.problem.pattern,
-            self.reduction,
-            options.collision && !exact,
-        );
+        let mut judge = Judge::new(&self.problem, self.reduction, options.collision && !exact);
         let closed = targets.last().map(|closed| closed.angles.as_slice());
         let asked: Vec<Option<f64>> = match closed {
             Some(closed) => closed.iter().map(|&angle| Some(angle)).collect(),

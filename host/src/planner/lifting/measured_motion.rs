@@ -54,7 +54,7 @@ pub(crate) fn measure(
     reduction: &Reduction<'_>,
     mut knots: Vec<Knot>,
 ) -> MeasuredMotion {
-    let mut judge = Judge::new(problem.pattern, reduction, false);
+    let mut judge = Judge::new(problem, reduction, false);
     judge.keep_vertices = problem.options.keep_vertices;
     let count = knots.len();
     let late = knots.iter_mut().enumerate().find_map(|(index, knot)| {

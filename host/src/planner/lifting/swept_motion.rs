@@ -5,9 +5,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use super::certified_motion::CandidatePath;
-use crate::collision::{
-    Crossing, SearchEffort, SweepCounts, SweepOptions, lattice_scene, rounding,
-};
+use crate::collision::{Crossing, SearchEffort, SweepCounts, SweepOptions, lattice_scene};
 use crate::lattice::Lattice;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -25,13 +23,13 @@ const HIDING_RATIO: f64 = 0.1;
 /// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
 const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
-/// Returns the options of the search for crossings of a sheet with gaps of `gap` at its knots, whose closure residuals are
-/// proved to be at most `closure` all along the motion.
-pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, gap: f64) -> SweepOptions {
+/// Returns the options of the search for crossings of a sheet whose closure residuals are proved to be at most `closure`
+/// all along the motion. Overlaps of up to `contact` median edges are contact.
+pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) -> SweepOptions {
     let usual = SweepOptions::default();
     SweepOptions {
         closure: closure.unwrap_or(f64::INFINITY),
-        rounding: rounding(gap),
+        contact,
         // There is no limit for a user who switches a skip off, to look at everything.
         max_queries: if skips == Skips::default() {
             SearchEffort::PLAN.max_queries
@@ -71,7 +69,7 @@ pub(crate) fn tears_hide_contact(
     let length = reduction.tree.reach(problem.pattern);
     let tears = holonomy.tears(closure).into_iter();
     let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
-    sum > HIDING_RATIO * SweepOptions::default().tolerance * problem.pattern.median_edge()
+    sum > HIDING_RATIO * SweepOptions::default().contact * problem.pattern.median_edge()
 }
 
 /// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex
@@ -82,7 +80,7 @@ pub(crate) fn crossed_knot(
     knots: &[Knot],
     max_closure: f64,
 ) -> Option<(usize, Crossing)> {
-    let mut judge = Judge::new(problem.pattern, reduction, false);
+    let mut judge = Judge::new(problem, reduction, false);
     judge.first_crossing(knots, max_closure <= CLOSED)
 }
 
@@ -93,7 +91,7 @@ pub(crate) fn is_blocked(
     reduction: &Reduction<'_>,
     candidate: &CandidatePath<'_>,
 ) -> bool {
-    let mut judge = Judge::new(problem.pattern, reduction, true);
+    let mut judge = Judge::new(problem, reduction, true);
     let deep = BLOCKING_DEPTH * problem.pattern.median_edge();
     let mut waypoints = candidate
         .waypoints
@@ -121,7 +119,7 @@ pub(crate) fn sweep_knots(
     knots: &[Knot],
 ) -> SweptKnots {
     let start = Instant::now();
-    let mut judge = Judge::new(problem.pattern, reduction, true);
+    let mut judge = Judge::new(problem, reduction, true);
     let end = first_crossed(problem, knots, |angles| judge.crossing_at(angles));
     SweptKnots {
         end,

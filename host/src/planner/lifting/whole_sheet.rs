@@ -22,7 +22,7 @@ use crate::planner::options::Judged;
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{Note, Reason, TimeoutAt};
+use crate::planner::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
 
@@ -169,7 +169,7 @@ fn lift_knots(
     let late = motion.late.is_some();
     let (mut plan, failure) = measured(problem, plan, motion, None);
     if !late {
-        plan.notes.push(Note::JudgedAtKnots);
+        plan.undecided.push(Undecided::JudgedAtKnots);
     }
     if let Some(failure) = failure {
         return plan.ended(failure);
@@ -255,7 +255,11 @@ fn sweep(
     plan.times.symmetry += start.elapsed();
     let start = Instant::now();
     let gap = plan.rigidity.gap;
-    let options = sweep_options(problem.options.skips, plan.certified_closure, gap);
+    let options = sweep_options(
+        problem.options.skips,
+        plan.certified_closure,
+        problem.contact,
+    );
     let torn = is_torn(plan.certified_deformation.unwrap_or(0.0).max(gap));
     let segments = plan.path.curves();
     let motion = SearchedMotion {
@@ -330,7 +334,7 @@ fn sweep(
             sweep_no_more_than_knots(problem, reduction, plan)
         }
         SweepVerdict::Undecided { faces, at } => {
-            plan.notes.push(Note::CrossingsUndecided {
+            plan.undecided.push(Undecided::Crossings {
                 faces,
                 segment: at.segment,
             });
@@ -376,7 +380,7 @@ fn angles_before(path: &Path, place: Place, room: f64) -> Vec<f64> {
     curves.iter().map(|curve| curve.angle(s)).collect()
 }
 
-/// Looks for crossings at the knots alone, and adds a note about it.
+/// Looks for crossings at the knots alone, and leaves the question open.
 fn sweep_no_more_than_knots(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
@@ -386,7 +390,7 @@ fn sweep_no_more_than_knots(
     let mut plan = ended_at_knots(plan, swept);
     if plan.outcome == Outcome::Planned {
         let faces = problem.pattern.faces().len();
-        plan.notes.push(Note::CrossingsAtKnots { faces });
+        plan.undecided.push(Undecided::CrossingsAtKnots { faces });
     }
     plan
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::fold_sequence::{fold_in_sequence, goal_of_sequences};
 use super::pipeline::{self, Ending};
+use crate::collision::contact_tolerance;
 use crate::pattern::CreasePattern;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route_selection::FARTHER_RATIO;
@@ -191,6 +192,7 @@ fn plan_until_over(
         goal,
         options,
         errors: ErrorModel::Exact,
+        contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
         watch: watch.until(deadline),
     };
     let mut best = Plan::default();
@@ -217,7 +219,17 @@ fn plan_until_over(
             best = plan;
         }
     }
-    Plan { attempts, ..best }
+    if best.outcome == Outcome::Planned
+        && let Some(&question) = best.undecided.first()
+    {
+        best.outcome = Outcome::Undecided;
+        best.reason = Some(Reason::Undecided(question));
+    }
+    Plan {
+        attempts,
+        contact_tolerance: asked.contact,
+        ..best
+    }
 }
 
 /// Runs the pipeline for one strategy. If faces cross then, or the path ends before the goal, folds in sequence are

@@ -79,7 +79,7 @@ pub(crate) fn fold_in_sequence(
     let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
     let mut orders = Orders {
         problem,
-        judge: Judge::new(pattern, &reduction, options.collision),
+        judge: Judge::new(problem, &reduction, options.collision),
         closure_tolerance: reduction.closure_tolerance(options),
         tree: &reduction.tree,
         groups: &reduction.groups,

@@ -208,7 +208,7 @@ fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Cro
         angles: route.goal.clone()?,
         ..Knot::default()
     };
-    Judge::new(problem.pattern, &route.reduction, problem.options.collision).judge(&mut goal)
+    Judge::new(problem, &route.reduction, problem.options.collision).judge(&mut goal)
 }
 
 /// Ends a plan that has no route to follow.
@@ -296,7 +296,7 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan)
         return None;
     }
     let waypoints = straight(reduction, &goal, options);
-    let mut judge = Judge::new(problem.pattern, reduction, false);
+    let mut judge = Judge::new(problem, reduction, false);
     let (essential, _) = judge.essential(waypoints.iter().map(|w| w.angles.as_slice()));
     if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
         return None;

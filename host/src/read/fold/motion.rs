@@ -244,15 +244,18 @@ fn named_members(
     key: &Frame<'_>,
     edges: usize,
 ) -> Result<Option<Vec<Option<Membership>>>, FileError> {
-    let (Some(groups), Some(signs)) = (
-        key.own("foldpath:edges_group"),
-        key.own("foldpath:edges_sign"),
-    ) else {
+    let Some(groups) = key.own("foldpath:edges_group") else {
         return Ok(None);
     };
     let groups = groups.entries_of(edges, "edge")?;
-    let members = groups.zip(signs.entries_of(edges, "edge")?);
-    let members = members.map(|(group, sign)| {
+    let signs = key.own("foldpath:edges_sign");
+    let signs = signs
+        .map(|signs| signs.entries_of(edges, "edge"))
+        .transpose()?;
+    // Groups without signs say that all hinges of a group turn by the same angle.
+    let mut signs = signs.map(Iterator::fuse);
+    let members = groups.map(|group| {
+        let sign = signs.as_mut().and_then(Iterator::next);
         if group.is_null() {
             return Ok(None);
         }
@@ -261,8 +264,10 @@ fn named_members(
         let index = group.index()?;
         let id = u32::try_from(index).ok().filter(|_| index < edges);
         let id = id.ok_or_else(|| group.expected(&format!("a group below {edges}")))?;
-        let sign_value = sign.number()?;
-        if (sign_value.abs() - 1.0).abs() > 0.0 {
+        let sign_value = sign.as_ref().map_or(Ok(1.0), Located::number)?;
+        if let Some(sign) = sign
+            && (sign_value.abs() - 1.0).abs() > 0.0
+        {
             return Err(sign.expected("1 or -1"));
         }
         Ok(Some(Membership {
@@ -315,6 +320,7 @@ fn knot(
             deformation: number("foldpath:deformation")?,
             gap: number("foldpath:gap")?,
             closure: number("foldpath:closure")?,
+            clearance: number("foldpath:clearance")?,
         },
     })
 }

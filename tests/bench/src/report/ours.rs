@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use foldpath::motion::Motion;
-use foldpath::planner::{Judged, Plan, PlanOptions, plan};
+use foldpath::planner::{Judged, Outcome, Plan, PlanOptions, Undecided, plan};
 
 use super::search::STEP;
 use super::sheet::Sheet;
@@ -53,9 +53,11 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         let seconds = start.elapsed().saturating_sub(plan.times.symmetry);
         (seconds.as_secs_f64(), plan)
     });
+    // What a first look leaves open is the motion between knots alone.
+    let found = |plan: &Plan| plan.undecided == [Undecided::JudgedAtKnots];
     assert_eq!(
-        whole.outcome.name(),
-        first_look.outcome.name(),
+        whole.outcome == Outcome::Planned,
+        found(&first_look),
         "judged at knots alone"
     );
     Ours {

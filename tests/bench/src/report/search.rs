@@ -10,7 +10,7 @@ use core::f64::consts::PI;
 use core::time::Duration;
 use std::time::Instant;
 
-use foldpath::collision::{CollisionScene, rounding};
+use foldpath::collision::{CollisionScene, contact_tolerance};
 use foldpath::folding::FoldingMap;
 use nlopt::{FailState, Nlopt, Target};
 use rand_core::Rng;
@@ -319,9 +319,8 @@ impl<'a> Judge<'a> {
         let Some(scene) = &mut self.scene else {
             return Verdict::Good;
         };
-        let gap = self.map.rigidity(&sheet.pattern, &sheet.tree).gap;
         let start = Instant::now();
-        let crossing = scene.deepest_crossing(&self.map, rounding(gap));
+        let crossing = scene.deepest_crossing(&self.map, contact_tolerance(&sheet.pattern));
         self.collision += start.elapsed();
         match crossing {
             Some(_) => Verdict::Crossed,

@@ -243,7 +243,7 @@ fn a_scene_is_asked_again_without_allocating() {
     // The first round allocates the hierarchy's stack.
     let round = |scene: &mut CollisionScene| {
         for map in &maps {
-            assert_eq!(scene.deepest_crossing(map, 0.0), None);
+            assert_eq!(scene.deepest_crossing(map, 1e-6), None);
         }
     };
     assert_eq!(allocations(3, |_| round(&mut scene)), 0);

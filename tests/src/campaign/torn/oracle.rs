@@ -29,8 +29,9 @@ const UNEVEN: f64 = 1.5;
 const CURVED: f64 = 0.25;
 /// Distance over the median edge beyond which pairs are not measured.
 const FAR: f64 = 0.15;
-/// Depth over the shorter edge of two faces up to which they touch.
+/// Depth up to which two faces touch: this over the median edge, but at most a part of the shorter edge of the two.
 const TOUCH: f64 = 1e-6;
+const TOUCH_OF_FACE: f64 = 1e-3;
 /// Depth over the size of the sheet up to which a depth is rounding.
 const ROUNDING: f64 = 1e-13;
 /// Sine of the angle between two sides below which their product gives no axis.
@@ -427,7 +428,9 @@ impl Search {
             return separation;
         }
         let shortest = pair.map(|face| bodies.panels[face].shortest);
-        let touch = (TOUCH * shortest[0].min(shortest[1])).max(ROUNDING * oracle.size);
+        let of_face = TOUCH_OF_FACE * shortest[0].min(shortest[1]);
+        let touch = (TOUCH * oracle.unit).min(of_face);
+        let touch = touch.max(ROUNDING * oracle.size);
         let share = meeting == Meeting::Vertex;
         if separation < -touch {
             let torn = if share {
