@@ -271,6 +271,20 @@ pub(crate) struct Unfold {
     pub(crate) report: Report,
 }
 
+impl Command {
+    /// Returns `true` if the answer is to be one JSON object on stdout.
+    pub(crate) fn prints_json(&self) -> bool {
+        match self {
+            Self::Info(args) => args.report.json,
+            Self::Plan(args) => args.report.json,
+            Self::Check(args) => args.report.json,
+            Self::Unfold(args) => args.report.json,
+            Self::Stream(args) => args.report.json,
+            _ => false,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -299,11 +313,11 @@ pub(crate) struct Plan {
     /// With 0 the goal is the flat sheet. Together with --via the path then leads back to flat.
     #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
     pub(crate) fold: Option<f64>,
-    /// Drive one crease, edge I of the file, to an angle in degrees; the other creases follow
+    /// Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable
     ///
     /// Edges are counted from 0.
     #[arg(long, value_name = "I=DEG", help_heading = "Goal")]
-    pub(crate) crease: Option<DrivenEdge>,
+    pub(crate) crease: Vec<DrivenEdge>,
     /// FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable
     ///
     /// The path passes through several such files in the order given.

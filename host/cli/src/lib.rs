@@ -70,8 +70,11 @@ type Answer = Result<bool, CliError>;
 /// bad input or usage.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = args::Cli::parse();
-    let quiet = cli.quiet;
+    let cli = match args::Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let (quiet, json) = (cli.quiet, cli.command.prints_json());
     let answer = match cli.command {
         args::Command::Generate(args) => generate::run(&args),
         args::Command::Info(args) => info::run(&args, quiet),
@@ -90,9 +93,24 @@ pub fn main() -> ExitCode {
         Ok(false) => ExitCode::from(1),
         Err(error) => {
             report::tell(&error);
+            if json {
+                report::tell_json(&error);
+            }
             ExitCode::from(2)
         }
     }
+}
+
+/// Prints what is wrong with the arguments, or the help or version that they ask for.
+fn usage(error: &clap::Error) -> ExitCode {
+    let _gone = error.print();
+    if !error.use_stderr() {
+        return ExitCode::SUCCESS;
+    }
+    if std::env::args_os().any(|argument| argument == "--json") {
+        report::tell_usage_json(&error.to_string());
+    }
+    ExitCode::from(2)
 }
 
 /// Checks that the output file, named by `option`, is none of the input files.

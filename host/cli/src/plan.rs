@@ -159,7 +159,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     print_notes(quiet, file.pattern.assumptions());
     print_notes(quiet, &plan.notes);
     print_notes(quiet, &held_flat);
-    if args.goal.is_none() && args.fold.is_none() && args.crease.is_none() {
+    if args.goal.is_none() && args.fold.is_none() && args.crease.is_empty() {
         let open = plan.outcome == Outcome::GoalNotClosed;
         let closure = if open {
             f64::INFINITY
@@ -237,7 +237,9 @@ fn is_written(args: &Plan, outcome: Outcome) -> bool {
 fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
     let name = |path: &std::path::Path| path.display().to_string();
     let bad = |source| match source {
-        GoalError::Crease { .. } => CliError::Usage(source.to_string()),
+        GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
+            CliError::Usage(source.to_string())
+        }
         _ => CliError::Goal {
             file: name(&args.pattern),
             source,
@@ -248,7 +250,7 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
         let angles = read_goal(path, &file.pattern)?;
         Ok(Goal::chosen(&file.pattern, angles, source))
     };
-    let mut goal = match (&args.goal, args.fold, &args.crease) {
+    let mut goal = match (&args.goal, args.fold, &args.crease[..]) {
         (Some(path), ..) => chosen(path)?,
         (None, Some(fraction), _) if !(0.0..=1.0).contains(&fraction) => {
             let text = format!("--fold: expected a fraction from 0 to 1, found {fraction}");
@@ -256,11 +258,15 @@ fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
         }
         (None, Some(fraction), _) if fraction <= 0.0 => flat(&file.pattern),
         (None, Some(fraction), _) => Goal::of_letters(&file.pattern, fraction).map_err(bad)?,
-        (None, None, Some(driven)) => {
-            let crease = crease(&file.pattern, "--crease", driven.edge)?;
-            Goal::of_crease(&file.pattern, crease, driven.degrees.to_radians()).map_err(bad)?
+        (None, None, []) => Goal::of_pattern(&file.pattern).map_err(bad)?,
+        (None, None, driven) => {
+            let driven = driven.iter().map(|driven| {
+                let crease = crease(&file.pattern, "--crease", driven.edge)?;
+                Ok((crease, driven.degrees.to_radians()))
+            });
+            let driven: Vec<_> = driven.collect::<Result<_, CliError>>()?;
+            Goal::of_creases(&file.pattern, &driven).map_err(bad)?
         }
-        (None, None, None) => Goal::of_pattern(&file.pattern).map_err(bad)?,
     };
     goal.via = args
         .via

@@ -6,6 +6,7 @@ use std::io::Write;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::{AnsiColor, Style};
+use serde::Serialize;
 
 use crate::{CliError, hints};
 
@@ -37,6 +38,57 @@ pub(crate) fn outcome(good: bool, text: &str) -> String {
 pub(crate) fn tell(error: &CliError) {
     let text = text_of(error);
     let _gone = writeln!(anstream::stderr(), "{text}");
+}
+
+/// An error in the JSON of the command line.
+#[derive(Serialize)]
+struct ErrorJson<'a> {
+    error: ErrorFields<'a>,
+}
+
+#[derive(Serialize)]
+struct ErrorFields<'a> {
+    /// The file; empty if the error is about the arguments.
+    file: String,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: &'a str,
+    hint: Option<String>,
+}
+
+/// Prints an error as one JSON object on stdout. A failure to write is ignored.
+pub(crate) fn tell_json(error: &CliError) {
+    let (file, excerpt) = match error {
+        CliError::File(file) => {
+            let place = file.locate();
+            let excerpt = place.and_then(|(text, span)| Excerpt::of(&text, span));
+            (file.path().display().to_string(), excerpt)
+        }
+        CliError::Goal { file, .. } => (file.clone(), None),
+        _ => (String::new(), None),
+    };
+    print_error(ErrorFields {
+        file,
+        line: excerpt.as_ref().map(|excerpt| excerpt.line),
+        column: excerpt.as_ref().map(|excerpt| excerpt.column),
+        message: &error.to_string(),
+        hint: hints::hint(error),
+    });
+}
+
+/// Prints a message about the arguments as one JSON object on stdout. A failure to write is ignored.
+pub(crate) fn tell_usage_json(message: &str) {
+    print_error(ErrorFields {
+        file: String::new(),
+        line: None,
+        column: None,
+        message: message.trim(),
+        hint: None,
+    });
+}
+
+fn print_error(error: ErrorFields<'_>) {
+    let _gone = crate::print_json(&ErrorJson { error });
 }
 
 /// Returns the full text of an error, with colours and without the last newline.

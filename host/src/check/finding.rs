@@ -1,5 +1,5 @@
-//! What a check finds against a path, as data: what is wrong, or not known, and where. The sentences are made in
-//! `messages.rs`.
+//! The findings of a check as data: faults and open questions, each with its place. `messages.rs` makes sentences of
+//! them.
 
 use foldpath_core::GroupId;
 
@@ -20,7 +20,7 @@ pub enum Moment {
     },
 }
 
-/// What is wrong with the turn of a hinge.
+/// A fault in the turn of a hinge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrongTurn {
     /// Its fold angle is beyond half a turn.
@@ -82,7 +82,7 @@ pub enum Failure {
         edge: EdgeId,
         /// Letter of the hinge.
         letter: Letter,
-        /// What is wrong.
+        /// The fault.
         wrong: WrongTurn,
         /// Fold angle in radians; a rate for [`WrongTurn::FlatButTurns`].
         value: f64,
@@ -95,7 +95,7 @@ pub enum Failure {
         edges: [EdgeId; 2],
         /// The group.
         group: GroupId,
-        /// What differs.
+        /// The quantity that differs.
         quantity: GroupQuantity,
         /// Values of the two hinges, with the signs of the group applied.
         values: [f64; 2],
@@ -104,7 +104,7 @@ pub enum Failure {
     FalseClaim {
         /// Number of the knot.
         knot: usize,
-        /// What is claimed.
+        /// The error of which the file claims a value.
         error: SheetError,
         /// Value in the file.
         claimed: f64,
@@ -113,7 +113,7 @@ pub enum Failure {
     },
     /// A hinge exceeds the speed or the acceleration that the file claims.
     FalseRate {
-        /// What is claimed.
+        /// The limit that the file claims.
         limit: RateLimit,
         /// Value in the file.
         claimed: f64,
@@ -133,7 +133,7 @@ pub enum Failure {
     OverBound {
         /// Place on the path.
         at: Moment,
-        /// What is too large.
+        /// The error that is too large.
         error: SheetError,
         /// Its value.
         value: f64,
@@ -188,7 +188,7 @@ pub enum Undecided {
         /// The hinge.
         edge: EdgeId,
     },
-    /// Whether faces pass through each other was not decided within the budget.
+    /// The search for crossings did not decide within its budget.
     Crossings {
         /// Place up to which no faces do.
         at: Moment,

@@ -39,7 +39,7 @@ pub struct CheckOptions {
     /// Bound on deformation and gap, a fraction.
     pub bound: f64,
     /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
-    /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
+    /// explains: [`contact_tolerance`].
     pub contact: Option<f64>,
     /// Number of shapes judged in each segment between its knots; with 0, knots alone are judged.
     pub samples: usize,

@@ -28,13 +28,14 @@ pub(super) struct Chain {
     start: usize,
     pairs: usize,
     end: usize,
-    /// How far the faces at its ends may be off the position that its creases give them, because edges that the chain
-    /// crosses are torn: for points of the faces, units of the sheet (`tear`), and for directions, radians (`turn`).
+    /// Bounds on the difference between the positions of the faces at its ends and those that its creases give them. Torn
+    /// edges on the way cause it: `tear` is for points of the faces, in units of the sheet, `turn` for directions, in
+    /// radians.
     pub(super) tear: f64,
     pub(super) turn: f64,
 }
 
-/// The spanning tree along which the sheet is folded, and how far the sheet is torn at the edges off the tree.
+/// The spanning tree along which the sheet is folded, and bounds on the tears at the edges off the tree.
 #[derive(Clone, Debug)]
 struct TornSheet {
     /// For each face but the roots, the step that reaches it.

@@ -19,7 +19,7 @@ struct Hinge {
     member: Membership,
     /// Axis about which a positive fold angle turns the face against the other.
     line: Axis,
-    /// How far a tear at the crease may move the face, units of the sheet.
+    /// Bound on the distance by which a tear at the crease may move the face, units of the sheet.
     torn: f64,
 }
 

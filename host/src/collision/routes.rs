@@ -21,7 +21,7 @@ use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
 use crate::util::progress::Watch;
 
-/// How much a search may cost: a row of the table above.
+/// Cost that a search may have: a row of the table above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchEffort {
     /// Largest number of faces whose lattice is not looked for: all pairs are compared, which rests on less.

@@ -40,8 +40,8 @@ pub struct Holonomy {
     struts: Vec<([VertexId; 2], f64)>,
 }
 
-/// How far the two faces at an edge that no step of the tree crosses may be off the position that they have in a sheet
-/// that closes. The error is an isometry.
+/// Bound on the tear at an edge that no step of the tree crosses. The tear is an isometry: it takes the position that
+/// one of the two faces would have in a sheet that closes to the position that the face has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tear {
     /// The edge.

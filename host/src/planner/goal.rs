@@ -68,6 +68,12 @@ pub enum GoalError {
         /// The angle asked for, degrees.
         degrees: f64,
     },
+    /// A driven crease is named twice.
+    #[error("--crease: edge {edge} is named twice, expected each edge once")]
+    CreaseTwice {
+        /// The edge of the crease.
+        edge: usize,
+    },
     /// The fraction is out of its range.
     #[error("--fold: expected a fraction above 0 and at most 1, found {0}")]
     Fraction(f64),
@@ -88,31 +94,34 @@ impl Goal {
         }
     }
 
-    /// Makes the goal of one crease turned to `angle` (radians) from flat, while the others follow in the directions of
-    /// their assignments.
+    /// Makes the goal of some creases turned to their angles (radians) from flat, while the others follow in the
+    /// directions of their assignments.
     ///
     /// # Errors
-    /// If the angle is 0, beyond half a turn or against the crease's assignment.
-    pub fn of_crease(
+    /// If an angle is 0, beyond half a turn or against the crease's assignment, or a crease has two angles.
+    pub fn of_creases(
         pattern: &CreasePattern,
-        crease: CreaseId,
-        angle: f64,
+        driven: &[(CreaseId, f64)],
     ) -> Result<Self, GoalError> {
-        let edge = pattern.creases()[crease.index()].index();
-        let letter = pattern.edge(pattern.creases()[crease.index()]).letter;
-        let degrees = angle.to_degrees();
-        let against = angle * letter.sign() < 0.0;
-        if !(angle.abs() > FLAT_RAD && angle.abs() <= core::f64::consts::PI) || against {
-            return Err(GoalError::Crease {
-                edge,
-                letter: letter.code(),
-                degrees,
-            });
-        }
         let mut fold_angles = vec![None; pattern.creases().len()];
-        fold_angles[crease.index()] = Some(angle);
-        let source = format!("edge {edge} at {degrees:.6} degrees");
-        let mut goal = Self::chosen(pattern, fold_angles, source);
+        let mut sources = Vec::new();
+        for &(crease, angle) in driven {
+            let edge = pattern.creases()[crease.index()];
+            let (letter, degrees) = (pattern.edge(edge).letter, angle.to_degrees());
+            let against = angle * letter.sign() < 0.0;
+            if !(angle.abs() > FLAT_RAD && angle.abs() <= core::f64::consts::PI) || against {
+                return Err(GoalError::Crease {
+                    edge: edge.index(),
+                    letter: letter.code(),
+                    degrees,
+                });
+            }
+            if fold_angles[crease.index()].replace(angle).is_some() {
+                return Err(GoalError::CreaseTwice { edge: edge.index() });
+            }
+            sources.push(format!("edge {edge} at {degrees:.6} degrees"));
+        }
+        let mut goal = Self::chosen(pattern, fold_angles, sources.join(", "));
         goal.kind = GoalKind::Driven;
         goal.guide = Self::of_pattern(pattern).ok().map(Box::new);
         Ok(goal)

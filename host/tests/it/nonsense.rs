@@ -163,7 +163,10 @@ fn goals_are_angles_that_hinges_have() {
     let (pattern, _) = sheet();
     let crease = pattern.edges().iter().find_map(|edge| edge.crease).unwrap();
     for bad in NONE.into_iter().chain([0.0, TINY, 4.0, 1e300]) {
-        assert!(Goal::of_crease(&pattern, crease, bad).is_err(), "{bad}");
+        assert!(
+            Goal::of_creases(&pattern, &[(crease, bad)]).is_err(),
+            "{bad}"
+        );
     }
     for bad in NONE.into_iter().chain([0.0, -1.0, 1.1]) {
         assert!(Goal::of_letters(&pattern, bad).is_err(), "{bad}");

@@ -36,9 +36,9 @@ pub struct Judged {
     pub seed: u64,
     /// Number of faces.
     pub faces: usize,
-    /// What the oracle found.
+    /// Findings of the oracle.
     pub found: Found,
-    /// What `check` says.
+    /// The answer of `check`.
     pub answer: Answer,
     /// The first finding of `check`.
     pub finding: String,
@@ -51,7 +51,7 @@ pub enum Answer {
     Holds,
     /// Faces pass through each other.
     Crosses,
-    /// Whether faces pass through each other is not decided.
+    /// The search for crossings did not decide.
     NotDecided,
     /// Something else is wrong or not known.
     Other,

@@ -154,6 +154,39 @@ fn every_answer_has_the_keys_of_the_contract() {
     }
 }
 
+/// With `--json`, errors are one JSON object on stdout as well, with the place if it is known.
+#[test]
+fn errors_have_the_keys_of_the_contract() {
+    let shape = json!({"error": {
+        "file": "text", "line": "count|null", "column": "count|null", "message": "text",
+        "hint": "text|null",
+    }});
+    let folder = folder_with_path();
+    folder.write(
+        "broken.fold",
+        "{\n  \"vertices_coords\": [[0, 0], [1, \"x\"]]\n}",
+    );
+    for (arguments, file, line) in [
+        ("info none.fold", "none.fold", json!(null)),
+        ("plan broken.fold", "broken.fold", json!(2)),
+        ("check miura.fold", "miura.fold", json!(null)),
+        ("plan miura.fold --bound 7", "", json!(null)),
+        ("plan miura.fold --bound much", "", json!(null)),
+        ("check", "", json!(null)),
+    ] {
+        let answer = folder.run(&format!("{arguments} --json")).with_status(2);
+        let json = answer.json();
+        assert!(fits(&json, &shape), "{arguments}: {json:#}");
+        let found = json["error"]["file"].as_str().unwrap();
+        assert!(
+            found.ends_with(file) && found.is_empty() == file.is_empty(),
+            "{json:#}"
+        );
+        assert_eq!(json["error"]["line"], line, "{arguments}: {json:#}");
+        assert!(!json["error"]["message"].as_str().unwrap().is_empty());
+    }
+}
+
 #[test]
 fn shapes_tell_kinds_and_keys_apart() {
     let shape = json!({"n": "count", "x": "number|null", "list": ["text"]});

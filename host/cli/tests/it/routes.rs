@@ -58,6 +58,15 @@ fn a_driven_crease_takes_the_others_along_with_and_without_symmetry() {
         );
         assert_eq!(answer["outcome"], "planned", "{answer}");
         holds(&folder, "p.fold");
+        // A crease that follows anyway may be named as well.
+        let letters = folder.read_json("p.fold")["edges_assignment"].clone();
+        let letters = letters.as_array().unwrap();
+        let valley = letters.iter().position(|letter| letter == "V").unwrap();
+        let last = *angles_of(&folder, "p.fold", valley).last().unwrap();
+        let both = format!("m.fold --crease {ZIGZAG}=-100 --crease {valley}={last}");
+        let answer = plan(&folder, &format!("{both} -o both.fold {options}"));
+        assert_eq!(answer["outcome"], "planned", "{answer}");
+        holds(&folder, "both.fold");
         let driven = *angles_of(&folder, "p.fold", ZIGZAG).last().unwrap();
         assert!((driven + 100.0).abs() < 1e-9, "{driven}");
         // The closed form is tan(straight/2) = cos 60 tan(zigzag/2), on the branch of the letters.

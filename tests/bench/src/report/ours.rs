@@ -53,7 +53,7 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         let seconds = start.elapsed().saturating_sub(plan.times.symmetry);
         (seconds.as_secs_f64(), plan)
     });
-    // What a first look leaves open is the motion between knots alone.
+    // A first look leaves only the motion between knots open.
     let found = |plan: &Plan| plan.undecided == [Undecided::JudgedAtKnots];
     assert_eq!(
         whole.outcome == Outcome::Planned,

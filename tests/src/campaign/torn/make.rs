@@ -347,7 +347,7 @@ impl Strip {
     }
 }
 
-/// What is aimed at: how high are some corners over the nearest of some faces at their lowest?
+/// Aim of a motion: how high are some corners over the nearest of some faces at their lowest?
 struct Aim {
     /// Corners: a face and its vertex.
     corners: Vec<[usize; 2]>,

@@ -54,7 +54,7 @@ pub(super) struct Oracle {
     size: f64,
 }
 
-/// What two faces have in common.
+/// The part that two faces have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meeting {
     Nothing,
@@ -77,7 +77,7 @@ pub struct Crossing {
     pub share: bool,
 }
 
-/// What the oracle found in a motion. Lengths are over the median edge.
+/// Findings of the oracle in a motion. Lengths are over the median edge.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
     /// The deepest crossing.
