@@ -129,8 +129,7 @@ pub(super) fn check_crossings(
     };
     match searched.search(lattice.as_ref()).verdict {
         SweepVerdict::Free(clearance) => {
-            // Faces round a vertex may lie across each other by as much as the motion may tear the sheet, but
-            // not at knots, which tear the sheet by less.
+            // The knots of a torn sheet are looked at once more, each as a whole.
             if is_torn(gap) {
                 let crossing = crossed_knot(path, tree, verdict);
                 verdict.crossings.extend(crossing);

@@ -32,8 +32,7 @@ impl Rates {
     /// Measures the rates of a motion at 65 places of each segment. Cost: O(segments · groups).
     pub(super) fn of(path: &Motion, motion: &MergedGroups) -> Self {
         let (mut speed, mut acceleration) = (0.0_f64, 0.0_f64);
-        let rest = vec![0.0; motion.leaders.len()];
-        let (mut before, mut jump) = (rest.clone(), 0.0_f64);
+        let (mut before, mut jump) = (vec![0.0; motion.leaders.len()], 0.0_f64);
         for (pair, curves) in path.knots.windows(2).zip(&motion.segments) {
             let span = pair[1].time - pair[0].time;
             for (before, curve) in before.iter_mut().zip(curves) {
@@ -50,8 +49,8 @@ impl Rates {
                 }
             }
         }
-        for (before, rest) in before.iter().zip(&rest) {
-            jump = jump.max((before - rest).abs());
+        for before in before {
+            jump = jump.max(before.abs());
         }
         Self {
             speed,

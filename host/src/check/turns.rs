@@ -86,7 +86,7 @@ fn turn(curve: &Curve<f64>, letter: Letter) -> Turn {
     };
     let slack = ROUNDINGS * f64::EPSILON * size;
     let mut open = vec![(*curve, [0.0, 1.0], 0)];
-    let (mut parts, mut unknown) = (0, None);
+    let mut parts = 0;
     while let Some((part, [from, to], halvings)) = open.pop() {
         let ends = range(&part, slack);
         if ends.is_some_and(|ends| ends.iter().all(|&end| wrong(end, letter).is_none())) {
@@ -98,14 +98,13 @@ fn turn(curve: &Curve<f64>, letter: Letter) -> Turn {
         }
         parts += 1;
         if halvings == MAX_HALVINGS || parts == MAX_PARTS {
-            unknown = Some(middle);
-            break;
+            return Turn::Unknown(middle);
         }
         let [first, second] = halves(&part);
         open.push((second, [middle, to], halvings + 1));
         open.push((first, [from, middle], halvings + 1));
     }
-    unknown.map_or(Turn::Right, Turn::Unknown)
+    Turn::Right
 }
 
 fn largest(cubic: &[f64; 4]) -> f64 {

@@ -7,6 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
 use super::tolerances::{
     CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
+    MAX_ROUNDING_RATIO,
 };
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 
@@ -25,8 +26,6 @@ pub(super) struct Contact {
     /// Depth that counts as a crossing, and additional depth that rounded coordinates explain, units of the sheet.
     depth: f64,
     rounding: f64,
-    /// Largest ratio of additional depth to the size of the smaller face.
-    rounding_ratio: f64,
 }
 
 impl Contact {
@@ -36,7 +35,6 @@ impl Contact {
         Self {
             depth: depth * median_edge,
             rounding: (contact - depth) * median_edge,
-            rounding_ratio: MAX_ROUNDING_EDGES,
         }
     }
 
@@ -48,7 +46,7 @@ impl Contact {
 
     /// Returns the depth up to which an overlap of two pieces is contact, units of the sheet.
     pub(super) fn of(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
-        let most = self.rounding_ratio * pieces.smaller_size(pair);
+        let most = MAX_ROUNDING_RATIO * pieces.smaller_size(pair);
         self.depth(pieces, pair) + self.rounding.min(most)
     }
 

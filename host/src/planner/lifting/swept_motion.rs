@@ -72,8 +72,7 @@ pub(crate) fn tears_hide_contact(
     sum > HIDING_RATIO * SweepOptions::default().contact * problem.pattern.median_edge()
 }
 
-/// Returns the first knot at which faces of a torn sheet cross, and the crossing. Between knots, faces round a vertex
-/// may lie across each other by as much as the gap, but not at the knots, where the sheet is hardly torn.
+/// Returns the first knot at which faces of a torn sheet cross, and the crossing: a second look, at whole shapes.
 pub(crate) fn crossed_knot(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
