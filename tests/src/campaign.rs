@@ -281,6 +281,7 @@ fn without_knots(pattern: &CreasePattern) -> Motion {
         max_speed: None,
         max_acceleration: None,
         seed: None,
+        answer: None,
         knots: Vec::new(),
         phases: Vec::new(),
     }

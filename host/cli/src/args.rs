@@ -5,6 +5,7 @@ use core::str::FromStr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde::Serialize;
 
 use foldpath_firmware_sim::hinges::Drive;
 
@@ -292,7 +293,7 @@ pub(crate) struct Report {
     pub(crate) json: bool,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
 Examples:
@@ -304,6 +305,7 @@ pub(crate) struct Plan {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator.
+    #[serde(skip)]
     pub(crate) pattern: PathBuf,
     /// FOLD file of the same sheet whose fold angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
@@ -323,8 +325,12 @@ pub(crate) struct Plan {
     /// The path passes through several such files in the order given.
     #[arg(long, value_name = "FILE", help_heading = "Goal")]
     pub(crate) via: Vec<PathBuf>,
+    /// How far the path may end from its goal, degrees, for each crease that has one
+    #[arg(long, default_value_t = 1.0, value_name = "DEG", help_heading = "Goal")]
+    pub(crate) goal_tolerance: f64,
     /// Path to write, a FOLD animation; written only if the goal is reached
     #[arg(short, long, help_heading = "Path written")]
+    #[serde(skip)]
     pub(crate) output: Option<PathBuf>,
     /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
     ///
@@ -412,10 +418,12 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
+    #[serde(skip)]
     pub(crate) report: Report,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Symmetry {
     /// One unknown for each group of creases that turn alike
     #[default]
@@ -424,7 +432,8 @@ pub(crate) enum Symmetry {
     Off,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Vertices {
     /// One vertex for each distinct closure condition
     #[default]
@@ -433,7 +442,8 @@ pub(crate) enum Vertices {
     All,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Reuse {
     /// Plan on the essential crease pattern and reuse the path on the whole sheet
     #[default]
@@ -442,14 +452,16 @@ pub(crate) enum Reuse {
     Off,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Switch {
     #[default]
     On,
     Off,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Interpolation {
     /// The interpolation that needs the fewest knots
     #[default]
@@ -464,7 +476,8 @@ pub(crate) enum Interpolation {
     Linear,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Skip {
     /// Pairs of faces that move like another pair
     Symmetry,
@@ -476,7 +489,8 @@ pub(crate) enum Skip {
     Edges,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Pace {
     /// As fast as the limits of the hinges allow
     #[default]
@@ -485,7 +499,8 @@ pub(crate) enum Pace {
     Sparse,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Judged {
     /// The whole motion, certified between the knots
     #[default]
@@ -494,7 +509,8 @@ pub(crate) enum Judged {
     Knots,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Frames {
     /// Fold angles and the positions of all vertices
     #[default]
@@ -503,7 +519,8 @@ pub(crate) enum Frames {
     Angles,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Solver {
     /// Levenberg-Marquardt
     #[default]
@@ -512,7 +529,8 @@ pub(crate) enum Solver {
     Gradient,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Search {
     /// Follow the motion
     #[default]
@@ -521,7 +539,8 @@ pub(crate) enum Search {
     Random,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Objective {
     /// The worst vertex
     #[default]
@@ -531,10 +550,17 @@ pub(crate) enum Objective {
 }
 
 /// Value `I=DEG` of `--crease`: an edge and its angle in degrees.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(into = "String")]
 pub(crate) struct DrivenEdge {
     pub(crate) edge: usize,
     pub(crate) degrees: f64,
+}
+
+impl From<DrivenEdge> for String {
+    fn from(driven: DrivenEdge) -> Self {
+        format!("{}={}", driven.edge, driven.degrees)
+    }
 }
 
 impl FromStr for DrivenEdge {
@@ -553,11 +579,18 @@ impl FromStr for DrivenEdge {
 }
 
 /// Value `I=MIN..MAX` of `--limit`: an edge and the range of its angle in degrees.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(into = "String")]
 pub(crate) struct LimitedEdge {
     pub(crate) edge: usize,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
+}
+
+impl From<LimitedEdge> for String {
+    fn from(limit: LimitedEdge) -> Self {
+        format!("{}={}..{}", limit.edge, limit.lower, limit.upper)
+    }
 }
 
 impl FromStr for LimitedEdge {
@@ -620,6 +653,7 @@ impl Plan {
         let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = planner::PlanOptions {
             bound: self.bound,
+            goal_tolerance: self.goal_tolerance.to_radians(),
             contact: self.contact,
             symmetry: match self.symmetry {
                 Symmetry::Auto => planner::Symmetry::Auto,

@@ -4,6 +4,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use crate::args::{Frames, Plan, Switch};
 use crate::hints::{nearest_hinge, radians};
@@ -16,10 +17,13 @@ use foldpath::pattern::{CreaseId, CreasePattern};
 use foldpath::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
 use foldpath::progress::{Progress, Stage};
 use foldpath::read::fold::{PatternFile, read_goal};
-use foldpath::read::read_pattern;
+use foldpath::read::{parse_pattern, read_pattern_bytes};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
+    version: &'static str,
+    input: InputJson,
+    options: &'a Plan,
     outcome: &'a str,
     reason: Option<&'a str>,
     reached: f64,
@@ -33,15 +37,37 @@ struct PlanJson<'a> {
     certified_deformation: Option<f64>,
     max_closure: f64,
     max_gap: f64,
+    max_bend: f64,
     goal_error: f64,
+    flat_creases: usize,
     min_clearance: Option<f64>,
     contact_tolerance: f64,
     undecided: Vec<String>,
+    notes: Vec<String>,
     attempts: Vec<AttemptJson>,
     time: TimeJson,
     solver: SolverJson,
     collision: CollisionJson,
     seed: u64,
+}
+
+/// The file that was read.
+#[derive(Serialize)]
+struct InputJson {
+    file: String,
+    sha256: String,
+}
+
+impl InputJson {
+    fn of(args: &Plan, bytes: &[u8]) -> Self {
+        // Only the JSON names the digest.
+        let digest = args.report.json.then(|| Sha256::digest(bytes));
+        let digest = digest.iter().flatten();
+        Self {
+            file: args.pattern.display().to_string(),
+            sha256: digest.map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
 }
 
 /// A strategy that was tried.
@@ -102,6 +128,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         check_output("-o", output, inputs)?;
     }
     let Planned {
+        input,
         file,
         goal,
         plan,
@@ -113,7 +140,24 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     })?;
     let times = plan.times;
     let reason = plan.reason.as_ref().map(ToString::to_string);
+    let notes = [file.pattern.repairs(), file.pattern.assumptions()];
+    let mut notes: Vec<String> = notes.concat();
+    notes.extend(plan.notes.iter().map(ToString::to_string));
+    notes.extend(held_flat);
+    if args.goal.is_none() && args.fold.is_none() && args.crease.is_empty() {
+        let open = plan.outcome == Outcome::GoalNotClosed;
+        let closure = if open {
+            f64::INFINITY
+        } else {
+            plan.goal_closure
+        };
+        notes.extend(radians(&file.pattern, Some(closure)));
+    }
+    print_notes(quiet, &notes);
     let json = PlanJson {
+        version: env!("CARGO_PKG_VERSION"),
+        input,
+        options: args,
         outcome: plan.outcome.name(),
         reason: reason.as_deref(),
         reached: plan.reached,
@@ -127,10 +171,14 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         certified_deformation: plan.certified_deformation,
         max_closure: plan.max_closure,
         max_gap: plan.rigidity.gap,
+        // Panels do not bend: virtual edges stay flat.
+        max_bend: 0.0,
         goal_error: plan.goal_error.to_degrees(),
+        flat_creases: plan.flat_creases,
         min_clearance: plan.clearance.map(|clearance| clearance.distance),
         contact_tolerance: plan.contact_tolerance,
         undecided: plan.undecided.iter().map(ToString::to_string).collect(),
+        notes,
         attempts: plan.attempts.iter().map(AttemptJson::of).collect(),
         time: TimeJson {
             write: write.as_secs_f64(),
@@ -155,20 +203,6 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         },
         seed: args.seed,
     };
-    print_notes(quiet, file.pattern.repairs());
-    print_notes(quiet, file.pattern.assumptions());
-    print_notes(quiet, &plan.notes);
-    print_notes(quiet, &held_flat);
-    if args.goal.is_none() && args.fold.is_none() && args.crease.is_empty() {
-        let open = plan.outcome == Outcome::GoalNotClosed;
-        let closure = if open {
-            f64::INFINITY
-        } else {
-            plan.goal_closure
-        };
-        let note = radians(&file.pattern, Some(closure));
-        print_notes(quiet, note.as_slice());
-    }
     if args.report.json {
         print_json(&json)?;
     } else {
@@ -179,6 +213,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
 
 /// Pattern and goal that were read, the plan, and the times that reading and writing took.
 struct Planned {
+    input: InputJson,
     file: PatternFile,
     goal: Goal,
     plan: planner::Plan,
@@ -196,7 +231,10 @@ fn planned(
 ) -> Result<Planned, CliError> {
     progress.begin(Stage::Reading);
     let start = Instant::now();
-    let file = read_pattern(&args.pattern)?;
+    let bytes = read_pattern_bytes(&args.pattern)?;
+    let input = InputJson::of(args, &bytes);
+    let file = parse_pattern(&args.pattern, &bytes)?;
+    drop(bytes);
     let goal = goal(args, &file)?;
     let limits = limits(args, &file.pattern)?;
     options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
@@ -220,6 +258,7 @@ fn planned(
     }
     let write = start.elapsed();
     Ok(Planned {
+        input,
         held_flat: held_flat(args, &file.pattern, &goal),
         file,
         goal,

@@ -1,8 +1,10 @@
 //! Compares what a file claims of the whole motion with what is measured: largest speed and acceleration of a hinge, and
-//! at knots the distance of faces.
+//! at knots the distance of faces; and the bound within which it says that it was planned.
 
-use super::finding::{Failure, RateLimit};
-use super::{Measured, MergedGroups, clearances_until_over};
+use super::clearance::{KnotClearance, knot_clearances};
+use super::finding::{Failure, RateLimit, Undecided};
+use super::{Measured, MergedGroups, Verdict};
+use crate::folding::Rigidity;
 use crate::motion::Motion;
 use crate::progress::Watch;
 
@@ -14,7 +16,7 @@ const RATE_RATIO: f64 = 1.001;
 /// Difference of the speeds of a hinge before and after a knot up to which they are equal, as a fraction of the largest
 /// speed.
 const SAME_RATE_RATIO: f64 = 1e-6;
-/// Relative error of a claimed distance that rounding explains.
+/// Relative error of a claim that rounding explains.
 const ROUNDING: f64 = 1e-6;
 
 /// Largest speed (radians per second) and acceleration (radians per second squared) of a hinge, between knots and at
@@ -78,29 +80,45 @@ pub(super) fn false_rates(path: &Motion, rates: Rates) -> Vec<Failure> {
     failures.collect()
 }
 
-/// Returns the claims on distances at knots that are false or that nothing is known of.
-pub(super) fn false_clearances(
+/// Judges the claims on distances at knots: returns those that are false, and those of which nothing is known.
+pub(super) fn judge_clearances(
     path: &Motion,
     measured: &[Measured],
     watch: Watch<'_>,
-) -> Vec<Failure> {
-    if path
-        .knots
-        .iter()
-        .all(|knot| knot.claims.clearance.is_none())
-    {
-        return Vec::new();
+) -> (Vec<Failure>, Vec<Undecided>) {
+    let (mut wrong, mut unknown) = (Vec::new(), Vec::new());
+    let mut claims = path.knots.iter().map(|knot| knot.claims.clearance);
+    if claims.all(|claim| claim.is_none()) {
+        return (wrong, unknown);
     }
-    let found = clearances_until_over(path, path, measured, watch).shapes;
-    let knots = path.knots.iter().zip(found).enumerate();
-    let wrong = knots.filter_map(|(knot, (data, found))| {
-        let claimed = data.claims.clearance?;
-        let holds = found.is_some_and(|found| claimed <= found * (1.0 + ROUNDING));
-        (!holds).then_some(Failure::FalseClearance {
-            knot,
-            claimed,
-            found,
-        })
-    });
-    wrong.collect()
+    let found = knot_clearances(path, measured, watch);
+    for (knot, (data, found)) in path.knots.iter().zip(found).enumerate() {
+        let Some(claimed) = data.claims.clearance else {
+            continue;
+        };
+        match found {
+            KnotClearance::Unknown => unknown.push(Undecided::Clearance { knot, claimed }),
+            KnotClearance::Known(found) if claimed <= found * (1.0 + ROUNDING) => {}
+            KnotClearance::Known(found) => wrong.push(Failure::FalseClearance {
+                knot,
+                claimed,
+                found,
+            }),
+        }
+    }
+    (wrong, unknown)
+}
+
+/// Returns the claim that the motion was planned within a bound, if errors were found that are larger.
+pub(super) fn false_bound(path: &Motion, verdict: &Verdict) -> Option<Failure> {
+    let answer = path.answer.as_ref().filter(|answer| answer.is_planned())?;
+    let Rigidity {
+        deformation, gap, ..
+    } = verdict.rigidity();
+    let errors = [deformation, gap, verdict.closure()];
+    let found = errors.into_iter().fold(0.0, f64::max);
+    (found > answer.bound * (1.0 + ROUNDING)).then_some(Failure::FalseBound {
+        claimed: answer.bound,
+        found,
+    })
 }

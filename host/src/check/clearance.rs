@@ -5,8 +5,9 @@ use foldpath_core::Curve;
 use super::Measured;
 use super::merged_groups::MergedGroups;
 use crate::collision::{Place, SearchEffort, Sweep, SweepOptions, SweepVerdict, contact_tolerance};
+use crate::lattice::Lattice;
 use crate::motion::Motion;
-use crate::pattern::FaceId;
+use crate::pattern::{CreasePattern, FaceId};
 use crate::progress::Watch;
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
@@ -47,51 +48,116 @@ pub(crate) fn clearances_until_over(
     measured: &[Measured],
     watch: Watch<'_>,
 ) -> Clearances {
-    let pattern = &path.pattern;
     let unknown = Clearances {
         shapes: vec![None; shapes.knots.len()],
         worst: None,
     };
     let motion = MergedGroups::of(path);
-    let members = motion.groups.memberships();
-    let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
-    let closure = measured.iter().map(|m| m.closure).fold(0.0, f64::max);
-    let lattice = SearchEffort::PICTURE.lattice(pattern, members, gap);
-    if !motion.is_finite() || !SearchEffort::PICTURE.affords(pattern, lattice.as_ref()) {
+    let Some(search) = Search::new(path, &motion, measured) else {
         return unknown;
-    }
-    let [mut sweep, mut still_sweep] =
-        [SearchEffort::PICTURE, SearchEffort::PICTURE_SHAPE].map(|effort| {
-            let options = SweepOptions {
-                closure,
-                contact: contact_tolerance(pattern),
-                max_queries: effort.max_queries,
-                ..SweepOptions::default()
-            };
-            Sweep::build(pattern, members, options, lattice.as_ref()).watched(watch)
-        });
+    };
+    let mut sweep = search.sweep(SearchEffort::PICTURE, watch);
+    let of_motion = worst(&sweep.sweep(&motion.segments), |at| time(path, at));
     let mut found = Clearances {
-        worst: worst(&sweep.sweep(&motion.segments), |at| time(path, at)),
+        worst: of_motion,
         ..unknown
     };
-    let moving = found.worst.is_some();
-    for (index, clearance) in found.shapes.iter_mut().enumerate() {
-        let time = shapes.knots[index].time;
-        let leaders = motion.leaders.iter();
-        let angles = leaders.map(|&leader| shapes.node(index, leader).angle);
-        // A motion that stays where it is.
-        let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
-        let pair = worst(&still_sweep.sweep(&[still]), |_| time);
+    let verdicts = search.at_knots(shapes, watch);
+    for ((clearance, knot), verdict) in found.shapes.iter_mut().zip(&shapes.knots).zip(verdicts) {
+        let pair = worst(&verdict, |_| knot.time);
         *clearance = pair.filter(|p| !p.crosses).map(|p| p.distance);
         let worse = |pair: &WorstPair| {
             let rank = |p: &WorstPair| (!p.crosses, p.distance);
             found.worst.is_none_or(|w| rank(pair) < rank(&w))
         };
-        if !moving {
+        if of_motion.is_none() {
             found.worst = pair.filter(worse).or(found.worst);
         }
     }
     found
+}
+
+/// What is known of the distances of faces at a knot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum KnotClearance {
+    /// The smallest distance of faces that share no vertex, units of the sheet; infinite if all share one, 0 if faces
+    /// cross.
+    Known(f64),
+    /// The search ended before it had an answer.
+    Unknown,
+}
+
+/// Returns the clearance at each knot of a motion.
+pub(super) fn knot_clearances(
+    path: &Motion,
+    measured: &[Measured],
+    watch: Watch<'_>,
+) -> Vec<KnotClearance> {
+    let motion = MergedGroups::of(path);
+    let Some(search) = Search::new(path, &motion, measured) else {
+        return vec![KnotClearance::Unknown; path.knots.len()];
+    };
+    let verdicts = search.at_knots(path, watch);
+    let clearances = verdicts.map(|verdict| match verdict {
+        SweepVerdict::Free(clearance) => {
+            KnotClearance::Known(clearance.map_or(f64::INFINITY, |clearance| clearance.distance))
+        }
+        SweepVerdict::Crossing { .. } => KnotClearance::Known(0.0),
+        SweepVerdict::Undecided { .. } => KnotClearance::Unknown,
+    });
+    clearances.collect()
+}
+
+/// A search for the nearest faces of a sheet.
+struct Search<'a> {
+    pattern: &'a CreasePattern,
+    motion: &'a MergedGroups,
+    lattice: Option<Lattice>,
+    closure: f64,
+}
+
+impl<'a> Search<'a> {
+    /// Makes a search; `None` if it would take too long, or numbers overflow.
+    fn new(path: &'a Motion, motion: &'a MergedGroups, measured: &[Measured]) -> Option<Self> {
+        let pattern = &*path.pattern;
+        let members = motion.groups.memberships();
+        let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
+        let lattice = SearchEffort::PICTURE.lattice(pattern, members, gap);
+        let affords = SearchEffort::PICTURE.affords(pattern, lattice.as_ref());
+        (motion.is_finite() && affords).then(|| Self {
+            pattern,
+            motion,
+            lattice,
+            closure: measured.iter().map(|m| m.closure).fold(0.0, f64::max),
+        })
+    }
+
+    fn sweep<'s>(&'s self, effort: SearchEffort, watch: Watch<'s>) -> Sweep<'s> {
+        let options = SweepOptions {
+            closure: self.closure,
+            contact: contact_tolerance(self.pattern),
+            max_queries: effort.max_queries,
+            ..SweepOptions::default()
+        };
+        let members = self.motion.groups.memberships();
+        Sweep::build(self.pattern, members, options, self.lattice.as_ref()).watched(watch)
+    }
+
+    /// Returns the verdict at each knot of `shapes`, one after the other.
+    fn at_knots<'s>(
+        &'s self,
+        shapes: &'s Motion,
+        watch: Watch<'s>,
+    ) -> impl Iterator<Item = SweepVerdict> + 's {
+        let mut sweep = self.sweep(SearchEffort::PICTURE_SHAPE, watch);
+        (0..shapes.knots.len()).map(move |knot| {
+            let leaders = self.motion.leaders.iter();
+            let angles = leaders.map(|&leader| shapes.node(knot, leader).angle);
+            // A motion that stays where it is.
+            let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
+            sweep.sweep(&[still])
+        })
+    }
 }
 
 fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPair> {

@@ -120,14 +120,21 @@ pub enum Failure {
         /// Value measured; infinite if a hinge changes its speed at once.
         found: f64,
     },
-    /// Faces are nearer to each other at a knot than the file claims, or their distance is not known.
+    /// Faces are nearer to each other at a knot than the file claims.
     FalseClearance {
         /// Number of the knot.
         knot: usize,
         /// Distance in the file, units of the sheet.
         claimed: f64,
-        /// Distance measured; `None` if it is not known.
-        found: Option<f64>,
+        /// Distance measured; 0 if faces cross.
+        found: f64,
+    },
+    /// The file says that the motion was planned within a bound that it does not keep.
+    FalseBound {
+        /// Bound in the file.
+        claimed: f64,
+        /// Largest error found.
+        found: f64,
     },
     /// The sheet breaks the bound.
     OverBound {
@@ -187,6 +194,13 @@ pub enum Undecided {
         at: Moment,
         /// The hinge.
         edge: EdgeId,
+    },
+    /// The file claims a distance of faces at a knot of which nothing is known, as measuring it would take too long.
+    Clearance {
+        /// Number of the knot.
+        knot: usize,
+        /// Distance in the file, units of the sheet.
+        claimed: f64,
     },
     /// The search for crossings did not decide within its budget.
     Crossings {

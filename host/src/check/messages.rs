@@ -96,16 +96,14 @@ impl Display for Failure {
                 knot,
                 claimed,
                 found,
-            } => {
-                write!(
-                    f,
-                    "knot {knot}: the file claims a clearance of {claimed:.3e}, but "
-                )?;
-                match found {
-                    Some(found) => write!(f, "it is {found:.3e}"),
-                    None => f.write_str("it is not known"),
-                }
-            }
+            } => write!(
+                f,
+                "knot {knot}: the file claims a clearance of {claimed:.3e}, but it is {found:.3e}"
+            ),
+            Self::FalseBound { claimed, found } => write!(
+                f,
+                "the file says that it was planned within the bound {claimed:.3e}, but has errors of {found:.3e}"
+            ),
             Self::OverBound {
                 at,
                 error,
@@ -203,6 +201,10 @@ impl Display for Undecided {
             Self::Angle { at, edge } => write!(
                 f,
                 "not certified: {at}, the fold angle of edge {edge} is not known, as its weights vanish"
+            ),
+            Self::Clearance { knot, claimed } => write!(
+                f,
+                "knot {knot}: the file claims a clearance of {claimed:.3e}, and measuring it would take too long"
             ),
             Self::Crossings { at, faces } => {
                 write!(

@@ -272,8 +272,11 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
-        let clearances = claims::false_clearances(path, &verdict.knots, watch);
-        verdict.failures.extend(clearances);
+        let (wrong, unknown) = claims::judge_clearances(path, &verdict.knots, watch);
+        verdict.failures.extend(wrong);
+        verdict.undecided.extend(unknown);
+        let bound = claims::false_bound(path, &verdict);
+        verdict.failures.extend(bound);
     }
     if watch.is_over() {
         verdict.undecided.push(Undecided::Cancelled);

@@ -150,6 +150,13 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
         if let Some(seed) = motion.seed {
             file.set("foldpath:seed", &seed)?;
         }
+        if let Some(answer) = &motion.answer {
+            file.set("foldpath:outcome", &answer.outcome)?;
+            file.set("foldpath:reached", &answer.reached)?;
+            file.set("foldpath:bound", &answer.bound)?;
+            // Panels do not bend: virtual edges stay flat.
+            file.set("foldpath:bend", &0.0)?;
+        }
         for (key, limit) in limits {
             // JSON has no infinity: null stands for a limit that allows anything.
             if let Some(limit) = limit {

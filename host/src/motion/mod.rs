@@ -31,12 +31,36 @@ pub struct Motion {
     pub max_acceleration: Option<f64>,
     /// The seed of random numbers that the motion was planned with, if it is known.
     pub seed: Option<u64>,
+    /// The planner's answer when it made the motion, if it is known.
+    pub answer: Option<PlanAnswer>,
     /// The knots from start to goal, at increasing times.
     pub knots: Vec<Knot>,
     /// Numbers of the knots at which another phase of the motion begins, in increasing order, without the first and the
     /// last knot.
     pub phases: Vec<usize>,
 }
+
+/// What the planner said of a motion when it made it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanAnswer {
+    /// Name of the outcome, such as `planned`.
+    pub outcome: String,
+    /// Fraction of the way to the goal that the motion goes, 0 to 1.
+    pub reached: f64,
+    /// Bound on deformation and gap that the motion had to keep.
+    pub bound: f64,
+}
+
+impl PlanAnswer {
+    /// Returns `true` if the motion reaches its goal, within the bound and free of crossings.
+    #[must_use]
+    pub fn is_planned(&self) -> bool {
+        self.outcome == PLANNED
+    }
+}
+
+/// Name of the outcome of a motion that reaches its goal.
+pub(crate) const PLANNED: &str = "planned";
 
 /// The origin of the groups of a motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -312,6 +336,7 @@ impl Motion {
             pattern: Arc::clone(&self.pattern),
             members: self.members.clone(),
             naming: self.naming.clone(),
+            answer: self.answer.clone(),
             knots,
             phases: Vec::new(),
             ..*self

@@ -1,8 +1,11 @@
 //! Goals of a plan: fold angles from the pattern, from the assignments (FOLD letters) of its creases, or chosen by a
 //! user.
 
+use core::f64::consts::PI;
+
 use thiserror::Error;
 
+use super::vectors::largest;
 use crate::pattern::{CreaseId, CreasePattern};
 
 /// Goal fold angles of the creases, and how they are to be reached.
@@ -42,6 +45,13 @@ pub const CHOSEN_REACH: f64 = 0.2;
 
 /// Largest angle of a goal that counts as flat, radians.
 const FLAT_RAD: f64 = 1e-9;
+
+/// Angle from which a crease counts as turned by half a turn, radians: below π by rounding.
+const HALF_TURN_RAD: f64 = PI - 1e-9;
+/// Angle below which a lettered crease counts as flat at the end of a path, radians: one degree.
+const FLAT_AT_END_RAD: f64 = PI / 180.0;
+/// The same as a fraction of the angle that letters ask for, where that is less.
+const FLAT_AT_END_RATIO: f64 = 0.5;
 
 /// Reason why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -175,6 +185,22 @@ impl Goal {
             goal.reach = core::f64::consts::PI;
         }
         Ok(goal)
+    }
+}
+
+impl Goal {
+    /// Returns `true` if the goal is a direction rather than a configuration: the letters at less than a half turn.
+    pub(crate) fn is_direction(&self) -> bool {
+        self.kind == GoalKind::Letters && largest(&self.fold_angles) < HALF_TURN_RAD
+    }
+
+    /// Returns the angle below which a lettered crease counts as flat at the end of a path, radians.
+    pub(crate) fn least_turn(&self) -> f64 {
+        if self.is_direction() {
+            FLAT_AT_END_RAD.min(FLAT_AT_END_RATIO * largest(&self.fold_angles))
+        } else {
+            FLAT_AT_END_RAD
+        }
     }
 }
 

@@ -6,7 +6,8 @@ use foldpath_core::{Curve, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
 use super::PlanOptions;
-use crate::motion::{self, Claims, GroupNaming, Motion};
+use super::vectors::max_difference;
+use crate::motion::{self, Claims, GroupNaming, Motion, PlanAnswer};
 use crate::pattern::CreasePattern;
 
 /// One stored configuration of a path, with the errors measured there on the whole sheet.
@@ -23,7 +24,8 @@ pub(super) struct Knot {
     pub(super) weights: Vec<[f64; 2]>,
     /// Folded positions of the vertices; empty if they were not kept.
     pub(super) vertices: Vec<Vector3<f64>>,
-    /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger.
+    /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger. This error and the
+    /// next two are NaN if they were not measured.
     pub(super) closure: f64,
     /// Largest relative change of length of an edge or virtual edge.
     pub(super) deformation: f64,
@@ -50,6 +52,7 @@ impl Path {
         self,
         pattern: &CreasePattern,
         options: &PlanOptions,
+        answer: PlanAnswer,
     ) -> Option<Motion> {
         if self.knots.is_empty() {
             return None;
@@ -71,6 +74,7 @@ impl Path {
                 _ => Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
             },
             seed: Some(options.seed),
+            answer: Some(answer),
             knots: self.knots.into_iter().map(Knot::into_stored).collect(),
             phases,
         })
@@ -98,6 +102,37 @@ pub(super) fn curves(
     })
 }
 
+/// Returns an error of the sheet; `None` if it was not measured.
+fn measured(error: f64) -> Option<f64> {
+    (!error.is_nan()).then_some(error)
+}
+
+/// Returns configurations of a path (fold angle of each group, radians, and `true` where a phase ends) as knots, as far
+/// apart in time as the largest speed of the hinges (radians per second) requires. The errors of the sheet are NaN: they
+/// are not measured.
+pub(super) fn evenly<'a>(
+    configurations: impl Iterator<Item = (&'a [f64], bool)>,
+    max_speed: f64,
+) -> Vec<Knot> {
+    let mut time = 0.0;
+    let mut before: Option<&[f64]> = None;
+    let knots = configurations.map(|(angles, ends_phase)| {
+        time += before.map_or(0.0, |before| max_difference(before, angles)) / max_speed;
+        before = Some(angles);
+        Knot {
+            time,
+            rates: vec![0.0; angles.len()],
+            angles: angles.to_vec(),
+            ends_phase,
+            deformation: f64::NAN,
+            gap: f64::NAN,
+            closure: f64::NAN,
+            ..Knot::default()
+        }
+    });
+    knots.collect()
+}
+
 impl Knot {
     fn into_stored(self) -> motion::Knot {
         motion::Knot {
@@ -107,9 +142,9 @@ impl Knot {
             weights: self.weights,
             vertices: self.vertices,
             claims: Claims {
-                deformation: Some(self.deformation),
-                gap: Some(self.gap),
-                closure: Some(self.closure),
+                deformation: measured(self.deformation),
+                gap: measured(self.gap),
+                closure: measured(self.closure),
                 clearance: None,
             },
         }

@@ -38,6 +38,7 @@ impl Display for TimeoutAt {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Self::ClosingGoal => f.write_str("closing the goal"),
+            Self::Following => f.write_str("following the path"),
             Self::PlacingKnots => f.write_str("placing knots"),
             Self::JudgingKnot(knot) => write!(f, "judging knot {knot}"),
             Self::LookingForCrossings => f.write_str("looking for crossings"),
@@ -48,6 +49,10 @@ impl Display for TimeoutAt {
 impl Display for Undecided {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
+            Self::OutOfTime(at) => write!(
+                f,
+                "the path was not judged to its end: time ran out while {at}"
+            ),
             Self::JudgedAtKnots => f.write_str(
                 "judged at its knots alone: of the motion between them nothing is known",
             ),
@@ -87,6 +92,22 @@ impl Display for Reason {
                 match worst {
                     Some(worst) => write!(f, "; there {worst}"),
                     None => Ok(()),
+                }
+            }
+            Self::NearGoal {
+                goal,
+                farthest,
+                flat,
+            } => {
+                write!(f, "the path ends near {goal}, not there")?;
+                if let Some((edge, short)) = farthest {
+                    let degrees = short.to_degrees();
+                    write!(f, ": edge {edge} is {degrees:.1} degrees off")?;
+                }
+                match flat.len() {
+                    0 => Ok(()),
+                    1 => write!(f, "; 1 lettered crease stays flat: {}", Edges(flat)),
+                    n => write!(f, "; {n} lettered creases stay flat: {}", Edges(flat)),
                 }
             }
             Self::PathStops {

@@ -39,6 +39,8 @@
 //! snapped coordinates (coarse)         if there is no plan yet
 //! measured error                       if there is no plan yet and the goal nearly closes
 //! snapped coordinates, measured error  if there is no plan yet and the goal nearly closes
+//! nearest configuration                if the goal does not close
+//! another seed, three times            if the answer is no and may depend on random numbers
 //! ```
 //!
 //! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion
@@ -50,12 +52,12 @@
 //! A file uses only files to its left:
 //!
 //! ```text
-//! goal, knots, vectors < reason < messages, plan < options < problem
+//! vectors < goal, knots < reason < messages, plan < options < problem
 //! < closing (cholesky < sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (simple_folds, pipeline < fold_sequence < driver)
+//! < strategies (arrival, simple_folds < pipeline < fold_sequence < driver)
 //! ```
 
 mod closing;

@@ -115,6 +115,9 @@ pub struct HingeLimit {
 pub struct PlanOptions {
     /// Bound on deformation and gap of the whole sheet, a fraction of lengths: above 0 and at most 1.
     pub bound: f64,
+    /// Largest difference of a crease's angle at the end of the path from its goal with which the goal counts as reached,
+    /// radians: above 0 and at most π.
+    pub goal_tolerance: f64,
     /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
     /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
     pub contact: Option<f64>,
@@ -160,6 +163,7 @@ impl Default for PlanOptions {
     fn default() -> Self {
         Self {
             bound: 0.01,
+            goal_tolerance: 1_f64.to_radians(),
             contact: None,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
@@ -228,6 +232,13 @@ impl PlanOptions {
                 option: "bound",
                 expected: "a fraction of at most 1",
                 found: self.bound,
+            });
+        }
+        if !(self.goal_tolerance > 0.0 && self.goal_tolerance <= PI) {
+            return Err(OptionsError {
+                option: "goal_tolerance",
+                expected: "degrees above 0 and at most 180",
+                found: self.goal_tolerance.to_degrees(),
             });
         }
         if let Some(found) = self

@@ -8,7 +8,7 @@ use super::knots::Path;
 use super::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
-use crate::motion::{self, Motion};
+use crate::motion::{self, Motion, PLANNED, PlanAnswer};
 use crate::pattern::CreasePattern;
 
 /// Answer of the planner.
@@ -17,11 +17,14 @@ pub enum Outcome {
     /// The path reaches the goal, within the bound and free of crossings.
     #[default]
     Planned,
+    /// The path ends at a closed configuration that is farther from the goal than the tolerance, or leaves lettered
+    /// creases flat.
+    NearGoal,
     /// The path ends between flat and goal.
     Partial,
     /// The sheet deforms beyond the bound although its essential pattern does not, or is not proved to keep the bound.
     NotRigidlyFoldable,
-    /// No closed configuration was found near the goal.
+    /// No closed configuration was found on the goal's side of the flat sheet.
     GoalNotClosed,
     /// Faces pass through each other.
     Crossing(Crossing),
@@ -36,7 +39,8 @@ impl Outcome {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Planned => "planned",
+            Self::Planned => PLANNED,
+            Self::NearGoal => "near_goal",
             Self::Partial => "partial",
             Self::NotRigidlyFoldable => "not_rigidly_foldable",
             Self::GoalNotClosed => "goal_not_closed",
@@ -76,6 +80,8 @@ pub struct Plan {
     pub motion: Option<Motion>,
     /// The motion while it is planned.
     pub(super) path: Path,
+    /// `true` if random numbers may have decided the answer.
+    pub(super) is_random: bool,
     /// Number of crease groups.
     pub groups: usize,
     /// Number of essential vertices.
@@ -109,6 +115,8 @@ pub struct Plan {
     pub goal_closure: f64,
     /// Largest difference of a fold angle at the end of the path from the goal as asked, radians.
     pub goal_error: f64,
+    /// Number of creases lettered M or V that the path leaves flat: turned less than a degree their way.
+    pub flat_creases: usize,
     /// Number of iterations of the solver.
     pub iterations: u64,
     /// Number of evaluations of the closure conditions by the solver.
@@ -149,6 +157,10 @@ pub enum Strategy {
     StraightDeforming,
     /// Parts of the sheet are folded one after the other.
     FoldSequence,
+    /// The sheet is taken to the closed configuration nearest to the goal, however far from it.
+    NearestConfiguration,
+    /// Crease groups or every crease, with other random numbers.
+    OtherSeed(u64),
 }
 
 impl Strategy {
@@ -164,6 +176,8 @@ impl Strategy {
             Self::SnappedMeasured => "snapped coordinates, measured error",
             Self::StraightDeforming => "straight, deforming",
             Self::FoldSequence => "folds in sequence",
+            Self::NearestConfiguration => "nearest configuration",
+            Self::OtherSeed(_) => "another seed",
         }
     }
 }
@@ -190,12 +204,12 @@ pub(super) struct Failure {
 }
 
 impl Failure {
-    /// Makes the failure of a stage during which time ran out, after which nothing of the way is known to be good.
+    /// Makes the failure of a stage during which time ran out. The way that was found by then remains.
     pub(super) fn out_of_time(at: TimeoutAt) -> Self {
         Self {
             outcome: Outcome::Timeout,
             reason: Reason::OutOfTime(at),
-            kept: 0.0,
+            kept: 1.0,
         }
     }
 }
@@ -203,6 +217,9 @@ impl Failure {
 impl Plan {
     /// Ends the plan, as a stage does not lead on.
     pub(super) fn ended(mut self, failure: Failure) -> Self {
+        if let (Reason::OutOfTime(at), false) = (&failure.reason, self.path.knots.is_empty()) {
+            self.undecided.push(Undecided::OutOfTime(*at));
+        }
         self.outcome = failure.outcome;
         self.reason = Some(failure.reason);
         self.reached *= failure.kept;
@@ -217,7 +234,12 @@ impl Plan {
 
     /// Makes the motion of the path.
     pub(super) fn finished(mut self, pattern: &CreasePattern, options: &PlanOptions) -> Self {
-        self.motion = core::mem::take(&mut self.path).into_motion(pattern, options);
+        let answer = PlanAnswer {
+            outcome: self.outcome.name().to_string(),
+            reached: self.reached,
+            bound: options.bound,
+        };
+        self.motion = core::mem::take(&mut self.path).into_motion(pattern, options, answer);
         self
     }
 

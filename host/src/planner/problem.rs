@@ -45,6 +45,8 @@ pub(super) struct PlanningProblem<'a> {
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
     pub(super) errors: ErrorModel,
+    /// `true` if the closed configuration nearest to the goal will do, however far from the goal it is.
+    pub(super) goes_near: bool,
     /// Depth up to which an overlap of faces is contact, median edges.
     pub(super) contact: f64,
     pub(super) watch: Watch<'a>,

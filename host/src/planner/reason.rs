@@ -37,6 +37,8 @@ pub struct WorstClosure {
 pub enum TimeoutAt {
     /// Closing the goal.
     ClosingGoal,
+    /// Following the path.
+    Following,
     /// Placing knots.
     PlacingKnots,
     /// Judging the knot of this number.
@@ -49,6 +51,8 @@ pub enum TimeoutAt {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Undecided {
+    /// Time ran out before the path was judged to its end.
+    OutOfTime(TimeoutAt),
     /// Nothing is known of the motion between knots.
     JudgedAtKnots,
     /// The search for crossings gave up.
@@ -81,6 +85,16 @@ pub enum Reason {
         nearest: Option<f64>,
         /// Vertex or hole that is farthest from closing at the goal, if one fails to close.
         worst: Option<WorstClosure>,
+    },
+    /// The path ends at a closed configuration that is not the goal.
+    NearGoal {
+        /// Source of the goal's angles, in words.
+        goal: String,
+        /// The crease that is farthest from its goal and its distance, radians, if that is over the tolerance. Where
+        /// letters ask for a fraction of a half turn, it is the crease that turns most, and what it lacks.
+        farthest: Option<(EdgeId, f64)>,
+        /// Creases lettered M or V that stay flat.
+        flat: Vec<EdgeId>,
     },
     /// The path ends before the goal.
     PathStops {

@@ -28,13 +28,21 @@ use crate::unfold::FoldedShape;
 /// # Errors
 /// If the file cannot be read, is too large, or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
+    parse_pattern(path, &read_pattern_bytes(path)?)
+}
+
+/// Reads the bytes of a file for [`parse_pattern`].
+///
+/// # Errors
+/// If the file cannot be read, or is too large for its format.
+pub fn read_pattern_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let most = match ending(path).as_str() {
         "svg" => svg::LARGEST_FILE,
         "cp" => cp::LARGEST_FILE,
         "obj" => obj::LARGEST_FILE,
         _ => fold::LARGEST_FILE,
     };
-    parse_pattern(path, &read_bytes(path, most)?)
+    read_bytes(path, most)
 }
 
 /// Parses a crease pattern from the bytes of a file; `path` selects the format as in [`read_pattern`].

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 34] = [
+const ORDER: [&str; 35] = [
+    "vectors",
     "goal",
     "knots",
-    "vectors",
     "reason",
     "messages",
     "plan",
@@ -35,6 +35,7 @@ const ORDER: [&str; 34] = [
     "lifting/measured_motion",
     "lifting/swept_motion",
     "lifting/whole_sheet",
+    "strategies/arrival",
     "strategies/simple_folds",
     "strategies/pipeline",
     "strategies/fold_sequence",

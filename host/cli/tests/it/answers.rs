@@ -12,6 +12,7 @@ fn fits(value: &Value, shape: &Value) -> bool {
             "number" => value.is_number(),
             "text" => value.is_string(),
             "null" => value.is_null(),
+            "any" => true,
             kind => *value == *kind,
         }),
         (Value::Array(kinds), Value::Array(values)) => match kinds.as_slice() {
@@ -43,11 +44,14 @@ fn info_shape() -> Value {
 
 fn plan_shape() -> Value {
     json!({
-        "outcome": "planned|partial|not_rigidly_foldable|goal_not_closed|crossing|undecided|timeout",
+        "version": "text", "input": {"file": "text", "sha256": "text"},
+        "options": {"*": "any"},
+        "outcome": "planned|near_goal|partial|not_rigidly_foldable|goal_not_closed|crossing|undecided|timeout",
         "reason": "text|null", "reached": "number", "creases": "count", "real_vertices": "count",
         "groups": "count", "essential_vertices": "count", "unknowns": "count", "knots": "count",
         "max_deformation": "number", "certified_deformation": "number|null",
-        "max_closure": "number", "max_gap": "number", "goal_error": "number",
+        "max_closure": "number", "max_gap": "number", "max_bend": "number",
+        "goal_error": "number", "flat_creases": "count", "notes": ["text"],
         "min_clearance": "number|null", "contact_tolerance": "number", "undecided": ["text"],
         "attempts": [{
             "strategy": "text", "outcome": "text", "reason": "text|null", "seconds": "number",

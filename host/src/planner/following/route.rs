@@ -61,6 +61,8 @@ pub(crate) struct Route<'a> {
     /// Time for following the motion.
     pub(crate) following: Duration,
     pub(crate) work: Work,
+    /// `true` if random numbers were drawn.
+    pub(crate) is_random: bool,
     pub(crate) notes: Vec<Note>,
 }
 
@@ -101,6 +103,8 @@ struct RouteFinder<'a> {
     closure_tolerance: f64,
     /// Number of motions found that leave the flat sheet.
     branches: usize,
+    /// `true` if random numbers were drawn.
+    is_random: bool,
     work: Work,
 }
 
@@ -141,6 +145,7 @@ impl<'a> Route<'a> {
             notes,
             closure_tolerance,
             work,
+            is_random,
             ..
         } = finder;
         Self {
@@ -153,6 +158,7 @@ impl<'a> Route<'a> {
             closing,
             following: start.elapsed(),
             work,
+            is_random,
             notes,
             reduction,
         }
@@ -189,6 +195,7 @@ impl<'a> RouteFinder<'a> {
             notes: Vec::new(),
             closure_tolerance: 0.0,
             branches: 0,
+            is_random: false,
             work: Work::default(),
         }
     }
@@ -232,8 +239,10 @@ impl<'a> RouteFinder<'a> {
             }
             let (closed, work) = self.reduction.close_goal(goal, self.problem.options);
             self.work += work;
+            let goes_near = self.problem.goes_near && last;
             let near = |closed: &ClosedGoal| {
-                closed.error <= reach.radians.min(goal.reach)
+                goes_near
+                    || closed.error <= reach.radians.min(goal.reach)
                     && !(reach.exactly && closed.closure_tolerance > 0.0)
                     // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
                     // the goal.
@@ -242,8 +251,9 @@ impl<'a> RouteFinder<'a> {
             // The flat sheet always closes, but is not what was asked for.
             let asked = largest(&goal.fold_angles);
             let turned = |closed: &ClosedGoal| {
-                let moved =
-                    goal.kind == GoalKind::Letters || closed.error <= MAX_MOVED_RATIO * asked;
+                let moved = goes_near
+                    || goal.kind == GoalKind::Letters
+                    || closed.error <= MAX_MOVED_RATIO * asked;
                 moved && max_norm(&closed.angles) >= MIN_TURNED_RATIO * asked
             };
             let near = closed
@@ -251,7 +261,8 @@ impl<'a> RouteFinder<'a> {
                 .is_some_and(|closed| near(closed) && turned(closed));
             match closed {
                 Some(closed) if near => targets.push(closed),
-                _ if goal.kind == GoalKind::Letters => {}
+                // Letters say a way, and whoever goes near the goal goes as near as the motion leads.
+                _ if goes_near || goal.kind == GoalKind::Letters => {}
                 closed => {
                     return Err(End::NotClosed {
                         phase: index,
@@ -323,6 +334,7 @@ impl<'a> RouteFinder<'a> {
         let targets = finder.targets(reach);
         let best = targets.map(|targets| finder.best(&targets));
         self.work += finder.work;
+        self.is_random |= finder.is_random;
         let (mut waypoints, _) = best.ok()?;
         let closure_tolerance = finder.closure_tolerance;
         let short = |w: &Waypoint| {
@@ -502,6 +514,7 @@ impl<'a> RouteFinder<'a> {
             stop: Some(Stop::Singular),
         };
         let mut best_part = 0.0;
+        self.is_random = true;
         let (branches, work) = branches_at_flat(
             self.reduction,
             &towards,
@@ -563,6 +576,7 @@ impl<'a> RouteFinder<'a> {
 
     /// Searches at random for a path to the last of the targets.
     fn random(&mut self, targets: &[ClosedGoal], restarts: usize) -> (Vec<Waypoint>, End) {
+        self.is_random = true;
         let options = self.problem.options;
         let exact = options.search != Search::Random;
         // As in the report, a closure residual that the deformation bound allows is enough.

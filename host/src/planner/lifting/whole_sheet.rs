@@ -17,7 +17,7 @@ use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, 
 use crate::folding::Rigidity;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::Reduction;
-use crate::planner::knots::{Knot, Path};
+use crate::planner::knots::{Knot, Path, evenly};
 use crate::planner::options::Judged;
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::{Failure, Outcome, Plan};
@@ -39,8 +39,11 @@ const NEAREST_BOUND_FRACTION: f64 = 5e-7;
 const MAX_HIDDEN_QUERIES: u64 = 200_000;
 /// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const MAX_RETREAT_RAD: f64 = 0.02;
-/// Distance that such a path keeps from the configuration at which faces meet, radians.
-const ROOM_RAD: f64 = 1e-3;
+/// Distances that such a path keeps from the configuration at which faces meet, radians, tried one after the other: the
+/// motion of the shorter path differs by as much as the bound allows.
+const ROOMS_RAD: [f64; 2] = [1e-3, 1e-2];
+/// The same where the path only has to end near its goal.
+const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
 /// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
 /// the path is tried first, although it has more knots.
 const MAX_TORN_FACES: usize = 400;
@@ -63,7 +66,11 @@ pub(crate) fn lift(
     plan.times.place += placement.time;
     store_certificate(&mut plan, placement.certificate);
     let Some(mut knots) = placement.knots else {
-        return plan.ended(unplaced(problem));
+        let failure = unplaced(problem);
+        if failure.outcome == Outcome::Timeout {
+            return ended_unjudged(problem, candidate.waypoints, plan, failure);
+        }
+        return plan.ended(failure);
     };
     let mut certificate = placement.certificate;
     let proved = certificate.and_then(|c| cut(problem, reduction, &path, c, &mut knots));
@@ -76,6 +83,10 @@ pub(crate) fn lift(
     plan.path.interpolation = knots.interpolation;
     problem.watch.begin(Stage::Folding);
     let motion = measure(problem, reduction, knots.knots);
+    if let Some(knot) = motion.late {
+        let failure = Failure::out_of_time(TimeoutAt::JudgingKnot(knot));
+        return ended_unjudged(problem, candidate.waypoints, plan, failure);
+    }
     let (mut plan, failure) = measured(problem, plan, motion, certificate);
     if let Some(failure) = failure {
         return plan.ended(failure);
@@ -114,7 +125,7 @@ fn store_certificate(plan: &mut Plan, certificate: Option<Certificate>) {
 }
 
 /// Stores a measured motion in the plan. Returns the failure too, if the sheet breaks the bound at its knots or is not
-/// proved to keep the bound between them, or if time ran out.
+/// proved to keep the bound between them.
 fn measured(
     problem: &PlanningProblem<'_>,
     mut plan: Plan,
@@ -128,17 +139,12 @@ fn measured(
         (plan.essential_rigidity, plan.essential_faces) = essential;
     }
     plan.path.knots = motion.knots;
-    let failure = match motion.late {
-        Some(knot) => Some(Failure::out_of_time(TimeoutAt::JudgingKnot(knot))),
-        None => {
-            let errors = SheetErrors {
-                whole: plan.rigidity,
-                closure: plan.max_closure,
-                essential: plan.essential_rigidity,
-            };
-            torn(problem.options.bound, &plan.path.knots, errors, certificate)
-        }
+    let errors = SheetErrors {
+        whole: plan.rigidity,
+        closure: plan.max_closure,
+        essential: plan.essential_rigidity,
     };
+    let failure = torn(problem.options.bound, &plan.path.knots, errors, certificate);
     (plan, failure)
 }
 
@@ -161,16 +167,17 @@ fn lift_knots(
             kept: 0.0,
         });
     }
-    let knots = evenly(candidate.waypoints, problem.options.max_speed);
+    let knots = unmeasured(problem, candidate.waypoints);
     plan.path.interpolation = Interpolation::Linear;
     plan.times.place += start.elapsed();
     problem.watch.begin(Stage::Folding);
     let motion = measure_or_bound(problem, reduction, knots);
-    let late = motion.late.is_some();
-    let (mut plan, failure) = measured(problem, plan, motion, None);
-    if !late {
-        plan.undecided.push(Undecided::JudgedAtKnots);
+    if let Some(knot) = motion.late {
+        let failure = Failure::out_of_time(TimeoutAt::JudgingKnot(knot));
+        return ended_unjudged(problem, candidate.waypoints, plan, failure);
     }
+    let (mut plan, failure) = measured(problem, plan, motion, None);
+    plan.undecided.push(Undecided::JudgedAtKnots);
     if let Some(failure) = failure {
         return plan.ended(failure);
     }
@@ -183,24 +190,25 @@ fn lift_knots(
     ended_at_knots(plan, swept)
 }
 
-/// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)
-/// requires.
-fn evenly(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
-    let mut time = 0.0;
-    let mut before: Option<&[f64]> = None;
-    let knots = waypoints.iter().map(|waypoint| {
-        let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
-        time += turned / max_speed;
-        before = Some(&waypoint.angles);
-        Knot {
-            time,
-            rates: vec![0.0; waypoint.angles.len()],
-            angles: waypoint.angles.clone(),
-            ends_phase: waypoint.ends_phase,
-            ..Knot::default()
-        }
-    });
-    knots.collect()
+/// Returns the waypoints of a path as knots that are not measured.
+fn unmeasured(problem: &PlanningProblem<'_>, waypoints: &[Waypoint]) -> Vec<Knot> {
+    let configurations = waypoints.iter().map(|w| (&w.angles[..], w.ends_phase));
+    evenly(configurations, problem.options.max_speed)
+}
+
+/// Ends a plan as time ran out before its path was judged: the path goes through the waypoints that were found.
+pub(crate) fn ended_unjudged(
+    problem: &PlanningProblem<'_>,
+    waypoints: &[Waypoint],
+    mut plan: Plan,
+    failure: Failure,
+) -> Plan {
+    // A single waypoint is the flat sheet, and no path.
+    if waypoints.len() > 1 {
+        plan.path.interpolation = Interpolation::Linear;
+        plan.path.knots = unmeasured(problem, waypoints);
+    }
+    plan.ended(failure)
 }
 
 /// Stores the result of a search for crossings at the knots alone, and ends the path before the first crossing.
@@ -325,7 +333,13 @@ fn sweep(
                 segment: before.unwrap_or(0),
                 free: before.map(|before| plan.path.knots[before].angles.clone()),
             };
-            end_before(problem, reduction, candidate, path, plan, crossed)
+            let retreated = candidate
+                .retreats
+                .then(|| retreated(problem, reduction, candidate, path, &plan, &crossed));
+            match retreated.flatten() {
+                Some(retreated) => retreated,
+                None => end_before(problem, candidate, path, plan, crossed),
+            }
         }
         SweepVerdict::Undecided { .. } if problem.is_late() => {
             plan.ended(Failure::out_of_time(TimeoutAt::LookingForCrossings))
@@ -356,14 +370,22 @@ fn sweep(
             if let Some(nearer) = nearer.flatten().filter(leads) {
                 return nearer;
             }
-            let room = if candidate.retreats { ROOM_RAD } else { 0.0 };
-            let free = last_free.map(|place| angles_before(&plan.path, place, room));
-            let crossed = Crossed {
+            let crossed = |room| Crossed {
                 crossing,
                 segment: last_free.map_or(0, |place| place.segment),
-                free,
+                free: last_free.map(|place| angles_before(&plan.path, place, room)),
             };
-            end_before(problem, reduction, candidate, path, plan, crossed)
+            let rooms: &[f64] = match (candidate.retreats, problem.goes_near) {
+                (true, false) => &ROOMS_RAD,
+                (true, true) => &WIDE_ROOMS_RAD,
+                (false, _) => &[],
+            };
+            let mut shorter = rooms.iter().filter_map(|&room| {
+                retreated(problem, reduction, candidate, path, &plan, &crossed(room))
+            });
+            let shorter = shorter.find(|plan| !matches!(plan.outcome, Outcome::Crossing(_)));
+            let crossed = crossed(0.0);
+            shorter.unwrap_or_else(|| end_before(problem, candidate, path, plan, crossed))
         }
     }
 }
@@ -440,60 +462,71 @@ struct Crossed {
     free: Option<Vec<f64>>,
 }
 
-/// Ends the path before a crossing. If the goal is inexact and near the crossing, the path counts as reaching it;
-/// otherwise the plan gives the reason why it does not.
-fn end_before(
+impl Crossed {
+    fn reason(&self, problem: &PlanningProblem<'_>, reached: f64, path: &ReducedPath) -> Reason {
+        Reason::Crosses {
+            faces: self.crossing.faces,
+            reached,
+            free: self.free_fraction(path),
+            segment: self.segment,
+            depth: self.crossing.depth / problem.pattern.median_edge(),
+        }
+    }
+
+    fn free_fraction(&self, path: &ReducedPath) -> f64 {
+        self.free.as_ref().map_or(0.0, |free| path.fraction(free))
+    }
+}
+
+/// Returns the plan of the path that ends a little before a crossing, near an inexact goal. Returns `None` if the
+/// crossing is far from the goal.
+fn retreated(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
+    candidate: &CandidatePath<'_>,
+    path: &ReducedPath,
+    plan: &Plan,
+    crossed: &Crossed,
+) -> Option<Plan> {
+    let free = crossed.free.as_ref()?;
+    let goal = candidate.waypoints.last()?;
+    let short = max_difference(free, &goal.angles);
+    if short > MAX_RETREAT_RAD && !problem.goes_near {
+        return None;
+    }
+    let mut solver = reduction.solver(problem.options, candidate.closure_tolerance);
+    let waypoints = path.cut(&mut solver, free.clone())?;
+    let mut plan = plan.clone();
+    plan.notes.push(Note::EndsBeforeCrossing {
+        residual: plan.goal_closure,
+        crossing: crossed.reason(problem, candidate.reached, path),
+        short,
+    });
+    let end = waypoints.last().map_or(&[][..], |last| &last.angles);
+    plan.goal_error = reduction.distance(end, problem.goal);
+    plan.rigidity = Rigidity::default();
+    let shorter = CandidatePath {
+        waypoints: &waypoints,
+        retreats: false,
+        before: None,
+        ..*candidate
+    };
+    Some(lift(problem, reduction, &shorter, plan))
+}
+
+/// Ends the path before a crossing.
+fn end_before(
+    problem: &PlanningProblem<'_>,
     candidate: &CandidatePath<'_>,
     path: &ReducedPath,
     mut plan: Plan,
     crossed: Crossed,
 ) -> Plan {
-    let Crossed {
-        crossing,
-        segment,
-        free,
-    } = crossed;
-    let fraction = free.as_ref().map_or(0.0, |free| path.fraction(free));
-    let reason = Reason::Crosses {
-        faces: crossing.faces,
-        reached: candidate.reached,
-        free: fraction,
-        segment,
-        depth: crossing.depth / problem.pattern.median_edge(),
-    };
-    let goal = candidate
-        .waypoints
-        .last()
-        .map_or(&[][..], |last| &last.angles);
-    let short = free
-        .as_ref()
-        .map_or(f64::INFINITY, |free| max_difference(free, goal));
-    let solver = || reduction.solver(problem.options, candidate.closure_tolerance);
-    if let Some(free) = free.filter(|_| candidate.retreats && short <= MAX_RETREAT_RAD)
-        && let Some(waypoints) = path.cut(&mut solver(), free)
-    {
-        plan.notes.push(Note::EndsBeforeCrossing {
-            residual: plan.goal_closure,
-            crossing: reason,
-            short,
-        });
-        let end = waypoints.last().map_or(&[][..], |last| &last.angles);
-        plan.goal_error = reduction.distance(end, problem.goal);
-        plan.rigidity = Rigidity::default();
-        let shorter = CandidatePath {
-            waypoints: &waypoints,
-            retreats: false,
-            before: None,
-            ..*candidate
-        };
-        return lift(problem, reduction, &shorter, plan);
-    }
-    plan.reached = candidate.reached * fraction;
-    plan.path.knots.truncate(segment + 1);
+    let reason = crossed.reason(problem, candidate.reached, path);
+    plan.reached = candidate.reached * crossed.free_fraction(path);
+    plan.path.knots.truncate(crossed.segment + 1);
     plan.ended(Failure {
-        outcome: Outcome::Crossing(crossing),
+        outcome: Outcome::Crossing(crossed.crossing),
         reason,
         kept: 1.0,
     })

@@ -31,6 +31,8 @@ struct Row {
     errors: ErrorModel,
     /// Use of crease groups; `None` for that of the options.
     symmetry: Option<Symmetry>,
+    /// `true` if the closed configuration nearest to the goal will do.
+    goes_near: bool,
     /// Tells whether the strategy is tried, from the best plan so far.
     is_tried: fn(&PlanningProblem<'_>, &Plan) -> bool,
     /// Tells whether a plan takes the place of the best so far.
@@ -41,11 +43,12 @@ struct Row {
 
 /// The strategies in the order in which they are tried. Symmetry comes first, as it is fast; then every crease turns on
 /// its own, under error models that claim less and less of the coordinates.
-const STRATEGIES: [Row; 6] = [
+const STRATEGIES: [Row; 10] = [
     Row {
         strategy: Strategy::CreaseGroups,
         errors: ErrorModel::Exact,
         symmetry: None,
+        goes_near: false,
         is_tried: |_, _| true,
         is_better: |_, _| true,
         note: |_, _, _| None,
@@ -54,6 +57,7 @@ const STRATEGIES: [Row; 6] = [
         strategy: Strategy::EveryCrease,
         errors: ErrorModel::Exact,
         symmetry: Some(Symmetry::Off),
+        goes_near: false,
         is_tried: is_loose,
         is_better: proves_less_deformation,
         note: |_, _, grouped| {
@@ -70,6 +74,7 @@ const STRATEGIES: [Row; 6] = [
             measured: false,
         },
         symmetry: Some(Symmetry::Off),
+        goes_near: false,
         is_tried: is_unplanned,
         is_better: leads_farther,
         note: |_, _, _| None,
@@ -81,6 +86,7 @@ const STRATEGIES: [Row; 6] = [
             measured: false,
         },
         symmetry: Some(Symmetry::Off),
+        goes_near: false,
         is_tried: is_unplanned,
         is_better: leads_farther,
         note: |_, _, _| None,
@@ -89,6 +95,7 @@ const STRATEGIES: [Row; 6] = [
         strategy: Strategy::MeasuredError,
         errors: ErrorModel::Measured,
         symmetry: Some(Symmetry::Off),
+        goes_near: false,
         is_tried: nearly_closes,
         is_better: |new, _| new.outcome == Outcome::Planned,
         note: errors_added_up,
@@ -100,11 +107,38 @@ const STRATEGIES: [Row; 6] = [
             measured: true,
         },
         symmetry: Some(Symmetry::Off),
+        goes_near: false,
         is_tried: nearly_closes,
         is_better: leads_farther,
         note: errors_added_up,
     },
+    Row {
+        strategy: Strategy::NearestConfiguration,
+        errors: ErrorModel::Exact,
+        symmetry: None,
+        goes_near: true,
+        is_tried: |_, plan| plan.outcome == Outcome::GoalNotClosed,
+        is_better: leads_nearer,
+        note: |_, _, _| None,
+    },
+    other_seed(0),
+    other_seed(1),
+    other_seed(2),
 ];
+
+/// Returns the row that tries other random numbers. The seeds are the same whatever seed the user names, so that the
+/// answer seldom depends on it.
+const fn other_seed(seed: u64) -> Row {
+    Row {
+        strategy: Strategy::OtherSeed(seed),
+        errors: ErrorModel::Exact,
+        symmetry: None,
+        goes_near: false,
+        is_tried: |_, plan| plan.is_random && is_no(plan.outcome),
+        is_better: leads_farther,
+        note: |_, _, _| None,
+    }
+}
 
 /// Returns `true` if a plan without crease groups might prove less deformation: if `plan` proves more than the bound,
 /// or on a small sheet more than the planner aims for. With crease groups, vertices may close only to a local minimum
@@ -124,14 +158,19 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
 
 /// Returns `true` if there is no plan yet, but time to find one.
 fn is_unplanned(_: &PlanningProblem<'_>, plan: &Plan) -> bool {
-    !matches!(plan.outcome, Outcome::Planned | Outcome::Timeout)
+    is_no(plan.outcome)
+}
+
+/// Returns `true` if an answer is no, and not for want of time.
+fn is_no(outcome: Outcome) -> bool {
+    !matches!(outcome, Outcome::Planned | Outcome::Timeout)
 }
 
 /// Returns `true` if there is no plan yet, and the goal fails to close by no more than rounded coordinates may be off.
 fn nearly_closes(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     let open = matches!(
         plan.outcome,
-        Outcome::GoalNotClosed | Outcome::Partial | Outcome::NotRigidlyFoldable
+        Outcome::GoalNotClosed | Outcome::NearGoal | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
     let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED_AMPLIFICATION;
@@ -145,9 +184,16 @@ fn proves_less_deformation(new: &Plan, best: &Plan) -> bool {
 
 /// Returns `true` if a plan is found or, where the best so far ends before the goal, a path that leads farther.
 fn leads_farther(new: &Plan, best: &Plan) -> bool {
-    let short = matches!(best.outcome, Outcome::Partial | Outcome::GoalNotClosed);
-    let farther = new.outcome == Outcome::Partial && new.reached > best.reached + FARTHER_RATIO;
+    let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
+    let short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
+    let farther = ends_before(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || short && farther
+}
+
+/// Returns `true` if a path is found where the best so far is none, as the goal does not close.
+fn leads_nearer(new: &Plan, best: &Plan) -> bool {
+    new.outcome == Outcome::NearGoal
+        || is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO
 }
 
 /// Returns a note if the errors of the vertices of a plan would add up to more than the bound in the worst case.
@@ -192,6 +238,7 @@ fn plan_until_over(
         goal,
         options,
         errors: ErrorModel::Exact,
+        goes_near: false,
         contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
         watch: watch.until(deadline),
     };
@@ -203,11 +250,16 @@ fn plan_until_over(
         }
         let options = PlanOptions {
             symmetry: row.symmetry.unwrap_or(options.symmetry),
+            seed: match row.strategy {
+                Strategy::OtherSeed(seed) => seed,
+                _ => options.seed,
+            },
             ..options.clone()
         };
         let problem = PlanningProblem {
             options: &options,
             errors: row.errors,
+            goes_near: row.goes_near,
             ..asked
         };
         let Some(mut plan) = try_strategy(&problem, row.strategy, &mut attempts) else {

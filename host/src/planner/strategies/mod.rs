@@ -2,6 +2,7 @@
 //!
 //! One entry point: [`plan`](driver::plan).
 
+mod arrival;
 pub(super) mod driver;
 pub(super) mod fold_sequence;
 pub(super) mod pipeline;

@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use super::arrival::judge_arrival;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
@@ -11,7 +12,7 @@ use crate::planner::following::route::{End, Route, straight};
 use crate::planner::following::route_selection::{SelectedRoute, select_route};
 use crate::planner::knots::Knot;
 use crate::planner::lifting::certified_motion::CandidatePath;
-use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, lift};
+use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, ended_unjudged, lift};
 use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
@@ -47,6 +48,12 @@ pub(crate) enum Ending {
 /// Runs all stages. The motion between knots is certified for `bound_fraction` of the bound at first. Returns `None` if
 /// the error model changes nothing of this sheet, or allows no path.
 pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
+    let mut pass = run_stages(problem, bound_fraction)?;
+    judge_arrival(problem, &mut pass.plan);
+    Some(pass)
+}
+
+fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
     let SelectedRoute {
         mut route,
         symmetric,
@@ -65,6 +72,7 @@ pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Opt
     plan.times.symmetry = symmetry;
     plan.times.solve = following;
     plan.notes.append(&mut route.notes);
+    plan.is_random = route.is_random;
     describe(problem, &route.reduction, &mut plan);
     if let Some(last) = route.waypoints.last() {
         plan.goal_error = route.reduction.distance(&last.angles, problem.goal);
@@ -79,12 +87,9 @@ pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Opt
     let stop = match route.end {
         End::Reached if !route.waypoints.is_empty() => None,
         End::Stopped(Stop::Timeout) if !route.waypoints.is_empty() => {
-            let reason = path_stops(problem, &route, Stop::Timeout);
-            let plan = plan.ended(Failure {
-                outcome: Outcome::Timeout,
-                reason,
-                kept: 1.0,
-            });
+            plan.reached = route.reached;
+            let failure = Failure::out_of_time(TimeoutAt::Following);
+            let plan = ended_unjudged(problem, &route.waypoints, plan, failure);
             return pass(plan, route, Ending::Route);
         }
         end => {

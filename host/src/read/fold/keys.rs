@@ -11,7 +11,7 @@ const SHOWN: usize = 40;
 
 /// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
 /// keys of this program, which `FORMAT.md` describes.
-const KNOWN: [&str; 46] = [
+const KNOWN: [&str; 50] = [
     "edgeOrders",
     "edges_assignment",
     "edges_faces",
@@ -31,6 +31,8 @@ const KNOWN: [&str; 46] = [
     "file_frames",
     "file_spec",
     "file_title",
+    "foldpath:bend",
+    "foldpath:bound",
     "foldpath:clearance",
     "foldpath:closure",
     "foldpath:deformation",
@@ -43,7 +45,9 @@ const KNOWN: [&str; 46] = [
     "foldpath:interpolation",
     "foldpath:maxAcceleration",
     "foldpath:maxSpeed",
+    "foldpath:outcome",
     "foldpath:phases",
+    "foldpath:reached",
     "foldpath:seed",
     "foldpath:time",
     "frame_attributes",

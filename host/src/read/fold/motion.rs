@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::document::{Document, Frame, Located};
 use super::pattern::{PatternFile, goals, pattern_of, points};
-use crate::motion::{Claims, GroupNaming, Knot, Motion, interpolation_name, leaders};
+use crate::motion::{Claims, GroupNaming, Knot, Motion, PlanAnswer, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
 use crate::read::FileError;
@@ -136,6 +136,7 @@ fn motion(document: &Document) -> Result<Motion, FileError> {
         max_speed: rate_limit(&key, "foldpath:maxSpeed")?,
         max_acceleration: rate_limit(&key, "foldpath:maxAcceleration")?,
         seed: seed(&key),
+        answer: answer(&key)?,
         phases: phases(&key, knots.len())?,
         knots: knots
             .into_iter()
@@ -185,6 +186,30 @@ fn own_groups(pattern: &CreasePattern, knots: &[EdgeKnot]) -> Vec<Option<Members
 fn seed(key: &Frame<'_>) -> Option<u64> {
     let seed = key.own("foldpath:seed")?.index().ok()?;
     u64::try_from(seed).ok()
+}
+
+/// Returns the planner's answer, if the file has it.
+fn answer(key: &Frame<'_>) -> Result<Option<PlanAnswer>, FileError> {
+    let own = |name: &'static str| key.own(name);
+    let (Some(outcome), Some(reached), Some(bound)) = (
+        own("foldpath:outcome"),
+        own("foldpath:reached"),
+        own("foldpath:bound"),
+    ) else {
+        return Ok(None);
+    };
+    let (fraction, limit) = (reached.number()?, bound.number()?);
+    if !(0.0..=1.0).contains(&fraction) {
+        return Err(reached.expected("a fraction from 0 to 1"));
+    }
+    if limit <= 0.0 {
+        return Err(bound.expected("a number above 0"));
+    }
+    Ok(Some(PlanAnswer {
+        outcome: outcome.text()?.to_string(),
+        reached: fraction,
+        bound: limit,
+    }))
 }
 
 /// Returns the numbers of the knots at which another phase begins; none if the file names no phases.

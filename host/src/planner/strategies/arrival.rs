@@ -1,0 +1,89 @@
+//! Decides whether a path ends at its goal, and which creases it leaves flat.
+
+use crate::planner::Goal;
+use crate::planner::plan::{Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::Reason;
+
+/// Stores in the plan which creases its path leaves flat. A plan whose path does not end at the goal is
+/// [near it](Outcome::NearGoal).
+pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
+    let goal = problem.goal;
+    let angles = angles_at_end(plan, goal.fold_angles.len());
+    let flat = flat_creases(goal, &angles);
+    plan.flat_creases = flat.len();
+    if plan.outcome != Outcome::Planned {
+        return;
+    }
+    let tolerance = problem.options.goal_tolerance;
+    let farthest = if goal.is_direction() {
+        lacking(goal, &angles)
+    } else {
+        farthest(goal, &angles)
+    };
+    let farthest = farthest.filter(|(_, short)| *short > tolerance);
+    let follows_letters = !goal.is_direction() || flat.is_empty();
+    if farthest.is_none() && follows_letters {
+        return;
+    }
+    let edge = |crease: usize| problem.pattern.creases()[crease];
+    plan.outcome = Outcome::NearGoal;
+    plan.reached = fraction(goal, &angles);
+    plan.reason = Some(Reason::NearGoal {
+        goal: goal.source.clone(),
+        farthest: farthest.map(|(crease, short)| (edge(crease), short)),
+        flat: flat.into_iter().map(edge).collect(),
+    });
+}
+
+/// Returns the angle of each crease at the end of the path, radians; without a path, the sheet is flat.
+fn angles_at_end(plan: &Plan, creases: usize) -> Vec<f64> {
+    match plan.path.knots.last() {
+        Some(last) => {
+            let members = plan.path.memberships.iter();
+            let angle = members.map(|member| member.apply(last.angles[member.group.index()]));
+            angle.collect()
+        }
+        None => vec![0.0; creases],
+    }
+}
+
+/// Returns the creases lettered M or V that have not turned their way.
+fn flat_creases(goal: &Goal, angles: &[f64]) -> Vec<usize> {
+    let least = goal.least_turn();
+    let turned = goal.signs.iter().zip(angles).enumerate();
+    let flat = turned.filter(|(_, (sign, angle))| sign.abs() > 0.0 && *sign * *angle < least);
+    flat.map(|(crease, _)| crease).collect()
+}
+
+/// Returns the crease whose angle is farthest from the one asked for, and the distance, radians.
+fn farthest(goal: &Goal, angles: &[f64]) -> Option<(usize, f64)> {
+    let asked = goal.fold_angles.iter().zip(angles).enumerate();
+    let errors =
+        asked.filter_map(|(crease, (asked, angle))| Some((crease, ((*asked)? - angle).abs())));
+    errors.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Returns the lettered crease that has turned most its way, and what it lacks of the angle asked for, radians.
+fn lacking(goal: &Goal, angles: &[f64]) -> Option<(usize, f64)> {
+    let asked = goal.fold_angles.iter().zip(angles).enumerate();
+    let lacks = asked.filter_map(|(crease, (asked, angle))| {
+        let asked = (*asked)?;
+        Some((crease, asked.abs() - angle * asked.signum()))
+    });
+    lacks.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Returns the fraction of the goal's angles that the creases have, 0 to 1.
+fn fraction(goal: &Goal, angles: &[f64]) -> f64 {
+    let asked = goal.fold_angles.iter().zip(angles);
+    let (dot, square) = asked.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
+        let asked = asked.unwrap_or(0.0);
+        (dot + asked * angle, square + asked * asked)
+    });
+    if square > 0.0 {
+        (dot / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
