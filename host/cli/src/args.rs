@@ -325,7 +325,7 @@ pub(crate) struct Plan {
     /// The path passes through several such files in the order given.
     #[arg(long, value_name = "FILE", help_heading = "Goal")]
     pub(crate) via: Vec<PathBuf>,
-    /// How far the path may end from its goal, degrees, for each crease that has one
+    /// Largest distance of a crease from its goal angle at the end of the path, degrees
     #[arg(long, default_value_t = 1.0, value_name = "DEG", help_heading = "Goal")]
     pub(crate) goal_tolerance: f64,
     /// Path to write, a FOLD animation; written only if the goal is reached

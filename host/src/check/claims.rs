@@ -1,7 +1,7 @@
 //! Compares what a file claims of the whole motion with what is measured: largest speed and acceleration of a hinge, and
 //! at knots the distance of faces; and the bound within which it says that it was planned.
 
-use super::clearance::{KnotClearance, knot_clearances};
+use super::clearance::knot_clearances;
 use super::finding::{Failure, RateLimit, Undecided};
 use super::{Measured, MergedGroups, Verdict};
 use crate::folding::Rigidity;
@@ -83,6 +83,7 @@ pub(super) fn false_rates(path: &Motion, rates: Rates) -> Vec<Failure> {
 /// Judges the claims on distances at knots: returns those that are false, and those of which nothing is known.
 pub(super) fn judge_clearances(
     path: &Motion,
+    motion: &MergedGroups,
     measured: &[Measured],
     watch: Watch<'_>,
 ) -> (Vec<Failure>, Vec<Undecided>) {
@@ -91,15 +92,15 @@ pub(super) fn judge_clearances(
     if claims.all(|claim| claim.is_none()) {
         return (wrong, unknown);
     }
-    let found = knot_clearances(path, measured, watch);
+    let found = knot_clearances(path, motion, measured, watch);
     for (knot, (data, found)) in path.knots.iter().zip(found).enumerate() {
         let Some(claimed) = data.claims.clearance else {
             continue;
         };
         match found {
-            KnotClearance::Unknown => unknown.push(Undecided::Clearance { knot, claimed }),
-            KnotClearance::Known(found) if claimed <= found * (1.0 + ROUNDING) => {}
-            KnotClearance::Known(found) => wrong.push(Failure::FalseClearance {
+            None => unknown.push(Undecided::Clearance { knot, claimed }),
+            Some(found) if claimed <= found * (1.0 + ROUNDING) => {}
+            Some(found) => wrong.push(Failure::FalseClearance {
                 knot,
                 claimed,
                 found,

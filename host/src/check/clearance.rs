@@ -77,33 +77,23 @@ pub(crate) fn clearances_until_over(
     found
 }
 
-/// What is known of the distances of faces at a knot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum KnotClearance {
-    /// The smallest distance of faces that share no vertex, units of the sheet; infinite if all share one, 0 if faces
-    /// cross.
-    Known(f64),
-    /// The search ended before it had an answer.
-    Unknown,
-}
-
-/// Returns the clearance at each knot of a motion.
+/// Returns the smallest distance of faces that share no vertex at each knot of a motion, units of the sheet: infinite if
+/// all share one, 0 if faces cross, `None` if the search ended before it had an answer. `motion` has the groups of
+/// `path`.
 pub(super) fn knot_clearances(
     path: &Motion,
+    motion: &MergedGroups,
     measured: &[Measured],
     watch: Watch<'_>,
-) -> Vec<KnotClearance> {
-    let motion = MergedGroups::of(path);
-    let Some(search) = Search::new(path, &motion, measured) else {
-        return vec![KnotClearance::Unknown; path.knots.len()];
+) -> Vec<Option<f64>> {
+    let Some(search) = Search::new(path, motion, measured) else {
+        return vec![None; path.knots.len()];
     };
     let verdicts = search.at_knots(path, watch);
     let clearances = verdicts.map(|verdict| match verdict {
-        SweepVerdict::Free(clearance) => {
-            KnotClearance::Known(clearance.map_or(f64::INFINITY, |clearance| clearance.distance))
-        }
-        SweepVerdict::Crossing { .. } => KnotClearance::Known(0.0),
-        SweepVerdict::Undecided { .. } => KnotClearance::Unknown,
+        SweepVerdict::Free(clearance) => Some(clearance.map_or(f64::INFINITY, |c| c.distance)),
+        SweepVerdict::Crossing { .. } => Some(0.0),
+        SweepVerdict::Undecided { .. } => None,
     });
     clearances.collect()
 }

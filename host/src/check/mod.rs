@@ -272,7 +272,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
-        let (wrong, unknown) = claims::judge_clearances(path, &verdict.knots, watch);
+        let (wrong, unknown) = claims::judge_clearances(path, &motion, &verdict.knots, watch);
         verdict.failures.extend(wrong);
         verdict.undecided.extend(unknown);
         let bound = claims::false_bound(path, &verdict);

@@ -22,7 +22,7 @@ pub(super) const CHAIN_TEAR_RATIO: f64 = 0.25;
 pub(super) const CHAIN_ROUNDING_RATIO: f64 = 10.0;
 /// Largest displacement that is attributed to rounded coordinates.
 pub(super) const MAX_ROUNDING_EDGES: f64 = 1e-3;
-/// The same as a ratio to the size of the smaller of two faces.
+/// Ratio of that displacement to the size of the smaller of two faces, if that is less.
 pub(super) const MAX_ROUNDING_RATIO: f64 = 1e-3;
 /// Ratio of a corner's distance from a plane to the tolerance up to which the corner is close to the plane.
 pub(super) const CLOSE_TO_PLANE_RATIO: f64 = 1e3;

@@ -40,7 +40,7 @@ pub struct Motion {
     pub phases: Vec<usize>,
 }
 
-/// What the planner said of a motion when it made it.
+/// Answer of the planner that made a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanAnswer {
     /// Name of the outcome, such as `planned`.

@@ -45,12 +45,11 @@ pub const CHOSEN_REACH: f64 = 0.2;
 
 /// Largest angle of a goal that counts as flat, radians.
 const FLAT_RAD: f64 = 1e-9;
-
 /// Angle from which a crease counts as turned by half a turn, radians: below π by rounding.
 const HALF_TURN_RAD: f64 = PI - 1e-9;
 /// Angle below which a lettered crease counts as flat at the end of a path, radians: one degree.
 const FLAT_AT_END_RAD: f64 = PI / 180.0;
-/// The same as a fraction of the angle that letters ask for, where that is less.
+/// Largest fraction of the angle that letters ask for below which a crease counts as flat.
 const FLAT_AT_END_RATIO: f64 = 0.5;
 
 /// Reason why there is no goal.
@@ -186,9 +185,7 @@ impl Goal {
         }
         Ok(goal)
     }
-}
 
-impl Goal {
     /// Returns `true` if the goal is a direction rather than a configuration: the letters at less than a half turn.
     pub(crate) fn is_direction(&self) -> bool {
         self.kind == GoalKind::Letters && largest(&self.fold_angles) < HALF_TURN_RAD

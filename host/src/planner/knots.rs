@@ -6,7 +6,6 @@ use foldpath_core::{Curve, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
 use super::PlanOptions;
-use super::vectors::max_difference;
 use crate::motion::{self, Claims, GroupNaming, Motion, PlanAnswer};
 use crate::pattern::CreasePattern;
 
@@ -105,32 +104,6 @@ pub(super) fn curves(
 /// Returns an error of the sheet; `None` if it was not measured.
 fn measured(error: f64) -> Option<f64> {
     (!error.is_nan()).then_some(error)
-}
-
-/// Returns configurations of a path (fold angle of each group, radians, and `true` where a phase ends) as knots, as far
-/// apart in time as the largest speed of the hinges (radians per second) requires. The errors of the sheet are NaN: they
-/// are not measured.
-pub(super) fn evenly<'a>(
-    configurations: impl Iterator<Item = (&'a [f64], bool)>,
-    max_speed: f64,
-) -> Vec<Knot> {
-    let mut time = 0.0;
-    let mut before: Option<&[f64]> = None;
-    let knots = configurations.map(|(angles, ends_phase)| {
-        time += before.map_or(0.0, |before| max_difference(before, angles)) / max_speed;
-        before = Some(angles);
-        Knot {
-            time,
-            rates: vec![0.0; angles.len()],
-            angles: angles.to_vec(),
-            ends_phase,
-            deformation: f64::NAN,
-            gap: f64::NAN,
-            closure: f64::NAN,
-            ..Knot::default()
-        }
-    });
-    knots.collect()
 }
 
 impl Knot {

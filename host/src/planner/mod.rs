@@ -40,7 +40,7 @@
 //! measured error                       if there is no plan yet and the goal nearly closes
 //! snapped coordinates, measured error  if there is no plan yet and the goal nearly closes
 //! nearest configuration                if the goal does not close
-//! another seed, three times            if the answer is no and may depend on random numbers
+//! another seed (0, 1, 2)               if the answer is no and may depend on random numbers
 //! ```
 //!
 //! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion

@@ -160,7 +160,7 @@ pub enum Strategy {
     /// The sheet is taken to the closed configuration nearest to the goal, however far from it.
     NearestConfiguration,
     /// Crease groups or every crease, with other random numbers.
-    OtherSeed(u64),
+    OtherSeed,
 }
 
 impl Strategy {
@@ -177,7 +177,7 @@ impl Strategy {
             Self::StraightDeforming => "straight, deforming",
             Self::FoldSequence => "folds in sequence",
             Self::NearestConfiguration => "nearest configuration",
-            Self::OtherSeed(_) => "another seed",
+            Self::OtherSeed => "another seed",
         }
     }
 }

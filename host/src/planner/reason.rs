@@ -90,8 +90,8 @@ pub enum Reason {
     NearGoal {
         /// Source of the goal's angles, in words.
         goal: String,
-        /// The crease that is farthest from its goal and its distance, radians, if that is over the tolerance. Where
-        /// letters ask for a fraction of a half turn, it is the crease that turns most, and what it lacks.
+        /// The crease that is farthest from its goal and its distance, radians, if that is over the tolerance. If
+        /// letters ask for a fraction of a half turn, this is the crease that turns most, and the angle it lacks.
         farthest: Option<(EdgeId, f64)>,
         /// Creases lettered M or V that stay flat.
         flat: Vec<EdgeId>,

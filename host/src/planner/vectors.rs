@@ -34,6 +34,20 @@ pub(super) fn largest(asked: &[Option<f64>]) -> f64 {
     angles.fold(0.0, |max, a| f64::max(max, a.abs()))
 }
 
+/// Returns the fraction of the angles asked for that `angles` have, 0 to 1; free ones do not count.
+pub(super) fn fraction(asked: &[Option<f64>], angles: &[f64]) -> f64 {
+    let pairs = asked.iter().zip(angles);
+    let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
+        let asked = asked.unwrap_or(0.0);
+        (dot + asked * angle, square + asked * asked)
+    });
+    if square > 0.0 {
+        (dot / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
 /// Returns the difference from `angles` to the angles asked for, and 0 for free ones.
 pub(super) fn way_to(asked: &[Option<f64>], angles: &[f64]) -> Vec<f64> {
     let pairs = asked.iter().zip(angles);

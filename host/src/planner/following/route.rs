@@ -14,7 +14,7 @@ use crate::planner::goal::GoalKind;
 use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
-use crate::planner::vectors::{largest, max_difference, max_norm};
+use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
 use crate::planner::{Judged, PlanOptions, Search};
 
 /// Way in which a route ends.
@@ -135,7 +135,7 @@ impl<'a> Route<'a> {
         };
         let reached = match (end, waypoints.last()) {
             (End::Reached, _) => 1.0,
-            (_, Some(last)) => finder.fraction(&last.angles),
+            (_, Some(last)) => fraction(&finder.asked, &last.angles),
             (_, None) => 0.0,
         };
         if finder.branches > 1 {
@@ -534,7 +534,10 @@ impl<'a> RouteFinder<'a> {
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
                 // Waypoints beyond the one nearest to the goal are not part of the path.
-                let parts = followed.waypoints.iter().map(|w| self.fraction(&w.angles));
+                let parts = followed
+                    .waypoints
+                    .iter()
+                    .map(|w| fraction(&self.asked, &w.angles));
                 let far =
                     parts.enumerate().fold(
                         (0, 0.0),
@@ -545,7 +548,7 @@ impl<'a> RouteFinder<'a> {
                 followed.waypoints.truncate(far.0 + 1);
             }
             let last = followed.waypoints.last();
-            let part = last.map_or(0.0, |last| self.fraction(&last.angles));
+            let part = last.map_or(0.0, |last| fraction(&self.asked, &last.angles));
             let done = followed.stop.is_none();
             if done || part > best_part {
                 (best, best_part) = (followed, part);
@@ -613,20 +616,6 @@ impl<'a> RouteFinder<'a> {
         self.closure_tolerance = tolerance;
         let end = followed.stop.map_or(End::Reached, End::Stopped);
         (followed.waypoints, end)
-    }
-
-    /// Returns the fraction of the goal's angles that a configuration has, 0 to 1.
-    fn fraction(&self, angles: &[f64]) -> f64 {
-        let pairs = self.asked.iter().zip(angles);
-        let (dot, square) = pairs.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
-            let asked = asked.unwrap_or(0.0);
-            (dot + asked * angle, square + asked * asked)
-        });
-        if square > 0.0 {
-            (dot / square).clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, 
 use crate::folding::Rigidity;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::Reduction;
-use crate::planner::knots::{Knot, Path, evenly};
+use crate::planner::knots::{Knot, Path};
 use crate::planner::options::Judged;
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::{Failure, Outcome, Plan};
@@ -42,7 +42,7 @@ const MAX_RETREAT_RAD: f64 = 0.02;
 /// Distances that such a path keeps from the configuration at which faces meet, radians, tried one after the other: the
 /// motion of the shorter path differs by as much as the bound allows.
 const ROOMS_RAD: [f64; 2] = [1e-3, 1e-2];
-/// The same where the path only has to end near its goal.
+/// Distances that a path keeps which only has to end near its goal, radians.
 const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
 /// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
 /// the path is tried first, although it has more knots.
@@ -167,7 +167,7 @@ fn lift_knots(
             kept: 0.0,
         });
     }
-    let knots = unmeasured(problem, candidate.waypoints);
+    let knots = unmeasured(candidate.waypoints, problem.options.max_speed);
     plan.path.interpolation = Interpolation::Linear;
     plan.times.place += start.elapsed();
     problem.watch.begin(Stage::Folding);
@@ -190,10 +190,27 @@ fn lift_knots(
     ended_at_knots(plan, swept)
 }
 
-/// Returns the waypoints of a path as knots that are not measured.
-fn unmeasured(problem: &PlanningProblem<'_>, waypoints: &[Waypoint]) -> Vec<Knot> {
-    let configurations = waypoints.iter().map(|w| (&w.angles[..], w.ends_phase));
-    evenly(configurations, problem.options.max_speed)
+/// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)
+/// requires. The errors of the sheet are NaN: they are not measured.
+fn unmeasured(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
+    let mut time = 0.0;
+    let mut before: Option<&[f64]> = None;
+    let knots = waypoints.iter().map(|waypoint| {
+        let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
+        time += turned / max_speed;
+        before = Some(&waypoint.angles);
+        Knot {
+            time,
+            rates: vec![0.0; waypoint.angles.len()],
+            angles: waypoint.angles.clone(),
+            ends_phase: waypoint.ends_phase,
+            deformation: f64::NAN,
+            gap: f64::NAN,
+            closure: f64::NAN,
+            ..Knot::default()
+        }
+    });
+    knots.collect()
 }
 
 /// Ends a plan as time ran out before its path was judged: the path goes through the waypoints that were found.
@@ -206,7 +223,7 @@ pub(crate) fn ended_unjudged(
     // A single waypoint is the flat sheet, and no path.
     if waypoints.len() > 1 {
         plan.path.interpolation = Interpolation::Linear;
-        plan.path.knots = unmeasured(problem, waypoints);
+        plan.path.knots = unmeasured(waypoints, problem.options.max_speed);
     }
     plan.ended(failure)
 }

@@ -4,6 +4,7 @@ use crate::planner::Goal;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
+use crate::planner::vectors::fraction;
 
 /// Stores in the plan which creases its path leaves flat. A plan whose path does not end at the goal is
 /// [near it](Outcome::NearGoal).
@@ -28,7 +29,7 @@ pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
     }
     let edge = |crease: usize| problem.pattern.creases()[crease];
     plan.outcome = Outcome::NearGoal;
-    plan.reached = fraction(goal, &angles);
+    plan.reached = fraction(&goal.fold_angles, &angles);
     plan.reason = Some(Reason::NearGoal {
         goal: goal.source.clone(),
         farthest: farthest.map(|(crease, short)| (edge(crease), short)),
@@ -72,18 +73,4 @@ fn lacking(goal: &Goal, angles: &[f64]) -> Option<(usize, f64)> {
         Some((crease, asked.abs() - angle * asked.signum()))
     });
     lacks.min_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// Returns the fraction of the goal's angles that the creases have, 0 to 1.
-fn fraction(goal: &Goal, angles: &[f64]) -> f64 {
-    let asked = goal.fold_angles.iter().zip(angles);
-    let (dot, square) = asked.fold((0.0, 0.0), |(dot, square), (asked, angle)| {
-        let asked = asked.unwrap_or(0.0);
-        (dot + asked * angle, square + asked * asked)
-    });
-    if square > 0.0 {
-        (dot / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    }
 }

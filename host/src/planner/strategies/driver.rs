@@ -33,6 +33,8 @@ struct Row {
     symmetry: Option<Symmetry>,
     /// `true` if the closed configuration nearest to the goal will do.
     goes_near: bool,
+    /// Seed of random numbers; `None` for that of the options.
+    seed: Option<u64>,
     /// Tells whether the strategy is tried, from the best plan so far.
     is_tried: fn(&PlanningProblem<'_>, &Plan) -> bool,
     /// Tells whether a plan takes the place of the best so far.
@@ -49,6 +51,7 @@ const STRATEGIES: [Row; 10] = [
         errors: ErrorModel::Exact,
         symmetry: None,
         goes_near: false,
+        seed: None,
         is_tried: |_, _| true,
         is_better: |_, _| true,
         note: |_, _, _| None,
@@ -58,6 +61,7 @@ const STRATEGIES: [Row; 10] = [
         errors: ErrorModel::Exact,
         symmetry: Some(Symmetry::Off),
         goes_near: false,
+        seed: None,
         is_tried: is_loose,
         is_better: proves_less_deformation,
         note: |_, _, grouped| {
@@ -75,6 +79,7 @@ const STRATEGIES: [Row; 10] = [
         },
         symmetry: Some(Symmetry::Off),
         goes_near: false,
+        seed: None,
         is_tried: is_unplanned,
         is_better: leads_farther,
         note: |_, _, _| None,
@@ -87,6 +92,7 @@ const STRATEGIES: [Row; 10] = [
         },
         symmetry: Some(Symmetry::Off),
         goes_near: false,
+        seed: None,
         is_tried: is_unplanned,
         is_better: leads_farther,
         note: |_, _, _| None,
@@ -96,6 +102,7 @@ const STRATEGIES: [Row; 10] = [
         errors: ErrorModel::Measured,
         symmetry: Some(Symmetry::Off),
         goes_near: false,
+        seed: None,
         is_tried: nearly_closes,
         is_better: |new, _| new.outcome == Outcome::Planned,
         note: errors_added_up,
@@ -108,6 +115,7 @@ const STRATEGIES: [Row; 10] = [
         },
         symmetry: Some(Symmetry::Off),
         goes_near: false,
+        seed: None,
         is_tried: nearly_closes,
         is_better: leads_farther,
         note: errors_added_up,
@@ -117,6 +125,7 @@ const STRATEGIES: [Row; 10] = [
         errors: ErrorModel::Exact,
         symmetry: None,
         goes_near: true,
+        seed: None,
         is_tried: |_, plan| plan.outcome == Outcome::GoalNotClosed,
         is_better: leads_nearer,
         note: |_, _, _| None,
@@ -126,14 +135,15 @@ const STRATEGIES: [Row; 10] = [
     other_seed(2),
 ];
 
-/// Returns the row that tries other random numbers. The seeds are the same whatever seed the user names, so that the
-/// answer seldom depends on it.
+/// Returns the row that tries other random numbers, unless the user named this seed. The seeds are the same whatever
+/// seed the user names, so that the answer seldom depends on it.
 const fn other_seed(seed: u64) -> Row {
     Row {
-        strategy: Strategy::OtherSeed(seed),
+        strategy: Strategy::OtherSeed,
         errors: ErrorModel::Exact,
         symmetry: None,
         goes_near: false,
+        seed: Some(seed),
         is_tried: |_, plan| plan.is_random && is_no(plan.outcome),
         is_better: leads_farther,
         note: |_, _, _| None,
@@ -245,15 +255,12 @@ fn plan_until_over(
     let mut best = Plan::default();
     let mut attempts = Vec::new();
     for row in &STRATEGIES {
-        if !(row.is_tried)(&asked, &best) {
+        if row.seed == Some(options.seed) || !(row.is_tried)(&asked, &best) {
             continue;
         }
         let options = PlanOptions {
             symmetry: row.symmetry.unwrap_or(options.symmetry),
-            seed: match row.strategy {
-                Strategy::OtherSeed(seed) => seed,
-                _ => options.seed,
-            },
+            seed: row.seed.unwrap_or(options.seed),
             ..options.clone()
         };
         let problem = PlanningProblem {

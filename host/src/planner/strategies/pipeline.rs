@@ -252,7 +252,7 @@ fn path_stops(problem: &PlanningProblem<'_>, route: &Route<'_>, stop: Stop) -> R
         _ => Vec::new(),
     };
     let worst = match stop {
-        Stop::Limit(_) | Stop::Timeout => None,
+        Stop::Limit(_) => None,
         _ => {
             // The vertex that stands in the way is the one that a small step straight to the goal would tear most.
             let last = route.last();

@@ -3,8 +3,8 @@
 //!
 //! The depth of a pair is the shortest translation that parts its two faces. It is found by separating axes: the normals
 //! of the faces, the normals of their sides, and the products of their sides. Faces that touch have no depth, nor do
-//! faces that lie flat on each other. The places between two samples are searched if a pair
-//! comes nearer there than all before.
+//! faces that lie flat on each other. The places between two samples are searched if a pair comes nearer there than all
+//! before.
 
 use core::cell::OnceCell;
 
