@@ -29,7 +29,7 @@ type Spoil = fn(&mut Value);
 fn claims_of_a_file_are_judged() {
     let good = planned(Interpolation::Hermite, Some(2.0));
     assert_eq!(findings(&good), [""; 0]);
-    let cases: [(Spoil, &str); 4] = [
+    let cases: [(Spoil, &str); 5] = [
         (
             |path| path["foldpath:maxSpeed"] = json!(10.0),
             "the file claims a largest speed of 1.000e1 degrees per second, but it is ",
@@ -41,6 +41,10 @@ fn claims_of_a_file_are_judged() {
         (
             |path| path["file_frames"][1]["foldpath:clearance"] = json!(1e3),
             "knot 1: the file claims a clearance of 1.000e3, but it is ",
+        ),
+        (
+            |path| path["foldpath:bound"] = json!(1e-20),
+            "the file says that it was planned within the bound 1.000e-20, but has errors of ",
         ),
         // Without signs, mountains and valleys of a group would turn alike.
         (
@@ -68,6 +72,10 @@ fn true_claims_hold() {
     let acceleration = judged.rates.acceleration.expect("begins and ends at rest");
     path["foldpath:maxAcceleration"] = json!(acceleration.to_degrees());
     path["file_frames"][1]["foldpath:clearance"] = json!(1e-9);
+    assert_eq!(findings(&path), [""; 0]);
+    // A path that is not called planned does not claim to keep the bound.
+    path["foldpath:bound"] = json!(1e-20);
+    path["foldpath:outcome"] = json!("not_rigidly_foldable");
     assert_eq!(findings(&path), [""; 0]);
 }
 

@@ -12,7 +12,7 @@ fn fits(value: &Value, shape: &Value) -> bool {
             "number" => value.is_number(),
             "text" => value.is_string(),
             "null" => value.is_null(),
-            "any" => true,
+            "bool" => value.is_boolean(),
             kind => *value == *kind,
         }),
         (Value::Array(kinds), Value::Array(values)) => match kinds.as_slice() {
@@ -45,7 +45,15 @@ fn info_shape() -> Value {
 fn plan_shape() -> Value {
     json!({
         "version": "text", "input": {"file": "text", "sha256": "text"},
-        "options": {"*": "any"},
+        "options": {
+            "goal": "text|null", "fold": "number|null", "crease": ["text"], "via": ["text"],
+            "goal_tolerance": "number", "limit": ["text"], "bound": "number", "keep": "bool",
+            "contact": "number|null", "symmetry": "text", "vertices": "text", "reuse": "text",
+            "collision": "text", "no_skip": ["text"], "interpolation": "text", "max_speed": "number",
+            "max_accel": "number|null", "pace": "text", "judge": "text", "max_knots": "count|null",
+            "frames": "text", "solver": "text", "search": "text", "objective": "text",
+            "seed": "count", "timeout": "number|null",
+        },
         "outcome": "planned|near_goal|partial|not_rigidly_foldable|goal_not_closed|crossing|undecided|timeout",
         "reason": "text|null", "reached": "number", "creases": "count", "real_vertices": "count",
         "groups": "count", "essential_vertices": "count", "unknowns": "count", "knots": "count",

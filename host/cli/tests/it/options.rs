@@ -486,3 +486,71 @@ fn judged_at_knots_alone() {
     let refused = folder.run(&format!("{plan} --max-accel 10")).with_status(2);
     assert!(refused.begins("--max-accel: expected none where knots alone"));
 }
+
+/// A goal that does not close is reached within the goal tolerance, and otherwise only come near to.
+#[test]
+fn a_goal_is_reached_within_its_tolerance() {
+    let folder = folder_with_path();
+    let mut goal = folder.read_json("miura.fold");
+    let angles = goal["edges_foldAngle"].as_array_mut().unwrap();
+    // Half of the hinges of one crease group turn six degrees farther than the others.
+    for angle in angles.iter_mut().skip(1).step_by(2) {
+        let degrees = angle.as_f64().unwrap();
+        if degrees.abs() > 0.0 {
+            *angle = json!(degrees + 6.0 * degrees.signum());
+        }
+    }
+    folder.write("goal.fold", &goal.to_string());
+
+    let near = folder.run("plan miura.fold --goal goal.fold -o near.fold --keep --json");
+    let near = near.with_status(1).json();
+    assert_eq!(near["outcome"], "near_goal", "{near}");
+    let error = near["goal_error"].as_f64().unwrap();
+    assert!(error > 1.0 && error < 6.0, "{error}");
+    let path = folder.read_json("near.fold");
+    assert_eq!(path["foldpath:outcome"], "near_goal");
+    assert_eq!(path["foldpath:reached"], near["reached"]);
+    let off = furthest(&last_angles(&path), &numbers(&goal["edges_foldAngle"]));
+    assert!((off - error).abs() < 1e-9, "{off} {error}");
+
+    for (tolerance, status) in [(1.01 * error, 0), (0.99 * error, 1)] {
+        let command = format!("plan miura.fold --goal goal.fold --goal-tolerance {tolerance}");
+        let _answer = folder.run(&command).with_status(status);
+    }
+}
+
+/// Letters at a fraction of a half turn are followed only if every lettered crease turns: here one line turns alone, and
+/// a vertex of three creases is locked.
+#[test]
+fn letters_are_followed_only_if_all_creases_turn() {
+    let folder = folder();
+    let mut sheet = json!({
+        "vertices_coords": [[0, 0], [1, 0], [4, 0], [4, 1], [4, 2], [1, 2], [0, 2], [3, 1]],
+        "edges_vertices": [
+            [0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 6], [6, 0], [1, 5], [7, 3], [7, 2], [7, 4],
+        ],
+        "edges_assignment": ["B", "B", "B", "B", "B", "B", "B", "V", "V", "V", "V"],
+    });
+    folder.write("locked.fold", &sheet.to_string());
+    let locked = folder.run("plan locked.fold --fold 0.5 --json");
+    let locked = locked.with_status(1).json();
+    assert_eq!(locked["outcome"], "near_goal", "{locked}");
+    assert_eq!(locked["flat_creases"], 3);
+    let reason = locked["reason"].as_str().unwrap();
+    assert!(
+        reason.ends_with("3 lettered creases stay flat: edges 8, 9, 10"),
+        "{reason}"
+    );
+
+    // Creases that need not turn stay flat without harm.
+    for edge in 8..11 {
+        sheet["edges_assignment"][edge] = json!("F");
+    }
+    folder.write("line.fold", &sheet.to_string());
+    let line = folder.run("plan line.fold --fold 0.5 --json");
+    let line = line.with_status(0).json();
+    assert_eq!(
+        (&line["outcome"], &line["flat_creases"]),
+        (&json!("planned"), &json!(0))
+    );
+}
