@@ -210,15 +210,19 @@ pub enum FirstStep {
 }
 
 /// Leaves flat in the direction of the goal: in crease groups or else, if the sheet is small, crease by crease.
-#[must_use]
-pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -> FirstStep {
+pub(crate) fn first_step(
+    pattern: &CreasePattern,
+    groups: &CreaseGroups,
+    goal: &Goal,
+    watch: Watch<'_>,
+) -> FirstStep {
     let options = PlanOptions::default();
     let mut tried = FirstStep::Unknown;
     for groups in [groups.clone(), CreaseGroups::trivial(pattern)] {
-        if groups.len() > MAX_UNKNOWNS {
+        if groups.len() > MAX_UNKNOWNS || watch.is_over() {
             continue;
         }
-        let reduction = Reduction::new(pattern, groups, &options, Watch::default());
+        let reduction = Reduction::new(pattern, groups, &options, watch);
         let (asked, signs) = reduction.asked(goal);
         let most = largest(&asked);
         let towards = asked.iter().zip(&signs);
