@@ -57,6 +57,7 @@ fn verdict(pattern: &CreasePattern, goal: &Goal, forecast: &Forecast) -> String 
     let perhaps = styled(NO, name);
     let unfoldable = |kind| matches!(kind, CauseKind::NotFlatFoldable(_));
     match forecast.step {
+        FirstStep::Unknown => format!("{perhaps}: the sheet is too large for a first step"),
         FirstStep::Stays => {
             format!("{perhaps}: no first step was found that leaves flat along {way}")
         }

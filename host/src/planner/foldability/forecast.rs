@@ -95,15 +95,22 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     forecast.step = first_step(pattern, groups, &goal, watch);
     let all_turn = matches!(forecast.step, FirstStep::Leaves { unturned: 0, .. })
         && ways.iter().all(|way| way.abs() > 0.0);
-    let mut rigid = false;
+    let (mut judged, mut rigid) = (false, false);
     if !all_turn && !watch.is_over() && letters.len() <= MAX_CREASES {
         let moves: Vec<bool> = asked.iter().map(|asked| asked.abs() > 0.0).collect();
+        judged = true;
         rigid = forecast.add_locks(pattern, &ways, &letters, &moves);
     }
     forecast.goal_residual = closure_of(pattern, &goal.fold_angles);
-    let closes = forecast
-        .goal_residual
-        .is_some_and(|residual| residual <= CLOSED);
+    let is_within = |most: f64| {
+        forecast
+            .goal_residual
+            .is_some_and(|residual| residual <= most)
+    };
+    let (closes, nearly) = (
+        is_within(CLOSED),
+        is_within(CLOSED + rounding_of_goal(pattern)),
+    );
     if closes && !watch.is_over() {
         let angles: Vec<f64> = goal.fold_angles.iter().flatten().copied().collect();
         let motions = Mobility::at(&ReducedStars::of_creases(pattern), &angles);
@@ -111,13 +118,25 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     }
     forecast.foldability = match forecast.step {
         _ if rigid => Foldability::No,
-        FirstStep::Unknown => Foldability::Unknown,
-        FirstStep::Leaves { unturned: 0, .. } if closes && forecast.causes.is_empty() => {
+        FirstStep::Unknown if !judged => Foldability::Unknown,
+        FirstStep::Leaves { unturned: 0, .. } if nearly && forecast.causes.is_empty() => {
             Foldability::Likely
         }
         _ => Foldability::Perhaps,
     };
     forecast
+}
+
+/// Returns the largest closure residual that the last digit of the coordinates makes of a goal that closes: each
+/// sector angle of a vertex may be wrong by the errors of its two creases.
+fn rounding_of_goal(pattern: &CreasePattern) -> f64 {
+    let unit = pattern.coordinate_unit();
+    let vertices = pattern.real_vertices().map(|vertex| {
+        let star = pattern.stars()[vertex.index()].iter();
+        let lengths = star.map(|&edge| pattern.length(pattern.edge(edge).ends));
+        lengths.map(|length| 4.0 * unit / length).sum::<f64>()
+    });
+    vertices.fold(0.0, f64::max)
 }
 
 impl Forecast {
