@@ -26,8 +26,18 @@ const FULL_PRECISION_RAD: f64 = 1e-9;
 /// vertices. Also the error within which a proof that a sheet cannot fold at all has to hold, because panels that
 /// deform a little, as the bound of a plan allows, bridge smaller ones.
 pub(crate) const DRAWN_RAD: f64 = 1e-3;
-/// Smallest error of a condition that a program allows, per rate 1: far above the accuracy with which it is solved.
-const MIN_SLACK: f64 = 1e-5;
+/// Largest rate in a program, in units of the rate at which a crease counts as turning.
+pub(crate) const MAX_RATE: f64 = 100.0;
+/// Smallest error of a condition that a program allows, in the same unit. The normal equations of the program have a
+/// condition number of about the square of the largest rate over this error, which has to stay far below 1e16.
+pub(crate) const MIN_SLACK: f64 = 1e-4;
+
+/// Rate in a solution above which a crease turns. Rates of solutions are 1 or more, or nearly 0.
+const TURNING_RATE: f64 = 0.5;
+/// Length of the vector of all c of turning creases at which multipliers are free of errors.
+const PURE: f64 = 1e-11;
+/// Largest number of iterations that remove errors from multipliers; some hundred are usual.
+const MAX_PURIFICATIONS: usize = 1000;
 
 /// The coefficient of a crease in one condition.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +115,7 @@ impl FlatConditions {
     }
 
     /// Makes the program that turns as many of the `active` creases as possible: maximise the sum of t_k subject to
-    /// the conditions on the rates, 0 ≤ t_k ≤ 1, t_k ≤ |rate| ≤ 1 / [`STILL_RATIO`]. A crease without sign has a rate
+    /// the conditions on the rates, 0 ≤ t_k ≤ 1, t_k ≤ |rate| ≤ [`MAX_RATE`]. A crease without sign has a rate
     /// of either sign and no t. Each condition is allowed `slack` times the sum of the errors of its creases'
     /// directions.
     pub(crate) fn program(
@@ -115,55 +125,70 @@ impl FlatConditions {
         errors: &[f64],
         slack: f64,
     ) -> RateProgram {
-        let most = 1.0 / STILL_RATIO;
         let mut rows = vec![None; self.sites.len()];
+        // For each row of the program the error allowed, and the sum of the sizes of its entries.
+        let mut sizes: Vec<(f64, f64)> = Vec::new();
         let mut program = LinearProgram::default();
-        let mut allowed: Vec<f64> = Vec::new();
         for &crease in active {
             let sign = signs[crease];
             let signed = sign.abs() > 0.0;
             let mut column = Vec::new();
             for coefficient in &self.columns[crease] {
                 let row = *rows[coefficient.row as usize].get_or_insert_with(|| {
-                    allowed.push(0.0);
-                    allowed.len() - 1
+                    sizes.push((0.0, 0.0));
+                    sizes.len() - 1
                 });
-                allowed[row] += slack * errors[crease] * coefficient.sensitivity;
+                sizes[row].0 += slack * errors[crease] * coefficient.sensitivity;
+                sizes[row].1 += coefficient.value.abs();
                 let value = if signed { sign } else { 1.0 } * coefficient.value;
                 column.push((self::row(row), value));
             }
-            let variable = |cost: f64, upper: f64, start: f64| Variable {
+            let variable = |cost: f64, upper: f64| Variable {
                 column: column.clone(),
                 cost,
                 upper,
-                start,
+                start: upper / 2.0,
             };
             if signed {
-                program.variables.push(variable(-1.0, 1.0, 0.5));
-                program.variables.push(variable(0.0, most, 1.0));
+                program.variables.push(variable(-1.0, 1.0));
+                program.variables.push(variable(0.0, MAX_RATE));
             } else {
-                program.variables.push(variable(0.0, 2.0 * most, most));
+                program.variables.push(variable(0.0, 2.0 * MAX_RATE));
             }
         }
-        program.right_side = vec![0.0; allowed.len()];
-        // A crease without sign has a rate from -most: its variable is the rate plus `most`.
-        for (&crease, variable) in active.iter().zip(first_variables(active, signs)) {
-            if !(signs[crease].abs() > 0.0) {
-                for &(row, value) in &program.variables[variable].column {
-                    program.right_side[row as usize] += most * value;
+        for (allowed, _) in &mut sizes {
+            *allowed = allowed.max(MIN_SLACK);
+        }
+        program.right_side = sizes.iter().map(|(allowed, _)| *allowed).collect();
+        // The search starts from rates so small that the errors allowed exceed them, which satisfy all conditions.
+        let mut slacks = program.right_side.clone();
+        for (&crease, first) in active.iter().zip(first_variables(active, signs)) {
+            if signs[crease].abs() <= 0.0 {
+                // The variable is the rate plus `MAX_RATE`.
+                for &(row, value) in &program.variables[first].column {
+                    program.right_side[row as usize] += MAX_RATE * value;
+                }
+                continue;
+            }
+            for variable in &mut program.variables[first..first + 2] {
+                let column = variable.column.iter();
+                let most =
+                    column.map(|&(row, _)| sizes[row as usize].0 / (4.0 * sizes[row as usize].1));
+                variable.start = most.fold(variable.start, f64::min);
+                for &(row, value) in &variable.column {
+                    slacks[row as usize] -= value * variable.start;
                 }
             }
         }
-        for (k, allowed) in allowed.iter().enumerate() {
-            let allowed = allowed.max(MIN_SLACK);
-            program.right_side[k] += allowed;
-            program.variables.push(Variable {
+        let pairs = slacks.iter().zip(&sizes).enumerate();
+        program
+            .variables
+            .extend(pairs.map(|(k, (slack, (allowed, _)))| Variable {
                 column: vec![(row(k), 1.0)],
                 cost: 0.0,
                 upper: 2.0 * allowed,
-                start: allowed,
-            });
-        }
+                start: *slack,
+            }));
         RateProgram { program, rows }
     }
 
@@ -184,14 +209,57 @@ impl FlatConditions {
             if sign.abs() > 0.0 {
                 sign * (solution.x[first] + solution.x[first + 1])
             } else {
-                solution.x[first] - 1.0 / STILL_RATIO
+                solution.x[first] - MAX_RATE
             }
         });
+        let rates: Vec<f64> = rates.collect();
         let multiplier = |row: &Option<usize>| row.map_or(0.0, |row| -solution.y[row]);
-        Some(Rates {
-            rates: rates.collect(),
-            multipliers: rows.iter().map(multiplier).collect(),
-        })
+        let mut multipliers: Vec<f64> = rows.iter().map(multiplier).collect();
+        let turning = active.iter().zip(&rates).filter(|(crease, rate)| {
+            let signed = signs[**crease].abs() > 0.0;
+            !signed || rate.abs() > TURNING_RATE
+        });
+        let turning: Vec<usize> = turning.map(|(crease, _)| *crease).collect();
+        self.purify(&turning, &mut multipliers);
+        Some(Rates { rates, multipliers })
+    }
+
+    /// Removes the error of a program's solution from its multipliers: changes them as little as possible so that they
+    /// are orthogonal to the columns of the `turning` creases, by conjugate gradients (CGLS; Björck, "Numerical Methods
+    /// for Least Squares Problems", 1996, algorithm 7.4.1). The multipliers are the residual of that algorithm.
+    fn purify(&self, turning: &[usize], multipliers: &mut [f64]) {
+        let gradient = |y: &[f64]| -> Vec<f64> {
+            let along = |&crease: &usize| {
+                let column = self.columns[crease].iter();
+                column.map(|c| c.value * y[c.row as usize]).sum()
+            };
+            turning.iter().map(along).collect()
+        };
+        let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
+        let mut rest = gradient(multipliers);
+        let mut way = rest.clone();
+        let mut size = square(&rest);
+        for _ in 0..MAX_PURIFICATIONS {
+            if size < PURE * PURE {
+                break;
+            }
+            let mut change = vec![0.0; multipliers.len()];
+            for (&crease, part) in turning.iter().zip(&way) {
+                for c in &self.columns[crease] {
+                    change[c.row as usize] += part * c.value;
+                }
+            }
+            let step = size / square(&change).max(f64::MIN_POSITIVE);
+            for (y, change) in multipliers.iter_mut().zip(&change) {
+                *y -= step * change;
+            }
+            rest = gradient(multipliers);
+            let next = square(&rest);
+            for (way, rest) in way.iter_mut().zip(&rest) {
+                *way = rest + next / size * *way;
+            }
+            size = next;
+        }
     }
 }
 

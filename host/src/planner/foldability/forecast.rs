@@ -214,8 +214,15 @@ impl Forecast {
                 && known.any(|known| cause.vertices.contains(&known.vertices[0]))
         };
         let causes = proofs.iter().map(|lock| of_lock(pattern, lock, kind));
-        self.causes
-            .extend(causes.filter(|cause| !is_explained(cause)));
+        let new: Vec<Cause> = causes.filter(|cause| !is_explained(cause)).collect();
+        // What locks creases comes before what shows up only when folded flat.
+        let is_lock = |cause: &Cause| !cause.edges.is_empty();
+        let place = self
+            .causes
+            .iter()
+            .take_while(|cause| is_lock(cause))
+            .count();
+        self.causes.splice(place..place, new);
         if proof.is_some() && self.causes.is_empty() {
             // All creases are without sign, and independent of each other.
             let sites = pattern

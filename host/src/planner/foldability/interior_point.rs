@@ -11,12 +11,17 @@ use crate::planner::closing::cholesky::{Factor, Symbolic};
 
 /// Largest number of iterations; 15 to 40 are usual.
 const MAX_ITERATIONS: usize = 100;
-/// Mean complementarity at which the solution is accurate enough, in units of the cost.
-const COMPLEMENTARITY: f64 = 1e-11;
+/// Mean complementarity of an accurate solution, in units of the cost. The normal equations cannot be solved below about
+/// the square root of the rounding error: near the solution their matrix has entries of the size of the complementarity
+/// and of its inverse.
+const COMPLEMENTARITY: f64 = 1e-8;
 /// Largest error of a constraint, of the primal or the dual program, of an accurate solution.
-const FEASIBILITY: f64 = 1e-9;
+const FEASIBILITY: f64 = 1e-7;
 /// Fraction of the way to the nearest bound that a step goes.
 const STEP_FRACTION: f64 = 0.995;
+
+/// Number of rounds of iterative refinement for each system of equations.
+const REFINEMENTS: usize = 2;
 
 /// A variable of a linear program.
 #[derive(Clone, Debug)]
@@ -40,8 +45,8 @@ pub(crate) struct LinearProgram {
     pub(crate) variables: Vec<Variable>,
 }
 
-/// A solution as accurate as the method came.
-#[derive(Clone, Debug)]
+/// The most accurate solution that the method came upon.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Solution {
     /// Values of the variables.
     pub(crate) x: Vec<f64>,
@@ -65,14 +70,20 @@ impl LinearProgram {
     pub(crate) fn solve(&self) -> Option<Solution> {
         let mut normal = NormalMatrix::new(self)?;
         let mut at = self.start();
+        let mut best = (f64::INFINITY, Solution::default());
         for _ in 0..MAX_ITERATIONS {
             let residuals = self.residuals(&at);
             let mean = at.complementarity();
-            if mean < COMPLEMENTARITY && residuals.largest() < FEASIBILITY {
-                break;
+            let error = (mean / COMPLEMENTARITY).max(residuals.largest() / FEASIBILITY);
+            if error < best.0 {
+                let (x, y) = (at.x.clone(), at.y.clone());
+                best = (error, Solution { x, y });
             }
             let weights = at.weights();
-            if !normal.factorise(self, &weights) {
+            if best.0 <= 1.0
+                || mean < COMPLEMENTARITY * COMPLEMENTARITY
+                || !normal.factorise(self, &weights)
+            {
                 break;
             }
             let aim = |centre: f64, predicted: Option<&Step>| {
@@ -110,7 +121,7 @@ impl LinearProgram {
             }
             at = next;
         }
-        Some(Solution { x: at.x, y: at.y })
+        Some(best.1)
     }
 
     /// Returns a point inside the bounds, with multipliers that make it a point of the central path.
@@ -161,16 +172,33 @@ impl LinearProgram {
             }
         }
         normal.solve(&mut y);
+        let along = |y: &[f64], k: usize| {
+            let column = self.variables[k].column.iter();
+            let along = column.map(|&(row, value)| value * y[row as usize]);
+            weights[k] * (along.sum::<f64>() - gradient[k])
+        };
+        // Near the end the matrix is nearly singular. Refinement removes the error that its factor leaves.
+        for _ in 0..REFINEMENTS {
+            let mut rest = residuals.primal.clone();
+            for (k, variable) in self.variables.iter().enumerate() {
+                let dx = along(&y, k);
+                for &(row, value) in &variable.column {
+                    rest[row as usize] -= value * dx;
+                }
+            }
+            normal.solve(&mut rest);
+            for (y, rest) in y.iter_mut().zip(&rest) {
+                *y += rest;
+            }
+        }
         let mut step = Step {
             x: Vec::with_capacity(n),
             z: Vec::with_capacity(n),
             v: Vec::with_capacity(n),
             y: Vec::new(),
         };
-        for (k, variable) in self.variables.iter().enumerate() {
-            let column = variable.column.iter();
-            let along: f64 = column.map(|&(row, value)| value * y[row as usize]).sum();
-            let dx = weights[k] * (along - gradient[k]);
+        for k in 0..n {
+            let dx = along(&y, k);
             step.x.push(dx);
             step.z.push((lower[k] - at.z[k] * dx) / at.x[k]);
             step.v.push((upper[k] + at.v[k] * dx) / at.s[k]);
