@@ -15,8 +15,8 @@ use super::flat_cone::{DRAWN_RAD, FlatConditions, STILL_RATIO, direction_errors,
 use crate::pattern::{ClosureSite, CreasePattern};
 use crate::util::union_find::UnionFind;
 
-/// Largest number of creases that are judged. The slowest sheet of this size takes 0.3 s.
-pub(crate) const MAX_CREASES: usize = 6_000;
+/// Largest number of creases that are judged. Sheets of this size with random letters take 0.2 to 0.4 s.
+pub(crate) const MAX_CREASES: usize = 3_000;
 /// Largest number of creases in all programs that judge the creases without sign one by one: about 0.2 s.
 const MAX_UNSIGNED_WORK: usize = 4_000;
 /// Largest number of creases without sign in a connected part of the sheet that is proved to be rigid: about 0.1 s.
