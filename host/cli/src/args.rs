@@ -237,12 +237,15 @@ pub(crate) struct Size {
 #[command(after_help = "\
 Examples:
   foldpath info miura.fold
-  foldpath info miura.fold --json")]
+  foldpath info miura.fold --json --timeout 2")]
 pub(crate) struct Info {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
+    /// Stop foreseeing whether it folds after this time, seconds [default: no limit]
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     #[command(flatten)]
     pub(crate) report: Report,
 }
@@ -615,21 +618,31 @@ fn degrees_of(text: &str) -> Option<f64> {
     degrees.is_finite().then_some(degrees)
 }
 
+/// Returns the time that `--timeout` allows, if it does.
+///
+/// # Errors
+/// If the number of seconds is negative or none.
+pub(crate) fn timeout(
+    seconds: Option<f64>,
+) -> Result<Option<core::time::Duration>, crate::CliError> {
+    let timeout = seconds.map(|seconds| {
+        // A number of seconds that is too large for a `Duration` is no timeout.
+        let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
+        (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
+            let text = format!("--timeout: expected seconds from 0, found {seconds}");
+            crate::CliError::Usage(text)
+        })
+    });
+    Ok(timeout.transpose()?.flatten())
+}
+
 impl Plan {
     /// Returns the planner's options.
     ///
     /// # Errors
     /// If an option is out of its range, or options exclude each other.
     pub(crate) fn options(&self) -> Result<planner::PlanOptions, crate::CliError> {
-        let timeout = self.timeout.map(|seconds| {
-            // A number of seconds that is too large for a `Duration` is no timeout.
-            let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
-            (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
-                let text = format!("--timeout: expected seconds from 0, found {seconds}");
-                crate::CliError::Usage(text)
-            })
-        });
-        let timeout = timeout.transpose()?.flatten();
+        let timeout = timeout(self.timeout)?;
         if !(self.max_speed >= 1e-6 && self.max_speed.is_finite()) {
             let found = self.max_speed;
             return Err(crate::CliError::Usage(format!(

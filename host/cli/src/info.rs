@@ -1,14 +1,17 @@
 //! Runs `foldpath info`, which describes a crease pattern.
 
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::args::Info;
+use crate::args::{Info, timeout};
 use crate::hints::radians;
 use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::folding::{Amplification, SpanningTree};
-use foldpath::planner::CLOSED;
+use foldpath::pattern::{EdgeId, Letter};
+use foldpath::planner::{CLOSED, Cause, forecast};
+use foldpath::progress::Watch;
 use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
@@ -30,9 +33,43 @@ struct InfoJson {
     amplification: Option<f64>,
     repairs: Vec<String>,
     assumptions: Vec<String>,
+    verdict: &'static str,
+    causes: Vec<CauseJson>,
+    locked_creases: Vec<usize>,
+    flat_dof: Option<usize>,
+    goal_dof: Option<usize>,
+    drivers: Vec<usize>,
+}
+
+#[derive(Serialize)]
+struct CauseJson {
+    kind: &'static str,
+    vertices: Vec<usize>,
+    edges: Vec<usize>,
+    at: [f64; 2],
+    message: String,
+}
+
+impl CauseJson {
+    fn of(cause: &Cause) -> Self {
+        Self {
+            kind: cause.kind.name(),
+            vertices: cause.vertices.iter().map(|vertex| vertex.index()).collect(),
+            edges: edges(&cause.edges),
+            at: cause.at,
+            message: cause.to_string(),
+        }
+    }
+}
+
+/// Returns the numbers of edges.
+fn edges(ids: &[EdgeId]) -> Vec<usize> {
+    ids.iter().map(|edge| edge.index()).collect()
 }
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
+    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
+    let watch = Watch::default().until(deadline);
     let file = read_pattern(&args.pattern)?;
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
@@ -43,11 +80,10 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
         *letters.entry(edge.letter.code()).or_default() += 1;
     }
     let real_vertices = pattern.real_vertices().count();
-    let letter = |id: &foldpath::pattern::EdgeId| pattern.edge(*id).letter;
-    let free =
-        |id: &&foldpath::pattern::EdgeId| letter(id) == foldpath::pattern::Letter::Unassigned;
+    let free = |id: &&EdgeId| pattern.edge(**id).letter == Letter::Unassigned;
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
     let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
+    let forecast = forecast(pattern, &groups, watch);
     let info = InfoJson {
         vertices: pattern.vertices().len(),
         edges: pattern.edges().len(),
@@ -65,6 +101,12 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
         amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
         repairs: pattern.repairs().to_vec(),
         assumptions: pattern.assumptions().to_vec(),
+        verdict: forecast.foldability.name(),
+        causes: forecast.causes.iter().map(CauseJson::of).collect(),
+        locked_creases: edges(&forecast.locked),
+        flat_dof: forecast.flat_motions(),
+        goal_dof: forecast.goal_motions,
+        drivers: edges(&forecast.drivers(pattern, &groups)),
     };
     if args.report.json {
         print_json(&info)?;
@@ -74,7 +116,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians(pattern, closure_goal).as_slice());
     let text = summary(&file.title, &info, pattern.holes().len());
-    print(&(text + &outlook::text(pattern, &groups, closure_goal, &args.pattern)))?;
+    print(&(text + &outlook::text(pattern, &groups, &forecast, &args.pattern)))?;
     Ok(true)
 }
 

@@ -1,24 +1,21 @@
 //! Predicts for `foldpath info`, to first order, whether a pattern will fold and which hinges to drive. Only `plan`
 //! tells for sure.
 
-use core::f64::consts::PI;
 use std::path::Path;
 
 use crate::report::{NO, YES, styled};
-use foldpath::pattern::{CreasePattern, FlatFlaw, VertexId};
-use foldpath::planner::{CLOSED, FirstStep, Goal, GoalKind, first_step};
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{CauseKind, FirstStep, Foldability, Forecast, Goal, GoalKind};
 use foldpath::symmetry::CreaseGroups;
 
-/// Largest number of vertices or hinges that are named.
+/// Largest number of causes or hinges that are named.
 const NAMED: usize = 5;
-/// Distance from 0 and from half a turn, radians, within which a goal angle counts as flat or folded flat.
-const FLAT: f64 = 1e-6;
 
-/// Returns two lines of the summary: whether the pattern will fold, and which hinges to drive.
+/// Returns lines of the summary: whether the pattern will fold, what is in the way, and which hinges to drive.
 pub(crate) fn text(
     pattern: &CreasePattern,
     groups: &CreaseGroups,
-    closure: Option<f64>,
+    forecast: &Forecast,
     file: &Path,
 ) -> String {
     let (fold, drive) = match Goal::of_pattern(pattern) {
@@ -28,95 +25,90 @@ pub(crate) fn text(
             (fold.into(), "not known without a way".into())
         }
         Ok(goal) => {
-            let step = first_step(pattern, groups, &goal);
-            let fold = verdict(pattern, &goal, &step, closure);
+            let fold = verdict(pattern, &goal, forecast);
             let fold = format!("{fold}; `foldpath plan {}` tells for sure", file.display());
-            (fold, drive(pattern, groups, &step))
+            (fold, drive(pattern, groups, &forecast.step))
         }
     };
-    format!("  will it fold        {fold}\n  to drive            {drive}\n")
+    let (causes, locked) = (in_the_way(forecast), locked(pattern, forecast));
+    format!("  will it fold        {fold}\n{causes}{locked}  to drive            {drive}\n")
 }
 
-/// Says in words whether the pattern will fold.
-fn verdict(pattern: &CreasePattern, goal: &Goal, step: &FirstStep, closure: Option<f64>) -> String {
-    let letters = goal.kind == GoalKind::Letters;
-    let way = if letters {
+/// Says in words whether the pattern will fold, beginning with the verdict.
+fn verdict(pattern: &CreasePattern, goal: &Goal, forecast: &Forecast) -> String {
+    let way = if goal.kind == GoalKind::Letters {
         "its letters"
     } else {
         "the signs of its goal"
     };
     let leaves = format!("it leaves flat along {way}");
-    match step {
-        FirstStep::Unknown => return "too large to tell at a glance".into(),
-        FirstStep::Stays => {
-            let no = styled(NO, "hardly");
-            return format!("{no}: no first step was found that leaves flat along {way}");
+    let name = forecast.foldability.name();
+    match forecast.foldability {
+        Foldability::Unknown => return format!("{name}: too large to tell at a glance"),
+        Foldability::No => {
+            let no = styled(NO, name);
+            return format!("{no}: it is proved that no motion leaves flat along its letters");
         }
-        FirstStep::Bends => {
-            let perhaps = styled(NO, "perhaps");
-            return format!(
-                "{perhaps}: no first step along {way} closes, but within what the bound of `plan` allows, as panels that \
-                 bend do, or rounded coordinates"
-            );
+        Foldability::Likely => {
+            return format!("{}: {leaves}, and its goal closes", styled(YES, name));
         }
-        FirstStep::Leaves { unturned: 0, .. } => {}
-        FirstStep::Leaves { unturned, .. } => {
-            let (perhaps, all) = (styled(NO, "perhaps"), pattern.creases().len());
-            return format!(
-                "{perhaps}: {leaves}, but {unturned} of {all} hinges do not turn at first"
-            );
-        }
+        Foldability::Perhaps => {}
     }
-    let asked = goal.fold_angles.iter().flatten();
-    let flat = letters
-        || asked
-            .clone()
-            .all(|angle| angle.abs() > PI - FLAT || angle.abs() < FLAT);
-    let flaws = if flat {
-        pattern.flat_flaws()
-    } else {
-        Vec::new()
-    };
-    match closure {
-        _ if !flaws.is_empty() => {
-            let part = styled(NO, "not all the way");
-            format!("{part}: {leaves}, but cannot fold flat: {}", named(&flaws))
+    let perhaps = styled(NO, name);
+    let unfoldable = |kind| matches!(kind, CauseKind::NotFlatFoldable(_));
+    match forecast.step {
+        FirstStep::Unknown => format!("{perhaps}: the sheet is too large for a first step"),
+        FirstStep::Stays => {
+            format!("{perhaps}: no first step was found that leaves flat along {way}")
         }
-        Some(closure) if closure > CLOSED => {
-            let near = styled(NO, "near its goal at best");
-            format!("{near}: {leaves}, but its goal does not close")
+        FirstStep::Bends => format!(
+            "{perhaps}: no first step along {way} closes, but within what the bound of `plan` allows, as panels that \
+             bend do, or rounded coordinates"
+        ),
+        FirstStep::Leaves { unturned, .. } if unturned > 0 => {
+            let all = pattern.creases().len();
+            format!("{perhaps}: {leaves}, but {unturned} of {all} hinges do not turn at first")
         }
-        Some(_) => format!("{}: {leaves}, and its goal closes", styled(YES, "likely")),
-        None => format!("{}: {leaves}", styled(YES, "at least a little")),
+        _ if forecast.causes.iter().any(|cause| unfoldable(cause.kind)) => {
+            format!("{perhaps}, but not all the way: {leaves}, but cannot fold flat")
+        }
+        _ => match forecast.goal_residual {
+            Some(_) if forecast.causes.is_empty() => {
+                format!("{perhaps}, near its goal at best: {leaves}, but its goal does not close")
+            }
+            _ => format!("{perhaps}, at least a little: {leaves}"),
+        },
     }
 }
 
-/// Names the first flaws in words.
-fn named(flaws: &[(VertexId, FlatFlaw)]) -> String {
-    let named = flaws.iter().take(NAMED).map(|(vertex, flaw)| {
-        let flaw = match flaw {
-            FlatFlaw::Odd(hinges) => format!("{hinges} creases, an odd number"),
-            FlatFlaw::Kawasaki(sum) => {
-                format!(
-                    "Kawasaki: every other sector adds up to {:.1} degrees, not 180",
-                    sum.to_degrees()
-                )
-            }
-            FlatFlaw::Maekawa(mountains, valleys) => {
-                format!(
-                    "Maekawa: {mountains} mountains and {valleys} valleys, which should differ by 2"
-                )
-            }
-        };
-        format!("vertex {} ({flaw})", vertex.index())
+/// Returns a line for each of the first causes.
+fn in_the_way(forecast: &Forecast) -> String {
+    let named = forecast.causes.iter().take(NAMED).map(ToString::to_string);
+    let more = forecast.causes.len().saturating_sub(NAMED);
+    let more = (more > 0).then(|| format!("and {more} more, which --json lists"));
+    let lines = named.chain(more).enumerate().map(|(line, cause)| {
+        let head = if line == 0 { "in the way" } else { "" };
+        format!("  {head:<20}{cause}\n")
     });
-    let more = flaws.len().saturating_sub(NAMED);
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
-    named.collect::<Vec<_>>().join(", ") + &more
+    lines.collect()
+}
+
+/// Returns a line on the creases that cannot turn, if there are any.
+fn locked(pattern: &CreasePattern, forecast: &Forecast) -> String {
+    if forecast.locked.is_empty() {
+        return String::new();
+    }
+    let named = forecast.locked.iter().take(NAMED);
+    let named: Vec<String> = named.map(|edge| edge.index().to_string()).collect();
+    let (count, all) = (forecast.locked.len(), pattern.creases().len());
+    let (edges, more) = (
+        if count == 1 { "edge" } else { "edges" },
+        if count > NAMED { ", ..." } else { "" },
+    );
+    let named = named.join(", ");
+    format!(
+        "  locked              {count} of {all} hinges cannot turn in a first step: {edges} {named}{more}\n"
+    )
 }
 
 /// Says in words which hinges to drive.

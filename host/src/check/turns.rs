@@ -157,3 +157,131 @@ fn halves(curve: &Curve<f64>) -> [Curve<f64>; 2] {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::{Interpolation, Node};
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    use super::*;
+
+    /// Number of random segments of each kind of interpolation.
+    const SEGMENTS: usize = 100_000;
+    /// Number of halvings after which the parts of a curve are compared with the sampled range.
+    const HALVINGS: usize = 4;
+    /// Number of samples of a segment, less one.
+    const SAMPLES: u32 = 64;
+
+    /// Returns a random number between -1 and 1.
+    fn noise(random: &mut Pcg64) -> f64 {
+        (random.next_u64() >> 11) as f64 / 2_f64.powi(52) - 1.0
+    }
+
+    /// Returns the cubic with these values and slopes at its ends, by the basis of Hermite.
+    fn cubic([from, slope]: [f64; 2], [to, to_slope]: [f64; 2], s: f64) -> f64 {
+        let rest = 1.0 - s;
+        rest * rest * ((1.0 + 2.0 * s) * from + s * slope)
+            + s * s * ((3.0 - 2.0 * s) * to - rest * to_slope)
+    }
+
+    /// Returns the fold angle at `s` by the definition of the interpolation.
+    fn angle(kind: Interpolation, from: Node<f64>, to: Node<f64>, s: f64) -> f64 {
+        let tangent = |node: Node<f64>| {
+            let tan = (node.angle / 2.0).tan();
+            [tan, node.rate / (1.0 + node.angle.cos())]
+        };
+        let weighted = |node: Node<f64>, (part, slope): (f64, f64)| {
+            [
+                node.weight[0] * part,
+                node.weight[1] * part + node.weight[0] * slope * node.rate / 2.0,
+            ]
+        };
+        let cos =
+            |node: Node<f64>| weighted(node, ((node.angle / 2.0).cos(), -(node.angle / 2.0).sin()));
+        let sin =
+            |node: Node<f64>| weighted(node, ((node.angle / 2.0).sin(), (node.angle / 2.0).cos()));
+        match kind {
+            Interpolation::Linear => from.angle + s * (to.angle - from.angle),
+            Interpolation::Hermite => cubic([from.angle, from.rate], [to.angle, to.rate], s),
+            Interpolation::HalfAngle => 2.0 * cubic(tangent(from), tangent(to), s).atan(),
+            Interpolation::Homogeneous => {
+                2.0 * cubic(sin(from), sin(to), s).atan2(cubic(cos(from), cos(to), s))
+            }
+        }
+    }
+
+    /// Returns the range of all parts after some halvings; `None` if the control points of a part exclude no angle.
+    fn range_of_parts(curve: &Curve<f64>, slack: f64, halvings: usize) -> Option<[f64; 2]> {
+        if halvings == 0 {
+            return range(curve, slack);
+        }
+        let [first, second] = halves(curve).map(|half| range_of_parts(&half, slack, halvings - 1));
+        let ([a, b], [c, d]) = (first?, second?);
+        Some([a.min(c), b.max(d)])
+    }
+
+    /// The range of each of many random segments contains the angles by the definition, undivided and in 16 parts. In
+    /// 16 parts, it is wider than the sampled range by less than 1 % in the median.
+    #[test]
+    fn ranges_contain_the_angle_closely() {
+        for kind in [
+            Interpolation::Linear,
+            Interpolation::Hermite,
+            Interpolation::HalfAngle,
+            Interpolation::Homogeneous,
+        ] {
+            let random = &mut Pcg64::new(7, 0);
+            let mut excess = Vec::with_capacity(SEGMENTS);
+            let mut unbounded = 0;
+            for segment in 0..SEGMENTS {
+                // Some segments are short and some have weights that nearly vanish, at an end or between the ends.
+                let scale = 10_f64.powf(2.0 * noise(random) - 2.0).min(1.0);
+                let base = 2.0 * noise(random);
+                let mut node = || {
+                    let weight = if segment % 4 == 0 {
+                        10_f64.powf(6.0 * noise(random) - 6.0)
+                    } else {
+                        1.0 + 0.9 * noise(random)
+                    };
+                    let grow = if segment % 4 == 1 { -4.0 } else { 1.0 };
+                    Node {
+                        angle: base + scale * noise(random),
+                        rate: 3.0 * scale * noise(random),
+                        weight: [weight, grow * weight * noise(random)],
+                    }
+                };
+                let (from, to) = (node(), node());
+                let curve = Curve::between(kind, 1.0, from, to);
+                let size = match &curve {
+                    Curve::Angle(angle) => largest(angle),
+                    Curve::HalfAngle { cos, sin } => largest(cos).max(largest(sin)),
+                };
+                let slack = ROUNDINGS * f64::EPSILON * size;
+                let samples =
+                    (0..=SAMPLES).map(|k| angle(kind, from, to, f64::from(k) / f64::from(SAMPLES)));
+                let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+                samples.for_each(|x| (low, high) = (low.min(x), high.max(x)));
+                for halvings in [0, HALVINGS] {
+                    let Some([least, most]) = range_of_parts(&curve, slack, halvings) else {
+                        unbounded += usize::from(halvings == HALVINGS);
+                        continue;
+                    };
+                    // The definition is computed with rounding as well, large where weights vanish.
+                    let rounding = 1e-9 * (1.0 + most - least);
+                    assert!(
+                        least <= low + rounding && high - rounding <= most,
+                        "{kind:?} {from:?} {to:?}: {low} to {high} is not in {least} to {most}"
+                    );
+                    if halvings == HALVINGS {
+                        excess.push((most - least) / (high - low) - 1.0);
+                    }
+                }
+            }
+            excess.sort_by(f64::total_cmp);
+            let median = excess[excess.len() / 2];
+            assert!(median < 0.01, "{kind:?}: {median}");
+            assert!(unbounded < SEGMENTS / 20, "{kind:?}: {unbounded}");
+        }
+    }
+}

@@ -60,6 +60,7 @@ pub struct CreasePattern {
     pub(super) holes: Csr<Passage>,
     pub(super) assumptions: Vec<String>,
     pub(super) repairs: Vec<String>,
+    pub(super) y_down: bool,
 }
 
 impl CreasePattern {
@@ -67,6 +68,20 @@ impl CreasePattern {
     #[must_use]
     pub fn vertices(&self) -> &[Vector2<f64>] {
         &self.vertices
+    }
+
+    /// Returns the coordinates of a vertex as the drawing has them: in drawings whose y points down, that of the pattern
+    /// is turned round.
+    #[must_use]
+    pub fn drawn_place(&self, vertex: VertexId) -> [f64; 2] {
+        let at = self.vertices[vertex.index()];
+        // Subtracting from 0 gives 0 rather than -0.
+        [at.x, if self.y_down { 0.0 - at.y } else { at.y }]
+    }
+
+    /// Notes that y points down in the drawing.
+    pub(crate) fn drawn_with_y_down(&mut self) {
+        self.y_down = true;
     }
 
     /// Returns a vertex of the flat sheet as a point in space with z = 0.

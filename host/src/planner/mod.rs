@@ -47,6 +47,11 @@
 //! crosses or ends early, folds in sequence are tried: each sequence is the same pipeline again, by way of the
 //! configurations between its folds. Nothing calls the driver but its user.
 //!
+//! # Before planning
+//!
+//! [`forecast`] says within a second what can be said of the flat sheet alone: whether it leaves flat, which creases
+//! cannot turn, and what is in the way (`foldability/`).
+//!
 //! # Order of the files
 //!
 //! A file uses only files to its left:
@@ -55,12 +60,14 @@
 //! vectors < goal, knots < reason < messages, plan < options < problem
 //! < closing (cholesky < sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
+//! < foldability (interior_point < flat_cone < certificate < cause < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < fold_sequence < driver)
 //! ```
 
 mod closing;
+mod foldability;
 mod following;
 mod goal;
 mod knots;
@@ -75,9 +82,11 @@ mod strategies;
 mod vectors;
 
 pub use closing::sparse::SparseNormalEquations;
+pub use foldability::cause::{Cause, CauseKind};
+pub use foldability::forecast::{Foldability, Forecast, forecast};
 pub use foldpath_core::Objective;
 pub use following::branch::{Departure, leave_flat};
-pub use following::mobility::{FirstStep, Mobility, first_step};
+pub use following::mobility::{FirstStep, Mobility};
 pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use options::{

@@ -93,5 +93,7 @@ pub(super) fn parse_pattern(
     if commas > 0 {
         notes.push(format!("numbers with a comma for the point: {commas}"));
     }
-    pattern_file(path, segments, 0.0, notes, watch)
+    let mut file = pattern_file(path, segments, 0.0, notes, watch)?;
+    file.pattern.drawn_with_y_down();
+    Ok(file)
 }

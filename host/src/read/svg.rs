@@ -101,7 +101,9 @@ pub(super) fn parse_pattern(
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
-    pattern_file(path, segments, rounding.fold(0.0, f64::max), notes, watch)
+    let mut file = pattern_file(path, segments, rounding.fold(0.0, f64::max), notes, watch)?;
+    file.pattern.drawn_with_y_down();
+    Ok(file)
 }
 
 /// Place of an error, the value expected at that place and the value found.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 35] = [
+const ORDER: [&str; 40] = [
     "vectors",
     "goal",
     "knots",
@@ -25,6 +25,11 @@ const ORDER: [&str; 35] = [
     "following/mobility",
     "following/route",
     "following/route_selection",
+    "foldability/interior_point",
+    "foldability/flat_cone",
+    "foldability/certificate",
+    "foldability/cause",
+    "foldability/forecast",
     "placement/overshoot",
     "placement/reachability",
     "placement/timing",

@@ -39,6 +39,13 @@ fn info_shape() -> Value {
         "real_vertices": "count", "virtual_vertices": "count", "letters": {"*": "count"},
         "groups": "count", "essential_vertices": "count", "closure_goal": "number|null",
         "amplification": "number|null", "repairs": ["text"], "assumptions": ["text"],
+        "verdict": "likely|perhaps|no|unknown",
+        "causes": [{
+            "kind": "text", "vertices": ["count"], "edges": ["count"], "at": ["number", "number"],
+            "message": "text",
+        }],
+        "locked_creases": ["count"], "flat_dof": "count|null", "goal_dof": "count|null",
+        "drivers": ["count"],
     })
 }
 
@@ -102,6 +109,13 @@ fn every_answer_has_the_keys_of_the_contract() {
 
     let cases = [
         ("info miura.fold", 0, info_shape(), "groups", json!(2)),
+        (
+            &format!("info {PATTERNS}/square-twist-unfoldable.fold"),
+            0,
+            info_shape(),
+            "verdict",
+            json!("no"),
+        ),
         (
             "plan miura.fold",
             0,

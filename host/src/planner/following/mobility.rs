@@ -196,9 +196,10 @@ pub enum FirstStep {
     Leaves {
         /// Number of creases that turn at the goal but not in this step.
         unturned: usize,
-        /// Motions that keep the symmetry, in crease groups; `None` if that would take long.
+        /// Motions that keep the symmetry, in crease groups; `None` if that would take long, or if rounded coordinates
+        /// hide them.
         symmetric: Option<Mobility>,
-        /// All motions, in creases; `None` if that would take long.
+        /// All motions, in creases; `None` likewise.
         single: Option<Mobility>,
     },
     /// The sheet leaves flat only as nearly closed as the default bound allows.
@@ -210,15 +211,23 @@ pub enum FirstStep {
 }
 
 /// Leaves flat in the direction of the goal: in crease groups or else, if the sheet is small, crease by crease.
-#[must_use]
-pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -> FirstStep {
+pub(crate) fn first_step(
+    pattern: &CreasePattern,
+    groups: &CreaseGroups,
+    goal: &Goal,
+    watch: Watch<'_>,
+) -> FirstStep {
     let options = PlanOptions::default();
+    // A sheet that leaves flat has a motion. If none is found, rounded coordinates have raised the rank.
+    let motions = |stars: &ReducedStars, x: &[f64]| {
+        Mobility::at(stars, x).filter(|motions| !motions.drivers.is_empty())
+    };
     let mut tried = FirstStep::Unknown;
     for groups in [groups.clone(), CreaseGroups::trivial(pattern)] {
-        if groups.len() > MAX_UNKNOWNS {
+        if groups.len() > MAX_UNKNOWNS || watch.is_over() {
             continue;
         }
-        let reduction = Reduction::new(pattern, groups, &options, Watch::default());
+        let reduction = Reduction::new(pattern, groups, &options, watch);
         let (asked, signs) = reduction.asked(goal);
         let most = largest(&asked);
         let towards = asked.iter().zip(&signs);
@@ -236,8 +245,8 @@ pub fn first_step(pattern: &CreasePattern, groups: &CreaseGroups, goal: &Goal) -
             let unturned = unturned.filter(|(asked, x)| asked.abs() > 0.0 && x.abs() < least);
             return FirstStep::Leaves {
                 unturned: unturned.count(),
-                symmetric: Mobility::at(&reduction.essential, x),
-                single: Mobility::at(&ReducedStars::of_creases(pattern), &creases),
+                symmetric: motions(&reduction.essential, x),
+                single: motions(&ReducedStars::of_creases(pattern), &creases),
             };
         }
         let bends = !leave(reduction.closure_tolerance(&options)).is_empty();
