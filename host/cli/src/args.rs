@@ -417,7 +417,7 @@ pub(crate) struct Plan {
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0, help_heading = "Method")]
     pub(crate) seed: u64,
-    /// Stop planning after this time, seconds [default: no limit]
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]

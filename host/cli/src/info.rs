@@ -73,7 +73,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let file = read_pattern(&args.pattern)?;
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
-    let groups = CreaseGroups::find(pattern);
+    let groups = CreaseGroups::find_until(pattern, watch);
     let stars = ReducedStars::all(pattern, &groups).essential();
     let mut letters = BTreeMap::new();
     for edge in pattern.edges() {

@@ -243,6 +243,8 @@ fn planned(
         .validate()
         .map_err(|option| CliError::Options { option })?;
     let read = start.elapsed();
+    // The time that is allowed is that of the whole command.
+    options.timeout = options.timeout.map(|time| time.saturating_sub(read));
     let mut plan = planner::plan_watched(&file.pattern, &goal, &options, progress);
     progress.begin(Stage::Writing);
     let start = Instant::now();

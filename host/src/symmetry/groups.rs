@@ -9,6 +9,9 @@
 //! This does not imply that the symmetric motion exists: the caller checks the closure of the whole sheet at the
 //! reduced configurations.
 
+use core::f64::consts::TAU;
+use std::collections::BTreeMap;
+
 use foldpath_core::{GroupId, Membership};
 use nalgebra::Vector2;
 
@@ -16,6 +19,7 @@ use super::isometry::{Isometry, StarImage};
 use super::places::Places;
 use super::signed_union_find::SignedUnionFind;
 use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
+use crate::progress::Watch;
 use crate::util::csr::Csr;
 
 /// Tolerance for equal points, in median edges, and for equal directions, in radians: a thousand times the noise of
@@ -62,15 +66,24 @@ impl CreaseGroups {
     /// Cost: O(vertices) for each symmetry tried, of which a tessellation needs a handful; bounded by a budget.
     #[must_use]
     pub fn find(pattern: &CreasePattern) -> Self {
-        let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE).run();
+        Self::find_until(pattern, Watch::default())
+    }
+
+    /// Finds the groups as [`find`](Self::find) does; once `watch` is over, returns those found until then.
+    #[must_use]
+    pub fn find_until(pattern: &CreasePattern, watch: Watch<'_>) -> Self {
+        let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE, watch).run();
         let few = exact.len() <= FEW && !exact.is_trivial();
         if few && worst <= FAR_BETTER * SAME_PLACE {
             return exact;
         }
-        let rough = ROUGH.map(|tolerance| Search::new(pattern, tolerance).run());
         let mut best = exact.clone();
         let mut finer = (exact, kinds);
-        for rougher in rough {
+        for tolerance in ROUGH {
+            let rougher = Search::new(pattern, tolerance, watch).run();
+            if watch.is_over() {
+                break;
+            }
             let (groups, kinds) = &finer;
             let stands = groups.len() == rougher.0.len() && *kinds == rougher.1;
             if stands && groups.len() < best.len() {
@@ -84,7 +97,7 @@ impl CreaseGroups {
     /// Finds the groups that follow from the symmetries of exact coordinates.
     #[must_use]
     pub fn find_exact(pattern: &CreasePattern) -> Self {
-        Search::new(pattern, SAME_PLACE).run().0
+        Search::new(pattern, SAME_PLACE, Watch::default()).run().0
     }
 
     /// Returns the tolerance to which the symmetries hold, in median edges and radians.
@@ -242,6 +255,69 @@ struct Kind {
     settled: bool,
 }
 
+/// The kinds found so far. A star is compared only with kinds whose smallest sector is about as large.
+struct Kinds {
+    all: Vec<Kind>,
+    /// The kinds by the number of creases and the smallest sector, in units of `width`.
+    by_sector: BTreeMap<(usize, u32), Vec<usize>>,
+    /// An angle (radians) by which sectors of congruent stars differ at most.
+    width: f64,
+}
+
+impl Kinds {
+    /// Makes an empty set for stars whose directions differ by at most `tolerance` (the length between two unit vectors)
+    /// from the image of a congruent star.
+    fn new(tolerance: f64) -> Self {
+        Self {
+            all: Vec::new(),
+            by_sector: BTreeMap::new(),
+            // Two directions bound a sector. An angle exceeds its chord by less than a tenth.
+            width: 2.2 * tolerance,
+        }
+    }
+
+    /// Adds a kind with the star of its vertex.
+    fn push(&mut self, kind: Kind, star: &[Ray]) {
+        let key = self.key(star);
+        self.by_sector.entry(key).or_default().push(self.all.len());
+        self.all.push(kind);
+    }
+
+    /// Returns, in their order, the kinds that may be congruent with a star.
+    fn alike(&self, star: &[Ray]) -> Vec<usize> {
+        let (degree, sector) = self.key(star);
+        let sectors = (degree, sector.saturating_sub(1))..=(degree, sector + 1);
+        let mut alike: Vec<usize> = self
+            .by_sector
+            .range(sectors)
+            .flat_map(|(_, kinds)| kinds)
+            .copied()
+            .collect();
+        alike.sort_unstable();
+        alike
+    }
+
+    /// Returns the number of creases of a star, and its smallest sector in units of the width.
+    fn key(&self, star: &[Ray]) -> (usize, u32) {
+        let following = star.iter().cycle().skip(1);
+        let sectors = star.iter().zip(following).map(|(a, b)| {
+            let angle = a
+                .direction
+                .perp(&b.direction)
+                .atan2(a.direction.dot(&b.direction));
+            if angle < 0.0 { angle + TAU } else { angle }
+        });
+        let least = sectors.fold(TAU, f64::min);
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most 2π in units of 2e-6"
+        )]
+        let units = (least / self.width) as u32;
+        (star.len(), units)
+    }
+}
+
 struct Search<'a> {
     pattern: &'a CreasePattern,
     tolerance: f64,
@@ -263,10 +339,11 @@ struct Search<'a> {
     worst: f64,
     /// Number of vertices that may still be compared.
     budget: usize,
+    watch: Watch<'a>,
 }
 
 impl<'a> Search<'a> {
-    fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
+    fn new(pattern: &'a CreasePattern, tolerance: f64, watch: Watch<'a>) -> Self {
         let stars = pattern.stars();
         let mut rays = Csr::with_capacity(stars.len(), stars.items().len());
         for (vertex, star) in stars.iter().enumerate() {
@@ -297,33 +374,38 @@ impl<'a> Search<'a> {
             isometries: 0,
             worst: 0.0,
             budget: BUDGET + PASSES * pattern.vertices().len(),
+            watch,
         }
     }
 
     /// Returns the groups, the number of kinds of stars, and the largest difference between directions that counted as
     /// equal.
     fn run(mut self) -> (CreaseGroups, usize, f64) {
-        let mut kinds: Vec<Kind> = Vec::new();
+        let mut kinds = Kinds::new(self.star_tolerance());
         for index in 0..self.real.len() {
+            if self.watch.is_over() {
+                break;
+            }
             let vertex = self.real[index];
-            if kinds.iter().any(|kind| self.is_told(kind, vertex)) {
+            let star = &self.rays[vertex.index()];
+            let alike = kinds.alike(star);
+            let told = |&kind: &usize| self.is_told(&kinds.all[kind], vertex);
+            if alike.iter().any(told) {
                 continue;
             }
             let mut known = false;
-            for kind in &mut kinds {
-                if self.rays[kind.vertex.index()].len() == self.rays[vertex.index()].len() {
-                    known |= self.try_all(kind, vertex);
-                }
+            for kind in alike {
+                known |= self.try_all(&mut kinds.all[kind], vertex);
             }
             if !known {
                 let settled = false;
                 let mut kind = Kind { vertex, settled };
                 self.try_all(&mut kind, vertex);
-                kinds.push(kind);
+                kinds.push(kind, &self.rays[vertex.index()]);
             }
         }
         let groups = CreaseGroups::from_sets(self.pattern, self.sets, self.tolerance);
-        (groups, kinds.len(), self.worst.sqrt())
+        (groups, kinds.all.len(), self.worst.sqrt())
     }
 
     /// Returns `true` if symmetries of exact coordinates found before take the kind's vertex to this vertex: then no
@@ -372,17 +454,22 @@ impl<'a> Search<'a> {
                 if known && kind.settled {
                     return true;
                 }
-                if !known && self.tolerance > SAME_PLACE {
-                    isometry = self.fitted(isometry, from);
-                }
-                if !known && self.budget > 0 && self.is_symmetry(&isometry) {
-                    known = self.join(flips);
+                if !known && self.may_compare() {
+                    if self.tolerance > SAME_PLACE {
+                        isometry = self.fitted(isometry, from);
+                    }
+                    known = self.is_symmetry(&isometry) && self.join(flips);
                 }
                 all_known &= known;
             }
         }
         kind.settled |= congruent && all_known;
         congruent
+    }
+
+    /// Returns `true` as long as there is budget and time for comparing vertices.
+    fn may_compare(&self) -> bool {
+        self.budget > 0 && !self.watch.is_over()
     }
 
     /// Returns the largest difference (radians) between a star and the image of another star under an isometry that a

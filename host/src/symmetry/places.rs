@@ -16,7 +16,8 @@ pub(super) struct Places<'a> {
     columns: usize,
     rows: usize,
     cells: Csr<VertexId>,
-    border: Vec<[Vector2<f64>; 2]>,
+    /// For each row of the grid the edges of the border that reach into it, wider by the tolerance.
+    border: Csr<[Vector2<f64>; 2]>,
 }
 
 impl<'a> Places<'a> {
@@ -40,7 +41,7 @@ impl<'a> Places<'a> {
             columns: 0,
             rows: 0,
             cells: Csr::default(),
-            border: Vec::new(),
+            border: Csr::default(),
         };
         places.columns = places.step(extent.x) + 1;
         places.rows = places.step(extent.y) + 1;
@@ -54,10 +55,15 @@ impl<'a> Places<'a> {
             .collect();
         places.cells = group_by_key(places.columns * places.rows, &pairs);
         let open = pattern.edges().iter().filter(|e| e.inner_faces().is_none());
-        places.border = open
-            .filter(|e| e.faces.iter().any(Option::is_some))
+        let open = open.filter(|e| e.faces.iter().any(Option::is_some));
+        let border: Vec<_> = open
             .map(|e| e.ends.map(|end| vertices[end.index()]))
+            .flat_map(|[a, b]| {
+                let [low, high] = [a.y.min(b.y) - tolerance, a.y.max(b.y) + tolerance];
+                (places.row(low)..=places.row(high)).map(move |row| (row, [a, b]))
+            })
             .collect();
+        places.border = group_by_key(places.rows, &border);
         places
     }
 
@@ -69,6 +75,11 @@ impl<'a> Places<'a> {
     )]
     fn step(&self, distance: f64) -> usize {
         (distance * self.per_length) as usize
+    }
+
+    /// Returns the row of the grid of an ordinate; rows beyond the sheet are the first or last.
+    fn row(&self, y: f64) -> usize {
+        self.step((y - self.low.y).max(0.0)).min(self.rows - 1)
     }
 
     /// Returns `true` if the point lies outside the sheet's bounding box.
@@ -109,13 +120,14 @@ impl<'a> Places<'a> {
         None
     }
 
-    /// Returns `true` if `point` lies inside the sheet and not on its border (ray casting). Cost: O(border).
+    /// Returns `true` if `point` lies inside the sheet and not on its border (ray casting). Cost: linear in the
+    /// border edges of a row of the grid.
     pub(super) fn is_inside(&self, point: Vector2<f64>) -> bool {
         if self.far(point) {
             return false;
         }
         let mut inside = false;
-        for &[a, b] in &self.border {
+        for &[a, b] in &self.border[self.row(point.y)] {
             let (along, to) = (b - a, point - a);
             let s = (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             if (to - along * s).norm() <= self.tolerance {

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use crate::common::{miura, noise, waterbomb, yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::progress::{Progress, Watch};
 use foldpath::read::fold::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use nalgebra::{Rotation2, Vector2};
@@ -388,4 +389,14 @@ fn real_files_have_few_groups_and_close() {
         let closure = closure_of(&pattern, &creases.collect::<Vec<_>>()).unwrap();
         assert!(closure <= answer.essential_tolerance, "{name}: {closure:e}");
     }
+}
+
+#[test]
+fn a_search_that_is_over_keeps_the_groups_found_until_then() {
+    let pattern = CreasePattern::new(miura(11, 11, 0.7)).unwrap();
+    assert_eq!(CreaseGroups::find(&pattern).len(), 2);
+    let progress = Progress::new();
+    progress.cancel();
+    let groups = CreaseGroups::find_until(&pattern, Watch::new(&progress));
+    assert!(groups.is_trivial());
 }

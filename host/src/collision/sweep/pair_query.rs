@@ -11,8 +11,8 @@ use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sweep::Clearance;
 use crate::collision::tolerances::{
-    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, NEAREST_APART_TIMES, SPLIT_RATIO, TOUCHING_RATIO,
-    WAKE_TIMES,
+    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, NEAREST_APART_TIMES, QUERIES_PER_CLOCK,
+    SPLIT_RATIO, TOUCHING_RATIO, WAKE_TIMES,
 };
 use crate::pattern::FaceId;
 
@@ -149,7 +149,11 @@ impl Sweep<'_> {
         self.counts.skipped_bounds += self.others.saturating_sub(tested);
         let [from, to] = [broad_phase.from, broad_phase.to];
         self.broad_phase = Some(broad_phase);
-        for pair in unseen {
+        for (count, pair) in unseen.into_iter().enumerate() {
+            // Finding the chain of a pair takes about as long as a query.
+            if count as u64 % QUERIES_PER_CLOCK == 0 && self.watch.is_over() {
+                return QueryOutcome::Undecided;
+            }
             self.add_unseen(pair, [before, from, to]);
         }
         self.push([0, 0], Kind::Interval, None, to);

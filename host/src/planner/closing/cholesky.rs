@@ -10,7 +10,11 @@
 //! sheets of up to 96 x 96 cells. No instruction is chosen at run time, so that the result has the same bits on every
 //! machine.
 
+use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
+
+/// Number of multiplications after which a factorisation looks at the time: about 10 ms.
+const OPERATIONS_PER_LOOK: usize = 10_000_000;
 
 /// Pattern of L, with the places of the entries of A that each of its rows starts from.
 pub(crate) struct Symbolic {
@@ -98,8 +102,17 @@ impl Symbolic {
     }
 
     /// Computes L for the matrix with these values plus `damping` times the identity. Returns `false` if the matrix is
-    /// not positive definite to rounding; then the factor must not be used.
-    pub(crate) fn factorise(&self, values: &[f64], damping: f64, factor: &mut Factor) -> bool {
+    /// not positive definite to rounding or the `watch` is over; then the factor must not be used.
+    pub(crate) fn factorise(
+        &self,
+        values: &[f64],
+        damping: f64,
+        factor: &mut Factor,
+        watch: Watch<'_>,
+    ) -> bool {
+        if watch.is_over() {
+            return false;
+        }
         let Factor {
             below,
             reciprocals,
@@ -110,7 +123,14 @@ impl Symbolic {
         for (column, next) in next.iter_mut().enumerate() {
             *next = self.columns.range(column).start;
         }
+        let mut operations = 0;
         for k in 0..self.order.len() {
+            if operations >= OPERATIONS_PER_LOOK {
+                operations = 0;
+                if watch.is_over() {
+                    return false;
+                }
+            }
             for entry in &self.entries[k] {
                 x[entry.column as usize] = values[entry.place as usize];
             }
@@ -120,6 +140,7 @@ impl Symbolic {
                 let entry = core::mem::take(&mut x[column]) * reciprocals[column];
                 let start = self.columns.range(column).start;
                 let end = next[column];
+                operations += end - start;
                 let rows = &self.columns.items()[start..end];
                 for (&row, above) in rows.iter().zip(&below[start..end]) {
                     x[row as usize] -= above * entry;
@@ -215,6 +236,7 @@ mod tests {
     use rand_pcg::rand_core::Rng;
 
     use super::*;
+    use crate::progress::Progress;
 
     /// Makes a random symmetric matrix with about this many entries in a row, and a diagonal that makes it positive
     /// definite. Returns it as compressed sparse columns of the lower triangle, and dense.
@@ -261,7 +283,7 @@ mod tests {
             let mut factor = Factor::new(&symbolic);
             // The second damping uses the memory of the first.
             for damping in [3.0, 0.0] {
-                assert!(symbolic.factorise(&values, damping, &mut factor));
+                assert!(symbolic.factorise(&values, damping, &mut factor, Watch::default()));
                 let right_side: Vec<f64> = (0..n).map(|k| 1.0 / (1.0 + k as f64)).collect();
                 let mut solution = right_side.clone();
                 symbolic.solve(&mut factor, &mut solution);
@@ -278,19 +300,24 @@ mod tests {
         let (ends, rows, mut values, _) = matrix(60, 4, 7);
         let symbolic = Symbolic::new(&ends, &rows).unwrap();
         let mut factor = Factor::new(&symbolic);
-        assert!(symbolic.factorise(&values, 0.0, &mut factor));
+        assert!(symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
         let place = ends[20] as usize;
         let diagonal = core::mem::replace(&mut values[place], -1.0);
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
         values[place] = f64::NAN;
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+        // Neither does time that is up.
+        let progress = Progress::new();
+        progress.cancel();
+        let over = Watch::new(&progress);
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, over));
         // A failure leaves nothing behind that reaches the next factor.
         values[place] = diagonal;
         let mut solutions = [vec![1.0; 60], vec![1.0; 60]];
-        assert!(symbolic.factorise(&values, 0.0, &mut factor));
+        assert!(symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
         symbolic.solve(&mut factor, &mut solutions[0]);
         let mut fresh = Factor::new(&symbolic);
-        assert!(symbolic.factorise(&values, 0.0, &mut fresh));
+        assert!(symbolic.factorise(&values, 0.0, &mut fresh, Watch::default()));
         symbolic.solve(&mut fresh, &mut solutions[1]);
         assert_eq!(solutions[0], solutions[1]);
     }

@@ -33,7 +33,7 @@ pub(crate) struct Chord {
 /// a limit is passed. `workspace` needs 2n numbers.
 pub(crate) fn close(
     problem: &mut ClosureProblem<'_, f64>,
-    equations: &mut SparseNormalEquations,
+    equations: &mut SparseNormalEquations<'_>,
     limits: Limits<'_, f64>,
     tolerance: f64,
     x: &mut [f64],
@@ -79,7 +79,7 @@ pub(crate) fn close(
 }
 
 /// Moves `trial` by the step that belongs to the last gradient.
-fn advance(equations: &mut SparseNormalEquations, step: &mut [f64], trial: &mut [f64]) {
+fn advance(equations: &mut SparseNormalEquations<'_>, step: &mut [f64], trial: &mut [f64]) {
     equations.step(step);
     for (trial, step) in trial.iter_mut().zip(step) {
         *trial += *step;

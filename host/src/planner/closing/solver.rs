@@ -60,18 +60,20 @@ pub(crate) struct ClosureSolver<'a> {
     near: Option<(Vec<f64>, f64)>,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
-    equations: Equations,
+    equations: Equations<'a>,
     workspace: Vec<f64>,
     pub(crate) work: Work,
 }
 
 impl<'a> ClosureSolver<'a> {
-    /// Makes a solver. `structure` holds the sparse structure of these stars, once one solver has found it.
+    /// Makes a solver. `structure` holds the sparse structure of these stars, once one solver has found it. Once the
+    /// `watch` is over, no configuration closes any more.
     pub(crate) fn new(
         reduced: &'a ReducedStars,
         kind: Solver,
         closure_tolerance: f64,
         structure: &OnceCell<Option<Rc<Structure>>>,
+        watch: Watch<'a>,
     ) -> Self {
         let (stars, loops) = (reduced.view(), reduced.loops());
         let n = stars.unknowns();
@@ -82,13 +84,13 @@ impl<'a> ClosureSolver<'a> {
             closure_tolerance,
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
-            watch: Watch::default(),
+            watch,
             most_iterations: Options::<f64>::default().max_iterations,
             rough: false,
             near: None,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
-            equations: Equations::new(stars, loops, structure),
+            equations: Equations::new(stars, loops, structure, watch),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
@@ -115,12 +117,6 @@ impl<'a> ClosureSolver<'a> {
     /// This saves half of all factorisations.
     pub(crate) fn with_rough_motions(mut self) -> Self {
         self.rough = true;
-        self
-    }
-
-    /// Watches a call: once the call is over, no configuration closes any more.
-    pub(crate) fn watched(mut self, watch: Watch<'a>) -> Self {
-        self.watch = watch;
         self
     }
 
@@ -398,16 +394,17 @@ const FACTOR_APPLICATIONS: u32 = 2;
 const MAX_DENSE_UNKNOWNS: usize = 40;
 
 /// Workspace of the normal equations.
-enum Equations {
+enum Equations<'a> {
     Dense(Vec<f64>),
-    Sparse(Box<SparseNormalEquations>),
+    Sparse(Box<SparseNormalEquations<'a>>),
 }
 
-impl Equations {
+impl<'a> Equations<'a> {
     fn new(
         stars: StarsView<'_, f64>,
         loops: LoopsView<'_, f64>,
         structure: &OnceCell<Option<Rc<Structure>>>,
+        watch: Watch<'a>,
     ) -> Self {
         let n = stars.unknowns();
         let find = || Structure::new(stars, loops).map(Rc::new);
@@ -415,7 +412,7 @@ impl Equations {
             .then(|| structure.get_or_init(find).clone())
             .flatten();
         match structure {
-            Some(structure) => Self::Sparse(Box::new(SparseNormalEquations::of(structure))),
+            Some(structure) => Self::Sparse(Box::new(SparseNormalEquations::of(structure, watch))),
             None => Self::Dense(vec![0.0; DenseNormalEquations::<f64>::memory(n)]),
         }
     }

@@ -14,6 +14,7 @@ use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
 use nalgebra::Vector3;
 
 use super::cholesky::{Factor, Symbolic};
+use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
 
 /// Place of an entry above the diagonal, which is not stored.
@@ -23,7 +24,7 @@ const ABOVE: u32 = u32::MAX;
 const MIN_DIAGONAL_RATIO: f64 = 0.5;
 
 /// JᵀJ as the lower triangle of a matrix in compressed sparse columns, with its Cholesky factor.
-pub struct SparseNormalEquations {
+pub struct SparseNormalEquations<'a> {
     structure: Rc<Structure>,
     values: Vec<f64>,
     gradient: Vec<f64>,
@@ -38,6 +39,8 @@ pub struct SparseNormalEquations {
     /// Workspace of conjugate gradients.
     scratch: [Vec<f64>; 3],
     factor: Factor,
+    /// Once it is over, there are no factors and no inexact steps any more.
+    watch: Watch<'a>,
 }
 
 /// Sparse structure of the equations of some stars and loops, which does not depend on the angles.
@@ -57,16 +60,17 @@ pub(crate) struct Structure {
     symbolic: Symbolic,
 }
 
-impl SparseNormalEquations {
+impl<'a> SparseNormalEquations<'a> {
     /// Finds the sparse structure and the elimination order. Returns `None` if there are too many entries to number them
     /// in 31 bits.
     #[must_use]
     pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
-        Some(Self::of(Rc::new(Structure::new(stars, loops)?)))
+        let structure = Structure::new(stars, loops)?;
+        Some(Self::of(Rc::new(structure), Watch::default()))
     }
 
     /// Makes equations of this structure.
-    pub(crate) fn of(structure: Rc<Structure>) -> Self {
+    pub(crate) fn of(structure: Rc<Structure>, watch: Watch<'a>) -> Self {
         let n = structure.diagonal.len();
         Self {
             values: vec![0.0; structure.entries],
@@ -78,6 +82,7 @@ impl SparseNormalEquations {
             scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             factor: Factor::new(&structure.symbolic),
             structure,
+            watch,
         }
     }
 }
@@ -184,7 +189,7 @@ impl Structure {
     }
 }
 
-impl SparseNormalEquations {
+impl SparseNormalEquations<'_> {
     /// Assembles JᵀJ from the columns, unless it is assembled.
     fn assemble(&mut self) {
         if core::mem::replace(&mut self.assembled, true) {
@@ -205,7 +210,7 @@ impl SparseNormalEquations {
     }
 }
 
-impl Accumulate<f64> for SparseNormalEquations {
+impl Accumulate<f64> for SparseNormalEquations<'_> {
     fn clear(&mut self) {
         self.gradient.fill(0.0);
         self.jacobian.clear();
@@ -224,7 +229,7 @@ impl Accumulate<f64> for SparseNormalEquations {
     }
 }
 
-impl NormalEquations<f64> for SparseNormalEquations {
+impl NormalEquations<f64> for SparseNormalEquations<'_> {
     const KEEPS_ROWS: bool = true;
 
     fn clear_residuals(&mut self) {
@@ -275,6 +280,10 @@ impl NormalEquations<f64> for SparseNormalEquations {
     }
 
     fn inexact_step(&mut self, damping: f64, step: &mut [f64]) {
+        if self.watch.is_over() {
+            step.fill(0.0);
+            return;
+        }
         let (jacobian, structure) = (&self.jacobian, &*self.structure);
         let apply = |way: &[f64], image: &mut [f64]| structure.apply(jacobian, way, image);
         let scratch = self.scratch.each_mut().map(Vec::as_mut_slice);
@@ -300,7 +309,7 @@ impl NormalEquations<f64> for SparseNormalEquations {
         let columns = self.fixed.drain(..).map(|(_, column)| column);
         self.spare.extend(columns);
         let symbolic = &self.structure.symbolic;
-        symbolic.factorise(&self.values, damping, &mut self.factor)
+        symbolic.factorise(&self.values, damping, &mut self.factor, self.watch)
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {

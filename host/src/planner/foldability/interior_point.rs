@@ -8,6 +8,7 @@
 //! The programs of this module are those of rates at flat: very degenerate, with a few entries a column.
 
 use crate::planner::closing::cholesky::{Factor, Symbolic};
+use crate::progress::Watch;
 
 /// Largest number of iterations; 15 to 40 are usual.
 const MAX_ITERATIONS: usize = 100;
@@ -339,7 +340,7 @@ impl NormalMatrix {
         });
         let shift = most * f64::EPSILON * f64::EPSILON;
         self.symbolic
-            .factorise(&self.values, shift, &mut self.factor)
+            .factorise(&self.values, shift, &mut self.factor, Watch::default())
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {

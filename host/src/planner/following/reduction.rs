@@ -166,9 +166,10 @@ impl<'a> Reduction<'a> {
             options.solver,
             closure_tolerance,
             &self.structure,
+            self.watch,
         );
         solver.set_limits(self.limits.clone());
-        solver.watched(self.watch)
+        solver
     }
 
     /// Returns limits between which each group turns in the direction of its sign or stays flat.

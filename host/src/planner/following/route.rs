@@ -117,7 +117,12 @@ impl<'a> Route<'a> {
     ) -> Self {
         let mut finder = RouteFinder::new(*problem, &reduction);
         let start = Instant::now();
-        let targets = finder.targets(reach);
+        let out_of_time = End::Stopped(Stop::Timeout);
+        let targets = if problem.is_late() {
+            Err(out_of_time)
+        } else {
+            finder.targets(reach)
+        };
         let closing = start.elapsed();
         let start = Instant::now();
         let goals = problem.goal.via.len() + 1;
@@ -127,6 +132,7 @@ impl<'a> Route<'a> {
             .filter(|targets| targets.len() == goals);
         let goal = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
+            _ if problem.is_late() => (Vec::new(), out_of_time),
             Ok(targets) if problem.options.search == Search::Random => {
                 finder.random(&targets, SEARCH_RESTARTS)
             }
@@ -331,7 +337,12 @@ impl<'a> RouteFinder<'a> {
             radians: guide.reach,
             exactly: false,
         };
-        let targets = finder.targets(reach);
+        let out_of_time = End::Stopped(Stop::Timeout);
+        let targets = if problem.is_late() {
+            Err(out_of_time)
+        } else {
+            finder.targets(reach)
+        };
         let best = targets.map(|targets| finder.best(&targets));
         self.work += finder.work;
         self.is_random |= finder.is_random;

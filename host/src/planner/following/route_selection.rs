@@ -7,7 +7,6 @@ use std::time::Instant;
 use super::follow::Waypoint;
 use super::reduction::{CLOSED, Reduction, SAME_RAD};
 use super::route::{End, Reach, Route};
-use crate::pattern::CreasePattern;
 use crate::planner::Symmetry;
 use crate::planner::closing::solver::Work;
 use crate::planner::problem::{ErrorModel, PlanningProblem};
@@ -51,7 +50,7 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
     let start = Instant::now();
     problem.watch.begin(Stage::Symmetry);
     let (pattern, goal) = (problem.pattern, problem.goal);
-    let proposals = proposals(pattern, problem.options.symmetry);
+    let proposals = proposals(problem);
     let asked_closure = if proposals.is_empty() {
         None
     } else {
@@ -165,10 +164,11 @@ struct Proposal {
 
 /// Returns crease groups to try one after the other. Groups of a finer symmetry fold the sheet more exactly, if they
 /// fold it at all.
-fn proposals(pattern: &CreasePattern, symmetry: Symmetry) -> Vec<Proposal> {
+fn proposals(problem: &PlanningProblem<'_>) -> Vec<Proposal> {
+    let pattern = problem.pattern;
     let mut found = Vec::new();
-    if symmetry == Symmetry::Auto {
-        let groups = CreaseGroups::find(pattern);
+    if problem.options.symmetry == Symmetry::Auto {
+        let groups = CreaseGroups::find_until(pattern, problem.watch);
         let fine = groups.is_rough().then(|| CreaseGroups::find_exact(pattern));
         let proposal = |exactly| move |groups| Proposal { groups, exactly };
         found.extend(fine.clone().map(proposal(true)));

@@ -86,7 +86,15 @@ fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<
     };
     let stop = match route.end {
         End::Reached if !route.waypoints.is_empty() => None,
-        End::Stopped(Stop::Timeout) if !route.waypoints.is_empty() => {
+        End::Stopped(Stop::Timeout) if route.waypoints.is_empty() => {
+            let at = if route.goal.is_some() {
+                TimeoutAt::Following
+            } else {
+                TimeoutAt::ClosingGoal
+            };
+            return pass(plan.ended(Failure::out_of_time(at)), route, Ending::Route);
+        }
+        End::Stopped(Stop::Timeout) => {
             plan.reached = route.reached;
             let failure = Failure::out_of_time(TimeoutAt::Following);
             let plan = ended_unjudged(problem, &route.waypoints, plan, failure);
