@@ -176,18 +176,6 @@ fn hash(answer: &Answer, output: &Path) -> u64 {
                 object.remove("time");
                 // Has times as well.
                 object.remove("attempts");
-                // Not in the answers that were recorded first.
-                object.remove("undecided");
-                for key in [
-                    "contact_tolerance",
-                    "start",
-                    "max_bend",
-                    "certified_of",
-                    "max_speed",
-                    "max_acceleration",
-                ] {
-                    object.remove(key);
-                }
             }
             value.to_string()
         }
