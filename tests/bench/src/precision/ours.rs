@@ -91,7 +91,7 @@ struct Lm<T> {
 enum Equations<T> {
     Dense(Vec<T>),
     /// Sparse equations, which exist in f64 only.
-    Sparse(Box<SparseNormalEquations>),
+    Sparse(Box<SparseNormalEquations<'static>>),
 }
 
 impl<T: Scalar> Lm<T> {

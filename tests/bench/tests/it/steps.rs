@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 /// Sparse equations that count their factorisations.
 struct Counted {
-    equations: SparseNormalEquations,
+    equations: SparseNormalEquations<'static>,
     factorisations: u32,
 }
 
