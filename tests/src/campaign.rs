@@ -49,6 +49,7 @@ impl Family {
         Self::plain("slender", meshes::slender),
         Self::plain("map", meshes::map),
         Self::plain("roll", meshes::roll),
+        Self::plain("fan", meshes::fan),
         Self::plain("simple-folds", meshes::simple_folds),
         Self::plain("chain", meshes::chain),
         Self::plain("tree", meshes::tree),

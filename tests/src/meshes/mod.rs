@@ -1,6 +1,7 @@
 //! Seeded crease patterns that fold although they have little or no symmetry. Each has assignments and a goal that
 //! closes to rounding, by a closed form or by the Newton's method of this package.
 
+mod fan;
 mod file;
 mod flat_foldable;
 mod maps;
@@ -15,6 +16,7 @@ mod vertex;
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
 
+pub use fan::fan;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
 pub use maps::{map, roll};

@@ -341,17 +341,7 @@ impl Sweep<'_> {
         let [a, b] = pair.nodes;
         self.counts.tested += 1;
         self.put(motion, [a, b], false);
-        let placed = self.folding.placed(&self.pieces);
-        let faces = [placed.piece(a), placed.piece(b)];
-        let sectors: [Sector; 2] =
-            core::array::from_fn(|k| Sector::of(&faces[k], corners[k] as usize));
-        let reach = |k: usize| {
-            let apex = faces[k].corners[corners[k] as usize];
-            let away = faces[k].corners.iter().map(|corner| (corner - apex).norm());
-            away.fold(0.0, f64::max)
-        };
-        let reach = reach(0).min(reach(1));
-        let angle = sectors[0].separation(&sectors[1]);
+        let [angle, reach] = self.between_sectors(pair.nodes, corners);
         let tolerance = self.allowed(pair);
         let off_lattice = if self.folding.cells.is_some() {
             self.options.lattice_turn
@@ -378,6 +368,34 @@ impl Sweep<'_> {
         self.at_contact(motion, index, tolerance, angle * reach, outcome)
     }
 
+    /// Returns the angle (radians) between the sectors of two placed pieces at their common vertex, and the distance from
+    /// the vertex up to which both pieces reach.
+    fn between_sectors(&self, nodes: [u32; 2], corners: [u32; 2]) -> [f64; 2] {
+        let placed = self.folding.placed(&self.pieces);
+        let faces = nodes.map(|node| placed.piece(node));
+        let sectors: [Sector; 2] =
+            core::array::from_fn(|k| Sector::of(&faces[k], corners[k] as usize));
+        let reach = |k: usize| {
+            let apex = faces[k].corners[corners[k] as usize];
+            let away = faces[k].corners.iter().map(|corner| (corner - apex).norm());
+            away.fold(0.0, f64::max)
+        };
+        let angle = sectors[0].separation(&sectors[1]);
+        [angle, reach(0).min(reach(1))]
+    }
+
+    /// Returns the distance between two placed pieces. If they share a vertex, it is that between the ends of the shorter
+    /// one and the other.
+    fn apart(&self, pair: &Pair) -> f64 {
+        if let Kind::Vertex(corners) = pair.kind {
+            let [angle, reach] = self.between_sectors(pair.nodes, corners);
+            return angle * reach;
+        }
+        let placed = self.folding.placed(&self.pieces);
+        let [a, b] = pair.nodes.map(|node| placed.piece(node));
+        distance(&a, &b)
+    }
+
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
     /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
     /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
@@ -400,7 +418,7 @@ impl Sweep<'_> {
         }
         let came = pair.above.or_else(|| {
             let time = self.folding.time;
-            let came = self.came_from(motion, nodes, [pair.last?, time], tolerance);
+            let came = self.came_from(motion, pair, [pair.last?, time], tolerance);
             self.folding.time = time;
             self.put(motion, nodes, false);
             came
@@ -415,16 +433,24 @@ impl Sweep<'_> {
     fn came_from(
         &mut self,
         motion: &Motion,
-        nodes: [u32; 2],
+        pair: &Pair,
         [mut from, mut to]: [Tick; 2],
         tolerance: f64,
     ) -> Option<[bool; 2]> {
+        let (nodes, first) = (pair.nodes, from);
         let mut time = from;
         loop {
             self.folding.time = time;
             self.put(motion, nodes, false);
-            match self.heights(nodes, tolerance) {
-                Some(heights) if heights.iter().all(|h| h.abs() > tolerance) => {
+            let heights = self.heights(nodes, tolerance);
+            // Where pieces are apart, heights are those of one place, which may be lower than the distance of others.
+            let told = if time == first && self.apart(pair) > tolerance {
+                self.torn(pair)
+            } else {
+                tolerance
+            };
+            match heights {
+                Some(heights) if heights.iter().all(|h| h.abs() > told) => {
                     return Some(heights.map(|height| height > 0.0));
                 }
                 Some(_) => to = time,
