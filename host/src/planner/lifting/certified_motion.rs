@@ -10,7 +10,6 @@ use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::{Path, curves};
-use crate::planner::options::Timing;
 use crate::planner::placement::knot_placement::{
     KnotSequence, PlacementConstraints, SheetBounds, place,
 };
@@ -24,10 +23,6 @@ use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.
 const MAX_KNOTS: usize = 20_000;
-/// Time in which a hinge reaches its largest speed behind a rest if its acceleration has no limit, seconds. Knots near
-/// each rest are placed as for the limit that follows: with fewer, the short way on which a hinge starts would set the
-/// pace of the whole motion.
-const SHORT_START_S: f64 = 1e-3;
 /// Deformation for which the motion between knots is certified if the bound allows more, as a fraction of lengths: the
 /// default bound of `check`.
 pub(crate) const CERTIFIED_DEFORMATION: f64 = 1e-3;
@@ -339,14 +334,7 @@ impl<'a> Placing<'a> {
             sheet: between.sheet,
             limits: &limits,
             speed: options.max_speed,
-            acceleration: options.max_acceleration.unwrap_or_else(|| {
-                let rests = options.pace == Timing::Optimal && self.path.rests_between();
-                if rests {
-                    options.max_speed / SHORT_START_S
-                } else {
-                    f64::INFINITY
-                }
-            }),
+            acceleration: options.max_acceleration.unwrap_or(f64::INFINITY),
             knot_budget: between.knot_budget,
         };
         place(self.path, &constraints, &mut solver, options)

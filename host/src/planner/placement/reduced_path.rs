@@ -82,11 +82,6 @@ impl ReducedPath {
         }
     }
 
-    /// Returns `true` if the motion rests between the ends of the path.
-    pub(crate) fn rests_between(&self) -> bool {
-        self.inner().any(|index| self.point(index).rests())
-    }
-
     /// Returns the numbers of the waypoints between the ends.
     pub(crate) fn inner(&self) -> Range<usize> {
         1..self.waypoints.len().saturating_sub(1)
