@@ -49,7 +49,6 @@ impl Family {
         Self::plain("slender", meshes::slender),
         Self::plain("map", meshes::map),
         Self::plain("roll", meshes::roll),
-        Self::plain("fan", meshes::fan),
         Self::plain("simple-folds", meshes::simple_folds),
         Self::plain("chain", meshes::chain),
         Self::plain("tree", meshes::tree),
@@ -60,6 +59,12 @@ impl Family {
             draw: any,
             varied: true,
             real: false,
+        },
+        Self {
+            name: "fan",
+            draw: meshes::fan,
+            varied: false,
+            real: true,
         },
         Self {
             name: "rounded",
