@@ -243,7 +243,7 @@ pub(crate) struct Info {
     ///
     /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
-    /// Stop foreseeing whether it folds after this time, seconds [default: no limit]
+    /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]

@@ -6,6 +6,7 @@
 use core::f64::consts::PI;
 
 use super::{CreasePattern, Letter, VertexId};
+use crate::util::angle::turn_between;
 
 /// Reason why a vertex cannot fold flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,10 +54,8 @@ impl CreasePattern {
         }
         let directions = hinges.iter().map(|&edge| self.direction(edge, vertex));
         let next = directions.clone().cycle().skip(1);
-        let sectors = directions.zip(next).step_by(2).map(|(from, to)| {
-            let angle = from.perp(&to).atan2(from.dot(&to));
-            if angle < 0.0 { angle + 2.0 * PI } else { angle }
-        });
+        let sectors = directions.zip(next).step_by(2);
+        let sectors = sectors.map(|(from, to)| turn_between(from, to));
         let sum: f64 = sectors.sum();
         if (sum - PI).abs() > SAME_ANGLE {
             return Some(FlatFlaw::Kawasaki(sum));

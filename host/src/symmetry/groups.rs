@@ -20,6 +20,7 @@ use super::places::Places;
 use super::signed_union_find::SignedUnionFind;
 use crate::pattern::{CreaseId, CreasePattern, Letter, VertexId};
 use crate::progress::Watch;
+use crate::util::angle::turn_between;
 use crate::util::csr::Csr;
 
 /// Tolerance for equal points, in median edges, and for equal directions, in radians: a thousand times the noise of
@@ -300,13 +301,10 @@ impl Kinds {
     /// Returns the number of creases of a star, and its smallest sector in units of the width.
     fn key(&self, star: &[Ray]) -> (usize, u32) {
         let following = star.iter().cycle().skip(1);
-        let sectors = star.iter().zip(following).map(|(a, b)| {
-            let angle = a
-                .direction
-                .perp(&b.direction)
-                .atan2(a.direction.dot(&b.direction));
-            if angle < 0.0 { angle + TAU } else { angle }
-        });
+        let sectors = star
+            .iter()
+            .zip(following)
+            .map(|(a, b)| turn_between(a.direction, b.direction));
         let least = sectors.fold(TAU, f64::min);
         #[allow(
             clippy::cast_possible_truncation,

@@ -8,6 +8,7 @@ use nalgebra::{Vector2, Vector3};
 use super::{FoldedShape, ShapeError};
 use crate::folding::in_plane;
 use crate::pattern::{LARGEST, Letter};
+use crate::util::angle::turn_between;
 use crate::util::union_find::UnionFind;
 
 /// A side of a face along an edge.
@@ -226,8 +227,7 @@ impl Surface {
         if self.turned[face] {
             core::mem::swap(&mut from, &mut to);
         }
-        let angle = from.perp(&to).atan2(from.dot(&to));
-        if angle < 0.0 { angle + TAU } else { angle }
+        turn_between(from, to)
     }
 
     /// Returns for each corner the first corner at the same point, if the paper is whole across the edges with `joined`

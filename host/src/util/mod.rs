@@ -1,5 +1,6 @@
 //! Data structures and functions that know nothing of origami.
 
+pub(crate) mod angle;
 pub mod csr;
 pub(crate) mod nan_max;
 pub mod progress;

@@ -151,7 +151,7 @@ impl Sweep<'_> {
         self.broad_phase = Some(broad_phase);
         for (count, pair) in unseen.into_iter().enumerate() {
             // Finding the chain of a pair takes about as long as a query.
-            if count as u64 % QUERIES_PER_CLOCK == 0 && self.watch.is_over() {
+            if (count as u64).is_multiple_of(QUERIES_PER_CLOCK) && self.watch.is_over() {
                 return QueryOutcome::Undecided;
             }
             self.add_unseen(pair, [before, from, to]);
@@ -384,18 +384,6 @@ impl Sweep<'_> {
         [angle, reach(0).min(reach(1))]
     }
 
-    /// Returns the distance between two placed pieces. If they share a vertex, it is that between the ends of the shorter
-    /// one and the other.
-    fn apart(&self, pair: &Pair) -> f64 {
-        if let Kind::Vertex(corners) = pair.kind {
-            let [angle, reach] = self.between_sectors(pair.nodes, corners);
-            return angle * reach;
-        }
-        let placed = self.folding.placed(&self.pieces);
-        let [a, b] = pair.nodes.map(|node| placed.piece(node));
-        distance(&a, &b)
-    }
-
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
     /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
     /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
@@ -442,15 +430,21 @@ impl Sweep<'_> {
         loop {
             self.folding.time = time;
             self.put(motion, nodes, false);
-            let heights = self.heights(nodes, tolerance);
-            // Where pieces are apart, heights are those of one place, which may be lower than the distance of others.
-            let told = if time == first && self.apart(pair) > tolerance {
-                self.torn(pair)
-            } else {
-                tolerance
+            // Heights are measured in the middle of sectors, whose ends may be farther apart. At the first time the
+            // sectors do not touch, so that any height tells the side.
+            let least = match pair.kind {
+                Kind::Vertex(corners) if time == first => {
+                    let [angle, reach] = self.between_sectors(nodes, corners);
+                    if angle * reach > tolerance {
+                        self.torn(pair)
+                    } else {
+                        tolerance
+                    }
+                }
+                _ => tolerance,
             };
-            match heights {
-                Some(heights) if heights.iter().all(|h| h.abs() > told) => {
+            match self.heights(nodes, tolerance) {
+                Some(heights) if heights.iter().all(|h| h.abs() > least) => {
                     return Some(heights.map(|height| height > 0.0));
                 }
                 Some(_) => to = time,
