@@ -11,8 +11,8 @@ use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sweep::Clearance;
 use crate::collision::tolerances::{
-    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, NEAREST_APART_TIMES, QUERIES_PER_CLOCK,
-    SPLIT_RATIO, TOUCHING_RATIO, WAKE_TIMES,
+    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, MIN_LEFT_RATIO, NEAREST_APART_TIMES,
+    QUERIES_PER_CLOCK, SPLIT_RATIO, TOUCHING_RATIO, WAKE_TIMES,
 };
 use crate::pattern::FaceId;
 
@@ -324,7 +324,7 @@ impl Sweep<'_> {
         if let Some(outcome) = self.along_lattice(motion, index, apart - deviation, counts) {
             return outcome;
         }
-        let room = apart - deviation + tolerance;
+        let room = apart - deviation + self.left_of(tolerance, pair.nodes, apart);
         let chain = self.chain_within(index, room);
         self.gather_corners(motion, &chain, [a, b]);
         let outcome = self.after(motion, apart, room - 2.0 * chain.tear, counts);
@@ -359,7 +359,8 @@ impl Sweep<'_> {
         }
         self.levers.clear();
         // Pairs of creases do not turn the part beyond them.
-        let room = angle - off_lattice + tolerance / reach;
+        let left = self.left_of(tolerance, pair.nodes, angle);
+        let room = angle - off_lattice + left / reach;
         let chain = self.chain_within(index, room);
         for link in self.chains.singles(&chain) {
             self.levers.add(link.group, 1.0);
@@ -556,6 +557,16 @@ impl Sweep<'_> {
             self.folding.corners(corners_of)[corners[k] as usize]
         };
         (corner(0) - corner(1)).norm()
+    }
+
+    /// Returns how much deeper two placed pieces, `apart` by a distance or an angle, may overlap until that is no longer
+    /// contact: the `tolerance` less the depth to which they do.
+    fn left_of(&self, tolerance: f64, nodes: [u32; 2], apart: f64) -> f64 {
+        if apart > 0.0 {
+            return tolerance;
+        }
+        let (depth, _) = self.folding.placed(&self.pieces).depth_alone(nodes, 0.0);
+        (tolerance - depth).max(MIN_LEFT_RATIO * tolerance)
     }
 
     /// Returns `true` if two placed pieces are torn so far apart at their common vertex that nothing can be told of them.
