@@ -38,6 +38,8 @@ pub struct Family {
     varied: bool,
     /// `true` if some sheets cannot be folded and some close only nearly, as patterns of files do.
     pub real: bool,
+    /// `true` if the sheets are too large for the oracle, so that `check` alone judges their plans.
+    pub large: bool,
 }
 
 impl Family {
@@ -59,36 +61,49 @@ impl Family {
             draw: any,
             varied: true,
             real: false,
+            large: false,
         },
         Self {
             name: "fan",
             draw: meshes::fan,
             varied: false,
             real: true,
+            large: false,
         },
         Self {
             name: "rounded",
             draw: rounded,
             varied: false,
             real: true,
+            large: false,
         },
         Self {
             name: "wide",
             draw: wide,
             varied: false,
             real: true,
+            large: false,
+        },
+        Self {
+            name: "lattice",
+            draw: meshes::lattice,
+            varied: false,
+            real: true,
+            large: true,
         },
         Self {
             name: "files",
             draw: meshes::file,
             varied: false,
             real: true,
+            large: false,
         },
         Self {
             name: "measured",
             draw: measured,
             varied: false,
             real: true,
+            large: false,
         },
     ];
 
@@ -98,6 +113,7 @@ impl Family {
             draw,
             varied: false,
             real: false,
+            large: false,
         }
     }
 
@@ -181,7 +197,7 @@ pub fn run(family: Family, seed: u64, count: u64, options: &PlanOptions) -> Tall
     for seed in seed..seed + count {
         let sheets = family.sheets(seed);
         let names: Vec<_> = sheets
-            .map(|sheet| tally.one(seed, &sheet, options, family.real))
+            .map(|sheet| tally.one(seed, &sheet, options, family))
             .collect();
         if let [first, second] = names[..]
             && first != second
@@ -200,7 +216,7 @@ impl Tally {
         seed: u64,
         drawing: &Drawing,
         options: &PlanOptions,
-        rough: bool,
+        family: Family,
     ) -> Option<&'static str> {
         let start = Instant::now();
         let planned = catch_unwind(AssertUnwindSafe(|| {
@@ -227,7 +243,7 @@ impl Tally {
         };
         self.creases.push(pattern.creases().len());
         let judged = catch_unwind(AssertUnwindSafe(|| {
-            judge(drawing, &pattern, &plan, options, rough)
+            judge(drawing, &pattern, &plan, options, family)
         }));
         match judged {
             Ok((crosses, verdict)) => {
@@ -293,14 +309,13 @@ fn without_knots(pattern: &CreasePattern) -> Motion {
     }
 }
 
-/// Returns `true` if the plan does not reach its goal and the goal crosses, and the oracle's verdict on the path. The
-/// goals of `rough` sheets close only nearly.
+/// Returns `true` if the plan does not reach its goal and the goal crosses, and the oracle's verdict on the path.
 fn judge(
     drawing: &Drawing,
     pattern: &CreasePattern,
     plan: &Plan,
     options: &PlanOptions,
-    rough: bool,
+    family: Family,
 ) -> (bool, Verdict) {
     let motion = plan
         .motion
@@ -309,6 +324,16 @@ fn judge(
     let text = motion_text(&motion);
     let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
+    if family.large {
+        let mut verdict = Verdict {
+            exact: true,
+            ..Verdict::default()
+        };
+        if planned {
+            verdict.disagreements = findings(&text, options.bound);
+        }
+        return (false, verdict);
+    }
     if !planned && plan.knots().is_empty() {
         let sheet = serde_json::from_str(&text).and_then(|file| Sheet::of(&file));
         let crosses = crosses(&sheet.expect("a sheet"), &goal);
@@ -318,20 +343,27 @@ fn judge(
     let mut verdict = crate::judge(&path, &goal, plan, options.bound);
     if planned {
         let found = &mut verdict.disagreements;
-        match path_file(&text) {
-            Ok(file) => {
-                // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
-                let usual = crate::strict();
-                let bound = if rough { options.bound } else { usual.bound };
-                found.extend(check(&file, &CheckOptions { bound, ..usual }).findings());
-            }
-            Err(error) => found.push(error.to_string()),
-        }
+        // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
+        let strict = crate::strict().bound;
+        let bound = if family.real { options.bound } else { strict };
+        found.extend(findings(&text, bound));
         if path.frames.is_empty() {
             found.push("planned, but no knots".into());
         }
     }
     (!planned && crosses(&path.sheet, &goal), verdict)
+}
+
+/// Returns what `check` finds on a path with this bound.
+fn findings(path: &str, bound: f64) -> Vec<String> {
+    let options = CheckOptions {
+        bound,
+        ..crate::strict()
+    };
+    match path_file(path) {
+        Ok(file) => check(&file, &options).findings(),
+        Err(error) => vec![error.to_string()],
+    }
 }
 
 /// Returns `true` if the sheet passes through itself at these fold angles of the edges; edges without an angle are

@@ -74,6 +74,12 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let groups = CreaseGroups::find_until(pattern, watch);
+    let mut assumptions = pattern.assumptions().to_vec();
+    if watch.is_over() {
+        let timeout =
+            "--timeout ended the search for crease groups: there may be fewer than are told";
+        assumptions.push(timeout.to_string());
+    }
     let stars = ReducedStars::all(pattern, &groups).essential();
     let mut letters = BTreeMap::new();
     for edge in pattern.edges() {
@@ -100,7 +106,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
         closure_goal,
         amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
         repairs: pattern.repairs().to_vec(),
-        assumptions: pattern.assumptions().to_vec(),
+        assumptions,
         verdict: forecast.foldability.name(),
         causes: forecast.causes.iter().map(CauseJson::of).collect(),
         locked_creases: edges(&forecast.locked),

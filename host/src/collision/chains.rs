@@ -42,6 +42,11 @@ struct TornSheet {
     steps: Vec<Option<Step>>,
     /// For each face the number of steps from a root.
     depths: Vec<u32>,
+    /// For each face the farthest face on the way to its root that belongs to the same panel: no crease is between. Ways
+    /// pass from there to the next panel, so that they are short in sheets of few panels drawn as many faces.
+    tops: Vec<FaceId>,
+    /// `true` if no edge is off the tree, so that each way along the tree is the only one.
+    is_simple: bool,
     /// For each edge off the tree its tear, once the motion is known; all others are 0.
     tears: Vec<[f64; 2]>,
 }
@@ -51,11 +56,16 @@ impl TornSheet {
         let mut sheet = Self {
             steps: vec![None; tree.faces()],
             depths: vec![0; tree.faces()],
+            tops: (0..tree.faces()).map(FaceId::new).collect(),
+            is_simple: tree.loops().is_empty(),
             tears: vec![[0.0; 2]; pattern.edges().len()],
         };
         for step in tree.steps() {
             sheet.steps[step.face.index()] = Some(*step);
             sheet.depths[step.face.index()] = sheet.depths[step.parent.index()] + 1;
+            if pattern.edge(step.edge).crease.is_none() {
+                sheet.tops[step.face.index()] = sheet.tops[step.parent.index()];
+            }
         }
         // Edges without a bound may be torn by anything.
         for step in tree.loops() {
@@ -67,18 +77,21 @@ impl TornSheet {
         sheet
     }
 
-    /// Returns the way along the tree from a face to another; `None` if they are in different sheets.
-    fn way(&self, [mut from, mut to]: [FaceId; 2]) -> Option<Vec<(EdgeId, FaceId)>> {
+    /// Returns the creases on the way along the tree from a face to another, each with the face beyond; `None` if the
+    /// faces are in different sheets.
+    fn way(&self, faces: [FaceId; 2]) -> Option<Vec<(EdgeId, FaceId)>> {
+        let top = |face: FaceId| self.tops[face.index()];
+        let [mut from, mut to] = faces.map(top);
         let (mut way, mut back) = (Vec::new(), Vec::new());
         while from != to {
             if self.depths[from.index()] >= self.depths[to.index()] {
                 let step = self.steps[from.index()]?;
                 way.push((step.edge, step.parent));
-                from = step.parent;
+                from = top(step.parent);
             } else {
                 let step = self.steps[to.index()]?;
                 back.push((step.edge, to));
-                to = step.parent;
+                to = top(step.parent);
             }
         }
         way.extend(back.into_iter().rev());
@@ -229,13 +242,16 @@ impl<'a> Chains<'a> {
 
     /// Returns a shortest chain from a face to another of the same sheet, with few creases that turn and with
     /// few bends; round a vertex, if one is given. Returns `None` if no chain joins them. Cost: O(n log n) for
-    /// n faces not farther away.
+    /// n faces not farther away; the length of the chain where faces are joined without loops.
     pub(super) fn find(
         &mut self,
         pattern: &CreasePattern,
         [from, to]: [FaceId; 2],
         round: Option<VertexId>,
     ) -> Option<Chain> {
+        if round.is_none() && self.torn.as_ref().is_some_and(|torn| torn.is_simple) {
+            return self.along_tree(pattern, [from, to]);
+        }
         let whole = round.is_none() && self.keeps;
         if !whole || self.known[to.index()].is_empty() {
             self.search(pattern, to, round, (!whole).then_some(from));

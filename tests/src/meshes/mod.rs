@@ -4,6 +4,7 @@
 mod fan;
 mod file;
 mod flat_foldable;
+mod lattice;
 mod maps;
 mod measured;
 mod moved;
@@ -19,6 +20,7 @@ use nalgebra::Vector2;
 pub use fan::fan;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
+pub use lattice::lattice;
 pub use maps::{map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};

@@ -15,8 +15,9 @@ use foldpath_tests::campaign::{Family, Report, paths, run, stars, torn};
 use foldpath_tests::meshes::{self, variant};
 use foldpath_tests::{Animation, Planned, Random, judge, path_file, strict};
 
-/// Number of sheets of each family.
+/// Number of sheets of each family, and of each family of large sheets.
 const EACH: u64 = 20;
+const LARGE: u64 = 3;
 
 /// Plans a sheet to its own goal.
 fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {
@@ -33,9 +34,10 @@ fn a_campaign_finds_no_wrong_path() {
         timeout: Some(Duration::from_secs(10)),
         ..PlanOptions::default()
     };
-    let tallies = Family::ALL
-        .iter()
-        .map(|&family| (family, run(family, 1, EACH, &options)));
+    let tallies = Family::ALL.iter().map(|&family| {
+        let each = if family.large { LARGE } else { EACH };
+        (family, run(family, 1, each, &options))
+    });
     let report = Report(tallies.collect());
     println!("{report}");
     for (family, tally) in &report.0 {

@@ -505,6 +505,8 @@ fn degrees_of_freedom_are_counted() {
         (&late["verdict"], &late["flat_dof"]),
         (&"unknown".into(), &serde_json::Value::Null)
     );
+    let assumptions = late["assumptions"].to_string();
+    assert!(assumptions.contains("--timeout ended"), "{late:#}");
     let refused = folder
         .run(&format!("info {PATTERNS}/miura-5x5.fold --timeout=-1"))
         .with_status(2);
