@@ -21,7 +21,7 @@ use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
 use foldpath_core::Interpolation;
 
-use crate::{Animation, Random, Sheet, Verdict, meshes, path_file};
+use crate::{Animation, CONTACT, Random, Sheet, Verdict, meshes, path_file};
 
 /// Largest number of disputes of a family that are shown.
 const SHOWN: usize = 20;
@@ -40,6 +40,9 @@ pub struct Family {
     pub real: bool,
     /// `true` if the sheets are too large for the oracle, so that `check` alone judges their plans.
     pub large: bool,
+    /// `true` if faces touch along seams at the goal, where rounded coordinates let them overlap: the oracle then takes
+    /// for contact what is less than twice the tolerance of the plan.
+    pub seams: bool,
 }
 
 impl Family {
@@ -62,6 +65,7 @@ impl Family {
             varied: true,
             real: false,
             large: false,
+            seams: false,
         },
         Self {
             name: "fan",
@@ -69,6 +73,7 @@ impl Family {
             varied: false,
             real: true,
             large: false,
+            seams: false,
         },
         Self {
             name: "rounded",
@@ -76,6 +81,7 @@ impl Family {
             varied: false,
             real: true,
             large: false,
+            seams: false,
         },
         Self {
             name: "wide",
@@ -83,6 +89,15 @@ impl Family {
             varied: false,
             real: true,
             large: false,
+            seams: false,
+        },
+        Self {
+            name: "net",
+            draw: meshes::net,
+            varied: false,
+            real: true,
+            large: false,
+            seams: true,
         },
         Self {
             name: "lattice",
@@ -90,6 +105,7 @@ impl Family {
             varied: false,
             real: true,
             large: true,
+            seams: false,
         },
         Self {
             name: "files",
@@ -97,6 +113,7 @@ impl Family {
             varied: false,
             real: true,
             large: false,
+            seams: false,
         },
         Self {
             name: "measured",
@@ -104,6 +121,7 @@ impl Family {
             varied: false,
             real: true,
             large: false,
+            seams: false,
         },
     ];
 
@@ -114,6 +132,7 @@ impl Family {
             varied: false,
             real: false,
             large: false,
+            seams: false,
         }
     }
 
@@ -324,6 +343,11 @@ fn judge(
     let text = motion_text(&motion);
     let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
+    let contact = if family.seams {
+        2.0 * plan.contact_tolerance
+    } else {
+        CONTACT
+    };
     if family.large {
         let mut verdict = Verdict {
             exact: true,
@@ -336,11 +360,11 @@ fn judge(
     }
     if !planned && plan.knots().is_empty() {
         let sheet = serde_json::from_str(&text).and_then(|file| Sheet::of(&file));
-        let crosses = crosses(&sheet.expect("a sheet"), &goal);
+        let crosses = crosses(&sheet.expect("a sheet"), &goal, contact);
         return (crosses, Verdict::default());
     }
     let path = Animation::parse(&text).expect("a path");
-    let mut verdict = crate::judge(&path, &goal, plan, options.bound);
+    let mut verdict = crate::judge(&path, &goal, plan, options.bound, contact);
     if planned {
         let found = &mut verdict.disagreements;
         // A sheet drawn by hand closes no better than it is drawn, so that `check` gets the bound of its plan.
@@ -351,7 +375,7 @@ fn judge(
             found.push("planned, but no knots".into());
         }
     }
-    (!planned && crosses(&path.sheet, &goal), verdict)
+    (!planned && crosses(&path.sheet, &goal, contact), verdict)
 }
 
 /// Returns what `check` finds on a path with this bound.
@@ -367,15 +391,15 @@ fn findings(path: &str, bound: f64) -> Vec<String> {
 }
 
 /// Returns `true` if the sheet passes through itself at these fold angles of the edges; edges without an angle are
-/// flat.
-fn crosses(sheet: &Sheet, goal: &[Option<f64>]) -> bool {
+/// flat. An overlap up to `contact`, over the median edge, is contact.
+fn crosses(sheet: &Sheet, goal: &[Option<f64>], contact: f64) -> bool {
     let mut angles = vec![0.0; sheet.edges.len()];
     let known = angles.iter_mut().zip(goal);
     known.for_each(|(angle, goal)| *angle = goal.unwrap_or(0.0));
     let angles = &angles;
     let poses = sheet.fold(angles);
     let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
-    let crossings = sheet.crossings_beyond_tears(angles, &positions, tear);
+    let crossings = sheet.crossings_beyond_tears(angles, &positions, [tear, contact]);
     !crossings.is_empty()
 }
 

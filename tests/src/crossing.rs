@@ -7,9 +7,9 @@ use crate::Sheet;
 use crate::shape::normal;
 use crate::sheet::sides;
 
-/// Depth of a crossing, over the median edge, up to which it counts as contact: twice the planner's tolerance, because
-/// the planner measures depth in another way.
-const CONTACT: f64 = 2e-6;
+/// Depth of a crossing of a sheet without rounding, over the median edge, up to which it counts as contact: twice the
+/// planner's tolerance, because the planner measures depth in another way.
+pub const CONTACT: f64 = 2e-6;
 
 /// A face in space.
 struct Panel {
@@ -23,29 +23,29 @@ impl Sheet {
     /// Returns all pairs of faces that share no edge and pass through each other in this shape. Faces must be convex.
     #[must_use]
     pub fn crossings(&self, positions: &[Vector3<f64>]) -> Vec<[usize; 2]> {
-        self.crossings_beyond(positions, 0.0, 0.0)
+        self.crossings_beyond(positions, 0.0, [0.0, CONTACT])
     }
 
     /// Returns the crossings of a sheet that these fold angles of the edges (radians) tear. A pair counts only if it
     /// crosses in these positions and in the sheet folded from every other face. Another root moves the faces, and a
     /// crossing that is absent for some roots is no deeper than the tear. A fold may also miss the rim of the layers
     /// along which it was drawn. Faces that share no vertex may therefore overlap by twice `tear`, the largest tear of
-    /// the sheet all along its motion, over the median edge.
+    /// the sheet all along its motion, over the median edge. An overlap up to `contact`, over the median edge, is contact.
     #[must_use]
     pub fn crossings_beyond_tears(
         &self,
         angles: &[f64],
         positions: &[Vector3<f64>],
-        tear: f64,
+        [tear, contact]: [f64; 2],
     ) -> Vec<[usize; 2]> {
         let gap = self.gap(&self.fold(angles));
-        let mut crossings = self.crossings_beyond(positions, gap, tear);
+        let mut crossings = self.crossings_beyond(positions, gap, [tear, contact]);
         for root in 0..self.faces.len() {
             if crossings.is_empty() {
                 break;
             }
             let others = self.positions(&self.fold_from(root, angles));
-            let others = self.crossings_beyond(&others, gap, tear);
+            let others = self.crossings_beyond(&others, gap, [tear, contact]);
             crossings.retain(|pair| others.contains(pair));
         }
         crossings
@@ -54,11 +54,16 @@ impl Sheet {
     /// Returns the crossings that are deeper than the sheet is torn. Faces that share a vertex may overlap by twice the
     /// gap (over the median edge): one of them is off by the gap at this vertex, and turned by about as much. Other
     /// faces may overlap by twice `tear`.
-    fn crossings_beyond(&self, positions: &[Vector3<f64>], gap: f64, tear: f64) -> Vec<[usize; 2]> {
+    fn crossings_beyond(
+        &self,
+        positions: &[Vector3<f64>],
+        gap: f64,
+        [tear, contact]: [f64; 2],
+    ) -> Vec<[usize; 2]> {
         let unit = self.median_edge();
-        let contact = |a: usize, b: usize| {
+        let admitted = |a: usize, b: usize| {
             let meet = self.faces[a].iter().any(|v| self.faces[b].contains(v));
-            (CONTACT + 2.0 * if meet { gap } else { tear }) * unit
+            (contact + 2.0 * if meet { gap } else { tear }) * unit
         };
         let panel = |face: &Vec<usize>| {
             let corners: Vec<_> = face.iter().map(|&v| positions[v]).collect();
@@ -80,7 +85,7 @@ impl Sheet {
         pairs
             .filter(|&[a, b]| {
                 let (panel, other) = (&panels[a], &panels[b]);
-                let contact = contact(a, b);
+                let contact = admitted(a, b);
                 // One face alone would report a crossing too soon if an edge lies along an edge of the other face.
                 let both = || panel.crosses(other, contact) && other.crosses(panel, contact);
                 panel.near(other) && both() && !joined(a, b)

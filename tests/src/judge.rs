@@ -5,6 +5,7 @@ use core::f64::consts::PI;
 use foldpath::planner::{Outcome, Plan};
 use nalgebra::Vector3;
 
+use crate::crossing::CONTACT;
 use crate::second::Shape;
 use crate::{Animation, Random, worst};
 
@@ -39,9 +40,9 @@ fn places(count: u32) -> impl Iterator<Item = f64> {
 }
 
 /// Returns the number of pairs of faces that cross in a shape at these positions; `tear` is the largest tear of the
-/// sheet.
+/// sheet. An overlap up to `contact` is contact.
 #[allow(clippy::cast_precision_loss, reason = "a small count")]
-fn crossings(shape: &Shape, positions: &[Vector3<f64>], tear: f64) -> f64 {
+fn crossings(shape: &Shape, positions: &[Vector3<f64>], tear: [f64; 2]) -> f64 {
     shape
         .sheet
         .crossings_beyond_tears(shape.angles, positions, tear)
@@ -55,9 +56,16 @@ fn sign(goal: Option<f64>) -> f64 {
 }
 
 /// Judges the path of `plan`, written as `path`, from flat towards a goal. `goal`: fold angle of each edge, radians,
-/// whose sign is the assignment; `None` for an edge without a goal. `bound`: the bound on deformation and gap.
+/// whose sign is the assignment; `None` for an edge without a goal. `bound`: the bound on deformation and gap. `contact`:
+/// overlap of faces up to which it is contact, over the median edge.
 #[must_use]
-pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) -> Verdict {
+pub fn judge(
+    path: &Animation,
+    goal: &[Option<f64>],
+    plan: &Plan,
+    bound: f64,
+    contact: f64,
+) -> Verdict {
     let sheet = &path.sheet;
     let mut disagreements = Vec::new();
     let mut limit = |what: &str, value: f64, limit: f64| {
@@ -128,7 +136,11 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
         shape.compare(&placed, sheet.gap(&poses), &mut random, &mut limit);
         let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
         limit("a crease against its letter by", worst(against), AGAINST);
-        limit("crossings", crossings(&shape, &frame.vertices, tear), 0.0);
+        limit(
+            "crossings",
+            crossings(&shape, &frame.vertices, [tear, contact]),
+            0.0,
+        );
     }
     let certified = |value: Option<f64>, other: f64| {
         value.map_or(bound, |value| (other * value).min(bound)) + ROUNDING
@@ -164,7 +176,11 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
                 angles: &angles,
             };
             shape.compare(&placed, gap, &mut random, &mut limit);
-            limit("crossings", crossings(&shape, &placed, tear), 0.0);
+            limit(
+                "crossings",
+                crossings(&shape, &placed, [tear, contact]),
+                0.0,
+            );
         }
     }
     let shapes = path.frames.iter().enumerate().flat_map(|(knot, frame)| {
@@ -178,7 +194,7 @@ pub fn judge(path: &Animation, goal: &[Option<f64>], plan: &Plan, bound: f64) ->
     let shapes: Vec<_> = shapes.map(|angles| sheet.fold(&angles)).collect();
     let torn = other_tree * worst(shapes.iter().map(|shape| sheet.gap(shape)));
     let passed = sheet
-        .passed(&shapes, torn)
+        .passed(&shapes, torn + (contact - CONTACT))
         .into_iter()
         .map(|(faces, shape)| {
             format!(

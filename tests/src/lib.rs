@@ -29,6 +29,7 @@ mod shape;
 mod sheet;
 
 pub use animation::{Animation, Frame};
+pub use crossing::CONTACT;
 pub use folding::Pose;
 use foldpath::check::CheckOptions;
 pub use foldpath_test_support::{Random, closed_form};

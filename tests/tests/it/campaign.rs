@@ -13,7 +13,7 @@ use foldpath::planner::{Goal, Note, Outcome, PlanOptions, plan};
 use foldpath::read::fold::PatternFile;
 use foldpath_tests::campaign::{Family, Report, paths, run, stars, torn};
 use foldpath_tests::meshes::{self, variant};
-use foldpath_tests::{Animation, Planned, Random, judge, path_file, strict};
+use foldpath_tests::{Animation, CONTACT, Planned, Random, judge, path_file, strict};
 
 /// Number of sheets of each family, and of each family of large sheets.
 const EACH: u64 = 20;
@@ -136,13 +136,13 @@ fn a_spoilt_path_finds_no_agreement() {
         let plan = plan(&pattern, &goal, &options);
         let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
         let mut path = Animation::parse(&motion_text(plan.motion.as_ref().unwrap())).unwrap();
-        let good = judge(&path, &goal, &plan, options.bound);
+        let good = judge(&path, &goal, &plan, options.bound, CONTACT);
         assert_eq!(good.disagreements, [""; 0], "{}", family.name);
         assert!(good.exact, "{}", family.name);
         let crease = goal.iter().position(Option::is_some).unwrap();
         let middle = path.frames.len() / 2;
         path.frames[middle].angles[crease] += LITTLE;
-        let spoilt = judge(&path, &goal, &plan, options.bound);
+        let spoilt = judge(&path, &goal, &plan, options.bound, CONTACT);
         assert!(!spoilt.disagreements.is_empty(), "{}", family.name);
         assert!(!spoilt.exact, "{}", family.name);
     }
@@ -306,7 +306,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let judged = CheckOptions { bound, ..strict() };
             let verdict = check(&path_file(&text).unwrap(), &judged);
             let path = Animation::parse(&text).unwrap();
-            let opinion = judge(&path, &goal, plan, bound);
+            let opinion = judge(&path, &goal, plan, bound, CONTACT);
             if options.collision {
                 assert_eq!(verdict.findings(), [""; 0], "{what}");
                 assert_eq!(opinion.disagreements, [""; 0], "{what}");
@@ -330,7 +330,7 @@ fn what_rounding_leaves_of_a_square_is_no_crossing() {
         let planned = planned(drawing, &options);
         assert_eq!(planned.plan.outcome, Outcome::Planned, "{seed}");
         let path = Animation::parse(&planned.text()).unwrap();
-        let opinion = judge(&path, &goal, &planned.plan, options.bound);
+        let opinion = judge(&path, &goal, &planned.plan, options.bound, CONTACT);
         assert_eq!(opinion.disagreements, [""; 0], "{seed}");
     }
 }

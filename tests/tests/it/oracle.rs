@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use foldpath::planner::PlanOptions;
-use foldpath_tests::{Animation, Frame, Planned, Random, Sheet};
+use foldpath_tests::{Animation, CONTACT, Frame, Planned, Random, Sheet};
 use serde_json::json;
 
 /// Returns the oracle's measures of a knot: closure, gap, deformation, unflatness and error of fold angles.
@@ -118,13 +118,13 @@ fn what_crosses_as_folded_from_some_faces_is_a_tear() {
         let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
         torn += sheet.crossings(&positions).len();
         assert_eq!(
-            sheet.crossings_beyond_tears(&layers, &positions, tear),
+            sheet.crossings_beyond_tears(&layers, &positions, [tear, CONTACT]),
             [[0; 2]; 0],
             "{seed}"
         );
         let poses = sheet.fold(&flaps);
         let (positions, tear) = (sheet.positions(&poses), sheet.gap(&poses));
-        let crossings = sheet.crossings_beyond_tears(&flaps, &positions, tear);
+        let crossings = sheet.crossings_beyond_tears(&flaps, &positions, [tear, CONTACT]);
         for row in 0..3 {
             let flaps = [3 * row, 3 * row + 2];
             assert!(crossings.contains(&flaps), "{seed}: {crossings:?}");
