@@ -347,6 +347,17 @@ pub(crate) struct Plan {
     /// sheets that lie 1e11 edge lengths from the origin.
     #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
     pub(crate) bound: f64,
+    /// Largest angle by which panels may bend about their diagonals, degrees
+    ///
+    /// Panels bend only if the sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals,
+    /// lettered J, and the largest bend found is told.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "DEG",
+        help_heading = "Limits"
+    )]
+    pub(crate) bend: f64,
     /// Write the path as far as it goes, even if the answer is no
     #[arg(long, requires = "output", help_heading = "Path written")]
     pub(crate) keep: bool,
@@ -668,6 +679,7 @@ impl Plan {
             bound: self.bound,
             goal_tolerance: self.goal_tolerance.to_radians(),
             contact: self.contact,
+            bend: self.bend.to_radians(),
             symmetry: match self.symmetry {
                 Symmetry::Auto => planner::Symmetry::Auto,
                 Symmetry::Off => planner::Symmetry::Off,
@@ -741,6 +753,9 @@ pub(crate) struct Check {
     /// sheets that lie 1e11 edge lengths from the origin.
     #[arg(long, default_value_t = 0.01)]
     pub(crate) bound: f64,
+    /// Largest angle by which panels may bend about their diagonals, degrees
+    #[arg(long, default_value_t = 0.0, value_name = "DEG")]
+    pub(crate) bend: f64,
     /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
     ///
     /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit

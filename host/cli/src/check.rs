@@ -70,11 +70,19 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         let text = format!("--contact: expected median edges from 0 to 0.001, found {found}");
         return Err(CliError::Usage(text));
     }
+    if !(0.0..=180.0).contains(&args.bend) {
+        let text = format!(
+            "--bend: expected degrees from 0 to 180, found {}",
+            args.bend
+        );
+        return Err(CliError::Usage(text));
+    }
     let (path, verdict) = watched(&args.report, quiet, |progress| {
         let path = read_motion(&args.path)?;
         let options = CheckOptions {
             bound,
             contact: args.contact,
+            bend: args.bend.to_radians(),
             ..CheckOptions::default()
         };
         let verdict = check_watched(&path, &options, progress);
@@ -102,8 +110,7 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         max_deformation: rigidity.deformation,
         max_gap: rigidity.gap,
         max_closure: verdict.closure(),
-        // Panels do not bend.
-        max_bend: 0.0,
+        max_bend: verdict.max_bend.to_degrees(),
         certified_deformation: verdict.certified().map(|most| most.deformation),
         certified_of: certified_of(&path.pattern),
         crossings: crossings.collect(),
@@ -139,6 +146,9 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         (json.certified_deformation).map_or("unknown".into(), |most| format!("{most:.1e}")),
         json.certified_of
     );
+    if json.max_bend > 0.0 {
+        text += &format!("  panels bend by up to {:.2} degrees\n", json.max_bend);
+    }
     if json.knots == 1 {
         text += "  one knot: a shape, not a motion\n";
     }

@@ -13,11 +13,20 @@ use crate::progress::watched;
 use crate::report::outcome;
 use crate::{Answer, CliError, check_output, print, print_json, print_notes};
 use foldpath::export::fold::write_motion;
-use foldpath::pattern::{CreaseId, CreasePattern};
-use foldpath::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
-use foldpath::progress::{Progress, Stage};
+use foldpath::motion::Motion;
+use foldpath::pattern::{CreaseId, CreasePattern, EdgeId, Letter};
+use foldpath::planner::{
+    self, Foldability, Goal, GoalError, HingeLimit, Outcome, PlanOptions, forecast,
+};
+use foldpath::progress::{Progress, Stage, Watch};
 use foldpath::read::fold::{PatternFile, read_goal};
 use foldpath::read::{parse_pattern, read_pattern_bytes};
+use foldpath::symmetry::CreaseGroups;
+
+/// Largest number of causes that a plan's notes name; `info` names them all.
+const MAX_CAUSES: usize = 5;
+/// Largest number of panels that bend that are named.
+const MAX_BENDS: usize = 8;
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -133,6 +142,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         goal,
         plan,
         held_flat,
+        in_the_way,
         read,
         write,
     } = watched(&args.report, quiet, |progress| {
@@ -144,6 +154,8 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     let mut notes: Vec<String> = notes.concat();
     notes.extend(plan.notes.iter().map(ToString::to_string));
     notes.extend(held_flat);
+    notes.extend(in_the_way);
+    notes.extend(plan.motion.iter().flat_map(bends));
     if args.goal.is_none() && args.fold.is_none() && args.crease.is_empty() {
         let open = plan.outcome == Outcome::GoalNotClosed;
         let closure = if open {
@@ -171,8 +183,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         certified_deformation: plan.certified_deformation,
         max_closure: plan.max_closure,
         max_gap: plan.rigidity.gap,
-        // Panels do not bend: virtual edges stay flat.
-        max_bend: 0.0,
+        max_bend: plan.max_bend.to_degrees(),
         goal_error: plan.goal_error.to_degrees(),
         flat_creases: plan.flat_creases,
         min_clearance: plan.clearance.map(|clearance| clearance.distance),
@@ -219,6 +230,8 @@ struct Planned {
     plan: planner::Plan,
     /// A note for each limit that holds its crease flat.
     held_flat: Vec<String>,
+    /// A note for each cause, if the answer is no.
+    in_the_way: Vec<String>,
     read: Duration,
     write: Duration,
 }
@@ -245,7 +258,11 @@ fn planned(
     let read = start.elapsed();
     // The time that is allowed is that of the whole command.
     options.timeout = options.timeout.map(|time| time.saturating_sub(read));
+    let deadline = options
+        .timeout
+        .and_then(|time| Instant::now().checked_add(time));
     let mut plan = planner::plan_watched(&file.pattern, &goal, &options, progress);
+    let in_the_way = in_the_way(args, &file.pattern, plan.outcome, deadline);
     progress.begin(Stage::Writing);
     let start = Instant::now();
     if let Some(motion) = &mut plan.motion {
@@ -262,12 +279,63 @@ fn planned(
     Ok(Planned {
         input,
         held_flat: held_flat(args, &file.pattern, &goal),
+        in_the_way,
         file,
         goal,
         plan,
         read,
         write,
     })
+}
+
+/// Returns a note for each panel that bends, those that bend most first.
+fn bends(motion: &Motion) -> Vec<String> {
+    let edges = motion.pattern.edges().iter().enumerate();
+    let mut bends: Vec<(f64, String)> = edges
+        .filter(|(_, edge)| edge.letter == Letter::Bend)
+        .map(|(index, edge)| {
+            let angles =
+                (0..motion.knots.len()).map(|knot| motion.node(knot, EdgeId::new(index)).angle);
+            let most = angles.map(f64::abs).fold(0.0, f64::max).to_degrees();
+            let [from, to] = edge.ends;
+            let line = format!("from vertex {from} to vertex {to} (edge {index})");
+            (
+                most,
+                format!("a panel bends by {most:.2} degrees about its diagonal {line}"),
+            )
+        })
+        .filter(|(most, _)| *most > 0.0)
+        .collect();
+    bends.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let more = bends.len().saturating_sub(MAX_BENDS);
+    let named = bends.into_iter().take(MAX_BENDS).map(|(_, note)| note);
+    let more = (more > 0).then(|| format!("{more} more panels bend, by less"));
+    named.chain(more).collect()
+}
+
+/// Returns what the flat sheet alone tells of the reasons for a no, in notes; none if another goal than the pattern's own
+/// was asked for.
+fn in_the_way(
+    args: &Plan,
+    pattern: &CreasePattern,
+    outcome: Outcome,
+    deadline: Option<Instant>,
+) -> Vec<String> {
+    let stops_short = matches!(
+        outcome,
+        Outcome::Partial | Outcome::NearGoal | Outcome::GoalNotClosed
+    );
+    if !stops_short || args.goal.is_some() || !args.crease.is_empty() {
+        return Vec::new();
+    }
+    let watch = Watch::default().until(deadline);
+    let groups = CreaseGroups::find_until(pattern, watch);
+    let forecast = forecast(pattern, &groups, watch);
+    let proof = (forecast.foldability == Foldability::No)
+        .then(|| "it is proved that no motion leaves flat along the letters".to_string());
+    let causes = forecast.causes.iter().take(MAX_CAUSES);
+    let causes = causes.map(|cause| format!("in the way: {cause}"));
+    proof.into_iter().chain(causes).collect()
 }
 
 /// Returns `true` if the path of a plan with this outcome is written.
@@ -424,6 +492,12 @@ fn summary(
             json.max_deformation,
             json.max_gap,
             json.max_closure,
+        );
+    }
+    if json.max_bend > 0.0 {
+        text += &format!(
+            "  bend         panels bend by up to {:.2} degrees\n",
+            json.max_bend
         );
     }
     if let Some(certified) = json.certified_deformation {

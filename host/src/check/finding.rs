@@ -27,6 +27,8 @@ pub enum WrongTurn {
     BeyondHalfTurn,
     /// Its fold angle has the sign that its letter excludes.
     AgainstLetter,
+    /// A panel bends about it by more than is allowed, or than the file says.
+    BeyondBend,
     /// Its letter says that it stays flat, but its fold angle is not 0.
     NotFlat,
     /// Its letter says that it stays flat, but it turns at this rate, radians per second.

@@ -7,7 +7,7 @@ use super::finding::{Failure, GroupQuantity, Moment, SheetError, WrongTurn};
 use super::{Measured, SAME_ANGLE};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, align_sheets, deformation};
 use crate::motion::{GroupNaming, Motion};
-use crate::pattern::{CreasePattern, EdgeId, VertexId};
+use crate::pattern::{CreasePattern, EdgeId, Letter, VertexId};
 
 /// Ratio of the measured value to a claim above which the claim is false.
 const CLAIM_FACTOR: f64 = 10.0;
@@ -87,7 +87,9 @@ fn mismatch(pattern: &CreasePattern, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> 
 }
 
 /// Returns the first hinge that is turned at a knot as it must not be.
-pub(super) fn wrong_angle(path: &Motion) -> Option<Failure> {
+///
+/// Panels may bend by `bend` radians.
+pub(super) fn wrong_angle(path: &Motion, bend: f64) -> Option<Failure> {
     let knots = 0..path.knots.len();
     let mut hinges = knots.flat_map(|knot| {
         let edges = path.pattern.edges().iter().enumerate();
@@ -97,6 +99,8 @@ pub(super) fn wrong_angle(path: &Motion) -> Option<Failure> {
         let Node { angle, rate, .. } = path.node(knot, edge);
         let (wrong, value) = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
             (WrongTurn::BeyondHalfTurn, angle)
+        } else if data.letter == Letter::Bend && angle.abs() > bend + SAME_ANGLE {
+            (WrongTurn::BeyondBend, angle)
         } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
             (WrongTurn::NotFlat, angle)
         } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {

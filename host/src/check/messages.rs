@@ -170,6 +170,10 @@ fn turns(
         WrongTurn::AgainstLetter => {
             write!(f, "is lettered {code}, but turns to {degrees} degrees")
         }
+        WrongTurn::BeyondBend => write!(
+            f,
+            "bends its panel by {degrees} degrees, more than --bend allows or the file claims"
+        ),
         WrongTurn::NotFlat => write!(
             f,
             "is lettered {code} and must stay flat, but is at {degrees} degrees"

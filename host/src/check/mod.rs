@@ -41,6 +41,8 @@ pub struct CheckOptions {
     /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
     /// explains: [`contact_tolerance`].
     pub contact: Option<f64>,
+    /// Largest angle by which a panel may bend about a diagonal, radians.
+    pub bend: f64,
     /// Number of shapes judged in each segment between its knots; with 0, knots alone are judged.
     pub samples: usize,
     /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
@@ -54,6 +56,7 @@ impl CheckOptions {
         Self {
             bound,
             contact: None,
+            bend: 0.0,
             samples: 0,
             sweep: false,
         }
@@ -65,6 +68,7 @@ impl Default for CheckOptions {
         Self {
             bound: 0.01,
             contact: None,
+            bend: 0.0,
             samples: 16,
             sweep: true,
         }
@@ -131,6 +135,8 @@ pub struct Verdict {
     pub contact_tolerance: f64,
     /// Largest speed and acceleration of a hinge.
     pub rates: Rates,
+    /// Largest angle by which a panel bends about a diagonal, radians: at knots, and between as far as looked at.
+    pub max_bend: f64,
 }
 
 /// Answer of a check.
@@ -240,12 +246,18 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     if options.bound.is_nan() {
         verdict.failures.push(Failure::BoundIsNotANumber);
     }
-    verdict.failures.extend(knots::wrong_angle(path));
+    let claimed = path
+        .answer
+        .as_ref()
+        .map_or(f64::INFINITY, |answer| answer.bend);
+    let bend = options.bend.min(claimed);
+    verdict.failures.extend(knots::wrong_angle(path, bend));
     verdict.failures.extend(knots::differing_hinge(path));
     let errors = knots::check_rigidity(path, options.bound, &verdict.knots);
     verdict.failures.extend(errors);
     let mut motion = MergedGroups::of(path);
     verdict.rates = Rates::of(path, &motion);
+    verdict.max_bend = turns::largest_bend(&path.pattern, &motion);
     if options.samples == 0 && !options.sweep {
         motion.segments.clear();
     }
@@ -254,7 +266,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         ..*options
     };
     if verdict.failures.is_empty() {
-        let (wrong, unknown) = turns::wrong_turn(&path.pattern, &motion);
+        let (wrong, unknown) = turns::wrong_turn(&path.pattern, &motion, bend);
         verdict.failures.extend(wrong);
         verdict.undecided.extend(unknown);
     }

@@ -5,6 +5,7 @@
 //! (c, n) stays in the cone of its control points, as long as they lie in an open half plane.
 
 use core::f64::consts::PI;
+use std::collections::BTreeSet;
 
 use foldpath_core::Curve;
 
@@ -29,16 +30,27 @@ enum Turn {
 }
 
 /// Finds the first hinge that turns the wrong way between two knots. If there is none, returns the first place at which
-/// the angle of a hinge is not known.
+/// the angle of a hinge is not known. Panels may bend by `bend` radians.
 pub(super) fn wrong_turn(
     pattern: &CreasePattern,
     motion: &MergedGroups,
+    bend: f64,
 ) -> (Option<Failure>, Option<Undecided>) {
     let mut unknown = None;
+    // Bends turn alike with creases only by chance, but then the limit of bends holds for their group.
+    let mut hinges: Vec<_> = motion
+        .leaders
+        .iter()
+        .map(|&edge| (edge, pattern.edge(edge).letter, PI))
+        .collect();
+    let creases = pattern.creases().iter().zip(motion.groups.memberships());
+    for (&edge, member) in creases.filter(|(edge, _)| pattern.edge(**edge).letter == Letter::Bend) {
+        let hinge = &mut hinges[member.group.index()];
+        (hinge.0, hinge.2) = (edge, bend);
+    }
     for (segment, curves) in motion.segments.iter().enumerate() {
-        for (curve, &edge) in curves.iter().zip(&motion.leaders) {
-            let letter = pattern.edge(edge).letter;
-            match turn(curve, letter) {
+        for (curve, &(edge, letter, most)) in curves.iter().zip(&hinges) {
+            match turn(curve, letter, most) {
                 Turn::Right => {}
                 Turn::Wrong(s, wrong) => {
                     let failure = Failure::Turns {
@@ -60,10 +72,23 @@ pub(super) fn wrong_turn(
     (None, unknown)
 }
 
-/// Returns what is wrong with a fold angle.
-fn wrong(angle: f64, letter: Letter) -> Option<WrongTurn> {
+/// Returns the largest angle by which a panel bends, radians: the largest of 17 angles of each segment.
+pub(super) fn largest_bend(pattern: &CreasePattern, motion: &MergedGroups) -> f64 {
+    let creases = pattern.creases().iter().zip(motion.groups.memberships());
+    let bends = creases.filter(|(edge, _)| pattern.edge(**edge).letter == Letter::Bend);
+    let groups: BTreeSet<usize> = bends.map(|(_, member)| member.group.index()).collect();
+    let curves = motion.segments.iter();
+    let curves = curves.flat_map(|curves| groups.iter().map(|&group| &curves[group]));
+    let angles = curves.flat_map(|curve| (0..=16).map(|k| curve.angle(f64::from(k) / 16.0).abs()));
+    angles.fold(0.0, f64::max)
+}
+
+/// Returns what is wrong with a fold angle, which may be up to `most`.
+fn wrong(angle: f64, letter: Letter, most: f64) -> Option<WrongTurn> {
     if angle * letter.sign() < -SAME_ANGLE {
         Some(WrongTurn::AgainstLetter)
+    } else if most < PI && angle.abs() > most + SAME_ANGLE {
+        Some(WrongTurn::BeyondBend)
     } else if angle.abs() > PI + SAME_ANGLE {
         Some(WrongTurn::BeyondHalfTurn)
     } else if angle.is_nan() {
@@ -73,10 +98,10 @@ fn wrong(angle: f64, letter: Letter) -> Option<WrongTurn> {
     }
 }
 
-/// Judges the turn of a hinge with this letter over a segment.
-fn turn(curve: &Curve<f64>, letter: Letter) -> Turn {
+/// Judges the turn of a hinge with this letter over a segment; it may turn up to `most` radians.
+fn turn(curve: &Curve<f64>, letter: Letter, most: f64) -> Turn {
     for s in [0.0, 1.0] {
-        if let Some(wrong) = wrong(curve.angle(s), letter) {
+        if let Some(wrong) = wrong(curve.angle(s), letter, most) {
             return Turn::Wrong(s, wrong);
         }
     }
@@ -89,11 +114,11 @@ fn turn(curve: &Curve<f64>, letter: Letter) -> Turn {
     let mut parts = 0;
     while let Some((part, [from, to], halvings)) = open.pop() {
         let ends = range(&part, slack);
-        if ends.is_some_and(|ends| ends.iter().all(|&end| wrong(end, letter).is_none())) {
+        if ends.is_some_and(|ends| ends.iter().all(|&end| wrong(end, letter, most).is_none())) {
             continue;
         }
         let middle = f64::midpoint(from, to);
-        if let Some(wrong) = wrong(curve.angle(middle), letter) {
+        if let Some(wrong) = wrong(curve.angle(middle), letter, most) {
             return Turn::Wrong(middle, wrong);
         }
         parts += 1;

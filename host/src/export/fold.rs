@@ -154,8 +154,7 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
             file.set("foldpath:outcome", &answer.outcome)?;
             file.set("foldpath:reached", &answer.reached)?;
             file.set("foldpath:bound", &answer.bound)?;
-            // Panels do not bend: virtual edges stay flat.
-            file.set("foldpath:bend", &0.0)?;
+            file.set("foldpath:bend", &answer.bend.to_degrees())?;
         }
         for (key, limit) in limits {
             // JSON has no infinity: null stands for a limit that allows anything.

@@ -35,7 +35,7 @@ pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
             Letter::Valley => "#0000ff",
             Letter::Boundary => "#000000",
             Letter::Cut => "#00ff00",
-            Letter::Flat | Letter::Join => "#ffff00",
+            Letter::Flat | Letter::Join | Letter::Bend => "#ffff00",
             Letter::Unassigned => "#ff00ff",
         };
         let folds = edge.letter.sign().abs() > 0.0;

@@ -49,6 +49,8 @@ pub struct PlanAnswer {
     pub reached: f64,
     /// Bound on deformation and gap that the motion had to keep.
     pub bound: f64,
+    /// Largest angle by which a panel bends about a diagonal, radians.
+    pub bend: f64,
 }
 
 impl PlanAnswer {

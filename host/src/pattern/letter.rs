@@ -15,12 +15,15 @@ pub enum Letter {
     Unassigned,
     /// J: joins two parts of one panel and always stays flat.
     Join,
+    /// J: a diagonal about which one panel bends, in a motion whose panels may bend. A file tells it from
+    /// [`Join`](Self::Join) by its fold angles.
+    Bend,
     /// C: a cut.
     Cut,
 }
 
 impl Letter {
-    /// All letters with their codes.
+    /// The letters of files with their codes.
     pub const ALL: [(char, Self); 7] = [
         ('B', Self::Boundary),
         ('M', Self::Mountain),
@@ -43,7 +46,8 @@ impl Letter {
     /// Returns FOLD's code of the letter.
     #[must_use]
     pub fn code(self) -> char {
-        let known = Self::ALL.iter().find(|(_, letter)| *letter == self);
+        let written = if self == Self::Bend { Self::Join } else { self };
+        let known = Self::ALL.iter().find(|(_, letter)| *letter == written);
         known.map_or('U', |l| l.0)
     }
 
@@ -71,6 +75,9 @@ impl Letter {
     /// Returns `true` if an edge with this letter between two faces is a hinge that may turn.
     #[must_use]
     pub fn is_hinge(self) -> bool {
-        matches!(self, Self::Mountain | Self::Valley | Self::Unassigned)
+        matches!(
+            self,
+            Self::Mountain | Self::Valley | Self::Unassigned | Self::Bend
+        )
     }
 }

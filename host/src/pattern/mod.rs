@@ -3,6 +3,7 @@
 //! A [`Drawing`] has the content of a file. A [`CreasePattern`] is built from it: faces are found, every reference is
 //! checked, vertices are classified as real or virtual, and panels are triangulated.
 
+mod bends;
 mod build;
 mod drawing;
 mod flat_folding;
@@ -16,6 +17,7 @@ mod split;
 mod trace;
 mod triangulate;
 
+pub(crate) use bends::Diagonals;
 pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
 pub use flat_folding::FlatFlaw;

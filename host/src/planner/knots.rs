@@ -49,7 +49,7 @@ impl Path {
     /// Returns the path as a motion of the sheet; `None` if it has no knots.
     pub(super) fn into_motion(
         self,
-        pattern: &CreasePattern,
+        pattern: Arc<CreasePattern>,
         options: &PlanOptions,
         answer: PlanAnswer,
     ) -> Option<Motion> {
@@ -63,7 +63,7 @@ impl Path {
         Some(Motion {
             title: String::new(),
             members: members.collect(),
-            pattern: Arc::new(pattern.clone()),
+            pattern,
             naming: GroupNaming::Named,
             interpolation: self.interpolation,
             max_speed: Some(options.max_speed),

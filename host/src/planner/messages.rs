@@ -277,6 +277,12 @@ impl Display for Note {
                 f,
                 "folded in {phases} phases: all creases cannot turn at once"
             ),
+            Self::WouldBend(most) => write!(
+                f,
+                "the sheet would fold if its panels might bend by {:.1} degrees: --bend {}",
+                most.to_degrees(),
+                most.to_degrees().ceil()
+            ),
             Self::ErrorsAddedUp { closure } => write!(
                 f,
                 "vertices fail to close by up to {closure:.1e}: at worst that adds up to more than the bound; what it \

@@ -44,8 +44,12 @@
 //! ```
 //!
 //! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion
-//! crosses or ends early, folds in sequence are tried: each sequence is the same pipeline again, by way of the
-//! configurations between its folds. Nothing calls the driver but its user.
+//! crosses or ends early, phases are looked for: on sheets whose hinges are all free, phases split at crossings; then
+//! folds in sequence. Each try is the same pipeline again, by way of the configurations between its phases. Nothing
+//! calls the driver but its user.
+//!
+//! If all rows say no and panels may bend, or to tell which bend would be enough, crease groups are tried on sheets whose
+//! panels are cut along diagonals (`strategies/bending.rs`).
 //!
 //! # Before planning
 //!
@@ -63,7 +67,7 @@
 //! < foldability (interior_point < flat_cone < certificate < cause < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < fold_sequence < driver)
+//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, bending < driver)
 //! ```
 
 mod closing;

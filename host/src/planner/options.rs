@@ -121,6 +121,9 @@ pub struct PlanOptions {
     /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
     /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
     pub contact: Option<f64>,
+    /// Largest angle by which panels may bend about their diagonals if the sheet does not fold with rigid panels, radians;
+    /// 0 keeps them rigid.
+    pub bend: f64,
     /// Use of crease groups.
     pub symmetry: Symmetry,
     /// Vertices whose closure conditions are solved.
@@ -165,6 +168,7 @@ impl Default for PlanOptions {
             bound: 0.01,
             goal_tolerance: 1_f64.to_radians(),
             contact: None,
+            bend: 0.0,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
             judged: Judged::default(),
@@ -249,6 +253,13 @@ impl PlanOptions {
                 option: "contact",
                 expected: "median edges from 0 to 0.001",
                 found,
+            });
+        }
+        if !(0.0..=PI).contains(&self.bend) {
+            return Err(OptionsError {
+                option: "bend",
+                expected: "degrees from 0 to 180",
+                found: self.bend.to_degrees(),
             });
         }
         for limit in &self.limits {

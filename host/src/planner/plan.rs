@@ -2,6 +2,7 @@
 
 use core::ops::AddAssign;
 use core::time::Duration;
+use std::sync::Arc;
 
 use super::PlanOptions;
 use super::knots::Path;
@@ -80,6 +81,10 @@ pub struct Plan {
     pub motion: Option<Motion>,
     /// The motion while it is planned.
     pub(super) path: Path,
+    /// The sheet with panels that bend, if the path is of that.
+    pub(super) bent: Option<Arc<CreasePattern>>,
+    /// Largest angle by which a panel bends along the path, radians; 0 for rigid panels.
+    pub max_bend: f64,
     /// `true` if random numbers may have decided the answer.
     pub(super) is_random: bool,
     /// Number of crease groups.
@@ -155,12 +160,16 @@ pub enum Strategy {
     SnappedMeasured,
     /// The sheet is taken to the goal straight, and deforms within the bound.
     StraightDeforming,
+    /// Creases between faces that would cross fold before or after the others.
+    SplitPhases,
     /// Parts of the sheet are folded one after the other.
     FoldSequence,
     /// The sheet is taken to the closed configuration nearest to the goal, however far from it.
     NearestConfiguration,
     /// Crease groups or every crease, with other random numbers.
     OtherSeed,
+    /// Panels bend about their diagonals.
+    BendingPanels,
 }
 
 impl Strategy {
@@ -175,9 +184,11 @@ impl Strategy {
             Self::MeasuredError => "measured error",
             Self::SnappedMeasured => "snapped coordinates, measured error",
             Self::StraightDeforming => "straight, deforming",
+            Self::SplitPhases => "phases split at crossings",
             Self::FoldSequence => "folds in sequence",
             Self::NearestConfiguration => "nearest configuration",
             Self::OtherSeed => "another seed",
+            Self::BendingPanels => "panels that bend",
         }
     }
 }
@@ -238,7 +249,12 @@ impl Plan {
             outcome: self.outcome.name().to_string(),
             reached: self.reached,
             bound: options.bound,
+            bend: self.max_bend,
         };
+        let pattern = self
+            .bent
+            .take()
+            .unwrap_or_else(|| Arc::new(pattern.clone()));
         self.motion = core::mem::take(&mut self.path).into_motion(pattern, options, answer);
         self
     }

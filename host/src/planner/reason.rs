@@ -248,6 +248,8 @@ pub enum Note {
     },
     /// Creases turn one after the other, in this number of phases.
     Phases(usize),
+    /// The sheet would fold to the goal if panels bent by this angle, radians.
+    WouldBend(f64),
     /// The errors of vertices that do not close are added up as they are, not in the worst case.
     ErrorsAddedUp {
         /// Largest closure residual of a vertex.

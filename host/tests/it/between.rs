@@ -74,7 +74,7 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         .collect();
     let expected = [
         (Strategy::CreaseGroups, "crossing"),
-        (Strategy::FoldSequence, "planned"),
+        (Strategy::SplitPhases, "planned"),
     ];
     assert_eq!(tried, expected);
     let halves = goal.fold_angles.iter().map(|angle| angle.map(|a| a / 2.0));

@@ -1,6 +1,7 @@
 //! Tests of the library, one module for each subject.
 
 mod amplification;
+mod bends;
 mod between;
 mod certificate;
 mod clearance;

@@ -306,6 +306,10 @@ fn notes_are_sentences() {
             "folded in 3 phases: all creases cannot turn at once",
         ),
         (
+            Note::WouldBend(0.5),
+            "the sheet would fold if its panels might bend by 28.6 degrees: --bend 29",
+        ),
+        (
             Note::ErrorsAddedUp { closure: 1e-5 },
             "vertices fail to close by up to 1.0e-5: at worst that adds up to more than the bound; what it does add up \
              to is certified of the sheet folded from its middle and from its rim, doubled for other faces",

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 40] = [
+const ORDER: [&str; 42] = [
     "vectors",
     "goal",
     "knots",
@@ -44,6 +44,8 @@ const ORDER: [&str; 40] = [
     "strategies/simple_folds",
     "strategies/pipeline",
     "strategies/fold_sequence",
+    "strategies/split_phases",
+    "strategies/bending",
     "strategies/driver",
 ];
 

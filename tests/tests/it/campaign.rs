@@ -7,7 +7,7 @@ use core::time::Duration;
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::export::fold::motion_text;
-use foldpath::generate::Quad;
+use foldpath::generate::{Letters, Quad, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Note, Outcome, PlanOptions, plan};
 use foldpath::read::fold::PatternFile;
@@ -377,4 +377,49 @@ fn an_unproved_path_ends_where_it_is_proved() {
         }
     }
     assert!(unproved > 0);
+}
+
+/// Twists that are locked with rigid panels: the oracle folds the sheets whose panels bend, whose diagonals it takes for
+/// creases.
+#[test]
+fn the_oracle_agrees_with_panels_that_bend() {
+    for (angle, letters) in [
+        (20.0_f64, Letters::Unfoldable),
+        (30.0, Letters::Unfoldable),
+        (40.0, Letters::Unfoldable),
+    ] {
+        let twist = SquareTwist {
+            rows: 1,
+            columns: 1,
+            angle: angle.to_radians(),
+            letters,
+            fold: 1.0,
+        };
+        let pattern = CreasePattern::new(twist.drawing().unwrap()).unwrap();
+        let options = PlanOptions {
+            bend: 1.5,
+            ..PlanOptions::default()
+        };
+        let goal = Goal::of_letters(&pattern, 0.4).unwrap();
+        let plan = plan(&pattern, &goal, &options);
+        assert_eq!(plan.outcome, Outcome::Planned, "{angle}");
+        assert!(plan.max_bend > 0.0, "{angle}");
+        let motion = plan.motion.as_ref().unwrap();
+        let path = Animation::parse(&motion_text(motion)).unwrap();
+        // The letters ask for an angle of each crease that few reach; the oracle judges the letters alone.
+        let ways = motion.pattern.edges().iter().map(|edge| {
+            let sign = edge.letter.sign();
+            (sign.abs() > 0.0).then_some(sign)
+        });
+        let found = judge(
+            &path,
+            &ways.collect::<Vec<_>>(),
+            &plan,
+            options.bound,
+            CONTACT,
+        );
+        let off_goal = |found: &&String| !found.starts_with("off the goal");
+        let found: Vec<_> = found.disagreements.iter().filter(off_goal).collect();
+        assert!(found.is_empty(), "{angle}: {found:?}");
+    }
 }

@@ -58,6 +58,8 @@ fn usage() {
         plan miura.fold --fold=-0.5
         plan miura.fold --bound 0
         plan miura.fold --bound 2
+        plan miura.fold --bend 200
+        plan miura.fold --bend=-1
         plan miura.fold --max-speed 0
         plan miura.fold --max-speed=-1
         plan miura.fold --max-accel 0

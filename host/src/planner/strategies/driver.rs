@@ -3,10 +3,12 @@
 
 use std::time::Instant;
 
-use super::fold_sequence::{fold_in_sequence, goal_of_sequences};
+use super::bending::BentSheet;
+use super::fold_sequence::{fold_in_sequence, goal_of_sequences, has_few_creases};
 use super::pipeline::{self, Ending};
+use super::split_phases::{fold_in_split_phases, splits_phases};
 use crate::collision::contact_tolerance;
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, Diagonals};
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
@@ -24,6 +26,14 @@ const FEW_CREASES: usize = 200;
 /// Largest number of creases of a sheet that is planned once more without its crease groups because it is not proved to
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
+
+/// Largest number of limits on the bend of panels that are tried after a plan is found.
+const MAX_BEND_HALVINGS: usize = 8;
+/// Largest bend that is tried to tell how far panels would have to bend, radians, and the number of smaller ones.
+const HINTED_BEND_RAD: f64 = core::f64::consts::FRAC_PI_2;
+const HINT_HALVINGS: usize = 3;
+/// Fraction of the largest bend to which the least one is looked for.
+const BEND_RATIO: f64 = 0.03;
 
 /// A row of the table of strategies.
 struct Row {
@@ -252,31 +262,18 @@ fn plan_until_over(
         contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
         watch: watch.until(deadline),
     };
-    let mut best = Plan::default();
     let mut attempts = Vec::new();
-    for row in &STRATEGIES {
-        if row.seed == Some(options.seed) || !(row.is_tried)(&asked, &best) {
-            continue;
+    let mut best = run_table(&asked, &mut attempts);
+    if is_no(best.outcome) && options.bend > 0.0 {
+        let bent = with_least_bend(&asked, options.bend, MAX_BEND_HALVINGS, &mut attempts);
+        if let Some(mut bent) = bent {
+            bent.add_effort(&best);
+            best = bent;
         }
-        let options = PlanOptions {
-            symmetry: row.symmetry.unwrap_or(options.symmetry),
-            seed: row.seed.unwrap_or(options.seed),
-            ..options.clone()
-        };
-        let problem = PlanningProblem {
-            options: &options,
-            errors: row.errors,
-            goes_near: row.goes_near,
-            ..asked
-        };
-        let Some(mut plan) = try_strategy(&problem, row.strategy, &mut attempts) else {
-            continue;
-        };
-        if (row.is_better)(&plan, &best) {
-            plan.add_effort(&best);
-            plan.notes.extend((row.note)(&asked, &plan, &best));
-            best = plan;
-        }
+    } else if is_stuck(&asked, &best) {
+        let bent = with_least_bend(&asked, HINTED_BEND_RAD, HINT_HALVINGS, &mut Vec::new());
+        let would_bend = bent.map(|bent| Note::WouldBend(bent.max_bend));
+        best.notes.extend(would_bend);
     }
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
@@ -289,6 +286,106 @@ fn plan_until_over(
         contact_tolerance: asked.contact,
         ..best
     }
+}
+
+/// Tries the rows of the table in order, and returns the best plan.
+fn run_table(asked: &PlanningProblem<'_>, attempts: &mut Vec<Attempt>) -> Plan {
+    let options = asked.options;
+    let mut best = Plan::default();
+    for row in &STRATEGIES {
+        if row.seed == Some(options.seed) || !(row.is_tried)(asked, &best) {
+            continue;
+        }
+        let options = PlanOptions {
+            symmetry: row.symmetry.unwrap_or(options.symmetry),
+            seed: row.seed.unwrap_or(options.seed),
+            ..options.clone()
+        };
+        let problem = PlanningProblem {
+            options: &options,
+            errors: row.errors,
+            goes_near: row.goes_near,
+            ..*asked
+        };
+        let Some(mut plan) = try_strategy(&problem, row.strategy, attempts) else {
+            continue;
+        };
+        if (row.is_better)(&plan, &best) {
+            plan.add_effort(&best);
+            plan.notes.extend((row.note)(asked, &plan, &best));
+            best = plan;
+        }
+    }
+    best
+}
+
+/// Returns `true` if a small sheet hardly leaves flat with rigid panels.
+fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
+    let short = matches!(
+        plan.outcome,
+        Outcome::Partial | Outcome::NearGoal | Outcome::GoalNotClosed
+    );
+    let few = problem.pattern.creases().len() <= FEW_CREASES;
+    let path = problem.options.search == Search::Path && problem.options.judged == Judged::Motion;
+    short && few && path && plan.reached < FARTHER_RATIO && !problem.is_late()
+}
+
+/// Returns the plan found in which panels bend least, and by no more than `most` radians, if there is one. Both diagonals
+/// of the panels are tried; then up to `halvings` smaller limits, between the largest with which no plan is found and the
+/// smallest with which one is.
+fn with_least_bend(
+    asked: &PlanningProblem<'_>,
+    most: f64,
+    halvings: usize,
+    attempts: &mut Vec<Attempt>,
+) -> Option<Plan> {
+    let mut best: Option<(BentSheet, Plan)> = None;
+    for which in [Diagonals::Triangulation, Diagonals::Others] {
+        let bent = BentSheet::of(asked.pattern, asked.goal, asked.options, which);
+        let Some(sheet) = bent else { continue };
+        let most = best.as_ref().map_or(most, |(_, plan)| plan.max_bend);
+        if let Some(plan) = bent_by(asked, &sheet, most, Some(&mut *attempts)) {
+            best = Some((sheet, plan));
+        }
+    }
+    let (sheet, mut plan) = best?;
+    let mut too_small = 0.0;
+    for _ in 0..halvings {
+        let most = f64::midpoint(too_small, plan.max_bend);
+        if asked.is_late() || plan.max_bend - too_small < BEND_RATIO * plan.max_bend {
+            break;
+        }
+        match bent_by(asked, &sheet, most, None) {
+            Some(less) => plan = less,
+            None => too_small = most,
+        }
+    }
+    plan.bent = Some(sheet.pattern);
+    Some(plan)
+}
+
+/// Plans a sheet whose panels bend by no more than `most` radians; `None` if that leads to no plan.
+fn bent_by(
+    asked: &PlanningProblem<'_>,
+    sheet: &BentSheet,
+    most: f64,
+    attempts: Option<&mut Vec<Attempt>>,
+) -> Option<Plan> {
+    let options = sheet.bending_by(most);
+    let problem = PlanningProblem {
+        pattern: &sheet.pattern,
+        goal: &sheet.goal,
+        options: &options,
+        ..*asked
+    };
+    let mut unlisted = Vec::new();
+    let attempts = attempts.unwrap_or(&mut unlisted);
+    let mut plan = try_strategy(&problem, Strategy::BendingPanels, attempts)?;
+    if plan.outcome != Outcome::Planned {
+        return None;
+    }
+    plan.max_bend = sheet.largest_bend(&plan);
+    Some(plan)
 }
 
 /// Runs the pipeline for one strategy. If faces cross then, or the path ends before the goal, folds in sequence are
@@ -313,25 +410,37 @@ fn try_strategy(
     if pass.ending != Ending::Obstructed {
         return Some(plan);
     }
-    let start = Instant::now();
     let Some(goal) = goal_of_sequences(problem, &pass.route) else {
         return Some(plan);
     };
-    let sequence = fold_in_sequence(problem, &pass.route, goal);
-    let (outcome, reason) = match &sequence {
-        Some(sequence) => (sequence.outcome, sequence.reason.clone()),
-        None => (Outcome::Partial, Some(Reason::NoFoldSequence)),
+    let mut try_phases = |strategy, fold: &dyn Fn() -> Option<Plan>| {
+        let start = Instant::now();
+        let found = fold();
+        let (outcome, reason) = match &found {
+            Some(found) => (found.outcome, found.reason.clone()),
+            None => (Outcome::Partial, Some(Reason::NoFoldSequence)),
+        };
+        attempts.push(Attempt {
+            strategy,
+            outcome,
+            reason,
+            seconds: start.elapsed().as_secs_f64(),
+        });
+        found
     };
-    attempts.push(Attempt {
-        strategy: Strategy::FoldSequence,
-        outcome,
-        reason,
-        seconds: start.elapsed().as_secs_f64(),
-    });
-    Some(match sequence {
-        Some(mut sequence) => {
-            sequence.add_effort(&plan);
-            sequence
+    let split = || fold_in_split_phases(problem, &goal, &plan);
+    let sequence = || fold_in_sequence(problem, &pass.route, goal.clone());
+    let mut found = None;
+    if splits_phases(problem, &plan) {
+        found = try_phases(Strategy::SplitPhases, &split);
+    }
+    if found.is_none() && has_few_creases(problem) {
+        found = try_phases(Strategy::FoldSequence, &sequence);
+    }
+    Some(match found {
+        Some(mut found) => {
+            found.add_effort(&plan);
+            found
         }
         None => plan,
     })

@@ -34,15 +34,14 @@ const MAX_STEPS: usize = 100_000;
 const MAX_CONFIGURATIONS: usize = 16;
 
 /// Returns the fold angles (radians) to which creases may be folded one after the other, if they may be: the goal of
-/// `route`, if that closes as it is or its errors are snapped, and the sheet is small.
+/// `route`, if that closes as it is or its errors are snapped.
 pub(crate) fn goal_of_sequences(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
 ) -> Option<Vec<f64>> {
     let fits = problem.goal.via.is_empty()
         && problem.goal.kind != GoalKind::Driven
-        && problem.options.search == Search::Path
-        && problem.pattern.creases().len() <= MAX_CREASES;
+        && problem.options.search == Search::Path;
     let end = match route.end {
         End::Reached => Some(route.last()),
         _ => route.goal.as_deref(),
@@ -50,6 +49,11 @@ pub(crate) fn goal_of_sequences(
     let closes = || problem.errors.is_snapped() || closing_angle(problem, route).is_none();
     let end = end.filter(|_| fits && closes())?;
     Some(route.reduction.groups.expand(end))
+}
+
+/// Returns `true` if a sheet has few enough creases for folds in sequence to be looked for.
+pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
+    problem.pattern.creases().len() <= MAX_CREASES
 }
 
 /// Returns the angle (radians) by which creases are off, if the goal closes but for rounding; so do the goal's parts
@@ -123,7 +127,10 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
     let mut effort = Plan::default();
     let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
     let stops = |orders: &Orders<'_>, phases: &[Vec<_>]| {
-        let phases: Vec<_> = phases.iter().map(|once| orders.folded(once)).collect();
+        let phases: Vec<_> = phases
+            .iter()
+            .map(|once| union(&orders.goal, once))
+            .collect();
         orders.stops(&phases)
     };
     let mut run = phases.len().div_ceil(2);
@@ -132,7 +139,7 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
         while from + 1 < phases.len() && phases.len() > run {
             let to = phases.len().min(from + run);
             let once = phases[from..to].concat();
-            let next = orders.moves(&orders.folded(&phases[..from].concat()));
+            let next = orders.moves(&union(&orders.goal, &phases[..from].concat()));
             let mut fewer = phases.clone();
             fewer.splice(from..to, [once.clone()]);
             from += run - 1;
@@ -189,8 +196,64 @@ fn parts(
     Some(parts.map(|part| set(goal, part)).collect())
 }
 
+/// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first. The other
+/// creases are flat at the stops; `goal` has the fold angles of folded ones, radians.
+pub(super) fn plan_by_way_of(
+    problem: &PlanningProblem<'_>,
+    goal: &[f64],
+    stops: &[FixedBitSet],
+    bound_fraction: f64,
+) -> Plan {
+    let via = stops.iter().map(|folded| {
+        let angles = angles(goal, folded).into_iter().map(Some).collect();
+        Goal::chosen(problem.pattern, angles, "a part of the goal".into())
+    });
+    let goal = Goal {
+        via: via.collect(),
+        ..problem.goal.clone()
+    };
+    let problem = PlanningProblem {
+        goal: &goal,
+        ..*problem
+    };
+    let pass = pipeline::run(&problem, bound_fraction);
+    pass.map_or_else(
+        || Plan {
+            outcome: Outcome::Partial,
+            ..Plan::default()
+        },
+        |pass| pass.plan,
+    )
+}
+
+/// Returns the fold angles with these creases at their goals and the others flat, radians.
+fn angles(goal: &[f64], folded: &FixedBitSet) -> Vec<f64> {
+    let angles = goal.iter().enumerate();
+    angles
+        .map(|(crease, &angle)| if folded[crease] { angle } else { 0.0 })
+        .collect()
+}
+
+/// Returns the creases on the way from one face to another along a spanning tree.
+pub(super) fn between<T>(tree: &SpanningTree, all: &[T], faces: [FaceId; 2]) -> FixedBitSet {
+    let [a, b] = faces.map(|face| {
+        let step = |face: FaceId| tree.steps().iter().find(|step| step.face == face);
+        let way = core::iter::successors(step(face), |at| step(at.parent));
+        let creases = way.filter_map(|step| step.crease);
+        set(all, creases.map(|crease| crease.index()))
+    });
+    set(all, a.symmetric_difference(&b))
+}
+
+/// Returns all creases of some sets.
+pub(super) fn union<T>(all: &[T], sets: &[FixedBitSet]) -> FixedBitSet {
+    let mut union = set(all, []);
+    sets.iter().for_each(|set| union.union_with(set));
+    union
+}
+
 /// Makes a set of creases with room for as many creases as a list has items.
-fn set<T>(all: &[T], creases: impl IntoIterator<Item = usize>) -> FixedBitSet {
+pub(super) fn set<T>(all: &[T], creases: impl IntoIterator<Item = usize>) -> FixedBitSet {
     let mut set = FixedBitSet::with_capacity(all.len());
     set.extend(creases);
     set
@@ -234,58 +297,22 @@ struct Orders<'a> {
 }
 
 impl Orders<'_> {
-    /// Returns all creases of a sequence.
-    fn folded(&self, order: &[FixedBitSet]) -> FixedBitSet {
-        let mut folded = set(&self.goal, []);
-        for creases in order {
-            folded.union_with(creases);
-        }
-        folded
-    }
-
     /// Returns the creases that are folded after each step of a sequence but the last.
     fn stops(&self, order: &[FixedBitSet]) -> Vec<FixedBitSet> {
-        let stops = (1..order.len()).map(|k| self.folded(&order[..k]));
+        let stops = (1..order.len()).map(|k| union(&self.goal, &order[..k]));
         stops.collect()
-    }
-
-    /// Returns the fold angles with these creases folded and the others flat, radians.
-    fn angles(&self, folded: &FixedBitSet) -> Vec<f64> {
-        let angles = self.goal.iter().enumerate();
-        angles
-            .map(|(crease, &angle)| if folded[crease] { angle } else { 0.0 })
-            .collect()
     }
 
     /// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first.
     fn plan_by_way_of(&self, stops: &[FixedBitSet], bound_fraction: f64) -> Plan {
-        let via = stops.iter().map(|folded| {
-            let angles = self.angles(folded).into_iter().map(Some).collect();
-            Goal::chosen(self.problem.pattern, angles, "a part of the goal".into())
-        });
-        let goal = Goal {
-            via: via.collect(),
-            ..self.problem.goal.clone()
-        };
-        let problem = PlanningProblem {
-            goal: &goal,
-            ..*self.problem
-        };
-        let pass = pipeline::run(&problem, bound_fraction);
-        pass.map_or_else(
-            || Plan {
-                outcome: Outcome::Partial,
-                ..Plan::default()
-            },
-            |pass| pass.plan,
-        )
+        plan_by_way_of(self.problem, &self.goal, stops, bound_fraction)
     }
 
     fn is_free(&mut self, folded: &FixedBitSet) -> bool {
         if let Some(&free) = self.free.get(folded) {
             return free;
         }
-        let angles = self.angles(folded).into_iter().map(Some);
+        let angles = angles(&self.goal, folded).into_iter().map(Some);
         let angles = self.groups.reduce(&angles.collect::<Vec<_>>());
         let mut knot = Knot {
             angles: angles.into_iter().flatten().collect(),
@@ -304,7 +331,7 @@ impl Orders<'_> {
         if let Some(moves) = self.moves.get(folded) {
             return moves.clone();
         }
-        let map = FoldingMap::new(self.problem.pattern, self.tree, &self.angles(folded));
+        let map = FoldingMap::new(self.problem.pattern, self.tree, &angles(&self.goal, folded));
         let mut turns = vec![0.0; self.goal.len()];
         for crease in self.all.difference(folded) {
             turns[crease] = self.goal[crease];
@@ -331,7 +358,7 @@ impl Orders<'_> {
     /// Extends a sequence to all creases, if possible. `Err(true)` says that it is impossible in any order of the
     /// creases folded so far.
     fn extend(&mut self, order: &mut Vec<FixedBitSet>) -> Result<(), bool> {
-        let folded = self.folded(order);
+        let folded = union(&self.goal, order);
         if folded == self.all {
             return Ok(());
         }
@@ -369,7 +396,7 @@ impl Orders<'_> {
     /// Bars a set of creases from being next after others, as the plan ended with this outcome.
     fn bar(&mut self, order: &[FixedBitSet], next: &FixedBitSet, outcome: &Outcome) {
         let between = match outcome {
-            Outcome::Crossing(crossing) => self.between(crossing.faces),
+            Outcome::Crossing(crossing) => between(self.tree, &self.goal, crossing.faces),
             _ => self.all.clone(),
         };
         let before: Vec<_> = of_those(order, &between).collect();
@@ -381,17 +408,6 @@ impl Orders<'_> {
             before,
             next: next.clone(),
         });
-    }
-
-    /// Returns the creases on the way from one face to another along the spanning tree.
-    fn between(&self, faces: [FaceId; 2]) -> FixedBitSet {
-        let [a, b] = faces.map(|face| {
-            let step = |face: FaceId| self.tree.steps().iter().find(|step| step.face == face);
-            let way = core::iter::successors(step(face), |at| step(at.parent));
-            let creases = way.filter_map(|step| step.crease);
-            set(&self.goal, creases.map(|crease| crease.index()))
-        });
-        set(&self.goal, a.symmetric_difference(&b))
     }
 }
 

@@ -3,7 +3,9 @@
 //! One entry point: [`plan`](driver::plan).
 
 mod arrival;
+pub(super) mod bending;
 pub(super) mod driver;
 pub(super) mod fold_sequence;
 pub(super) mod pipeline;
 pub(super) mod simple_folds;
+pub(super) mod split_phases;

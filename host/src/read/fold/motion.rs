@@ -117,6 +117,10 @@ fn motion(document: &Document) -> Result<Motion, FileError> {
             return Err(document.expected(place, &expected, &pair[1].time.to_string()));
         }
     }
+    // Panels bend about the edges lettered J that turn.
+    let turns = |edge: usize| !knots.iter().all(|knot| knot.is_still(edge));
+    let turning: Vec<bool> = (0..pattern.edges().len()).map(turns).collect();
+    let pattern = pattern.bent_along(&turning).unwrap_or(pattern);
     let named = named_members(&key, pattern.edges().len())?;
     let (members, naming) = match named {
         Some(named) if are_true(&named, &pattern, &knots) => (named, GroupNaming::Named),
@@ -205,10 +209,19 @@ fn answer(key: &Frame<'_>) -> Result<Option<PlanAnswer>, FileError> {
     if limit <= 0.0 {
         return Err(bound.expected("a number above 0"));
     }
+    let bend = own("foldpath:bend").map_or(Ok(0.0), |bend| {
+        let degrees = bend.number()?;
+        if (0.0..=180.0).contains(&degrees) {
+            Ok(degrees.to_radians())
+        } else {
+            Err(bend.expected("degrees from 0 to 180"))
+        }
+    });
     Ok(Some(PlanAnswer {
         outcome: outcome.text()?.to_string(),
         reached: fraction,
         bound: limit,
+        bend: bend?,
     }))
 }
 

@@ -49,7 +49,7 @@ fn weight(letter: Letter) -> u8 {
         Letter::Mountain | Letter::Valley => 3,
         Letter::Unassigned => 2,
         Letter::Boundary => 1,
-        Letter::Flat | Letter::Join => 0,
+        Letter::Flat | Letter::Join | Letter::Bend => 0,
     }
 }
 

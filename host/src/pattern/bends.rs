@@ -1,0 +1,105 @@
+//! Panels that bend: patterns whose faces are cut along diagonals that turn.
+
+use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, Letter, VertexId};
+
+/// Diagonals of the faces with four corners along which panels may bend. Faces with more corners bend along the diagonals
+/// of their triangulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Diagonals {
+    /// Those of the triangulation, which avoid narrow triangles.
+    Triangulation,
+    /// The other ones.
+    Others,
+}
+
+impl CreasePattern {
+    /// Returns the pattern with each face cut into triangles whose common edges are creases, lettered
+    /// [`Letter::Bend`]; edges lettered J between two faces turn as well. Vertices and edges keep their numbers: new edges
+    /// come last. Returns `None` if the sheet has no face to bend, or if it is cut, as cut vertices cannot be drawn again.
+    pub(crate) fn with_bends(&self, which: Diagonals) -> Option<Self> {
+        let mut faces = Vec::new();
+        let mut diagonals = Vec::new();
+        for (corners, triangles) in self.faces.iter().zip(self.triangles.iter()) {
+            if let (&[a, b, c, d], Diagonals::Others) = (corners, which) {
+                let first = triangles[0];
+                let turned = if first[0] == a || first[2] == a {
+                    [b, c, d, a]
+                } else {
+                    [a, b, c, d]
+                };
+                let [a, b, c, d] = turned;
+                let halves = [[a, b, c], [c, d, a]];
+                if halves.iter().all(|&half| self.is_counter_clockwise(half)) {
+                    diagonals.push([a, c]);
+                    faces.extend(halves.map(Vec::from));
+                    continue;
+                }
+            }
+            // Each triangle but the last was cut off along the side between its first and third corner.
+            let cut_off = triangles.split_last().map_or(&[][..], |(_, others)| others);
+            diagonals.extend(cut_off.iter().map(|&[a, _, c]| [a, c]));
+            faces.extend(triangles.iter().map(|&triangle| Vec::from(triangle)));
+        }
+        self.redrawn(faces, diagonals, |edge| {
+            self.edge(edge).letter == Letter::Join
+        })
+    }
+
+    /// Returns the pattern with these edges lettered [`Letter::Bend`], if they are lettered J and lie between two faces;
+    /// `None` if the sheet is cut, or none of them is such an edge.
+    pub(crate) fn bent_along(&self, bends: &[bool]) -> Option<Self> {
+        let faces = self.faces.iter().map(<[VertexId]>::to_vec).collect();
+        self.redrawn(faces, Vec::new(), |edge| {
+            bends.get(edge.index()) == Some(&true) && self.edge(edge).letter == Letter::Join
+        })
+    }
+
+    fn is_counter_clockwise(&self, triangle: [VertexId; 3]) -> bool {
+        let [a, b, c] = triangle.map(|v| self.vertices[v.index()]);
+        (b - a).perp(&(c - a)) > 0.0
+    }
+
+    /// Draws the pattern again with these faces, with bends along these diagonals and along the edges for which `bends`
+    /// is true.
+    fn redrawn(
+        &self,
+        faces: Vec<Vec<VertexId>>,
+        diagonals: Vec<[VertexId; 2]>,
+        bends: impl Fn(EdgeId) -> bool,
+    ) -> Option<Self> {
+        let is_cut = self.edges.len() > self.drawn || !self.slits.is_empty() || self.sheets() > 1;
+        let bent = |(index, edge): (usize, &super::Edge)| DrawnEdge {
+            ends: edge.ends.map(VertexId::index),
+            letter: if edge.inner_faces().is_some() && bends(EdgeId::new(index)) {
+                Letter::Bend
+            } else {
+                edge.letter
+            },
+            goal: edge.goal,
+        };
+        let mut edges: Vec<DrawnEdge> = self.edges.iter().enumerate().map(bent).collect();
+        edges.extend(diagonals.into_iter().map(|ends| DrawnEdge {
+            ends: ends.map(VertexId::index),
+            letter: Letter::Bend,
+            goal: None,
+        }));
+        if is_cut || !edges.iter().any(|edge| edge.letter == Letter::Bend) {
+            return None;
+        }
+        let drawing = Drawing {
+            vertices: self.vertices.clone(),
+            edges,
+            faces: Some(
+                faces
+                    .into_iter()
+                    .map(|face| face.into_iter().map(VertexId::index).collect())
+                    .collect(),
+            ),
+        };
+        let mut pattern = Self::new(drawing).ok()?;
+        pattern.assumptions.clone_from(&self.assumptions);
+        pattern.repairs.clone_from(&self.repairs);
+        pattern.y_down = self.y_down;
+        Some(pattern)
+    }
+}
