@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use super::bending::BentSheet;
-use super::fold_sequence::{fold_in_sequence, goal_of_sequences, has_few_creases};
+use super::fold_sequence::{fold_in_sequence, goal_is_free, goal_of_sequences, has_few_creases};
 use super::pipeline::{self, Ending};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use crate::collision::contact_tolerance;
@@ -410,7 +410,8 @@ fn try_strategy(
     if pass.ending != Ending::Obstructed {
         return Some(plan);
     }
-    let Some(goal) = goal_of_sequences(problem, &pass.route) else {
+    let goal = goal_of_sequences(problem, &pass.route);
+    let Some(goal) = goal.filter(|goal| goal_is_free(problem, goal)) else {
         return Some(plan);
     };
     let mut try_phases = |strategy, fold: &dyn Fn() -> Option<Plan>| {

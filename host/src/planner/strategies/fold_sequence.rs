@@ -51,6 +51,30 @@ pub(crate) fn goal_of_sequences(
     Some(route.reduction.groups.expand(end))
 }
 
+/// Returns `true` if the sheet closes at `goal` (fold angles in radians) and no faces cross there; else no sequence leads
+/// to it.
+pub(crate) fn goal_is_free(problem: &PlanningProblem<'_>, goal: &[f64]) -> bool {
+    let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
+    let mut judge = Judge::new(problem, &reduction, problem.options.collision);
+    let closure_tolerance = reduction.closure_tolerance(problem.options);
+    is_free(&mut judge, &reduction.groups, goal, closure_tolerance)
+}
+
+/// Returns `true` if the sheet closes at these fold angles (radians) to a tolerance, and no faces cross.
+fn is_free(
+    judge: &mut Judge<'_>,
+    groups: &CreaseGroups,
+    angles: &[f64],
+    closure_tolerance: f64,
+) -> bool {
+    let angles: Vec<_> = angles.iter().copied().map(Some).collect();
+    let mut knot = Knot {
+        angles: groups.reduce(&angles).into_iter().flatten().collect(),
+        ..Knot::default()
+    };
+    judge.judge(&mut knot).is_none() && knot.closure <= closure_tolerance
+}
+
 /// Returns `true` if a sheet has few enough creases for folds in sequence to be looked for.
 pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
     problem.pattern.creases().len() <= MAX_CREASES
@@ -97,9 +121,6 @@ pub(crate) fn fold_in_sequence(
         barred: Vec::new(),
         steps: 0,
     };
-    if !orders.is_free(&orders.all.clone()) {
-        return None;
-    }
     let mut effort = Plan::default();
     for _ in 0..MAX_TRIES {
         let mut order = Vec::new();
@@ -312,15 +333,14 @@ impl Orders<'_> {
         if let Some(&free) = self.free.get(folded) {
             return free;
         }
-        let angles = angles(&self.goal, folded).into_iter().map(Some);
-        let angles = self.groups.reduce(&angles.collect::<Vec<_>>());
-        let mut knot = Knot {
-            angles: angles.into_iter().flatten().collect(),
-            ..Knot::default()
-        };
+        let angles = angles(&self.goal, folded);
         let free = self.free.len() < MAX_SETS
-            && self.judge.judge(&mut knot).is_none()
-            && knot.closure <= self.closure_tolerance;
+            && is_free(
+                &mut self.judge,
+                self.groups,
+                &angles,
+                self.closure_tolerance,
+            );
         self.free.insert(folded.clone(), free);
         free
     }

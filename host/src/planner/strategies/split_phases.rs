@@ -19,7 +19,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 
 /// Largest number of ways to part the creases into phases that are tried as plans.
-const MAX_TRIES: usize = 300;
+const MAX_TRIES: usize = 200;
 /// Fraction of the way to the goal that another phase is worth: a way with one phase more is tried first only if the
 /// way that it was made from leads farther by this.
 const WORTH_OF_PHASE: f64 = 0.05;
