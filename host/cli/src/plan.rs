@@ -10,14 +10,14 @@ use crate::args::{Frames, Plan, Switch};
 use crate::hints::{nearest_hinge, radians};
 use crate::output::write_whole_with;
 use crate::progress::watched;
-use crate::report::outcome;
+use crate::report::{lost_lines, outcome};
 use crate::{Answer, CliError, check_output, print, print_json, print_notes};
 use foldpath::export::fold::write_motion;
 use foldpath::pattern::{CreaseId, CreasePattern};
 use foldpath::planner::{self, Goal, GoalError, HingeLimit, Outcome, PlanOptions};
 use foldpath::progress::{Progress, Stage};
 use foldpath::read::fold::{PatternFile, read_goal};
-use foldpath::read::{parse_pattern, read_pattern_bytes};
+use foldpath::read::{parse_pattern_with, read_pattern_bytes};
 
 #[derive(Serialize)]
 struct PlanJson<'a> {
@@ -231,9 +231,10 @@ fn planned(
 ) -> Result<Planned, CliError> {
     progress.begin(Stage::Reading);
     let start = Instant::now();
+    let reading = args.reading.options()?;
     let bytes = read_pattern_bytes(&args.pattern)?;
     let input = InputJson::of(args, &bytes);
-    let file = parse_pattern(&args.pattern, &bytes)?;
+    let file = parse_pattern_with(&args.pattern, &bytes, &reading)?;
     drop(bytes);
     let goal = goal(args, &file)?;
     let limits = limits(args, &file.pattern)?;
@@ -399,6 +400,9 @@ fn summary(
             .map(|attempt| format!("{}: {}", attempt.strategy, attempt.outcome))
             .collect();
         text += &format!("  tried        {}\n", tried.join("; "));
+    }
+    if let Some(lost) = file.pattern.lost_lines() {
+        text += &format!("  lost lines   {}\n", lost_lines(lost));
     }
     text += &format!(
         "  goal         {}\n  \

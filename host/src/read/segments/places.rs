@@ -35,13 +35,14 @@ impl Places {
         [cell(scaled.x), cell(scaled.y)]
     }
 
-    /// Returns the place nearest to the point, or a new place if none lies within the tolerance.
-    pub(super) fn at(&mut self, point: Vector2<f64>) -> usize {
+    /// Returns the place nearest to the point within the tolerance, if there is one; `but` is left out.
+    fn near(&self, point: Vector2<f64>, but: Option<usize>) -> Option<usize> {
         let [x, y] = self.cell(&point);
         let mut nearest = (self.tolerance, None);
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
             let cell = [x.saturating_add(dx), y.saturating_add(dy)];
-            for &other in self.cells.get(&cell).into_iter().flatten() {
+            let here = self.cells.get(&cell).into_iter().flatten();
+            for &other in here.filter(|other| Some(**other) != but) {
                 let distance = (self.points[other] - point).norm();
                 let first = nearest.1.is_none();
                 if distance < nearest.0 || (first && distance <= nearest.0) {
@@ -49,7 +50,12 @@ impl Places {
                 }
             }
         }
-        if let Some(other) = nearest.1 {
+        nearest.1
+    }
+
+    /// Returns the place nearest to the point, or a new place if none lies within the tolerance.
+    pub(super) fn at(&mut self, point: Vector2<f64>) -> usize {
+        if let Some(other) = self.near(point, None) {
             let offset = point - self.points[other];
             self.offsets[other].0 += offset;
             self.offsets[other].1 += 1.0;
@@ -58,8 +64,24 @@ impl Places {
         let new = self.points.len();
         self.points.push(point);
         self.offsets.push((Vector2::zeros(), 1.0));
-        self.cells.entry([x, y]).or_default().push(new);
+        let cell = self.cell(&point);
+        self.cells.entry(cell).or_default().push(new);
         new
+    }
+
+    /// Moves a place to the point and returns it. If another place lies within the tolerance of the point, returns that
+    /// place instead and moves none.
+    pub(super) fn moved(&mut self, place: usize, point: Vector2<f64>) -> usize {
+        if let Some(other) = self.near(point, Some(place)) {
+            return other;
+        }
+        let [before, after] = [self.points[place], point].map(|point| self.cell(&point));
+        if let Some(cell) = self.cells.get_mut(&before) {
+            cell.retain(|other| *other != place);
+        }
+        self.points[place] = point;
+        self.cells.entry(after).or_default().push(place);
+        place
     }
 
     /// Moves each place to the mean of the points merged into it, by at most one tolerance.
