@@ -318,7 +318,10 @@ fn text<S: serde::Serializer>(
     value: &Option<ColourLetters>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    value.as_ref().map(ToString::to_string).serialize(serializer)
+    value
+        .as_ref()
+        .map(ToString::to_string)
+        .serialize(serializer)
 }
 
 impl Reading {

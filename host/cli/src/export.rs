@@ -23,8 +23,7 @@ pub(crate) fn run(args: &Export) -> Answer {
     if args.colour.is_some() && args.to != ExportFormat::Svg {
         return usage("--colour: expected --to svg, which has colours");
     }
-    let reads_drawing =
-        args.to == ExportFormat::Svg && args.colour != Some(Colour::Deformation);
+    let reads_drawing = args.to == ExportFormat::Svg && args.colour != Some(Colour::Deformation);
     if args.reading.is_given() && !reads_drawing {
         let text = "--tolerance and --colors: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text);

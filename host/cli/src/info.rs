@@ -157,7 +157,9 @@ fn summary(file: &PatternFile, info: &InfoJson) -> String {
         parts += &count(holes, "hole");
     }
     let lost = file.pattern.lost_lines().map(lost_lines);
-    let lost = lost.map_or_else(String::new, |lost| format!("  lost lines          {lost}\n"));
+    let lost = lost.map_or_else(String::new, |lost| {
+        format!("  lost lines          {lost}\n")
+    });
     let amplification = info.amplification.map_or_else(
         || "unknown".to_string(),
         |factor| format!("{factor:.4}: errors of the sheet per closure residual of a vertex"),

@@ -42,7 +42,11 @@ pub(crate) fn lost_lines(lost: &LostLines) -> String {
         Some(tolerance) => format!("--tolerance {tolerance} keeps all"),
         None => "no --tolerance was found that keeps all".into(),
     };
-    styled(NO, &format!("{} end in the open, the first at ({x:.6}, {y:.6})", lost.count)) + "; " + &keep
+    let lost = format!(
+        "{} end in the open, up to {:.1e} long, the first at ({x:.6}, {y:.6})",
+        lost.count, lost.longest
+    );
+    styled(NO, &lost) + "; " + &keep
 }
 
 /// Prints an error on stderr. A failure to write is ignored.

@@ -7,6 +7,8 @@ use core::fmt;
 pub struct LostLines {
     /// Number of lines, as split at vertices and crossings.
     pub count: usize,
+    /// Length of the longest of them, in the drawing's units. Short lines are often what goes past another line.
+    pub longest: f64,
     /// Place of the first end at which no other line ends, in the drawing's own coordinates.
     pub open_end: [f64; 2],
     /// Smallest tolerance found with which no line is lost, in the drawing's units. `None` if none was found.
@@ -15,12 +17,12 @@ pub struct LostLines {
 
 impl fmt::Display for LostLines {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { count, .. } = self;
+        let Self { count, longest, .. } = self;
         let [x, y] = self.open_end.map(rounded);
         write!(
             f,
-            "lines that end in the open, without faces between, left out: {count}, the first open end at \
-             ({x}, {y}); "
+            "lines that end in the open, without faces between, left out: {count}, up to {longest:.1e} long, the \
+             first open end at ({x}, {y}); "
         )?;
         match self.kept_by {
             Some(tolerance) => write!(f, "a tolerance of {tolerance} keeps all lines"),

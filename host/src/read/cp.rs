@@ -9,8 +9,8 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
-use super::{FileError, ReadOptions};
 use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::{FileError, ReadOptions};
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;

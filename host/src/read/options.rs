@@ -47,9 +47,17 @@ impl ReadOptions {
             }
         }
         if !self.colours.is_empty() && format != "SVG" {
-            let article = if format == "OPX" || format == "OBJ" { "an" } else { "a" };
+            let article = if format == "OPX" || format == "OBJ" {
+                "an"
+            } else {
+                "a"
+            };
             let expected = "an SVG drawing, whose lines have colours";
-            return wrong("letters of colours", expected, format!("{article} {format} file"));
+            return wrong(
+                "letters of colours",
+                expected,
+                format!("{article} {format} file"),
+            );
         }
         Ok(())
     }
@@ -113,7 +121,8 @@ impl FromStr for ColourLetters {
             let pair = part.split_once('=');
             let (name, code) = pair.ok_or_else(|| wrong("COLOUR=LETTER, such as red=V", part))?;
             let colour = opaque(name.trim()).ok_or_else(|| {
-                let expected = "a colour, by a name of CSS such as red or in digits such as #ff0000";
+                let expected =
+                    "a colour, by a name of CSS such as red or in digits such as #ff0000";
                 wrong(expected, name)
             })?;
             let letter = Letter::from_code(code.trim())

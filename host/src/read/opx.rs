@@ -11,16 +11,16 @@ use nalgebra::Vector2;
 use usvg::roxmltree::{Document, Error, Node, ParsingOptions};
 
 use super::segments::{LooseLines, MOST, Segment, pattern_file};
-use super::{FileError, ReadOptions};
+use super::{FileError, ReadOptions, svg};
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
 /// Largest size of a file, bytes.
-pub(super) const LARGEST_FILE: u64 = 1 << 28;
+pub(super) const LARGEST_FILE: u64 = 1 << 26;
 
 /// Largest number of nodes of the document. A line has up to 42, texts between elements included.
-const NODES: u32 = 1 << 25;
+const NODES: u32 = 1 << 23;
 
 /// Largest number of characters of a file's text that an error shows.
 const SHOWN: usize = 40;
@@ -53,6 +53,10 @@ pub(super) fn parse_pattern(
 
 /// Returns the lines of the drawing and its title, if it has one.
 fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
+    svg::check_text(text).map_err(|found| {
+        let expected = "less of it".into();
+        ("the drawing".to_string(), expected, found)
+    })?;
     // Without a document type there are no entities to expand.
     let parsing = ParsingOptions {
         nodes_limit: NODES,
@@ -65,7 +69,11 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
             _ => format!("no XML ({error})"),
         };
         let at = error.pos();
-        (format!("line {}, column {}", at.row, at.col), expected, found)
+        (
+            format!("line {}, column {}", at.row, at.col),
+            expected,
+            found,
+        )
     })?;
     let wrong = |node: Node<'_, '_>, expected: &str, found: String| {
         let place = format!("line {}", document.text_pos_at(node.range().start).row);
@@ -88,7 +96,11 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
     for item in items.filter_map(|item| item.first_element_child()) {
         if !item.has_tag_name("object") || !is_line(item.attribute("class").unwrap_or_default()) {
             let expected = "an object of the class oripa.OriLineProxy";
-            return Err(wrong(item, expected, format!("<{}>", item.tag_name().name())));
+            return Err(wrong(
+                item,
+                expected,
+                format!("<{}>", item.tag_name().name()),
+            ));
         }
         let (mut kind, mut place) = (0, [0.0; 4]);
         for property in item.children().filter(Node::is_element) {
@@ -130,7 +142,9 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
         other => format!("lines of type {other}, taken as auxiliary, left out: {count}"),
     });
     lines.notes = left_out.collect();
-    let title = title(array).map(str::trim).filter(|title| !title.is_empty());
+    let title = title(array)
+        .map(str::trim)
+        .filter(|title| !title.is_empty());
     Ok((lines, title.map(String::from)))
 }
 
@@ -143,7 +157,10 @@ fn is_line(class: &str) -> bool {
 /// `<void property="title"><string>..`, or as a field that is set:
 /// `<void method="getField"><string>title</string><void method="set"><object idref=".."/><string>..`.
 fn title<'a>(array: Node<'a, '_>) -> Option<&'a str> {
-    let data = array.ancestors().skip(1).find(|node| node.has_tag_name("object"))?;
+    let data = array
+        .ancestors()
+        .skip(1)
+        .find(|node| node.has_tag_name("object"))?;
     data.children().find_map(|value| {
         let text = |node: Node<'a, '_>| node.has_tag_name("string").then(|| node.text())?;
         if value.attribute("property") == Some("title") {

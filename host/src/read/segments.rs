@@ -16,8 +16,8 @@ use nalgebra::Vector2;
 
 use self::planar::{Looks, planar};
 use self::repairs::Repairs;
-use super::{FileError, stem};
 use super::fold::PatternFile;
+use super::{FileError, stem};
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, LostLines, PatternError};
 use crate::progress::Watch;
 
@@ -81,7 +81,7 @@ pub(super) fn pattern_file(
     };
     let mut sheet = reader.sheet(segments, tolerance)?;
     let kept_by = match kept {
-        Some(segments) if sheet.repairs.open > 0 => reader.keeping(&segments, &sheet),
+        Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
         _ => None,
     };
     let Sheet {
@@ -93,10 +93,11 @@ pub(super) fn pattern_file(
     for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);
     }
-    if let Some(at) = repairs.open_end {
+    if let Some(removed) = &repairs.removed {
         pattern.lose(LostLines {
-            count: repairs.open,
-            open_end: reader.drawn(at),
+            count: removed.count,
+            longest: removed.longest,
+            open_end: reader.drawn(removed.open_end),
             kept_by,
         });
     }
@@ -185,10 +186,10 @@ impl Reader<'_> {
         let keeps = |tolerance| {
             let sheet = self.sheet(segments.to_vec(), Some(tolerance));
             sheet.is_ok_and(|sheet| {
-                sheet.repairs.open == 0
+                sheet.repairs.removed.is_none()
                     && sheet.repairs.short <= found.repairs.short
+                    && sheet.repairs.twice <= found.repairs.twice
                     && sheet.islands <= found.islands
-                    && sheet.pattern.faces().len() >= found.pattern.faces().len()
             })
         };
         let steps = STEPS.min(SEARCHED / segments.len().max(1));
@@ -215,33 +216,33 @@ impl Reader<'_> {
     /// Makes the crease pattern of a drawing; an error names its place in the file.
     fn checked(&self, drawing: Drawing) -> Result<CreasePattern, FileError> {
         let path = self.path;
-    let vertices = drawing.vertices.clone();
-    let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
-    let written = |at: Vector2<f64>| {
-        let [x, y] = self.drawn(at);
-        format!("({x}, {y})")
-    };
-    CreasePattern::watched(drawing, self.watch).map_err(|source| {
-        if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
-            let [from, to] = edges[edge].map(|end| written(vertices[end]));
-            return FileError::Expected {
-                path: path.to_path_buf(),
-                place: format!("the line from {from} to {to}"),
-                expected: "different faces on its sides".into(),
-                found: "one face all round what it leads to".into(),
-            };
-        }
-        let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
-            Some(at) => format!("near {}, once repaired: ", written(*at)),
-            None => "once repaired: ".into(),
+        let vertices = drawing.vertices.clone();
+        let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
+        let written = |at: Vector2<f64>| {
+            let [x, y] = self.drawn(at);
+            format!("({x}, {y})")
         };
-        FileError::Pattern {
-            path: path.to_path_buf(),
-            frame,
-            source,
-        }
-    })
-}
+        CreasePattern::watched(drawing, self.watch).map_err(|source| {
+            if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
+                let [from, to] = edges[edge].map(|end| written(vertices[end]));
+                return FileError::Expected {
+                    path: path.to_path_buf(),
+                    place: format!("the line from {from} to {to}"),
+                    expected: "different faces on its sides".into(),
+                    found: "one face all round what it leads to".into(),
+                };
+            }
+            let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
+                Some(at) => format!("near {}, once repaired: ", written(*at)),
+                None => "once repaired: ".into(),
+            };
+            FileError::Pattern {
+                path: path.to_path_buf(),
+                frame,
+                source,
+            }
+        })
+    }
 }
 
 /// Rounds a length to two digits, so that it is short to write.

@@ -22,8 +22,8 @@ use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
 use super::options::{ColourLetter, ColourLetters};
-use super::{FileError, ReadOptions};
 use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::{FileError, ReadOptions};
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -134,6 +134,11 @@ pub(super) fn parse_pattern(
         notes,
     };
     pattern_file(path, lines, options.tolerance, watch)
+}
+
+/// Checks that the text of an XML file asks for a bounded amount of work. The error describes the excess.
+pub(super) fn check_text(text: &str) -> Result<(), String> {
+    effort::of_text(text)
 }
 
 /// Place of an error, the value expected at that place and the value found.

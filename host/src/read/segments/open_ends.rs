@@ -40,35 +40,36 @@ fn degrees(vertices: usize, pieces: &[DrawnEdge]) -> Vec<usize> {
 /// that goes too far past another leaves a short open end, which stays open and is left out later. Returns `true` if
 /// any end was joined, and `None` if the budget of proximity tests is used up.
 pub(super) fn join_to_vertices(
-    points: &[Vector2<f64>],
+    places: &mut Places,
     pieces: &mut [DrawnEdge],
     diagonal: f64,
     repairs: &mut Repairs,
     looks: &mut Looks<'_>,
 ) -> Option<bool> {
-    let degrees = degrees(points.len(), pieces);
-    let (grid, cells) = Grid::of_points(points, OPEN * diagonal);
+    let degrees = degrees(places.points.len(), pieces);
+    let (grid, cells) = Grid::of_points(&places.points, OPEN * diagonal);
     let before = repairs.to_vertices.count;
     for piece in pieces {
-        let reach = reach(line(points, piece), diagonal);
+        let reach = reach(line(&places.points, piece), diagonal);
         for side in 0..2 {
             let (end, other) = (piece.ends[side], piece.ends[1 - side]);
             if degrees[end] != 1 {
                 continue;
             }
-            let at = points[end];
+            let at = places.points[end];
             let mut near = Nearest::default();
             grid.along([at; 2], 2.0 * reach, |cell| {
                 looks.take(1 + cells[cell].len());
                 for &vertex in &cells[cell] {
                     if degrees[vertex] >= 2 && vertex != other {
-                        near.add((points[vertex] - at).norm(), vertex);
+                        near.add((places.points[vertex] - at).norm(), vertex);
                     }
                 }
             });
             if let Some((distance, vertex)) = near.only(reach) {
                 piece.ends[side] = vertex;
-                repairs.to_vertices.add(distance, points[vertex]);
+                places.retire(end);
+                repairs.to_vertices.add(distance, places.points[vertex]);
             }
         }
         if looks.are_used_up() {
@@ -98,7 +99,7 @@ pub(super) fn join_to_lines(
     repairs: &mut Repairs,
     looks: &mut Looks<'_>,
 ) -> Option<bool> {
-    let degrees = degrees(places.points.len(), pieces);
+    let mut degrees = degrees(places.points.len(), pieces);
     let is_open = |piece: &DrawnEdge| piece.ends.iter().any(|&end| degrees[end] == 1);
     if !pieces.iter().any(is_open) {
         return Some(false);
@@ -145,9 +146,13 @@ pub(super) fn join_to_lines(
             }
             let to = meeting([from, at], line(&places.points, &pieces[found]), reach);
             let vertex = places.moved(end, to);
+            // A line no longer than the tolerance keeps its retired end, which is removed with the line.
             if vertex != other {
                 pieces[index].ends[side] = vertex;
-                repairs.to_lines.add((places.points[vertex] - at).norm(), to);
+                degrees[vertex] += usize::from(vertex != end);
+                repairs
+                    .to_lines
+                    .add((places.points[vertex] - at).norm(), to);
             }
         }
     }
@@ -168,11 +173,7 @@ fn distance([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> f64 {
 
 /// Returns the point of the line from `a` to `b` in which the line from `from` to `at` meets it, if that is within
 /// `reach` of `at`; or else the point nearest to `at`.
-fn meeting(
-    [from, at]: [Vector2<f64>; 2],
-    [a, b]: [Vector2<f64>; 2],
-    reach: f64,
-) -> Vector2<f64> {
+fn meeting([from, at]: [Vector2<f64>; 2], [a, b]: [Vector2<f64>; 2], reach: f64) -> Vector2<f64> {
     let (own, along) = (at - from, b - a);
     // The fraction of the line from `a` to `b`; not finite if the lines are parallel.
     let part = (from - a).perp(&own) / along.perp(&own);
@@ -228,19 +229,28 @@ impl Nearest {
     }
 }
 
-/// Removes lines with an end at which no other line ends, again and again. Returns their number, and the open end of
-/// the first of them.
-pub(super) fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> (usize, Option<usize>) {
+/// Lines that were removed because they end in the open.
+pub(super) struct Removed {
+    pub(super) count: usize,
+    /// Place of the first open end.
+    pub(super) open_end: Vector2<f64>,
+    /// Length of the longest line.
+    pub(super) longest: f64,
+}
+
+/// Removes lines with an end at which no other line ends, again and again. Returns the lines removed,
+/// of which there are none if no end is open.
+pub(super) fn remove_open(points: &[Vector2<f64>], pieces: &mut Vec<DrawnEdge>) -> Option<Removed> {
     let pairs: Vec<(usize, usize)> = pieces
         .iter()
         .enumerate()
         .flat_map(|(index, piece)| piece.ends.map(|end| (end, index)))
         .collect();
-    let stars = group_by_key(vertices, &pairs);
+    let stars = group_by_key(points.len(), &pairs);
     let mut degrees: Vec<usize> = stars.iter().map(<[usize]>::len).collect();
-    let mut open: Vec<usize> = (0..vertices).filter(|&v| degrees[v] == 1).collect();
+    let mut open: Vec<usize> = (0..points.len()).filter(|&v| degrees[v] == 1).collect();
     let ends = pieces.iter().flat_map(|piece| piece.ends);
-    let first = ends.into_iter().find(|&end| degrees[end] == 1);
+    let first = ends.into_iter().find(|&end| degrees[end] == 1)?;
     let mut removed = vec![false; pieces.len()];
     while let Some(vertex) = open.pop() {
         for &index in stars[vertex].iter().filter(|_| degrees[vertex] == 1) {
@@ -257,8 +267,20 @@ pub(super) fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> (usiz
             break;
         }
     }
-    let before = pieces.len();
+    let mut lines = Removed {
+        count: 0,
+        open_end: points[first],
+        longest: 0.0,
+    };
     let mut removed = removed.into_iter();
-    pieces.retain(|_| !removed.next().unwrap_or_default());
-    (before - pieces.len(), first)
+    pieces.retain(|piece| {
+        let removed = removed.next().unwrap_or_default();
+        if removed {
+            let [a, b] = line(points, piece);
+            lines.count += 1;
+            lines.longest = lines.longest.max((b - a).norm());
+        }
+        !removed
+    });
+    Some(lines)
 }

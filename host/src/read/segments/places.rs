@@ -1,6 +1,6 @@
 //! Merges points that are within a tolerance of each other, in a hash grid.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector2;
 
@@ -10,6 +10,8 @@ pub(super) struct Places {
     /// For each place the sum of the merged points, relative to the place, and their number.
     offsets: Vec<(Vector2<f64>, f64)>,
     cells: HashMap<[i64; 2], Vec<usize>>,
+    /// Places at which no line ends any more.
+    retired: HashSet<usize>,
     origin: Vector2<f64>,
     pub(super) tolerance: f64,
 }
@@ -20,6 +22,7 @@ impl Places {
             points: Vec::new(),
             offsets: Vec::new(),
             cells: HashMap::new(),
+            retired: HashSet::new(),
             origin,
             tolerance,
         }
@@ -69,19 +72,35 @@ impl Places {
         new
     }
 
-    /// Moves a place to the point and returns it. If another place lies within the tolerance of the point, returns that
-    /// place instead and moves none.
+    /// Moves a place to the point and returns it. If another place lies within the tolerance of the point, retires the
+    /// place and returns the other.
     pub(super) fn moved(&mut self, place: usize, point: Vector2<f64>) -> usize {
         if let Some(other) = self.near(point, Some(place)) {
+            self.retire(place);
             return other;
         }
-        let [before, after] = [self.points[place], point].map(|point| self.cell(&point));
-        if let Some(cell) = self.cells.get_mut(&before) {
+        self.leave_cell(place);
+        self.points[place] = point;
+        let cell = self.cell(&point);
+        self.cells.entry(cell).or_default().push(place);
+        place
+    }
+
+    /// Notes that no line ends at a place any more, so that no line is split there.
+    pub(super) fn retire(&mut self, place: usize) {
+        self.leave_cell(place);
+        self.retired.insert(place);
+    }
+
+    pub(super) fn is_retired(&self, place: usize) -> bool {
+        self.retired.contains(&place)
+    }
+
+    fn leave_cell(&mut self, place: usize) {
+        let cell = self.cell(&self.points[place]);
+        if let Some(cell) = self.cells.get_mut(&cell) {
             cell.retain(|other| *other != place);
         }
-        self.points[place] = point;
-        self.cells.entry(after).or_default().push(place);
-        place
     }
 
     /// Moves each place to the mean of the points merged into it, by at most one tolerance.

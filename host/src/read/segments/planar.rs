@@ -98,14 +98,20 @@ pub(super) fn planar(
     if tolerance > usual {
         // Ends are moved to lines: within so large a tolerance, lines split at ends beside them would be bent.
         let within = LineReach::Asked(tolerance);
-        join_to_lines(&mut places, &mut pieces, usual, &within, &mut repairs, &mut looks)?;
+        join_to_lines(
+            &mut places,
+            &mut pieces,
+            usual,
+            &within,
+            &mut repairs,
+            &mut looks,
+        )?;
         pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     }
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     for _ in 0..JOINS {
-        let points = &places.points;
         let to_vertices =
-            join_to_vertices(points, &mut pieces, diagonal, &mut repairs, &mut looks)?;
+            join_to_vertices(&mut places, &mut pieces, diagonal, &mut repairs, &mut looks)?;
         let within = LineReach::Only { diagonal };
         let to_lines = join_to_lines(
             &mut places,
@@ -123,9 +129,7 @@ pub(super) fn planar(
     }
     // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
-    let (open, end) = remove_open(&mut pieces, places.points.len());
-    repairs.open = open;
-    repairs.open_end = end.map(|vertex| places.points[vertex]);
+    repairs.removed = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
 }
 
@@ -167,7 +171,7 @@ fn cut_up(
         }
         repairs.crossings += places.points.len() - before;
         let count = pieces.len();
-        *pieces = split(&places.points, pieces, tolerance, looks)?;
+        *pieces = split(places, pieces, looks)?;
         let splits = pieces.len() - count;
         if splits == 0 && places.points.len() == before {
             break;
@@ -334,12 +338,8 @@ fn crossing(
 
 /// Splits each line at the vertices that it passes. Returns `None` if there are too many pieces or the budget is used
 /// up.
-fn split(
-    points: &[Vector2<f64>],
-    pieces: &[DrawnEdge],
-    tolerance: f64,
-    looks: &mut Looks<'_>,
-) -> Option<Vec<DrawnEdge>> {
+fn split(places: &Places, pieces: &[DrawnEdge], looks: &mut Looks<'_>) -> Option<Vec<DrawnEdge>> {
+    let (points, tolerance) = (&places.points, places.tolerance);
     let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
     let mut stops: Vec<(f64, usize)> = Vec::new();
@@ -350,7 +350,8 @@ fn split(
             looks.take(1 + cells[cell].len());
             for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
                 let (along, aside, length) = foot(line, points[vertex]);
-                if aside <= tolerance && along > 0.0 && along < length {
+                let passes = aside <= tolerance && along > 0.0 && along < length;
+                if passes && !places.is_retired(vertex) {
                     stops.push((along, vertex));
                 }
             }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector2;
 
+use super::open_ends::Removed;
 use crate::pattern::rounded;
 
 /// Open ends that were joined.
@@ -36,10 +37,8 @@ pub(super) struct Repairs {
     pub(super) both_ways: usize,
     pub(super) to_vertices: Joined,
     pub(super) to_lines: Joined,
-    /// Number of lines that were removed because they end in the open.
-    pub(super) open: usize,
-    /// Place of the first open end that was left.
-    pub(super) open_end: Option<Vector2<f64>>,
+    /// Lines that were removed because they end in the open.
+    pub(super) removed: Option<Removed>,
     /// Points within this distance of each other are one place.
     pub(super) tolerance: f64,
 }
