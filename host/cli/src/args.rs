@@ -338,7 +338,7 @@ impl Reading {
         let is_length = |tolerance: f64| tolerance > 0.0 && tolerance.is_finite();
         if let Some(found) = self.tolerance.filter(|tolerance| !is_length(*tolerance)) {
             return Err(crate::CliError::Usage(format!(
-                "--tolerance: expected a length above 0, found {found}"
+                "--tolerance: expected a finite length above 0, found {found}"
             )));
         }
         Ok(ReadOptions {

@@ -54,7 +54,7 @@ fn of_pattern(error: &PatternError) -> Option<&'static str> {
         PatternError::Crossing { .. }
         | PatternError::OnEdge { .. }
         | PatternError::Duplicate { .. } => Some(
-            "where a FOLD file names faces it is taken as it is; such places are repaired in lines without, as in SVG and CP",
+            "where a FOLD file names faces it is taken as it is; such places are repaired in lines without, as in SVG, CP and OPX",
         ),
         PatternError::GoalRange { .. } => {
             Some("fold angles are degrees: 0 is flat, 180 folded flat on itself")

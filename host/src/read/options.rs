@@ -38,7 +38,7 @@ impl ReadOptions {
         };
         if let Some(tolerance) = self.tolerance {
             if !(tolerance > 0.0 && tolerance.is_finite()) {
-                let expected = "a length above 0, in the units of the drawing";
+                let expected = "a finite length above 0, in the units of the drawing";
                 return wrong("the tolerance", expected, tolerance.to_string());
             }
             if format == "OBJ" {
@@ -100,7 +100,7 @@ impl core::fmt::Display for ColourLetters {
 
 /// The part of a text that gives no colour a letter.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("expected {expected}, found \"{found}\"")]
+#[error("expected {expected}, found {found:?}")]
 pub struct ColourLettersError {
     /// Description of what the part has to be.
     pub expected: &'static str,

@@ -1,7 +1,7 @@
 //! Tests what is asked of the reader of drawings: the tolerance within which lines meet, and letters of colours. Lost
 //! lines are told with their place and the tolerance that keeps them.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 
 use crate::common::folder;
 use foldpath::pattern::CreasePattern;
