@@ -136,7 +136,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         read,
         write,
     } = watched(&args.report, quiet, |progress| {
-        planned(args, options, progress)
+        planned(args, options, quiet, progress)
     })?;
     let times = plan.times;
     let reason = plan.reason.as_ref().map(ToString::to_string);
@@ -227,6 +227,7 @@ struct Planned {
 fn planned(
     args: &Plan,
     mut options: PlanOptions,
+    quiet: bool,
     progress: &Progress,
 ) -> Result<Planned, CliError> {
     progress.begin(Stage::Reading);
@@ -236,7 +237,8 @@ fn planned(
     let input = InputJson::of(args, &bytes);
     let file = parse_pattern_with(&args.pattern, &bytes, &reading)?;
     drop(bytes);
-    let goal = goal(args, &file)?;
+    // A drawing whose creases were left out may have no goal.
+    let goal = goal(args, &file).inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
     let limits = limits(args, &file.pattern)?;
     options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
     options.limits = limits;

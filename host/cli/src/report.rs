@@ -37,13 +37,15 @@ pub(crate) fn outcome(good: bool, text: &str) -> String {
 
 /// Says how many lines of a drawing were left out, where the first is open, and how to keep them.
 pub(crate) fn lost_lines(lost: &LostLines) -> String {
-    let [x, y] = lost.open_end;
+    // Seven digits, as drawing programs write them.
+    let digits = |number: f64| format!("{number:.6e}").parse().unwrap_or(number);
+    let [x, y] = lost.open_end.map(digits);
     let keep = match lost.kept_by {
         Some(tolerance) => format!("--tolerance {tolerance} keeps all"),
         None => "no --tolerance was found that keeps all".into(),
     };
     let lost = format!(
-        "{} end in the open, up to {:.1e} long, the first at ({x:.6}, {y:.6})",
+        "{} end in the open, up to {:.1e} long, the first at ({x}, {y})",
         lost.count, lost.longest
     );
     styled(NO, &lost) + "; " + &keep

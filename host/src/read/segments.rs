@@ -192,7 +192,9 @@ impl Reader<'_> {
                     && sheet.islands <= found.islands
             })
         };
-        let steps = STEPS.min(SEARCHED / segments.len().max(1));
+        // Lines that cross many others take longer.
+        let pieces = found.pattern.edges().len().max(segments.len());
+        let steps = STEPS.min(SEARCHED / pieces.max(1));
         let (mut low, mut high): (f64, Option<f64>) = (found.repairs.tolerance, None);
         for step in 0..steps {
             let next = match high {

@@ -219,12 +219,21 @@ fn open_ends_are_joined_to_the_one_line_near() {
 #[test]
 fn lost_lines_are_told() {
     let folder = folder();
-    let told = "1 end in the open, up to 3.9e0 long, the first at (2.000000, 3.900000); --tolerance 0.12 keeps all";
+    let told =
+        "1 end in the open, up to 3.9e0 long, the first at (2, 3.9); --tolerance 0.12 keeps all";
     folder.write("two.cp", &square("2 2 0 2 3.9\n3 1 0 1 4"));
     for command in ["info", "plan --fold 0.5"] {
         let answer = folder.run(&format!("{command} two.cp --quiet"));
         assert!(answer.stdout.contains(told), "{answer:?}");
     }
+    // Without the one crease there is no goal.
+    folder.write("one.cp", &square("2 2 0 2 3.9"));
+    let answer = folder.run("plan one.cp").with_status(2);
+    assert!(
+        answer.stderr.contains("note: lines that end in the open"),
+        "{answer:?}"
+    );
+    assert_eq!(answer.stdout, "");
     let info = folder.done("info two.cp --tolerance 0.12 --json").json();
     assert_eq!(info["creases"], json!(2), "{info}");
     let lost = info["repairs"].as_array().unwrap().iter();
