@@ -574,7 +574,7 @@ fn sheets_beside_each_other_are_kept() {
 }
 
 /// Returns the folder of patterns by other authors. Without one, prints that the test is skipped and returns `None`.
-fn external() -> Option<PathBuf> {
+pub(crate) fn external() -> Option<PathBuf> {
     let folder = std::env::var_os("FOLDPATH_EXTERNAL_PATTERNS").map(PathBuf::from);
     if folder.is_none() {
         println!("skipped: FOLDPATH_EXTERNAL_PATTERNS is not set");

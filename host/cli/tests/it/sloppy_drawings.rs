@@ -4,6 +4,7 @@
 use core::fmt::Write as _;
 
 use crate::common::folder;
+use crate::drawings::external;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::{ColourLetters, ReadOptions, parse_pattern_with};
 use foldpath_test_support::Random;
@@ -322,6 +323,35 @@ fn colours_have_the_letters_that_are_asked_for() {
             // Each colour is told, and that opacity is the angle.
             assert_eq!(notes, 3, "{letters}");
         }
+    }
+}
+
+/// The same with drawings by other authors.
+#[test]
+fn real_drawings_have_the_letters_that_are_asked_for() {
+    let Some(folder) = external() else { return };
+    for name in ["birdBase", "miura-ori", "hypar", "waterbomb"] {
+        let file = folder.join(format!("origami-simulator/{name}.svg"));
+        let text = std::fs::read_to_string(file).unwrap();
+        let text = text
+            .replace("#FF0000", "#ff0000")
+            .replace("#0000FF", "#0000ff");
+        let exchanged = text
+            .replace("#ff0000", "#other!")
+            .replace("#0000ff", "#ff0000")
+            .replace("#other!", "#0000ff");
+        assert_ne!(text, exchanged, "{name}");
+        let options = ReadOptions {
+            colours: "red=V,#0000ff=M".parse().unwrap(),
+            ..ReadOptions::default()
+        };
+        let edges = |text: &str, options: &ReadOptions| -> Vec<_> {
+            let pattern = read("a.svg", text, options);
+            let edges = pattern.edges().iter();
+            edges.map(|it| (it.ends, it.letter, it.goal)).collect()
+        };
+        let usual = edges(&text, &ReadOptions::default());
+        assert_eq!(edges(&exchanged, &options), usual, "{name}");
     }
 }
 
