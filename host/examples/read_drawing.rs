@@ -1,5 +1,5 @@
 //! Reads a crease pattern and prints what the reader repaired and assumed, and to how few unknowns symmetry reduces the
-//! sheet. The file is FOLD, SVG, CP or OBJ; without one, a drawing of this repository is read.
+//! sheet. The file is FOLD, SVG, CP, OPX or OBJ; without one, a drawing of this repository is read.
 //!
 //! ```text
 //! cargo run --release --example read_drawing -- pattern.svg

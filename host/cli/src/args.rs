@@ -10,6 +10,7 @@ use serde::Serialize;
 use foldpath_firmware_sim::hinges::Drive;
 
 use foldpath::planner;
+use foldpath::read::{ColourLetters, ReadOptions};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -239,13 +240,15 @@ Examples:
   foldpath info miura.fold
   foldpath info miura.fold --json --timeout 2")]
 pub(crate) struct Info {
-    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
     /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) report: Report,
 }
@@ -289,6 +292,62 @@ impl Command {
     }
 }
 
+/// Options of reading a drawing of lines.
+#[derive(Clone, Debug, Args, Serialize)]
+#[command(next_help_heading = "Drawing")]
+pub(crate) struct Reading {
+    /// Distance within which lines of a drawing are meant to meet, in the drawing's own units
+    ///
+    /// By default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
+    /// keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) tolerance: Option<f64>,
+    /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
+    ///
+    /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and
+    /// J (joins a panel). A colour that is not named counts as the nearest named colour of its hue; without one it has
+    /// the meaning of Origami Simulator.
+    #[arg(long, value_name = "NAME=LETTER,...")]
+    #[serde(serialize_with = "text")]
+    pub(crate) colors: Option<ColourLetters>,
+}
+
+/// Serialises an option as its text.
+#[allow(clippy::ref_option, reason = "serde passes the field so")]
+fn text<S: serde::Serializer>(
+    value: &Option<ColourLetters>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    value
+        .as_ref()
+        .map(ToString::to_string)
+        .serialize(serializer)
+}
+
+impl Reading {
+    /// Returns `true` if an option is given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.tolerance.is_some() || self.colors.is_some()
+    }
+
+    /// Returns the reader's options.
+    ///
+    /// # Errors
+    /// If the tolerance is no positive length.
+    pub(crate) fn options(&self) -> Result<ReadOptions, crate::CliError> {
+        let is_length = |tolerance: f64| tolerance > 0.0 && tolerance.is_finite();
+        if let Some(found) = self.tolerance.filter(|tolerance| !is_length(*tolerance)) {
+            return Err(crate::CliError::Usage(format!(
+                "--tolerance: expected a finite length above 0, found {found}"
+            )));
+        }
+        Ok(ReadOptions {
+            tolerance: self.tolerance,
+            colours: self.colors.clone().unwrap_or_default(),
+        })
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -305,7 +364,7 @@ Examples:
   foldpath plan miura.fold --crease 4=-45 -o driven.fold
   foldpath plan miura.fold --symmetry off --collision off --json")]
 pub(crate) struct Plan {
-    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator.
     #[serde(skip)]
@@ -431,6 +490,9 @@ pub(crate) struct Plan {
     /// Stop after this time, seconds, counted from the start of the command [default: no limit]
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) reading: Reading,
     #[command(flatten)]
     #[serde(skip)]
     pub(crate) report: Report,
@@ -817,6 +879,8 @@ pub(crate) struct Export {
     /// With svg: meaning of the colours [default: letters]
     #[arg(long, value_enum)]
     pub(crate) colour: Option<Colour>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

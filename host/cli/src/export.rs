@@ -11,7 +11,7 @@ use foldpath::folding::{STEP, deformation_of_faces};
 use foldpath::motion::{GroupNaming, Motion};
 use foldpath::pattern::{CreasePattern, EdgeId};
 use foldpath::read::fold::read_motion;
-use foldpath::read::{FileError, read_pattern};
+use foldpath::read::{FileError, parse_pattern_with, read_pattern_bytes};
 use foldpath::symmetry::CreaseGroups;
 
 pub(crate) fn run(args: &Export) -> Answer {
@@ -22,6 +22,11 @@ pub(crate) fn run(args: &Export) -> Answer {
     }
     if args.colour.is_some() && args.to != ExportFormat::Svg {
         return usage("--colour: expected --to svg, which has colours");
+    }
+    let reads_drawing = args.to == ExportFormat::Svg && args.colour != Some(Colour::Deformation);
+    if args.reading.is_given() && !reads_drawing {
+        let text = "--tolerance and --colors: expected --to svg with colours by letters or groups, which reads drawings";
+        return usage(text);
     }
     check_output("-o", &args.output, [&args.path])?;
     if args.to == ExportFormat::Obj {
@@ -117,11 +122,13 @@ fn sequence(args: &Export) -> Answer {
 }
 
 /// Returns a coloured drawing of the crease pattern of a path, or of any file with a crease pattern.
-fn drawing(args: &Export) -> Result<Content, FileError> {
+fn drawing(args: &Export) -> Result<Content, CliError> {
+    let options = args.reading.options()?;
+    let read = || parse_pattern_with(&args.path, &read_pattern_bytes(&args.path)?, &options);
     let colour = args.colour.unwrap_or_default();
     let (title, text, content) = match colour {
         Colour::Letters => {
-            let file = read_pattern(&args.path)?;
+            let file = read()?;
             let text = svg_pattern::by_letters(&file.title, &file.pattern);
             (
                 file.title,
@@ -141,7 +148,7 @@ fn drawing(args: &Export) -> Result<Content, FileError> {
                 )
             }
             _ => {
-                let file = read_pattern(&args.path)?;
+                let file = read()?;
                 let (members, ranges) = found_groups(&file.pattern);
                 let text = svg_pattern::by_groups(&file.title, &file.pattern, &members, &ranges);
                 (

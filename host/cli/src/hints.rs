@@ -54,7 +54,7 @@ fn of_pattern(error: &PatternError) -> Option<&'static str> {
         PatternError::Crossing { .. }
         | PatternError::OnEdge { .. }
         | PatternError::Duplicate { .. } => Some(
-            "where a FOLD file names faces it is taken as it is; such places are repaired in lines without, as in SVG and CP",
+            "where a FOLD file names faces it is taken as it is; such places are repaired in lines without, as in SVG, CP and OPX",
         ),
         PatternError::GoalRange { .. } => {
             Some("fold angles are degrees: 0 is flat, 180 folded flat on itself")
@@ -110,7 +110,7 @@ fn of_content(path: &Path) -> Option<String> {
     let text = if first.starts_with("FPTJ") {
         "it is a path for a controller, made of a FOLD file: `foldpath stream` sends it"
     } else if first.starts_with('<') {
-        "it seems to be an SVG drawing: its name has to end in .svg"
+        "it seems to be a drawing in XML: its name has to end in .svg, or in .opx if ORIPA wrote it"
     } else if first.starts_with("v ") && numbers >= 3 {
         "it seems to be an OBJ file, a folded shape: `foldpath unfold` makes a crease pattern of one"
     } else if ending == "stl" || first.starts_with("solid ") {
@@ -118,7 +118,7 @@ fn of_content(path: &Path) -> Option<String> {
     } else if numbers == 5 {
         "it seems to be a CP drawing: its name has to end in .cp"
     } else if !first.starts_with('{') && !matches!(ending.as_str(), "fold" | "json") {
-        "a name's ending says its format: .fold, .svg or .cp, or for folded shapes .obj or .stl, of which `foldpath \
+        "a name's ending says its format: .fold, .svg, .cp or .opx, or for folded shapes .obj or .stl, of which `foldpath \
          unfold` makes a crease pattern; all others are read as FOLD"
     } else {
         return None;

@@ -7,12 +7,14 @@ use serde::Serialize;
 
 use crate::args::{Info, timeout};
 use crate::hints::radians;
+use crate::report::lost_lines;
 use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::folding::{Amplification, SpanningTree};
 use foldpath::pattern::{EdgeId, Letter};
 use foldpath::planner::{CLOSED, Cause, forecast};
 use foldpath::progress::Watch;
-use foldpath::read::read_pattern;
+use foldpath::read::fold::PatternFile;
+use foldpath::read::{parse_pattern_with, read_pattern_bytes};
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
 #[derive(Serialize)]
@@ -70,7 +72,10 @@ fn edges(ids: &[EdgeId]) -> Vec<usize> {
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
     let watch = Watch::default().until(deadline);
-    let file = read_pattern(&args.pattern)?;
+    let options = args.reading.options()?;
+    let bytes = read_pattern_bytes(&args.pattern)?;
+    let file = parse_pattern_with(&args.pattern, &bytes, &options)?;
+    drop(bytes);
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let groups = CreaseGroups::find_until(pattern, watch);
@@ -121,12 +126,12 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians(pattern, closure_goal).as_slice());
-    let text = summary(&file.title, &info, pattern.holes().len());
+    let text = summary(&file, &info);
     print(&(text + &outlook::text(pattern, &groups, &forecast, &args.pattern)))?;
     Ok(true)
 }
 
-fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
+fn summary(file: &PatternFile, info: &InfoJson) -> String {
     let letters = info
         .letters
         .iter()
@@ -147,21 +152,27 @@ fn summary(title: &str, info: &InfoJson, holes: usize) -> String {
     if info.sheets > 1 {
         parts += &count(info.sheets, "sheet");
     }
+    let holes = file.pattern.holes().len();
     if holes > 0 {
         parts += &count(holes, "hole");
     }
+    let lost = file.pattern.lost_lines().map(lost_lines);
+    let lost = lost.map_or_else(String::new, |lost| {
+        format!("  lost lines          {lost}\n")
+    });
     let amplification = info.amplification.map_or_else(
         || "unknown".to_string(),
         |factor| format!("{factor:.4}: errors of the sheet per closure residual of a vertex"),
     );
     format!(
-        "{title}\n  \
+        "{}\n{lost}  \
          sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters}){parts}\n  \
          hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
          crease groups       {}\n  \
          essential vertices  {}\n  \
          amplification       {amplification}\n  \
          goal                {goal}\n",
+        file.title,
         info.faces,
         info.vertices,
         info.real_vertices,

@@ -10,7 +10,7 @@ use crate::args::{Frames, Plan, Switch};
 use crate::hints::{nearest_hinge, radians};
 use crate::output::write_whole_with;
 use crate::progress::watched;
-use crate::report::outcome;
+use crate::report::{lost_lines, outcome};
 use crate::{Answer, CliError, check_output, print, print_json, print_notes};
 use foldpath::export::fold::write_motion;
 use foldpath::motion::Motion;
@@ -20,7 +20,7 @@ use foldpath::planner::{
 };
 use foldpath::progress::{Progress, Stage, Watch};
 use foldpath::read::fold::{PatternFile, read_goal};
-use foldpath::read::{parse_pattern, read_pattern_bytes};
+use foldpath::read::{parse_pattern_with, read_pattern_bytes};
 use foldpath::symmetry::CreaseGroups;
 
 /// Largest number of causes that a plan's notes name; `info` names them all.
@@ -146,7 +146,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         read,
         write,
     } = watched(&args.report, quiet, |progress| {
-        planned(args, options, progress)
+        planned(args, options, quiet, progress)
     })?;
     let times = plan.times;
     let reason = plan.reason.as_ref().map(ToString::to_string);
@@ -240,15 +240,18 @@ struct Planned {
 fn planned(
     args: &Plan,
     mut options: PlanOptions,
+    quiet: bool,
     progress: &Progress,
 ) -> Result<Planned, CliError> {
     progress.begin(Stage::Reading);
     let start = Instant::now();
+    let reading = args.reading.options()?;
     let bytes = read_pattern_bytes(&args.pattern)?;
     let input = InputJson::of(args, &bytes);
-    let file = parse_pattern(&args.pattern, &bytes)?;
+    let file = parse_pattern_with(&args.pattern, &bytes, &reading)?;
     drop(bytes);
-    let goal = goal(args, &file)?;
+    // A drawing whose creases were left out may have no goal.
+    let goal = goal(args, &file).inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
     let limits = limits(args, &file.pattern)?;
     options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
     options.limits = limits;
@@ -467,6 +470,9 @@ fn summary(
             .map(|attempt| format!("{}: {}", attempt.strategy, attempt.outcome))
             .collect();
         text += &format!("  tried        {}\n", tried.join("; "));
+    }
+    if let Some(lost) = file.pattern.lost_lines() {
+        text += &format!("  lost lines   {}\n", lost_lines(lost));
     }
     text += &format!(
         "  goal         {}\n  \

@@ -9,6 +9,7 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use crate::{CliError, hints};
+use foldpath::pattern::LostLines;
 
 /// Largest number of characters of a line that are shown.
 const SHOWN: usize = 72;
@@ -32,6 +33,22 @@ pub(crate) fn styled(style: Style, text: &str) -> String {
 /// Returns the text of an outcome in the style of a yes or a no.
 pub(crate) fn outcome(good: bool, text: &str) -> String {
     styled(if good { YES } else { NO }, text)
+}
+
+/// Says how many lines of a drawing were left out, where the first is open, and how to keep them.
+pub(crate) fn lost_lines(lost: &LostLines) -> String {
+    // Seven digits, as drawing programs write them.
+    let digits = |number: f64| format!("{number:.6e}").parse().unwrap_or(number);
+    let [x, y] = lost.open_end.map(digits);
+    let keep = match lost.kept_by {
+        Some(tolerance) => format!("--tolerance {tolerance} keeps all"),
+        None => "no --tolerance was found that keeps all".into(),
+    };
+    let lost = format!(
+        "{} end in the open, up to {:.1e} long, the first at ({x}, {y})",
+        lost.count, lost.longest
+    );
+    styled(NO, &lost) + "; " + &keep
 }
 
 /// Prints an error on stderr. A failure to write is ignored.

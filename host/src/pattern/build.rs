@@ -97,6 +97,7 @@ impl CreasePattern {
             holes: Csr::default(),
             assumptions,
             repairs: Vec::new(),
+            lost: None,
             y_down: false,
         };
         pattern.neighbours = pattern.find_neighbours();

@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{CreaseId, EdgeId, FaceId, Letter, Passage, VertexId};
+use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, VertexId};
 use crate::util::csr::Csr;
 
 /// An edge of a crease pattern.
@@ -60,6 +60,7 @@ pub struct CreasePattern {
     pub(super) holes: Csr<Passage>,
     pub(super) assumptions: Vec<String>,
     pub(super) repairs: Vec<String>,
+    pub(super) lost: Option<LostLines>,
     pub(super) y_down: bool,
 }
 
@@ -283,5 +284,18 @@ impl CreasePattern {
     /// Records a repair.
     pub fn repaired(&mut self, repair: String) {
         self.repairs.push(repair);
+    }
+
+    /// Returns the lines of the drawing that were left out because they end in the open, if there are any. The repairs
+    /// tell them as well.
+    #[must_use]
+    pub fn lost_lines(&self) -> Option<&LostLines> {
+        self.lost.as_ref()
+    }
+
+    /// Records lines that were left out.
+    pub(crate) fn lose(&mut self, lost: LostLines) {
+        self.repaired(lost.to_string());
+        self.lost = Some(lost);
     }
 }

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
-use super::FileError;
-use super::segments::{MOST, Segment, pattern_file};
+use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::{FileError, ReadOptions};
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -26,6 +26,7 @@ pub(super) const LARGEST_FILE: u64 = 1 << 28;
 pub(super) fn parse_pattern(
     path: &Path,
     text: &str,
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut segments = Vec::new();
@@ -93,7 +94,11 @@ pub(super) fn parse_pattern(
     if commas > 0 {
         notes.push(format!("numbers with a comma for the point: {commas}"));
     }
-    let mut file = pattern_file(path, segments, 0.0, notes, watch)?;
-    file.pattern.drawn_with_y_down();
-    Ok(file)
+    let lines = LooseLines {
+        segments,
+        y_down: true,
+        notes,
+        ..LooseLines::default()
+    };
+    pattern_file(path, lines, options.tolerance, watch)
 }

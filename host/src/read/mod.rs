@@ -9,6 +9,8 @@ pub mod fold;
 mod locate;
 mod merge;
 mod obj;
+mod options;
+mod opx;
 mod segments;
 mod stl;
 mod svg;
@@ -18,12 +20,13 @@ use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
+pub use options::{ColourLetters, ColourLettersError, ReadOptions};
 
 use crate::progress::{Progress, Stage, Watch};
 use crate::unfold::FoldedShape;
 
-/// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp` or `.obj`; every other
-/// ending is read as FOLD.
+/// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp`, `.opx` or `.obj`;
+/// every other ending is read as FOLD.
 ///
 /// # Errors
 /// If the file cannot be read, is too large, or holds no flat crease pattern.
@@ -39,6 +42,7 @@ pub fn read_pattern_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let most = match ending(path).as_str() {
         "svg" => svg::LARGEST_FILE,
         "cp" => cp::LARGEST_FILE,
+        "opx" => opx::LARGEST_FILE,
         "obj" => obj::LARGEST_FILE,
         _ => fold::LARGEST_FILE,
     };
@@ -50,7 +54,19 @@ pub fn read_pattern_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<fold::PatternFile, FileError> {
-    parse_within(path, bytes, Watch::default())
+    parse_pattern_with(path, bytes, &ReadOptions::default())
+}
+
+/// Parses a crease pattern as [`parse_pattern`] does, with options.
+///
+/// # Errors
+/// If the bytes hold no flat crease pattern, or the format has no use for an option.
+pub fn parse_pattern_with(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<fold::PatternFile, FileError> {
+    parse_within(path, bytes, options, Watch::default())
 }
 
 /// Parses a crease pattern as [`parse_pattern`] does, until `progress` is cancelled. The repair of a drawing and the
@@ -65,7 +81,7 @@ pub fn parse_pattern_watched(
 ) -> Result<fold::PatternFile, FileError> {
     let watch = Watch::new(progress);
     watch.begin(Stage::Reading);
-    parse_within(path, bytes, watch).map_err(|error| {
+    parse_within(path, bytes, &ReadOptions::default(), watch).map_err(|error| {
         if progress.is_cancelled() {
             let path = path.to_path_buf();
             return FileError::Cancelled { path };
@@ -77,13 +93,16 @@ pub fn parse_pattern_watched(
 fn parse_within(
     path: &Path,
     bytes: &[u8],
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<fold::PatternFile, FileError> {
+    options.check(path)?;
     match ending(path).as_str() {
-        "svg" => svg::parse_pattern(path, text(path, bytes)?, watch),
-        "cp" => cp::parse_pattern(path, text(path, bytes)?, watch),
+        "svg" => svg::parse_pattern(path, text(path, bytes)?, options, watch),
+        "cp" => cp::parse_pattern(path, text(path, bytes)?, options, watch),
+        "opx" => opx::parse_pattern(path, text(path, bytes)?, options, watch),
         "obj" => obj::parse_pattern(path, text(path, bytes)?, watch),
-        _ => fold::parse_within(path, bytes, watch),
+        _ => fold::parse_within(path, bytes, options.tolerance, watch),
     }
 }
 

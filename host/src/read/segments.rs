@@ -5,6 +5,7 @@
 //! repair is reported with a count. Expected cost: O(n log n), as a uniform grid finds the neighbours of each line.
 
 mod grid;
+mod open_ends;
 mod places;
 mod planar;
 mod repairs;
@@ -14,9 +15,10 @@ use std::path::Path;
 use nalgebra::Vector2;
 
 use self::planar::{Looks, planar};
-use super::FileError;
+use self::repairs::Repairs;
 use super::fold::PatternFile;
-use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, PatternError};
+use super::{FileError, stem};
+use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, LostLines, PatternError};
 use crate::progress::Watch;
 
 /// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
@@ -33,89 +35,221 @@ pub(super) struct Segment {
     pub(super) goal: Option<f64>,
 }
 
-/// Makes a crease pattern of segments, titled by the name of the file; `notes` become its assumptions. `rounding` is
-/// the largest distance of an end from the place where it was drawn.
+/// The loose lines of a drawing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LooseLines {
+    pub(super) segments: Vec<Segment>,
+    /// Largest distance of an end from the place where it was drawn.
+    pub(super) rounding: f64,
+    /// `true` if y points down in the drawing. The segments have y pointing up.
+    pub(super) y_down: bool,
+    /// Assumptions made while reading.
+    pub(super) notes: Vec<String>,
+}
+
+/// A crease pattern made of loose lines.
+struct Sheet {
+    pattern: CreasePattern,
+    repairs: Repairs,
+    /// Number of lines left out because they lie inside a panel.
+    islands: usize,
+}
+
+/// Makes a crease pattern of loose lines, titled by the name of the file. Points within `tolerance` of each other are
+/// one place; without it the tolerance follows from the lines.
 ///
 /// # Errors
 /// If the lines enclose no faces, are too many, or form no crease pattern even when repaired.
 pub(super) fn pattern_file(
     path: &Path,
-    segments: Vec<Segment>,
-    rounding: f64,
-    notes: Vec<String>,
+    lines: LooseLines,
+    tolerance: Option<f64>,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let expected = |expected: String, found: String| FileError::Expected {
-        path: path.to_path_buf(),
-        place: "the drawing".into(),
-        expected,
-        found,
+    let LooseLines {
+        segments,
+        rounding,
+        y_down,
+        notes,
+    } = lines;
+    let kept = (segments.len() <= SEARCHED).then(|| segments.clone());
+    let reader = Reader {
+        path,
+        rounding,
+        y_down,
+        watch,
     };
-    let finite = |segment: &Segment| {
-        let coordinates = segment.ends.iter().flat_map(|end| end.iter());
-        coordinates.into_iter().all(|c| c.abs() <= LARGEST)
+    let mut sheet = reader.sheet(segments, tolerance)?;
+    let kept_by = match kept {
+        Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
+        _ => None,
     };
-    if !segments.iter().all(finite) {
-        let found = "a larger one".into();
-        return Err(expected("coordinates from -1e50 to 1e50".into(), found));
-    }
-    let drawn = segments.len();
-    let too_many = || {
-        let found = "more (are lines hatched or drawn many times over?)".into();
-        let most = format!("at most {MOST} lines and crossings, and not too many near each other");
-        expected(most, found)
-    };
-    let (drawing, mut repairs) = planar(segments, rounding, watch).ok_or_else(too_many)?;
-    if drawing.edges.len() < 3 {
-        let found = format!("{drawn} lines, none of which does");
-        return Err(expected("lines that enclose faces".into(), found));
-    }
-    let mut pattern = checked(path, drawing.clone(), watch)?;
-    let (drawing, left_out) = without_islands(&pattern, drawing, watch).ok_or_else(too_many)?;
-    if left_out > 0 {
-        pattern = checked(path, drawing, watch)?;
-        repairs.push(format!(
-            "lines inside a panel and joined to nothing, which could not fold, left out with what they \
-             enclose: {left_out}"
-        ));
-    }
+    let Sheet {
+        ref mut pattern,
+        ref repairs,
+        islands,
+    } = sheet;
     notes.into_iter().for_each(|note| pattern.assume(note));
-    for repair in repairs {
+    for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);
     }
-    let title = path.file_stem().unwrap_or_default();
+    if let Some(removed) = &repairs.removed {
+        pattern.lose(LostLines {
+            count: removed.count,
+            longest: removed.longest,
+            open_end: reader.drawn(removed.open_end),
+            kept_by,
+        });
+    }
+    if islands > 0 {
+        pattern.repaired(format!(
+            "lines inside a panel and joined to nothing, which could not fold, left out with what they \
+             enclose: {islands}"
+        ));
+    }
+    if y_down {
+        pattern.drawn_with_y_down();
+    }
     Ok(PatternFile {
-        title: title.to_string_lossy().into_owned(),
-        pattern,
+        title: stem(path),
+        pattern: sheet.pattern,
     })
 }
 
-/// Makes the crease pattern of a drawing; an error names its place in the file.
-fn checked(path: &Path, drawing: Drawing, watch: Watch<'_>) -> Result<CreasePattern, FileError> {
-    let vertices = drawing.vertices.clone();
-    let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
-    // The file's own coordinates, in which y points down.
-    let written = |at: Vector2<f64>| format!("({}, {})", at.x, 0.0 - at.y);
-    CreasePattern::watched(drawing, watch).map_err(|source| {
-        if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
-            let [from, to] = edges[edge].map(|end| written(vertices[end]));
-            return FileError::Expected {
-                path: path.to_path_buf(),
-                place: format!("the line from {from} to {to}"),
-                expected: "different faces on its sides".into(),
-                found: "one face all round what it leads to".into(),
-            };
-        }
-        let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
-            Some(at) => format!("near {}, once repaired: ", written(*at)),
-            None => "once repaired: ".into(),
+/// Largest number of lines of a drawing for which a tolerance is looked for that keeps lines which end in the open.
+const SEARCHED: usize = 1 << 17;
+
+/// Largest number of doublings of the tolerance in this search, and of steps in all. Drawings of many lines get fewer.
+const DOUBLINGS: usize = 8;
+const STEPS: usize = 10;
+
+/// Makes sheets of the lines of one drawing.
+struct Reader<'a> {
+    path: &'a Path,
+    rounding: f64,
+    y_down: bool,
+    watch: Watch<'a>,
+}
+
+impl Reader<'_> {
+    /// Returns a place in the drawing's own coordinates.
+    fn drawn(&self, at: Vector2<f64>) -> [f64; 2] {
+        // Subtracting from 0 gives 0 rather than -0.
+        [at.x, if self.y_down { 0.0 - at.y } else { at.y }]
+    }
+
+    /// Makes a crease pattern of the lines and counts the repairs.
+    fn sheet(&self, segments: Vec<Segment>, tolerance: Option<f64>) -> Result<Sheet, FileError> {
+        let expected = |expected: String, found: String| FileError::Expected {
+            path: self.path.to_path_buf(),
+            place: "the drawing".into(),
+            expected,
+            found,
         };
-        FileError::Pattern {
-            path: path.to_path_buf(),
-            frame,
-            source,
+        let finite = |segment: &Segment| {
+            let coordinates = segment.ends.iter().flat_map(|end| end.iter());
+            coordinates.into_iter().all(|c| c.abs() <= LARGEST)
+        };
+        if !segments.iter().all(finite) {
+            let found = "a larger one".into();
+            return Err(expected("coordinates from -1e50 to 1e50".into(), found));
         }
-    })
+        let drawn = segments.len();
+        let too_many = || {
+            let found = "more (are lines hatched or drawn many times over?)".into();
+            let most =
+                format!("at most {MOST} lines and crossings, and not too many near each other");
+            expected(most, found)
+        };
+        let planar = planar(segments, self.rounding, tolerance, self.watch);
+        let (drawing, repairs) = planar.ok_or_else(too_many)?;
+        if drawing.edges.len() < 3 {
+            let found = format!("{drawn} lines, none of which does");
+            return Err(expected("lines that enclose faces".into(), found));
+        }
+        let mut pattern = self.checked(drawing.clone())?;
+        let (drawing, islands) =
+            without_islands(&pattern, drawing, self.watch).ok_or_else(too_many)?;
+        if islands > 0 {
+            pattern = self.checked(drawing)?;
+        }
+        Ok(Sheet {
+            pattern,
+            repairs,
+            islands,
+        })
+    }
+
+    /// Looks for the smallest tolerance with which no line ends in the open and nothing else is lost that `found` has:
+    /// doubles the tolerance until one does, and then halves the interval (of logarithms) that is left.
+    fn keeping(&self, segments: &[Segment], found: &Sheet) -> Option<f64> {
+        let keeps = |tolerance| {
+            let sheet = self.sheet(segments.to_vec(), Some(tolerance));
+            sheet.is_ok_and(|sheet| {
+                sheet.repairs.removed.is_none()
+                    && sheet.repairs.short <= found.repairs.short
+                    && sheet.repairs.twice <= found.repairs.twice
+                    && sheet.islands <= found.islands
+            })
+        };
+        // Lines that cross many others take longer.
+        let pieces = found.pattern.edges().len().max(segments.len());
+        let steps = STEPS.min(SEARCHED / pieces.max(1));
+        let (mut low, mut high): (f64, Option<f64>) = (found.repairs.tolerance, None);
+        for step in 0..steps {
+            let next = match high {
+                None if step >= DOUBLINGS => break,
+                None => two_digits(2.0 * low),
+                Some(high) => two_digits((low * high).sqrt()),
+            };
+            let is_new = next > low && high.is_none_or(|high| next < high);
+            if !is_new || self.watch.is_over() {
+                break;
+            }
+            if keeps(next) {
+                high = Some(next);
+            } else {
+                low = next;
+            }
+        }
+        high
+    }
+
+    /// Makes the crease pattern of a drawing; an error names its place in the file.
+    fn checked(&self, drawing: Drawing) -> Result<CreasePattern, FileError> {
+        let path = self.path;
+        let vertices = drawing.vertices.clone();
+        let edges: Vec<[usize; 2]> = drawing.edges.iter().map(|edge| edge.ends).collect();
+        let written = |at: Vector2<f64>| {
+            let [x, y] = self.drawn(at);
+            format!("({x}, {y})")
+        };
+        CreasePattern::watched(drawing, self.watch).map_err(|source| {
+            if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
+                let [from, to] = edges[edge].map(|end| written(vertices[end]));
+                return FileError::Expected {
+                    path: path.to_path_buf(),
+                    place: format!("the line from {from} to {to}"),
+                    expected: "different faces on its sides".into(),
+                    found: "one face all round what it leads to".into(),
+                };
+            }
+            let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
+                Some(at) => format!("near {}, once repaired: ", written(*at)),
+                None => "once repaired: ".into(),
+            };
+            FileError::Pattern {
+                path: path.to_path_buf(),
+                frame,
+                source,
+            }
+        })
+    }
+}
+
+/// Rounds a length to two digits, so that it is short to write.
+fn two_digits(length: f64) -> f64 {
+    format!("{length:.1e}").parse().unwrap_or(length)
 }
 
 /// Removes the islands: sheets that lie inside a face of another sheet. Returns the drawing and the number of lines

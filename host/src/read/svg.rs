@@ -21,8 +21,9 @@ use nalgebra::Vector2;
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
-use super::FileError;
-use super::segments::{MOST, Segment, pattern_file};
+use super::options::{ColourLetter, ColourLetters};
+use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::{FileError, ReadOptions};
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -40,6 +41,7 @@ const NODES: u32 = 1 << 21;
 pub(super) fn parse_pattern(
     path: &Path,
     text: &str,
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let error = |place: String, expected: &str, found: String| FileError::Expected {
@@ -51,8 +53,22 @@ pub(super) fn parse_pattern(
     effort::of_text(text).map_err(|found| error("the drawing".into(), "less of it", found))?;
     let told = |(place, expected, found): Wrong| error(place, &expected, found);
     let (tree, mut notes) = tree(text).map_err(told)?;
-    let strokes = strokes(tree.root()).map_err(told)?;
+    let strokes = strokes(tree.root(), &options.colours).map_err(told)?;
 
+    for chosen in options.colours.iter() {
+        let is_it = |stroke: &Stroke| match stroke.kind {
+            Kind::Chosen(_) => stroke.colour == hex(chosen.colour),
+            Kind::NearChosen(colour, _) => colour == chosen.colour,
+            _ => false,
+        };
+        if !strokes.iter().any(is_it) {
+            notes.push(format!(
+                "the colour {} was given the letter {}, but no line has it",
+                chosen.name,
+                chosen.letter.code()
+            ));
+        }
+    }
     let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
     // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
     let says = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
@@ -87,6 +103,16 @@ pub(super) fn parse_pattern(
                 notes.push(format!("lines of colour {colour} (green) taken as cuts (C): {count}"));
             }
             Kind::Exact(_) => {}
+            Kind::Chosen(letter) => notes.push(format!(
+                "lines of colour {colour} taken as {}, the letter that the colour was given: {count}",
+                letter.code()
+            )),
+            Kind::NearChosen(chosen, letter) => notes.push(format!(
+                "lines of colour {colour} taken as {} ({}), the nearest of the colours that were given \
+                 letters: {count}",
+                hex(chosen),
+                letter.code()
+            )),
             Kind::Near(name, letter) => notes.push(format!(
                 "lines of colour {colour} taken as {name} ({}), the nearest hue: {count}",
                 letter.code()
@@ -101,9 +127,18 @@ pub(super) fn parse_pattern(
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
-    let mut file = pattern_file(path, segments, rounding.fold(0.0, f64::max), notes, watch)?;
-    file.pattern.drawn_with_y_down();
-    Ok(file)
+    let lines = LooseLines {
+        segments,
+        rounding: rounding.fold(0.0, f64::max),
+        y_down: true,
+        notes,
+    };
+    pattern_file(path, lines, options.tolerance, watch)
+}
+
+/// Checks that the text of an XML file asks for a bounded amount of work. The error describes the excess.
+pub(super) fn check_text(text: &str) -> Result<(), String> {
+    effort::of_text(text)
 }
 
 /// Place of an error, the value expected at that place and the value found.
@@ -177,60 +212,97 @@ enum Kind {
     Near(&'static str, Letter),
     /// Near none of the simulator's colours.
     Unknown,
+    /// A colour that the caller gave a letter.
+    Chosen(Letter),
+    /// A colour with the hue of this one, which the caller gave a letter.
+    NearChosen([u8; 3], Letter),
+}
+
+/// Index of black among the hues.
+const BLACK: usize = 6;
+
+/// Returns the nearest of the six full hues, which are 60 degrees apart, from red: a number below 6. Returns [`BLACK`]
+/// for a colour without a channel above 64, and `None` for a colour with less than half of full brightness or half of
+/// full saturation.
+fn hue([red, green, blue]: [u8; 3]) -> Option<usize> {
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    if most <= 64 {
+        return Some(BLACK);
+    }
+    if most < 128 || chroma < most.div_ceil(2) {
+        return None;
+    }
+    let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
+    // Hue in sixths of a turn from red.
+    let hue = if red >= green && red >= blue {
+        (green - blue) / full
+    } else if green >= blue {
+        2.0 + (blue - red) / full
+    } else {
+        4.0 + (red - green) / full
+    };
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 0 to 6"
+    )]
+    let nearest = (hue + 6.5) as usize % 6;
+    Some(nearest)
+}
+
+/// Returns a colour as #rrggbb.
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 impl Kind {
     fn letter(self) -> Letter {
         match self {
-            Self::Exact(letter) | Self::Near(_, letter) => letter,
+            Self::Exact(letter)
+            | Self::Near(_, letter)
+            | Self::Chosen(letter)
+            | Self::NearChosen(_, letter) => letter,
             Self::Unknown => Letter::Unassigned,
         }
     }
 
-    /// Classifies a colour (0 to 255 for each channel). A colour without a channel above 64 is black. A colour that has
-    /// at least half of full brightness and half of full saturation counts as the nearest of the six full hues, which
-    /// are 60 degrees apart. All other colours, cyan among them, are unknown.
-    fn of([red, green, blue]: [u8; 3]) -> Self {
-        const HUES: [Option<(&str, Letter)>; 6] = [
-            Some(("red", Letter::Mountain)),
-            Some(("yellow", Letter::Flat)),
-            Some(("green", Letter::Cut)),
-            None,
-            Some(("blue", Letter::Valley)),
-            Some(("magenta", Letter::Unassigned)),
-        ];
-        let most = red.max(green).max(blue);
-        let least = red.min(green).min(blue);
-        if most <= 64 {
-            return match most {
-                0 => Self::Exact(Letter::Boundary),
-                _ => Self::Near("black", Letter::Boundary),
-            };
+    /// Classifies a colour (0 to 255 for each channel). A colour that was given a letter has it. A colour whose hue is
+    /// that of colours that were given letters counts as the nearest of them. Every other colour counts as the nearest of
+    /// the simulator's colours; if it has no clear hue, or the hue of cyan, it is unknown.
+    fn of(colour: [u8; 3], chosen: &ColourLetters) -> Self {
+        if let Some(it) = chosen.iter().find(|it| it.colour == colour) {
+            return Self::Chosen(it.letter);
         }
-        let chroma = most - least;
-        if most < 128 || chroma < most.div_ceil(2) {
+        let Some(nearest) = hue(colour) else {
             return Self::Unknown;
-        }
-        let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
-        // Hue in sixths of a turn from red.
-        let hue = if red >= green && red >= blue {
-            (green - blue) / full
-        } else if green >= blue {
-            2.0 + (blue - red) / full
-        } else {
-            4.0 + (red - green) / full
         };
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from 0 to 6"
-        )]
-        let nearest = (hue + 6.5) as usize % 6;
-        let full = [red, green, blue].iter().all(|c| *c <= 0.0 || *c >= 255.0);
-        match HUES[nearest] {
-            None => Self::Unknown,
-            Some((_, letter)) if full => Self::Exact(letter),
-            Some((name, letter)) => Self::Near(name, letter),
+        let far = |it: &ColourLetter| -> u32 {
+            let channels = it.colour.iter().zip(colour);
+            channels.map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+        };
+        let alike = chosen.iter().filter(|it| hue(it.colour) == Some(nearest));
+        if let Some(it) = alike.min_by_key(|it| far(it)) {
+            return Self::NearChosen(it.colour, it.letter);
+        }
+        // In the order of the hues.
+        let (name, letter) = match nearest {
+            0 => ("red", Letter::Mountain),
+            1 => ("yellow", Letter::Flat),
+            2 => ("green", Letter::Cut),
+            4 => ("blue", Letter::Valley),
+            5 => ("magenta", Letter::Unassigned),
+            BLACK => ("black", Letter::Boundary),
+            _ => return Self::Unknown,
+        };
+        let full = match nearest {
+            BLACK => colour == [0; 3],
+            _ => colour.iter().all(|channel| [0, 255].contains(channel)),
+        };
+        if full {
+            Self::Exact(letter)
+        } else {
+            Self::Near(name, letter)
         }
     }
 }
@@ -255,7 +327,7 @@ struct Lines {
 }
 
 /// Returns all strokes in the order in which they are painted.
-fn strokes(root: &Group) -> Result<Vec<Stroke>, Wrong> {
+fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
     let mut open: Vec<(&Node, f64)> = Vec::new();
@@ -274,8 +346,8 @@ fn strokes(root: &Group) -> Result<Vec<Stroke>, Wrong> {
                 number += 1;
                 let (kind, colour) = match stroke.paint() {
                     Paint::Color(c) => (
-                        Kind::of([c.red, c.green, c.blue]),
-                        format!("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue),
+                        Kind::of([c.red, c.green, c.blue], chosen),
+                        hex([c.red, c.green, c.blue]),
                     ),
                     _ => (Kind::Unknown, "gradient or pattern".into()),
                 };

@@ -20,6 +20,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
         "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
         "cp" => |bytes| drop(said(parse_pattern(Path::new("a.cp"), bytes))),
+        "opx" => |bytes| drop(said(parse_pattern(Path::new("a.opx"), bytes))),
         "obj" => |bytes| {
             said(parse_pattern(Path::new("a.obj"), bytes));
             unfolded("a.obj", bytes);

@@ -38,6 +38,9 @@ fn usage() {
     folder.done("export path.fold --to traj -o path.traj");
     folder.write("goal.fold", &folder.read("miura.fold"));
     folder.write("events.txt", "0 supply 1\n");
+    for name in ["sheet.svg", "sheet.cp", "shape.obj"] {
+        folder.write(name, "");
+    }
     let said = all_refused(
         &folder,
         "
@@ -60,6 +63,19 @@ fn usage() {
         plan miura.fold --bound 2
         plan miura.fold --bend 200
         plan miura.fold --bend=-1
+        plan sheet.svg --tolerance 0
+        plan sheet.svg --tolerance=-1
+        info sheet.svg --tolerance inf
+        info sheet.svg --tolerance wide
+        info sheet.svg --colors red
+        info sheet.svg --colors red=V,rod=M
+        info sheet.svg --colors red=V,blue=X
+        info sheet.svg --colors red=V,#f00=M
+        info path.fold --tolerance 0.1
+        info shape.obj --tolerance 0.1
+        info sheet.cp --colors red=V
+        export path.fold --to csv --tolerance 0.1 -o a.csv
+        export path.fold --to svg --colors red=V --colour deformation -o a.svg
         plan miura.fold --max-speed 0
         plan miura.fold --max-speed=-1
         plan miura.fold --max-accel 0
@@ -135,6 +151,12 @@ fn lines_of_files() {
             "<svg xmlns=\"http://www.w3.org/2000/svg\">\n<g stroke='red'>{element}</g>\n</svg>\n"
         )
     };
+    let opx = |properties: &str| {
+        format!(
+            "<array class=\"oripa.OriLineProxy\">\n<void index=\"0\">\n<object class=\"oripa.OriLineProxy\">\n\
+             {properties}</object></void></array>\n"
+        )
+    };
     let wide = format!(
         "{{\"ä\": \"{}\", \"vertices_coords\": [[0,0], [1, \"ö\"]], {}",
         "é".repeat(90),
@@ -170,6 +192,11 @@ fn lines_of_files() {
         ("arc.svg", drawing("<path d='M0 0A9e99 1 0 0 1 2 3'/>")),
         ("wide-path.svg", drawing("<path d='m0 0h9e29h9e29'/>")),
         ("far.cp", "1 0 0 1e51 0\n".into()),
+        ("broken.opx", "<java>\n  <object\n</java>\n".into()),
+        ("empty.opx", "<java>\n<object class=\"oripa.DataSet\"/>\n</java>\n".into()),
+        ("number.opx", opx("<void property=\"x0\">\n<double>1,5</double>\n</void>")),
+        ("type.opx", opx("<void property=\"type\"><int>M</int></void>")),
+        ("other.opx", "<array class=\"oripa.OriLineProxy\">\n<void index=\"0\">\n<null/></void></array>".into()),
     ];
     let mut said = String::new();
     for (name, text) in files {

@@ -20,6 +20,7 @@ mod recorded;
 mod routes;
 mod rust_source;
 mod session;
+mod sloppy_drawings;
 mod stream;
 mod terminal;
 mod traj;

@@ -13,7 +13,7 @@ use crate::pattern::{
     CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
 };
 use crate::progress::Watch;
-use crate::read::segments::{self, Segment};
+use crate::read::segments::{self, LooseLines, Segment};
 use crate::read::{FileError, stem};
 
 /// A crease pattern read from a file.
@@ -32,7 +32,7 @@ pub struct PatternFile {
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    pattern(&Document::read(path)?, Watch::default())
+    pattern(&Document::read(path)?, None, Watch::default())
 }
 
 /// Parses a crease pattern from the bytes of a file; `path` names the file in errors. See [`read_pattern`].
@@ -40,22 +40,31 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 /// # Errors
 /// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
-    parse_within(path, bytes, Watch::default())
+    parse_within(path, bytes, None, Watch::default())
 }
 
 pub(in crate::read) fn parse_within(
     path: &Path,
     bytes: &[u8],
+    tolerance: Option<f64>,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    pattern(&Document::parse(path, bytes)?, watch)
+    pattern(&Document::parse(path, bytes)?, tolerance, watch)
 }
 
-fn pattern(document: &Document, watch: Watch<'_>) -> Result<PatternFile, FileError> {
+/// Makes the crease pattern of a document. With a tolerance, its edges are repaired like the lines of a drawing.
+fn pattern(
+    document: &Document,
+    tolerance: Option<f64>,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
     let frames = document.frames()?;
     let flat = flat_frame(&frames);
     let frame = frames.get(flat);
     let angles = goal_angles(&frames, &frame)?;
+    if tolerance.is_some() {
+        return repaired(document, &frame, angles.as_ref(), tolerance, watch);
+    }
     let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
         Ok(file) => file,
         Err(error) => {
@@ -69,8 +78,11 @@ fn pattern(document: &Document, watch: Watch<'_>) -> Result<PatternFile, FileErr
                     ..
                 }
             );
-            let repaired = repairable.then(|| repaired(document, &frame, angles.as_ref(), watch));
-            return repaired.flatten().ok_or(error);
+            if !repairable {
+                return Err(error);
+            }
+            let repaired = repaired(document, &frame, angles.as_ref(), None, watch);
+            return repaired.map_err(|_| error);
         }
     };
     if angles.is_none() {
@@ -90,18 +102,28 @@ fn pattern(document: &Document, watch: Watch<'_>) -> Result<PatternFile, FileErr
     Ok(file)
 }
 
-/// Makes a crease pattern of edges that form none as they stand, by the repairs for loose lines. Returns `None` if the
-/// repaired lines form no crease pattern, or if the file names faces, which already determine the sheet.
+/// Makes a crease pattern of edges by the repairs for loose lines.
+///
+/// # Errors
+/// If the repaired lines form no crease pattern, or if the file names faces, which already determine the sheet.
 fn repaired(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
+    tolerance: Option<f64>,
     watch: Watch<'_>,
-) -> Option<PatternFile> {
+) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
-    let drawing = drawing(document, frame, goals, &mut notes).ok()?;
+    let drawing = drawing(document, frame, goals, &mut notes)?;
+    let wrong = |expected: &str, found: &str| FileError::Expected {
+        path: document.path().to_path_buf(),
+        place: "the tolerance".into(),
+        expected: expected.into(),
+        found: found.into(),
+    };
     if drawing.faces.is_some() {
-        return None;
+        let found = "faces_vertices, which say what meets";
+        return Err(wrong("a drawing of lines without faces", found));
     }
     notes.push("edges are counted anew, as lines were repaired".into());
     let segments = drawing.edges.iter().map(|edge| {
@@ -112,10 +134,16 @@ fn repaired(
             goal: edge.goal,
         })
     });
-    let segments = segments.collect::<Option<_>>()?;
-    let file = segments::pattern_file(document.path(), segments, 0.0, notes, watch).ok()?;
-    let title = title(document, frame).ok()?;
-    Some(PatternFile { title, ..file })
+    let lines = LooseLines {
+        segments: segments
+            .collect::<Option<_>>()
+            .ok_or_else(|| wrong("edges between vertices", "an edge to none"))?,
+        notes,
+        ..LooseLines::default()
+    };
+    let file = segments::pattern_file(document.path(), lines, tolerance, watch)?;
+    let title = title(document, frame)?;
+    Ok(PatternFile { title, ..file })
 }
 
 /// Reads the goal fold angles (radians) from another file of the same sheet, one for each crease of `pattern`; `None`

@@ -1,4 +1,5 @@
-//! Makes a planar drawing of lines: splits them at crossings, keeps duplicates once and joins open ends.
+//! Makes a planar drawing of lines: splits them at crossings, keeps duplicates once and joins open
+//! ends.
 //!
 //! Crossings are found in a uniform grid and decided by exact orientation predicates (crate `robust`).
 
@@ -8,6 +9,7 @@ use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
 use super::grid::Grid;
+use super::open_ends::{LineReach, join_to_lines, join_to_vertices, remove_open};
 use super::places::Places;
 use super::repairs::Repairs;
 use super::{MOST, Segment};
@@ -23,13 +25,6 @@ const OF_MEDIAN: f64 = 1e-3;
 /// across the sheet.
 const OF_DIAGONAL: f64 = 1e-4;
 
-/// Largest distance of an open end from the one vertex that it was meant to meet, as a fraction of its line.
-const OF_LINE: f64 = 0.05;
-
-/// Largest distance of an open end from that vertex, as a fraction of the diagonal. Origami Simulator joins points
-/// within 3 pixels, in drawings of about a thousand pixels.
-const OPEN: f64 = 1.0 / 300.0;
-
 /// Lower bound of the merging tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
 const ROUNDING: f64 = 1e-9;
 
@@ -39,6 +34,9 @@ const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
 /// Largest number of rounds of splitting. A split moves lines by up to the tolerance, which may make them cross anew.
 const ROUNDS: usize = 8;
+
+/// Largest number of rounds of joining open ends. An end that is joined may move a line to which another end was joined.
+const JOINS: usize = 4;
 
 /// Precedence of a letter where lines lie on each other; the line of the highest precedence is kept. A border ranks
 /// below creases: on the rim the faces alone show that it is a border, and inside the sheet the line drawn to be cut or
@@ -53,20 +51,28 @@ fn weight(letter: Letter) -> u8 {
     }
 }
 
-/// Makes a planar drawing of the segments and describes the repairs. Returns `None` if there are too many lines or the
-/// budget of proximity tests is used up.
+/// Makes a planar drawing of the segments and counts the repairs. `rounding` is the largest distance of an end from the
+/// place where it was drawn; `asked` is the tolerance if the caller chose one. Returns `None` if there are too many lines
+/// or the budget of proximity tests is used up.
 pub(super) fn planar(
     segments: Vec<Segment>,
     rounding: f64,
+    asked: Option<f64>,
     watch: Watch<'_>,
-) -> Option<(Drawing, Vec<String>)> {
+) -> Option<(Drawing, Repairs)> {
     if segments.len() > MOST {
         return None;
     }
     let [low, high] = bounds(&segments);
     let diagonal = (high - low).norm();
-    let tolerance = tolerance(&segments).max(4.0 * rounding);
-    let mut repairs = Repairs::default();
+    let usual = tolerance(&segments).max(4.0 * rounding);
+    // Differences within rounding are no differences, whatever the caller chose.
+    let least = (ROUNDING * diagonal).max(4.0 * rounding);
+    let tolerance = asked.map_or(usual, |asked| asked.max(least));
+    let mut repairs = Repairs {
+        tolerance,
+        ..Repairs::default()
+    };
     let mut places = Places::new(tolerance, low);
     let mut pieces: Vec<DrawnEdge> = segments
         .iter()
@@ -89,22 +95,42 @@ pub(super) fn planar(
     drop(segments);
     deduplicate(&mut pieces, &mut repairs);
     let mut looks = Looks::for_lines(pieces.len(), watch);
+    if tolerance > usual {
+        // Ends are moved to lines: within so large a tolerance, lines split at ends beside them would be bent.
+        let within = LineReach::Asked(tolerance);
+        join_to_lines(
+            &mut places,
+            &mut pieces,
+            usual,
+            &within,
+            &mut repairs,
+            &mut looks,
+        )?;
+        pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
+    }
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
-    if join_open(
-        &places.points,
-        &mut pieces,
-        diagonal,
-        &mut repairs,
-        &mut looks,
-    )? {
+    for _ in 0..JOINS {
+        let to_vertices =
+            join_to_vertices(&mut places, &mut pieces, diagonal, &mut repairs, &mut looks)?;
+        let within = LineReach::Only { diagonal };
+        let to_lines = join_to_lines(
+            &mut places,
+            &mut pieces,
+            tolerance,
+            &within,
+            &mut repairs,
+            &mut looks,
+        )?;
+        if !to_vertices && !to_lines {
+            break;
+        }
         deduplicate(&mut pieces, &mut repairs);
         cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
     }
     // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
-    repairs.open = remove_open(&mut pieces, places.points.len());
-    let drawing = drawing(&places.points, pieces);
-    Some((drawing, repairs.in_words(tolerance)))
+    repairs.removed = remove_open(&places.points, &mut pieces);
+    Some((drawing(&places.points, pieces), repairs))
 }
 
 /// Number of proximity tests that are still allowed, none once the caller cancels.
@@ -145,7 +171,7 @@ fn cut_up(
         }
         repairs.crossings += places.points.len() - before;
         let count = pieces.len();
-        *pieces = split(&places.points, pieces, tolerance, looks)?;
+        *pieces = split(places, pieces, looks)?;
         let splits = pieces.len() - count;
         if splits == 0 && places.points.len() == before {
             break;
@@ -154,58 +180,6 @@ fn cut_up(
         deduplicate(pieces, repairs);
     }
     Some(())
-}
-
-/// Joins each open end to the only vertex that it can have been meant to meet. The vertex must lie within a twentieth
-/// of the line's length and within [`OPEN`] of the diagonal, and the next vertex must be at least twice as far. A line
-/// that goes too far past another leaves a short open end, which stays open and is left out later. Returns `true` if
-/// any end was joined, and `None` if the budget of proximity tests is used up.
-fn join_open(
-    points: &[Vector2<f64>],
-    pieces: &mut [DrawnEdge],
-    diagonal: f64,
-    repairs: &mut Repairs,
-    looks: &mut Looks<'_>,
-) -> Option<bool> {
-    let mut degrees = vec![0_usize; points.len()];
-    for end in pieces.iter().flat_map(|piece| piece.ends) {
-        degrees[end] += 1;
-    }
-    let (grid, cells) = Grid::of_points(points, OPEN * diagonal);
-    let before = repairs.joined;
-    for piece in pieces {
-        let [a, b] = line(points, piece);
-        let reach = (OF_LINE * (b - a).norm()).min(OPEN * diagonal);
-        for side in 0..2 {
-            let (end, other) = (piece.ends[side], piece.ends[1 - side]);
-            if degrees[end] != 1 {
-                continue;
-            }
-            let at = points[end];
-            let mut near = [(f64::INFINITY, end); 2];
-            grid.along([at; 2], 2.0 * reach, |cell| {
-                looks.take(1 + cells[cell].len());
-                for &vertex in &cells[cell] {
-                    let distance = (points[vertex] - at).norm();
-                    if degrees[vertex] < 2 || vertex == other || distance >= near[1].0 {
-                        continue;
-                    }
-                    near[1] = (distance, vertex);
-                    near.sort_by(|a, b| a.0.total_cmp(&b.0));
-                }
-            });
-            let [(distance, vertex), (second, _)] = near;
-            if distance <= reach && second >= 2.0 * distance {
-                piece.ends[side] = vertex;
-                repairs.joined += 1;
-                repairs.far_joined = repairs.far_joined.max(distance);
-            }
-        }
-        if looks.are_used_up() {
-            return None;
-        }
-    }
-    Some(repairs.joined > before)
 }
 
 fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
@@ -251,13 +225,13 @@ fn deduplicate(pieces: &mut Vec<DrawnEdge>, repairs: &mut Repairs) {
     *pieces = kept;
 }
 
-fn line(points: &[Vector2<f64>], piece: &DrawnEdge) -> [Vector2<f64>; 2] {
+pub(super) fn line(points: &[Vector2<f64>], piece: &DrawnEdge) -> [Vector2<f64>; 2] {
     piece.ends.map(|end| points[end])
 }
 
 /// Returns the distance of the point's foot along the line, the distance of the point from the line, and the length of
 /// the line.
-fn foot([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> (f64, f64, f64) {
+pub(super) fn foot([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> (f64, f64, f64) {
     let length = (b - a).norm();
     let unit = (b - a) / length;
     (
@@ -273,6 +247,28 @@ fn passes(line: [Vector2<f64>; 2], point: Vector2<f64>, tolerance: f64) -> bool 
     aside <= tolerance && along >= -tolerance && along <= length + tolerance
 }
 
+/// Makes a grid with about one line in each cell, cells at least `least` wide, and returns the lines in each cell.
+pub(super) fn grid_of_lines(
+    points: &[Vector2<f64>],
+    pieces: &[DrawnEdge],
+    least: f64,
+) -> (Grid, Csr<usize>) {
+    let lengths = pieces.iter().map(|piece| {
+        let [a, b] = line(points, piece);
+        (b - a).norm()
+    });
+    // So that a line covers few cells.
+    #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
+    let wide = lengths.sum::<f64>() / (8.0 * pieces.len().max(1) as f64);
+    let grid = Grid::new(points, pieces.len(), wide.max(least));
+    let mut covered = Vec::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        grid.along(line(points, piece), 0.0, |cell| covered.push((cell, index)));
+    }
+    let covered = group_by_key(grid.columns * grid.rows, &covered);
+    (grid, covered)
+}
+
 /// Returns the points in which lines cross without an end of one on the other, or `None` if there are too many or the
 /// budget is used up.
 fn crossings(
@@ -281,18 +277,7 @@ fn crossings(
     tolerance: f64,
     looks: &mut Looks<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
-    let lengths = pieces.iter().map(|piece| {
-        let [a, b] = line(points, piece);
-        (b - a).norm()
-    });
-    #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
-    let least = lengths.sum::<f64>() / (8.0 * pieces.len().max(1) as f64);
-    let grid = Grid::new(points, pieces.len(), least);
-    let mut covered = Vec::new();
-    for (index, piece) in pieces.iter().enumerate() {
-        grid.along(line(points, piece), 0.0, |cell| covered.push((cell, index)));
-    }
-    let covered: Csr<usize> = group_by_key(grid.columns * grid.rows, &covered);
+    let (grid, covered) = grid_of_lines(points, pieces, 0.0);
     let mut seen = vec![usize::MAX; pieces.len()];
     let mut found = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {
@@ -353,12 +338,8 @@ fn crossing(
 
 /// Splits each line at the vertices that it passes. Returns `None` if there are too many pieces or the budget is used
 /// up.
-fn split(
-    points: &[Vector2<f64>],
-    pieces: &[DrawnEdge],
-    tolerance: f64,
-    looks: &mut Looks<'_>,
-) -> Option<Vec<DrawnEdge>> {
+fn split(places: &Places, pieces: &[DrawnEdge], looks: &mut Looks<'_>) -> Option<Vec<DrawnEdge>> {
+    let (points, tolerance) = (&places.points, places.tolerance);
     let (grid, cells) = Grid::of_points(points, 4.0 * tolerance);
     let mut result = Vec::with_capacity(pieces.len());
     let mut stops: Vec<(f64, usize)> = Vec::new();
@@ -369,7 +350,8 @@ fn split(
             looks.take(1 + cells[cell].len());
             for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
                 let (along, aside, length) = foot(line, points[vertex]);
-                if aside <= tolerance && along > 0.0 && along < length {
+                let passes = aside <= tolerance && along > 0.0 && along < length;
+                if passes && !places.is_retired(vertex) {
                     stops.push((along, vertex));
                 }
             }
@@ -388,38 +370,6 @@ fn split(
         }
     }
     Some(result)
-}
-
-/// Removes lines with an end at which no other line ends, again and again, and returns their number.
-fn remove_open(pieces: &mut Vec<DrawnEdge>, vertices: usize) -> usize {
-    let pairs: Vec<(usize, usize)> = pieces
-        .iter()
-        .enumerate()
-        .flat_map(|(index, piece)| piece.ends.map(|end| (end, index)))
-        .collect();
-    let stars = group_by_key(vertices, &pairs);
-    let mut degrees: Vec<usize> = stars.iter().map(<[usize]>::len).collect();
-    let mut open: Vec<usize> = (0..vertices).filter(|&v| degrees[v] == 1).collect();
-    let mut removed = vec![false; pieces.len()];
-    while let Some(vertex) = open.pop() {
-        for &index in stars[vertex].iter().filter(|_| degrees[vertex] == 1) {
-            if removed[index] {
-                continue;
-            }
-            removed[index] = true;
-            for end in pieces[index].ends {
-                degrees[end] -= 1;
-                if degrees[end] == 1 && end != vertex {
-                    open.push(end);
-                }
-            }
-            break;
-        }
-    }
-    let before = pieces.len();
-    let mut removed = removed.into_iter();
-    pieces.retain(|_| !removed.next().unwrap_or_default());
-    before - pieces.len()
 }
 
 /// Makes the drawing from lines. Its vertices are the ends of lines, in the order in which lines first use them.

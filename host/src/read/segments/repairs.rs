@@ -1,5 +1,30 @@
 //! Counts the repairs of a drawing and describes them in sentences.
 
+use nalgebra::Vector2;
+
+use super::open_ends::Removed;
+use crate::pattern::rounded;
+
+/// Open ends that were joined.
+#[derive(Default)]
+pub(super) struct Joined {
+    pub(super) count: usize,
+    /// Largest distance by which an end was moved.
+    farthest: f64,
+    /// Place to which the first end was moved.
+    first: Vector2<f64>,
+}
+
+impl Joined {
+    pub(super) fn add(&mut self, distance: f64, to: Vector2<f64>) {
+        if self.count == 0 {
+            self.first = to;
+        }
+        self.count += 1;
+        self.farthest = self.farthest.max(distance);
+    }
+}
+
 /// Numbers of repairs of each kind, and the largest distances by which ends were moved.
 #[derive(Default)]
 pub(super) struct Repairs {
@@ -10,13 +35,18 @@ pub(super) struct Repairs {
     pub(super) passed: usize,
     pub(super) twice: usize,
     pub(super) both_ways: usize,
-    pub(super) joined: usize,
-    pub(super) far_joined: f64,
-    pub(super) open: usize,
+    pub(super) to_vertices: Joined,
+    pub(super) to_lines: Joined,
+    /// Lines that were removed because they end in the open.
+    pub(super) removed: Option<Removed>,
+    /// Points within this distance of each other are one place.
+    pub(super) tolerance: f64,
 }
 
 impl Repairs {
-    pub(super) fn in_words(&self, tolerance: f64) -> Vec<String> {
+    /// Describes the repairs; lines left out because they end in the open are told elsewhere. `drawn` takes a place to
+    /// the drawing's own coordinates.
+    pub(super) fn in_words(&self, drawn: impl Fn(Vector2<f64>) -> [f64; 2]) -> Vec<String> {
         let &Self {
             short,
             moved,
@@ -25,10 +55,12 @@ impl Repairs {
             passed,
             twice,
             both_ways,
-            joined,
-            far_joined,
-            open,
+            ref to_vertices,
+            ref to_lines,
+            tolerance,
+            ..
         } = self;
+        let [x, y] = drawn(to_lines.first).map(rounded);
         let said = [
             (
                 short,
@@ -64,15 +96,19 @@ impl Repairs {
                 format!("of them lettered M and V at one place, the first drawn kept: {both_ways}"),
             ),
             (
-                joined,
+                to_vertices.count,
                 format!(
-                    "open ends joined to the one vertex near them: {joined}, moved by {far_joined:.1e} at \
-                     most"
+                    "open ends joined to the one vertex near them: {}, moved by {:.1e} at most",
+                    to_vertices.count, to_vertices.farthest
                 ),
             ),
             (
-                open,
-                format!("lines that end in the open, without faces between, left out: {open}"),
+                to_lines.count,
+                format!(
+                    "open ends joined to the line near them: {}, moved by {:.1e} at most, the first to \
+                     ({x}, {y})",
+                    to_lines.count, to_lines.farthest
+                ),
             ),
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);

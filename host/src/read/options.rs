@@ -1,0 +1,189 @@
+//! Options of reading drawings: the tolerance, and the letters of colours.
+
+use core::str::FromStr;
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::{FileError, ending};
+use crate::pattern::Letter;
+
+/// Options of reading a crease pattern. The default takes every choice from the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Largest distance between lines of a drawing that are meant to meet, in the drawing's own units; positive and
+    /// finite. Without it, the tolerance follows from the lengths of the lines.
+    pub tolerance: Option<f64>,
+    /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
+    pub colours: ColourLetters,
+}
+
+impl ReadOptions {
+    /// Checks that a file of this name can be read with these options.
+    ///
+    /// # Errors
+    /// If the tolerance is no positive length, or the format has no use for an option.
+    pub(super) fn check(&self, path: &Path) -> Result<(), FileError> {
+        let wrong = |place: &str, expected: &str, found: String| {
+            Err(FileError::Expected {
+                path: path.to_path_buf(),
+                place: place.into(),
+                expected: expected.into(),
+                found,
+            })
+        };
+        let format = match ending(path).as_str() {
+            ending @ ("svg" | "cp" | "opx" | "obj") => ending.to_ascii_uppercase(),
+            _ => "FOLD".into(),
+        };
+        if let Some(tolerance) = self.tolerance {
+            if !(tolerance > 0.0 && tolerance.is_finite()) {
+                let expected = "a finite length above 0, in the units of the drawing";
+                return wrong("the tolerance", expected, tolerance.to_string());
+            }
+            if format == "OBJ" {
+                let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
+                return wrong("the tolerance", expected, "an OBJ file".into());
+            }
+        }
+        if !self.colours.is_empty() && format != "SVG" {
+            let article = if format == "OPX" || format == "OBJ" {
+                "an"
+            } else {
+                "a"
+            };
+            let expected = "an SVG drawing, whose lines have colours";
+            return wrong(
+                "letters of colours",
+                expected,
+                format!("{article} {format} file"),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Letters of colours, parsed from text such as `red=V,blue=M,#00ff00=V`. Colours have their names or forms of CSS.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ColourLetters(Vec<ColourLetter>);
+
+/// A colour (0 to 255 for each channel) with its letter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct ColourLetter {
+    /// The colour as it was written.
+    pub(super) name: String,
+    pub(super) colour: [u8; 3],
+    pub(super) letter: Letter,
+}
+
+impl ColourLetters {
+    /// Returns `true` if no colour is given a letter.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &ColourLetter> {
+        self.0.iter()
+    }
+}
+
+impl core::fmt::Display for ColourLetters {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for (index, ColourLetter { name, letter, .. }) in self.0.iter().enumerate() {
+            let comma = if index > 0 { "," } else { "" };
+            write!(f, "{comma}{name}={}", letter.code())?;
+        }
+        Ok(())
+    }
+}
+
+/// The part of a text that gives no colour a letter.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("expected {expected}, found {found:?}")]
+pub struct ColourLettersError {
+    /// Description of what the part has to be.
+    pub expected: &'static str,
+    /// The part as it was written.
+    pub found: String,
+}
+
+impl FromStr for ColourLetters {
+    type Err = ColourLettersError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut letters: Vec<ColourLetter> = Vec::new();
+        for part in text.split(',') {
+            let wrong = |expected, found: &str| ColourLettersError {
+                expected,
+                found: found.trim().into(),
+            };
+            let pair = part.split_once('=');
+            let (name, code) = pair.ok_or_else(|| wrong("COLOUR=LETTER, such as red=V", part))?;
+            let colour = opaque(name.trim()).ok_or_else(|| {
+                let expected =
+                    "a colour, by a name of CSS such as red or in digits such as #ff0000";
+                wrong(expected, name)
+            })?;
+            let letter = Letter::from_code(code.trim())
+                .ok_or_else(|| wrong("a letter, one of B, M, V, F, U, C and J", code))?;
+            let twice = |known: &ColourLetter| known.colour == colour && known.letter != letter;
+            if letters.iter().any(twice) {
+                return Err(wrong("one letter for each colour", part));
+            }
+            letters.push(ColourLetter {
+                name: name.trim().into(),
+                colour,
+                letter,
+            });
+        }
+        Ok(Self(letters))
+    }
+}
+
+/// Parses an opaque colour by its name or its digits.
+fn opaque(text: &str) -> Option<[u8; 3]> {
+    let colour: svgtypes::Color = text.parse().ok()?;
+    // Forms with commas, such as rgb(0, 0, 0), cannot be told from a list.
+    (colour.alpha == 255 && !text.contains('(')).then_some([colour.red, colour.green, colour.blue])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_parsed() {
+        let letters: ColourLetters = "red=v, Blue=M,#0f0=V,#00FF01=c".parse().unwrap();
+        let found: Vec<_> = letters.iter().map(|it| (it.colour, it.letter)).collect();
+        let expected = [
+            ([255, 0, 0], Letter::Valley),
+            ([0, 0, 255], Letter::Mountain),
+            ([0, 255, 0], Letter::Valley),
+            ([0, 255, 1], Letter::Cut),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(letters.to_string(), "red=V,Blue=M,#0f0=V,#00FF01=C");
+        assert_eq!(letters.to_string().parse(), Ok(letters));
+    }
+
+    #[test]
+    fn the_wrong_part_is_named() {
+        for (text, found) in [
+            ("", ""),
+            ("red", "red"),
+            ("red=V,", ""),
+            ("red=V,rod=M", "rod"),
+            ("red=V,#12=M", "#12"),
+            ("red=V,transparent=M", "transparent"),
+            ("red=V,blue=X", "X"),
+            ("red=V,blue=", ""),
+            ("red=V,blue=MV", "MV"),
+            ("red=V,#f00=M", "#f00=M"),
+            ("rgb(1=V", "rgb(1"),
+        ] {
+            let error = text.parse::<ColourLetters>().unwrap_err();
+            assert_eq!(error.found, found, "{text}");
+        }
+    }
+}
