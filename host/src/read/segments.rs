@@ -48,7 +48,7 @@ pub(super) struct LooseLines {
 }
 
 /// A crease pattern made of loose lines.
-struct Sheet {
+struct RepairedDrawing {
     pattern: CreasePattern,
     repairs: Repairs,
     /// Number of lines left out because they lie inside a panel.
@@ -84,7 +84,7 @@ pub(super) fn pattern_file(
         Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
         _ => None,
     };
-    let Sheet {
+    let RepairedDrawing {
         ref mut pattern,
         ref repairs,
         islands,
@@ -139,7 +139,11 @@ impl Reader<'_> {
     }
 
     /// Makes a crease pattern of the lines and counts the repairs.
-    fn sheet(&self, segments: Vec<Segment>, tolerance: Option<f64>) -> Result<Sheet, FileError> {
+    fn sheet(
+        &self,
+        segments: Vec<Segment>,
+        tolerance: Option<f64>,
+    ) -> Result<RepairedDrawing, FileError> {
         let expected = |expected: String, found: String| FileError::Expected {
             path: self.path.to_path_buf(),
             place: "the drawing".into(),
@@ -173,7 +177,7 @@ impl Reader<'_> {
         if islands > 0 {
             pattern = self.checked(drawing)?;
         }
-        Ok(Sheet {
+        Ok(RepairedDrawing {
             pattern,
             repairs,
             islands,
@@ -182,7 +186,7 @@ impl Reader<'_> {
 
     /// Looks for the smallest tolerance with which no line ends in the open and nothing else is lost that `found` has:
     /// doubles the tolerance until one does, and then halves the interval (of logarithms) that is left.
-    fn keeping(&self, segments: &[Segment], found: &Sheet) -> Option<f64> {
+    fn keeping(&self, segments: &[Segment], found: &RepairedDrawing) -> Option<f64> {
         let keeps = |tolerance| {
             let sheet = self.sheet(segments.to_vec(), Some(tolerance));
             sheet.is_ok_and(|sheet| {

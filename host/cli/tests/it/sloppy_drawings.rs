@@ -326,7 +326,7 @@ fn colours_have_the_letters_that_are_asked_for() {
     }
 }
 
-/// The same with drawings by other authors.
+/// Drawings by other authors are read alike with their colours exchanged.
 #[test]
 fn real_drawings_have_the_letters_that_are_asked_for() {
     let Some(folder) = external() else { return };
