@@ -2,6 +2,7 @@
 
 mod at_knots;
 mod between_knots;
+mod birds_feet;
 mod branches;
 mod browser;
 mod campaign;

@@ -286,6 +286,17 @@ impl<'a> Reduction<'a> {
         options: &PlanOptions,
     ) -> (Option<ClosedGoal>, Work) {
         let (exact, mut work) = self.close_goal_to(0.0, goal, options);
+        if goal.is_direction()
+            && exact
+                .as_ref()
+                .is_some_and(|closed| self.is_flat_somewhere(closed, goal))
+        {
+            let (turned, more) = self.close_turned(goal, options);
+            work += more;
+            if turned.is_some() {
+                return (turned, work);
+            }
+        }
         if exact
             .as_ref()
             .is_some_and(|closed| closed.error <= NEARBY_RAD)
@@ -299,6 +310,36 @@ impl<'a> Reduction<'a> {
             (exact, rough) => rough.or(exact),
         };
         (closed, work)
+    }
+
+    /// Returns `true` if a lettered crease is flat in a closed configuration.
+    fn is_flat_somewhere(&self, closed: &ClosedGoal, goal: &Goal) -> bool {
+        let (_, signs) = self.asked(goal);
+        let mut turns = closed.angles.iter().zip(&signs);
+        turns.any(|(angle, sign)| sign.abs() > 0.0 && angle * sign < goal.least_turn())
+    }
+
+    /// Moves letters that are a direction to an exactly closed configuration near it in which each lettered crease is
+    /// turned.
+    fn close_turned(&self, goal: &Goal, options: &PlanOptions) -> (Option<ClosedGoal>, Work) {
+        let (asked, signs) = self.asked(goal);
+        let least = TURNED_RATIO * goal.least_turn();
+        let limits = self.orthant(&signs).into_iter().zip(&signs);
+        let limits = limits.map(|((lower, upper), sign)| match *sign {
+            s if s > 0.0 => (lower.max(least).min(upper), upper),
+            s if s < 0.0 => (lower, upper.min(-least).max(lower)),
+            _ => (lower, upper),
+        });
+        let mut solver = self.solver(options, 0.0);
+        solver.set_limits(limits.collect());
+        let found = nearest_closed(&mut solver, &asked, &signs);
+        let closed = found.filter(|angles| self.closure(angles) <= CLOSED);
+        let closed = closed.map(|angles| ClosedGoal {
+            error: self.distance(&angles, goal),
+            angles,
+            closure_tolerance: 0.0,
+        });
+        (closed, solver.work)
     }
 
     /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
@@ -343,6 +384,9 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 
 /// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
 pub(crate) const EXPECTED_AMPLIFICATION: f64 = 4.0;
+/// Turn of each lettered crease with which a configuration is looked for that leaves none flat, over the least turn that
+/// counts.
+const TURNED_RATIO: f64 = 2.0;
 /// Distance up to which an exactly closed configuration is the goal that was meant, radians.
 const NEARBY_RAD: f64 = 0.02;
 /// Angle (radians) by which a crease may be turned if the goal does not tell, as a fraction of the closure residual
