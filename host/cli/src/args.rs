@@ -608,8 +608,10 @@ pub(crate) enum Solver {
 #[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Search {
-    /// Follow the motion
+    /// Follow the motion, in phases where faces would cross otherwise
     #[default]
+    Auto,
+    /// Follow the motion with all creases turning at once
     Path,
     /// The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)
     Random,
@@ -732,7 +734,8 @@ impl Plan {
         }
         if !self.via.is_empty() && matches!(self.search, Search::Random) {
             return Err(crate::CliError::Usage(
-                "--via: expected --search path, as the randomised search knows no phases".into(),
+                "--via: expected --search auto or path, as the randomised search knows no phases"
+                    .into(),
             ));
         }
         let skips = |skip| !self.no_skip.contains(&skip);
@@ -778,6 +781,7 @@ impl Plan {
                 Solver::Gradient => planner::Solver::Gradient,
             },
             search: match self.search {
+                Search::Auto => planner::Search::Auto,
                 Search::Path => planner::Search::Path,
                 Search::Random => planner::Search::Random,
             },

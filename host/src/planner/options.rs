@@ -41,8 +41,10 @@ pub enum Solver {
 /// Method by which the path is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Search {
-    /// Follows the motion, from the goal or from flat.
+    /// Follows the motion, from the goal or from flat; in phases where faces would cross if all creases turned at once.
     #[default]
+    Auto,
+    /// Follows the motion with all creases turning at once.
     Path,
     /// The adaptive randomised search of [XiLien2015](foldpath_core#references), section 4.
     Random,

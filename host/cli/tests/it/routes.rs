@@ -600,3 +600,32 @@ fn hinges_without_an_angle_keep_their_letters() {
     }
     assert!(planned >= 3, "{planned}");
 }
+
+/// Without phases, what folds in phases crosses.
+#[test]
+fn phases_are_looked_for_unless_all_creases_are_to_turn_at_once() {
+    let folder = folder();
+    // A strip of three panels: the flaps at its ends overlap where they lie on the middle.
+    let strip = serde_json::json!({
+        "file_spec": 1.2,
+        "vertices_coords": [[0, 0], [3, 0], [7, 0], [10, 0], [10, 1], [7, 1], [3, 1], [0, 1]],
+        "edges_vertices": [
+            [0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 6], [6, 7], [7, 0], [1, 6], [2, 5]
+        ],
+        "edges_assignment": ["B", "B", "B", "B", "B", "B", "B", "B", "V", "V"],
+        "edges_foldAngle": [0, 0, 0, 0, 0, 0, 0, 0, 180, 180],
+    });
+    std::fs::write(folder.path("strip.fold"), strip.to_string()).unwrap();
+    let at_once = folder
+        .run("plan strip.fold --search path --json")
+        .with_status(1)
+        .json();
+    assert_eq!(at_once["outcome"], "crossing", "{at_once:#}");
+    let phases = folder.done("plan strip.fold --json").json();
+    assert_eq!(phases["outcome"], "planned", "{phases:#}");
+    let tried = phases["attempts"].as_array().unwrap();
+    assert_eq!(
+        tried[1]["strategy"], "phases split at crossings",
+        "{tried:?}"
+    );
+}

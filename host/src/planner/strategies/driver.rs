@@ -172,7 +172,7 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     };
     let held = plan.rigidity.deformation.max(plan.rigidity.gap) <= options.bound;
     let grouped = options.symmetry == Symmetry::Auto && plan.groups < creases;
-    let path = grouped && options.search == Search::Path;
+    let path = grouped && options.search != Search::Random;
     path && held && plan.proved().is_some_and(|proved| proved > aim)
 }
 
@@ -326,7 +326,7 @@ fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
         Outcome::Partial | Outcome::NearGoal | Outcome::GoalNotClosed
     );
     let few = problem.pattern.creases().len() <= FEW_CREASES;
-    let path = problem.options.search == Search::Path && problem.options.judged == Judged::Motion;
+    let path = problem.options.search != Search::Random && problem.options.judged == Judged::Motion;
     short && few && path && plan.reached < FARTHER_RATIO && !problem.is_late()
 }
 

@@ -41,7 +41,7 @@ pub(crate) fn goal_of_sequences(
 ) -> Option<Vec<f64>> {
     let fits = problem.goal.via.is_empty()
         && problem.goal.kind != GoalKind::Driven
-        && problem.options.search == Search::Path;
+        && problem.options.search == Search::Auto;
     let end = match route.end {
         End::Reached => Some(route.last()),
         _ => route.goal.as_deref(),
