@@ -48,6 +48,7 @@
 //! folds in sequence. Each try is the same pipeline again, by way of the configurations between its phases. Nothing
 //! calls the driver but its user.
 //!
+//! If all rows say no to letters at a fraction, lines that run from border to border turn alone (`strategies/lines.rs`).
 //! If all rows say no and panels may bend, or to tell which bend would be enough, crease groups are tried on sheets whose
 //! panels are cut along diagonals (`strategies/bending.rs`).
 //!
@@ -67,7 +68,7 @@
 //! < foldability (interior_point < flat_cone < certificate < cause < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, bending < driver)
+//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, bending, lines < driver)
 //! ```
 
 mod closing;

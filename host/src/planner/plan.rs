@@ -168,6 +168,8 @@ pub enum Strategy {
     NearestConfiguration,
     /// Crease groups or every crease, with other random numbers.
     OtherSeed,
+    /// Lines from border to border turn alone.
+    LinesAlone,
     /// Panels bend about their diagonals.
     BendingPanels,
 }
@@ -188,6 +190,7 @@ impl Strategy {
             Self::FoldSequence => "folds in sequence",
             Self::NearestConfiguration => "nearest configuration",
             Self::OtherSeed => "another seed",
+            Self::LinesAlone => "lines alone",
             Self::BendingPanels => "panels that bend",
         }
     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 42] = [
+const ORDER: [&str; 43] = [
     "vectors",
     "goal",
     "knots",
@@ -46,6 +46,7 @@ const ORDER: [&str; 42] = [
     "strategies/fold_sequence",
     "strategies/split_phases",
     "strategies/bending",
+    "strategies/lines",
     "strategies/driver",
 ];
 

@@ -8,7 +8,7 @@
 use core::f64::consts::{PI, TAU};
 
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Foldability, Goal, Outcome, PlanOptions, forecast, plan};
+use foldpath::planner::{Foldability, Goal, Outcome, PlanOptions, Strategy, forecast, plan};
 use foldpath::progress::Watch;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_tests::Random;
@@ -123,4 +123,69 @@ fn vertices_leave_flat_if_they_have_a_birds_foot() {
     assert!(feet > 300 && without > 200, "{feet} {without}");
     // The nearest configuration in which no crease stays flat may not be reached from flat.
     assert!(100 * folded >= 93 * feet, "{folded} of {feet}");
+}
+
+/// A flap beside a vertex that is locked turns alone: its crease runs from border to border.
+#[test]
+fn a_flap_turns_beside_a_locked_vertex() {
+    let mut random = Random::new(2);
+    let (mut locked, mut turned) = (0, 0);
+    while locked < 100 {
+        let (ways, letters) = vertex(&mut random);
+        if has_foot(&ways, &letters) != Some(false) {
+            continue;
+        }
+        locked += 1;
+        let (count, star) = (ways.len(), drawn(&ways, &letters));
+        let tip = 1.5 * (star.vertices()[1] + star.vertices()[2]);
+        let mut vertices = star.vertices().to_vec();
+        vertices.push(tip);
+        let mut edges: Vec<DrawnEdge> = star
+            .edges()
+            .iter()
+            .map(|edge| DrawnEdge {
+                ends: edge.ends.map(|end| end.index()),
+                letter: edge.letter,
+                goal: None,
+            })
+            .collect();
+        edges[count].letter = Letter::Valley;
+        for end in [1, 2] {
+            edges.push(DrawnEdge {
+                ends: [end, count + 1],
+                letter: Letter::Boundary,
+                goal: None,
+            });
+        }
+        let pattern = CreasePattern::new(Drawing {
+            vertices,
+            edges,
+            faces: None,
+        })
+        .unwrap();
+        let flap = pattern.edges()[count].crease.unwrap();
+        let driven = Goal::of_creases(&pattern, &[(flap, 1.0)]).unwrap();
+        let driven = plan(&pattern, &driven, &PlanOptions::default());
+        assert_eq!(driven.outcome, Outcome::Planned, "{ways:?} {letters:?}");
+        // Along the letters the flap turns about as far as is asked, and the creases of the vertex are named as flat.
+        let letters = Goal::of_letters(&pattern, 0.4).unwrap();
+        let plan = plan(&pattern, &letters, &PlanOptions::default());
+        if plan.outcome != Outcome::NearGoal {
+            // The bound lets the vertex turn a little, all together by more than the flap.
+            let tried = plan
+                .attempts
+                .iter()
+                .map(|tried| (tried.strategy, tried.outcome));
+            let alone = (Strategy::LinesAlone, Outcome::NearGoal);
+            assert!(tried.into_iter().any(|tried| tried == alone), "{ways:?}");
+            continue;
+        }
+        turned += 1;
+        assert_eq!(plan.flat_creases, count, "{ways:?}");
+        let motion = plan.motion.as_ref().unwrap();
+        let end = motion.node(motion.knots.len() - 1, pattern.creases()[flap.index()]);
+        let far = (0.3 * PI..0.401 * PI).contains(&end.angle);
+        assert!(far, "{ways:?}: {}", end.angle);
+    }
+    assert!(turned >= 85, "{turned}");
 }

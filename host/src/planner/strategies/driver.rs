@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::bending::BentSheet;
 use super::fold_sequence::{fold_in_sequence, goal_is_free, goal_of_sequences, has_few_creases};
+use super::lines::goal_of_lines;
 use super::pipeline::{self, Ending};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use crate::collision::contact_tolerance;
@@ -264,6 +265,13 @@ fn plan_until_over(
     };
     let mut attempts = Vec::new();
     let mut best = run_table(&asked, &mut attempts);
+    if goal.is_direction()
+        && is_no(best.outcome)
+        && let Some(mut lines) = with_lines_alone(&asked, &best, &mut attempts)
+    {
+        lines.add_effort(&best);
+        best = lines;
+    }
     if is_no(best.outcome) && options.bend > 0.0 {
         let bent = with_least_bend(&asked, options.bend, MAX_BEND_HALVINGS, &mut attempts);
         if let Some(mut bent) = bent {
@@ -317,6 +325,39 @@ fn run_table(asked: &PlanningProblem<'_>, attempts: &mut Vec<Attempt>) -> Plan {
         }
     }
     best
+}
+
+/// Returns the plan in which only lines that turn alone do, if it turns the sheet's creases by more than the best so far.
+fn with_lines_alone(
+    asked: &PlanningProblem<'_>,
+    best: &Plan,
+    attempts: &mut Vec<Attempt>,
+) -> Option<Plan> {
+    if !asked.goal.via.is_empty() || asked.is_late() {
+        return None;
+    }
+    let (goal, limits) = goal_of_lines(asked.pattern, asked.goal)?;
+    let mut options = PlanOptions {
+        // A group may have a line and other creases.
+        symmetry: Symmetry::Off,
+        ..asked.options.clone()
+    };
+    options.limits.extend(limits);
+    let problem = PlanningProblem {
+        goal: &goal,
+        options: &options,
+        ..*asked
+    };
+    let plan = try_strategy(&problem, Strategy::LinesAlone, attempts)?;
+    (plan.outcome == Outcome::NearGoal && turned(&plan) > turned(best)).then_some(plan)
+}
+
+/// Returns the sum of the angles by which creases are turned at the end of a path, radians.
+fn turned(plan: &Plan) -> f64 {
+    let last = plan.path.knots.last();
+    let members = plan.path.memberships.iter();
+    let turns = last.map(|last| members.map(|member| last.angles[member.group.index()].abs()));
+    turns.map_or(0.0, Iterator::sum)
 }
 
 /// Returns `true` if a small sheet hardly leaves flat with rigid panels.

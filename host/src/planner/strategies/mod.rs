@@ -6,6 +6,7 @@ mod arrival;
 pub(super) mod bending;
 pub(super) mod driver;
 pub(super) mod fold_sequence;
+pub(super) mod lines;
 pub(super) mod pipeline;
 pub(super) mod simple_folds;
 pub(super) mod split_phases;

@@ -1,0 +1,69 @@
+//! Lines that turn alone: creases in one line with one letter, from border to border. They close whatever their angle is,
+//! while all other creases stay flat.
+
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
+use crate::planner::{Goal, HingeLimit};
+
+/// Largest sine of the angle between two creases that are in line.
+const IN_LINE: f64 = 1e-6;
+
+/// Returns letters as a goal in which only lines that turn alone do, with limits that hold the other creases flat.
+/// Returns `None` if all lettered creases are in such lines, or none.
+pub(crate) fn goal_of_lines(
+    pattern: &CreasePattern,
+    letters: &Goal,
+) -> Option<(Goal, Vec<HingeLimit>)> {
+    let turn = turning_lines(pattern);
+    let lettered = |crease: usize| letters.signs[crease].abs() > 0.0;
+    let held: Vec<usize> = (0..turn.len())
+        .filter(|&crease| lettered(crease) && !turn[crease])
+        .collect();
+    let turns = (0..turn.len()).any(|crease| lettered(crease) && turn[crease]);
+    if held.is_empty() || !turns {
+        return None;
+    }
+    let mut goal = letters.clone();
+    for &crease in &held {
+        goal.fold_angles[crease] = Some(0.0);
+    }
+    let limits = held.into_iter().map(|crease| HingeLimit {
+        crease: CreaseId::new(crease),
+        lower: 0.0,
+        upper: 0.0,
+    });
+    Some((goal, limits.collect()))
+}
+
+/// Returns for each crease `true` if it is on a line that turns alone.
+fn turning_lines(pattern: &CreasePattern) -> Vec<bool> {
+    let mut turns = vec![true; pattern.creases().len()];
+    for &edge in pattern.creases() {
+        let line = [0, 1].map(|end| continued(pattern, edge, pattern.edge(edge).ends[end]));
+        let whole = line.iter().all(Option::is_some);
+        if !whole && let Some(crease) = pattern.edge(edge).crease {
+            turns[crease.index()] = false;
+        }
+    }
+    turns
+}
+
+/// Follows the line of a crease through a vertex to the border, and returns its last edge; `None` if the line ends inside
+/// the sheet or its letter changes.
+fn continued(pattern: &CreasePattern, mut edge: EdgeId, mut at: VertexId) -> Option<EdgeId> {
+    let letter = pattern.edge(edge).letter;
+    // No line has more creases than the sheet.
+    for _ in 0..pattern.creases().len() {
+        if !pattern.is_real(at) {
+            return Some(edge);
+        }
+        let way = -pattern.direction(edge, at);
+        let mut ahead = pattern.stars()[at.index()].iter().copied();
+        edge = ahead.find(|&next| {
+            let along = pattern.direction(next, at);
+            let in_line = along.perp(&way).abs() < IN_LINE && along.dot(&way) > 0.0;
+            in_line && pattern.edge(next).crease.is_some() && pattern.edge(next).letter == letter
+        })?;
+        at = pattern.edge(edge).other_end(at);
+    }
+    None
+}
