@@ -451,6 +451,10 @@ fn try_strategy(
     if pass.ending != Ending::Obstructed {
         return Some(plan);
     }
+    let (splits, few) = (splits_phases(problem, &plan), has_few_creases(problem));
+    if !splits && !few {
+        return Some(plan);
+    }
     let goal = goal_of_sequences(problem, &pass.route);
     let Some(goal) = goal.filter(|goal| goal_is_free(problem, goal)) else {
         return Some(plan);
@@ -473,10 +477,10 @@ fn try_strategy(
     let split = || fold_in_split_phases(problem, &goal, &plan);
     let sequence = || fold_in_sequence(problem, &pass.route, goal.clone());
     let mut found = None;
-    if splits_phases(problem, &plan) {
+    if splits {
         found = try_phases(Strategy::SplitPhases, &split);
     }
-    if found.is_none() && has_few_creases(problem) {
+    if found.is_none() && few {
         found = try_phases(Strategy::FoldSequence, &sequence);
     }
     Some(match found {
