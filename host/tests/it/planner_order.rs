@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 43] = [
+const ORDER: [&str; 44] = [
     "vectors",
     "goal",
     "knots",
@@ -29,6 +29,7 @@ const ORDER: [&str; 43] = [
     "foldability/flat_cone",
     "foldability/certificate",
     "foldability/cause",
+    "foldability/locked_loop",
     "foldability/forecast",
     "placement/overshoot",
     "placement/reachability",

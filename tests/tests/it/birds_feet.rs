@@ -7,11 +7,15 @@
 
 use core::f64::consts::{PI, TAU};
 
+use foldpath::generate::{Letters, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Foldability, Goal, Outcome, PlanOptions, Strategy, forecast, plan};
+use foldpath::planner::{
+    CauseKind, Foldability, Goal, Outcome, PlanOptions, Strategy, forecast, plan,
+};
 use foldpath::progress::Watch;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_tests::Random;
+use foldpath_tests::campaign::Family;
 use nalgebra::Vector2;
 
 /// Angle by which sectors and half turns are told apart, radians: nearer ones are within the bound of a plan.
@@ -188,4 +192,56 @@ fn a_flap_turns_beside_a_locked_vertex() {
         assert!(far, "{ways:?}: {}", end.angle);
     }
     assert!(turned >= 85, "{turned}");
+}
+
+/// Twists whose letters lock them: each of the four corners has the ratio τ = tan(π/4 - α/2), or all of them 1/τ. Twists
+/// and other networks of vertices with four creases that fold are not said to be locked.
+#[test]
+fn loops_of_modes_lock_and_are_named() {
+    let locked = |pattern: &CreasePattern| {
+        let groups = CreaseGroups::find(pattern);
+        let causes = forecast(pattern, &groups, Watch::default()).causes;
+        causes.into_iter().find_map(|cause| match cause.kind {
+            CauseKind::LockedLoop(product) => Some((product, cause)),
+            _ => None,
+        })
+    };
+    for degrees in [10.0_f64, 30.0, 45.0, 62.0] {
+        let angle = degrees.to_radians();
+        for letters in [Letters::Foldable, Letters::Unfoldable] {
+            let twist = SquareTwist {
+                rows: 1,
+                columns: 1,
+                angle,
+                letters,
+                fold: 0.5,
+            };
+            let pattern = CreasePattern::new(twist.drawing().unwrap()).unwrap();
+            let found = locked(&pattern);
+            if letters == Letters::Foldable {
+                assert!(found.is_none(), "{degrees}: {found:?}");
+                continue;
+            }
+            let (product, cause) = found.expect("a loop");
+            let expected = 4.0 * (PI / 4.0 - angle / 2.0).tan().ln();
+            let off = (product.ln().abs() - expected.abs()).abs();
+            assert!(off < 1e-9, "{degrees}: {product}");
+            assert_eq!(
+                (cause.vertices.len(), cause.edges.len()),
+                (4, 12),
+                "{degrees}"
+            );
+        }
+    }
+    for name in ["strips", "flat-foldable", "wide"] {
+        let family = Family::ALL
+            .iter()
+            .find(|family| family.name == name)
+            .unwrap();
+        for seed in 0..100 {
+            let pattern = CreasePattern::new(family.sheet(seed)).unwrap();
+            let found = locked(&pattern);
+            assert!(found.is_none(), "{name}, {seed}: {found:?}");
+        }
+    }
 }

@@ -46,6 +46,9 @@ pub enum CauseKind {
     Degree3,
     /// The conditions at some vertices leave creases that cannot turn in a first step from flat along their letters.
     LockedPart,
+    /// The ratios in which the letters let neighbouring creases turn multiply to this number round a loop of vertices, and
+    /// not to 1; none of the creases can turn.
+    LockedLoop(f64),
     /// No crease can turn along the letters: no rates but 0 satisfy the conditions at the vertices to first order.
     EmptyCone,
 }
@@ -64,6 +67,7 @@ impl CauseKind {
             Self::LettersChange => "letters-change-on-a-line",
             Self::Degree3 => "degree-3",
             Self::LockedPart => "locked-part",
+            Self::LockedLoop(_) => "locked-loop",
             Self::EmptyCone => "empty-cone",
         }
     }
@@ -113,6 +117,12 @@ impl fmt::Display for Cause {
             CauseKind::LockedPart => write!(
                 f,
                 "its conditions{with} let these not turn along their letters in a first step from flat: {edges}"
+            ),
+            CauseKind::LockedLoop(product) => write!(
+                f,
+                "round a loop{with} the ratios in which its creases turn multiply to {:.3}, not 1, so that these cannot \
+                 turn: {edges}",
+                product
             ),
             CauseKind::EmptyCone => write!(
                 f,

@@ -2,6 +2,7 @@
 
 use super::cause::{Cause, CauseKind, at_vertices, of_lock};
 use super::certificate::{Lock, Locks, MAX_CREASES, cannot_leave};
+use super::locked_loop::locked_loops;
 use crate::pattern::{ClosureSite, CreasePattern, EdgeId};
 use crate::planner::Goal;
 use crate::planner::following::mobility::{FirstStep, Mobility, first_step};
@@ -89,6 +90,7 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
         goal_motions: None,
         goal_residual: None,
     };
+    forecast.causes.extend(locked_loops(pattern, &letters));
     let Some(goal) = goal.filter(|_| !watch.is_over()) else {
         return forecast;
     };

@@ -5,3 +5,4 @@ pub(crate) mod certificate;
 pub(crate) mod flat_cone;
 pub(crate) mod forecast;
 pub(crate) mod interior_point;
+mod locked_loop;
