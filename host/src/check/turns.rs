@@ -5,7 +5,7 @@
 //! (c, n) stays in the cone of its control points, as long as they lie in an open half plane.
 
 use core::f64::consts::PI;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use foldpath_core::Curve;
 
@@ -36,21 +36,19 @@ pub(super) fn wrong_turn(
     motion: &MergedGroups,
     bend: f64,
 ) -> (Option<Failure>, Option<Undecided>) {
-    let mut unknown = None;
-    // Bends turn alike with creases only by chance, but then the limit of bends holds for their group.
-    let mut hinges: Vec<_> = motion
-        .leaders
-        .iter()
-        .map(|&edge| (edge, pattern.edge(edge).letter, PI))
-        .collect();
+    // Hinges that turn alike, with the same letter, are judged once. A group may have several letters.
     let creases = pattern.creases().iter().zip(motion.groups.memberships());
-    for (&edge, member) in creases.filter(|(edge, _)| pattern.edge(**edge).letter == Letter::Bend) {
-        let hinge = &mut hinges[member.group.index()];
-        (hinge.0, hinge.2) = (edge, bend);
-    }
+    let mut seen = HashSet::new();
+    let hinges: Vec<_> = creases
+        .map(|(&edge, &member)| (edge, pattern.edge(edge).letter, member))
+        .filter(|(_, letter, member)| seen.insert((member.group, member.negative, *letter)))
+        .collect();
+    let mut unknown = None;
     for (segment, curves) in motion.segments.iter().enumerate() {
-        for (curve, &(edge, letter, most)) in curves.iter().zip(&hinges) {
-            match turn(curve, letter, most) {
+        for &(edge, letter, member) in &hinges {
+            let curve = signed(curves[member.group.index()], member.negative);
+            let most = if letter == Letter::Bend { bend } else { PI };
+            match turn(&curve, letter, most) {
                 Turn::Right => {}
                 Turn::Wrong(s, wrong) => {
                     let failure = Failure::Turns {
@@ -70,6 +68,18 @@ pub(super) fn wrong_turn(
         }
     }
     (None, unknown)
+}
+
+/// Returns the curve of a hinge that turns as its group does, or the opposite way.
+fn signed(curve: Curve<f64>, negative: bool) -> Curve<f64> {
+    match curve {
+        Curve::Angle(angle) if negative => Curve::Angle(angle.map(|b| -b)),
+        Curve::HalfAngle { cos, sin } if negative => Curve::HalfAngle {
+            cos,
+            sin: sin.map(|b| -b),
+        },
+        curve => curve,
+    }
 }
 
 /// Returns the largest angle by which a panel bends, radians: the largest of 17 angles of each segment.

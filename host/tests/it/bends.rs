@@ -127,3 +127,36 @@ fn a_false_claim_of_bend_is_found() {
     let fault = holds(&reread(&motion), 180.0).unwrap_err();
     assert!(fault.contains("bends its panel by"), "{fault}");
 }
+
+/// A free hinge and a valley that turn by the same angles: the valley turns against its letter between knots, though the
+/// free hinge comes first.
+#[test]
+fn every_letter_of_a_group_is_judged() {
+    let path = |letters: [&str; 2]| {
+        let knot = |time: f64, angle: f64, rate: f64| {
+            let both = |value: f64| [vec![value; 2], vec![0.0; 8]].concat();
+            serde_json::json!({
+                "frame_classes": ["foldedForm"], "frame_parent": 0, "frame_inherit": true,
+                "edges_foldAngle": both(angle), "foldpath:time": time,
+                "foldpath:edges_foldAngleRate": both(rate),
+            })
+        };
+        let codes = [letters.as_slice(), &["B"; 8]].concat();
+        let text = serde_json::json!({
+            "file_spec": 1.2, "file_classes": ["animation"], "foldpath:interpolation": "hermite",
+            "vertices_coords": [[0, 0], [1, 0], [2, 0], [3, 0], [0, 1], [1, 1], [2, 1], [3, 1]],
+            "edges_vertices": [
+                [1, 5], [2, 6], [0, 1], [1, 2], [2, 3], [4, 5], [5, 6], [6, 7], [0, 4], [3, 7]
+            ],
+            "edges_assignment": codes,
+            "file_frames": [knot(0.0, 0.0, 20.0), knot(1.0, 10.0, -100.0), knot(2.0, 10.0, 100.0)],
+        });
+        parse_motion("path.fold".as_ref(), text.to_string().as_bytes()).unwrap()
+    };
+    for (letters, edge) in [(["U", "V"], 1), (["V", "U"], 0), (["V", "V"], 0)] {
+        let fault = holds(&path(letters), 0.0).unwrap_err();
+        let expected = format!("edge {edge} is lettered V, but turns to -1");
+        assert!(fault.contains(&expected), "{letters:?}: {fault}");
+    }
+    assert_eq!(holds(&path(["U", "U"]), 0.0), Ok(()));
+}
