@@ -322,7 +322,7 @@ impl<'a> Reduction<'a> {
     /// Moves letters that are a direction to an exactly closed configuration near it in which each lettered crease is
     /// turned.
     fn close_turned(&self, goal: &Goal, options: &PlanOptions) -> (Option<ClosedGoal>, Work) {
-        let (asked, signs) = self.asked(goal);
+        let (_, signs) = self.asked(goal);
         let least = TURNED_RATIO * goal.least_turn();
         let limits = self.orthant(&signs).into_iter().zip(&signs);
         let limits = limits.map(|((lower, upper), sign)| match *sign {
@@ -330,16 +330,11 @@ impl<'a> Reduction<'a> {
             s if s < 0.0 => (lower, upper.min(-least).max(lower)),
             _ => (lower, upper),
         });
-        let mut solver = self.solver(options, 0.0);
-        solver.set_limits(limits.collect());
-        let found = nearest_closed(&mut solver, &asked, &signs);
-        let closed = found.filter(|angles| self.closure(angles) <= CLOSED);
-        let closed = closed.map(|angles| ClosedGoal {
-            error: self.distance(&angles, goal),
-            angles,
-            closure_tolerance: 0.0,
-        });
-        (closed, solver.work)
+        let (closed, work) = self.close_within(limits.collect(), 0.0, goal, options);
+        (
+            closed.filter(|closed| self.closure(&closed.angles) <= CLOSED),
+            work,
+        )
     }
 
     /// As [`close_goal`](Self::close_goal), where a local minimum of the residual up to `closure_tolerance` counts as closed.
@@ -349,9 +344,21 @@ impl<'a> Reduction<'a> {
         goal: &Goal,
         options: &PlanOptions,
     ) -> (Option<ClosedGoal>, Work) {
+        let (_, signs) = self.asked(goal);
+        self.close_within(self.orthant(&signs), closure_tolerance, goal, options)
+    }
+
+    /// As [`close_goal_to`](Self::close_goal_to), with these limits on the groups.
+    fn close_within(
+        &self,
+        limits: Vec<(f64, f64)>,
+        closure_tolerance: f64,
+        goal: &Goal,
+        options: &PlanOptions,
+    ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
         let mut solver = self.solver(options, closure_tolerance);
-        solver.set_limits(self.orthant(&signs));
+        solver.set_limits(limits);
         let found = nearest_closed(&mut solver, &asked, &signs);
         let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
         let closed = found.filter(closes).map(|angles| ClosedGoal {

@@ -385,7 +385,7 @@ fn with_least_bend(
         let bent = BentSheet::of(asked.pattern, asked.goal, asked.options, which);
         let Some(sheet) = bent else { continue };
         let most = best.as_ref().map_or(most, |(_, plan)| plan.max_bend);
-        if let Some(plan) = bent_by(asked, &sheet, most, Some(&mut *attempts)) {
+        if let Some(plan) = bent_by(asked, &sheet, most, attempts) {
             best = Some((sheet, plan));
         }
     }
@@ -396,7 +396,7 @@ fn with_least_bend(
         if asked.is_late() || plan.max_bend - too_small < BEND_RATIO * plan.max_bend {
             break;
         }
-        match bent_by(asked, &sheet, most, None) {
+        match bent_by(asked, &sheet, most, &mut Vec::new()) {
             Some(less) => plan = less,
             None => too_small = most,
         }
@@ -410,7 +410,7 @@ fn bent_by(
     asked: &PlanningProblem<'_>,
     sheet: &BentSheet,
     most: f64,
-    attempts: Option<&mut Vec<Attempt>>,
+    attempts: &mut Vec<Attempt>,
 ) -> Option<Plan> {
     let options = sheet.bending_by(most);
     let problem = PlanningProblem {
@@ -419,8 +419,6 @@ fn bent_by(
         options: &options,
         ..*asked
     };
-    let mut unlisted = Vec::new();
-    let attempts = attempts.unwrap_or(&mut unlisted);
     let mut plan = try_strategy(&problem, Strategy::BendingPanels, attempts)?;
     if plan.outcome != Outcome::Planned {
         return None;

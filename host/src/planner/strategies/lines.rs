@@ -38,8 +38,8 @@ pub(crate) fn goal_of_lines(
 fn turning_lines(pattern: &CreasePattern) -> Vec<bool> {
     let mut turns = vec![true; pattern.creases().len()];
     for &edge in pattern.creases() {
-        let line = [0, 1].map(|end| continued(pattern, edge, pattern.edge(edge).ends[end]));
-        let whole = line.iter().all(Option::is_some);
+        let mut ends = pattern.edge(edge).ends.into_iter();
+        let whole = ends.all(|end| reaches_border(pattern, edge, end));
         if !whole && let Some(crease) = pattern.edge(edge).crease {
             turns[crease.index()] = false;
         }
@@ -47,23 +47,26 @@ fn turning_lines(pattern: &CreasePattern) -> Vec<bool> {
     turns
 }
 
-/// Follows the line of a crease through a vertex to the border, and returns its last edge; `None` if the line ends inside
-/// the sheet or its letter changes.
-fn continued(pattern: &CreasePattern, mut edge: EdgeId, mut at: VertexId) -> Option<EdgeId> {
+/// Follows the line of a crease through a vertex. Returns `false` if the line ends inside the sheet or its letter changes.
+fn reaches_border(pattern: &CreasePattern, mut edge: EdgeId, mut at: VertexId) -> bool {
     let letter = pattern.edge(edge).letter;
     // No line has more creases than the sheet.
     for _ in 0..pattern.creases().len() {
         if !pattern.is_real(at) {
-            return Some(edge);
+            return true;
         }
         let way = -pattern.direction(edge, at);
         let mut ahead = pattern.stars()[at.index()].iter().copied();
-        edge = ahead.find(|&next| {
+        let next = ahead.find(|&next| {
             let along = pattern.direction(next, at);
             let in_line = along.perp(&way).abs() < IN_LINE && along.dot(&way) > 0.0;
             in_line && pattern.edge(next).crease.is_some() && pattern.edge(next).letter == letter
-        })?;
+        });
+        let Some(next) = next else {
+            return false;
+        };
+        edge = next;
         at = pattern.edge(edge).other_end(at);
     }
-    None
+    false
 }

@@ -11,7 +11,6 @@ use fixedbitset::FixedBitSet;
 
 use super::fold_sequence::{between, plan_by_way_of, set, union};
 use crate::folding::SpanningTree;
-use crate::pattern::FaceId;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
@@ -39,7 +38,9 @@ struct Candidate {
 }
 
 /// Ways to part the creases into phases that are still to be tried.
-struct Candidates {
+struct Candidates<'a> {
+    /// Fold angle of each crease at the goal, radians.
+    goal: &'a [f64],
     tree: SpanningTree,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
@@ -67,6 +68,7 @@ pub(crate) fn fold_in_split_phases(
     let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
     let all = vec![set(goal, turned.map(|(crease, _)| crease))];
     let mut candidates = Candidates {
+        goal,
         tree: SpanningTree::from_central_face(pattern),
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
@@ -93,7 +95,7 @@ pub(crate) fn fold_in_split_phases(
     None
 }
 
-impl Candidates {
+impl Candidates<'_> {
     /// Adds the ways to split the phase of a plan in which faces cross.
     fn split(&mut self, phases: &Phases, plan: &Plan) {
         let Outcome::Crossing(crossing) = plan.outcome else {
@@ -101,7 +103,8 @@ impl Candidates {
         };
         let ended = plan.path.knots.iter().filter(|knot| knot.ends_phase);
         let phase = ended.count().min(phases.len() - 1);
-        for crease in self.between(&phases[phase], crossing.faces) {
+        let between = between(&self.tree, self.goal, crossing.faces);
+        for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {
                     continue;
@@ -116,13 +119,6 @@ impl Candidates {
                 });
             }
         }
-    }
-
-    /// Returns those of some creases that are between two faces.
-    fn between(&self, creases: &FixedBitSet, faces: [FaceId; 2]) -> Vec<usize> {
-        let all: Vec<usize> = (0..creases.len()).collect();
-        let between = between(&self.tree, &all, faces);
-        between.intersection(creases).collect()
     }
 }
 
