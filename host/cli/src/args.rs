@@ -10,7 +10,7 @@ use serde::Serialize;
 use foldpath_firmware_sim::hinges::Drive;
 
 use foldpath::planner;
-use foldpath::read::{ColourLetters, ReadOptions};
+use foldpath::read::{self, ColourLetters, ReadOptions};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -302,6 +302,11 @@ pub(crate) struct Reading {
     /// keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
     #[arg(long, value_name = "LENGTH")]
     pub(crate) tolerance: Option<f64>,
+    /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
+    ///
+    /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub(crate) straighten: Straighten,
     /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
     ///
     /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and
@@ -310,6 +315,17 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "NAME=LETTER,...")]
     #[serde(serialize_with = "text")]
     pub(crate) colors: Option<ColourLetters>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Straighten {
+    /// If a vertex is off by more than rounding: by a tenth of the usual tolerance
+    Auto,
+    /// Always
+    On,
+    /// Never
+    Off,
 }
 
 /// Serialises an option as its text.
@@ -327,7 +343,7 @@ fn text<S: serde::Serializer>(
 impl Reading {
     /// Returns `true` if an option is given.
     pub(crate) fn is_given(&self) -> bool {
-        self.tolerance.is_some() || self.colors.is_some()
+        self.tolerance.is_some() || self.colors.is_some() || self.straighten != Straighten::Auto
     }
 
     /// Returns the reader's options.
@@ -343,6 +359,11 @@ impl Reading {
         }
         Ok(ReadOptions {
             tolerance: self.tolerance,
+            straighten: match self.straighten {
+                Straighten::Auto => read::Straighten::Auto,
+                Straighten::On => read::Straighten::On,
+                Straighten::Off => read::Straighten::Off,
+            },
             colours: self.colors.clone().unwrap_or_default(),
         })
     }

@@ -25,7 +25,7 @@ pub(crate) fn run(args: &Export) -> Answer {
     }
     let reads_drawing = args.to == ExportFormat::Svg && args.colour != Some(Colour::Deformation);
     if args.reading.is_given() && !reads_drawing {
-        let text = "--tolerance and --colors: expected --to svg with colours by letters or groups, which reads drawings";
+        let text = "--tolerance, --straighten and --colors: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text);
     }
     check_output("-o", &args.output, [&args.path])?;

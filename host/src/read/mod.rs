@@ -20,7 +20,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
-pub use options::{ColourLetters, ColourLettersError, ReadOptions};
+pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten};
 
 use crate::progress::{Progress, Stage, Watch};
 use crate::unfold::FoldedShape;
@@ -102,7 +102,7 @@ fn parse_within(
         "cp" => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         "opx" => opx::parse_pattern(path, text(path, bytes)?, options, watch),
         "obj" => obj::parse_pattern(path, text(path, bytes)?, watch),
-        _ => fold::parse_within(path, bytes, options.tolerance, watch),
+        _ => fold::parse_within(path, bytes, options, watch),
     }
 }
 

@@ -14,8 +14,25 @@ pub struct ReadOptions {
     /// Largest distance between lines of a drawing that are meant to meet, in the drawing's own units; positive and
     /// finite. Without it, the tolerance follows from the lengths of the lines.
     pub tolerance: Option<f64>,
+    /// Drawings that are straightened.
+    pub straighten: Straighten,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
+}
+
+/// Drawings whose vertices are moved a little, by at most twice the tolerance, so that lines that are nearly straight or
+/// parallel are so exactly, and so that vertices and holes fold flat that nearly do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Straighten {
+    /// Drawings in which some vertex is off by more than a tenth of the usual tolerance, within that tolerance. The
+    /// rounding of coordinates is less, and planning takes it into account.
+    #[default]
+    Auto,
+    /// All drawings in which a vertex is off, if only by the rounding of its coordinates, within
+    /// [`ReadOptions::tolerance`].
+    On,
+    /// None.
+    Off,
 }
 
 impl ReadOptions {
@@ -45,6 +62,10 @@ impl ReadOptions {
                 let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
+        }
+        if self.straighten == Straighten::On && format == "OBJ" {
+            let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
+            return wrong("straightening", expected, "an OBJ file".into());
         }
         if !self.colours.is_empty() && format != "SVG" {
             let article = if format == "OPX" || format == "OBJ" {

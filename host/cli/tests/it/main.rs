@@ -21,6 +21,7 @@ mod routes;
 mod rust_source;
 mod session;
 mod sloppy_drawings;
+mod straightened;
 mod stream;
 mod terminal;
 mod traj;
