@@ -17,6 +17,7 @@ mod firmware;
 mod fold_spec;
 mod image;
 mod meshes;
+mod networks;
 mod oracle;
 mod plans;
 mod reuse;
