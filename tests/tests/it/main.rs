@@ -24,4 +24,5 @@ mod reuse;
 mod rounded;
 mod skips;
 mod traps;
+mod way_round;
 mod wrong_paths;
