@@ -46,6 +46,7 @@ const ORDER: [&str; 44] = [
     "strategies/pipeline",
     "strategies/fold_sequence",
     "strategies/split_phases",
+    "strategies/way_round",
     "strategies/bending",
     "strategies/lines",
     "strategies/driver",
