@@ -12,11 +12,13 @@ mod condition;
 mod least_moves;
 mod lines;
 
+use core::f64::consts::PI;
+
 use nalgebra::Vector2;
 
 use self::condition::Condition;
 use self::least_moves::{Effort, fulfil};
-use crate::pattern::{CreasePattern, Drawing, Letter};
+use crate::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
 
 /// Farthest move of a vertex, in tolerances: two lines that lie within the tolerance of a third are twice as far from
@@ -28,6 +30,9 @@ const EXACT_RATIO: f64 = 1e-14;
 
 /// Length within which a condition counts as fulfilled after the moves, in the same unit.
 const FULFILLED_RATIO: f64 = 1e-13;
+
+/// Largest difference between a goal and half a turn, or flat, that is rounding, radians.
+const SAME_ANGLE_RAD: f64 = 1e-3;
 
 /// Largest number of times that conditions which contradict each other are given up.
 const MAX_ROUNDS: usize = 12;
@@ -62,7 +67,12 @@ pub(super) fn straighten(
     let drawn = &drawing.vertices;
     let exact = EXACT_RATIO * diagonal;
     let mut conditions = lines::conditions(drawing, reach);
-    conditions.extend(flat_foldings(pattern, drawing));
+    if drawing.edges.iter().all(folds_flat) {
+        conditions.extend(flat_foldings(pattern, drawing));
+    } else {
+        // The designer of such a sheet turned lines on purpose.
+        conditions.retain(|it| !matches!(it, Condition::Parallel { .. }));
+    }
     conditions.retain(|it| it.is_meant(drawn, reach));
     let is_off = |it: &Condition, points: &[Vector2<f64>], within: f64| {
         let equations = it.equations(points);
@@ -115,6 +125,12 @@ fn bounds(points: &[Vector2<f64>]) -> Option<[Vector2<f64>; 2]> {
     Some(bounds)
 }
 
+/// Returns `true` unless an edge has a goal between flat and half a turn.
+fn folds_flat(edge: &DrawnEdge) -> bool {
+    let goal = edge.goal.unwrap_or(PI).abs();
+    goal.min(PI - goal) <= SAME_ANGLE_RAD
+}
+
 /// Returns the conditions that the creases round each vertex and each hole fold flat, if their number and letters allow
 /// it.
 fn flat_foldings(pattern: &CreasePattern, drawing: &Drawing) -> Vec<Condition> {
@@ -144,9 +160,11 @@ fn flat_foldings(pattern: &CreasePattern, drawing: &Drawing) -> Vec<Condition> {
         .enumerate()
         .filter_map(|(hole, way)| {
             let edges = way.iter().map(|passage| passage.edge.index());
-            let creases: Vec<_> = edges.filter(is_hinge).map(ends).collect();
+            let hinges: Vec<usize> = edges.filter(is_hinge).collect();
+            let folds = hinges.len() >= 2 && hinges.len() % 2 == 0;
+            let creases = hinges.into_iter().map(ends).collect();
             let (middle, _) = pattern.hole_frame(hole);
-            (creases.len() >= 2 && creases.len() % 2 == 0).then_some(Condition::FoldsFlat {
+            folds.then_some(Condition::FoldsFlat {
                 creases,
                 hole: Some(middle),
             })
