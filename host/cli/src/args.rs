@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use foldpath_firmware_sim::hinges::Drive;
 
+use crate::jobs::Jobs;
 use foldpath::planner;
 use foldpath::read::{self, ColourLetters, ReadOptions};
 
@@ -514,6 +515,10 @@ pub(crate) struct Plan {
     #[command(flatten)]
     #[serde(flatten)]
     pub(crate) reading: Reading,
+    // Not listed among the options of an answer, which is the same for any number.
+    #[command(flatten)]
+    #[serde(skip)]
+    pub(crate) jobs: Jobs,
     #[command(flatten)]
     #[serde(skip)]
     pub(crate) report: Report,
@@ -849,6 +854,8 @@ pub(crate) struct Check {
     /// if they are rounded. In front of a small face, at most a thousandth of the face counts.
     #[arg(long, value_name = "EDGES")]
     pub(crate) contact: Option<f64>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
 }

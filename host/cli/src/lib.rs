@@ -13,6 +13,7 @@ mod fonts;
 mod generate;
 mod hints;
 mod info;
+mod jobs;
 mod outlook;
 mod output;
 mod plan;
@@ -78,8 +79,8 @@ pub fn main() -> ExitCode {
     let answer = match cli.command {
         args::Command::Generate(args) => generate::run(&args),
         args::Command::Info(args) => info::run(&args, quiet),
-        args::Command::Plan(args) => plan::run(&args, quiet),
-        args::Command::Check(args) => check::run(&args, quiet),
+        args::Command::Plan(args) => args.jobs.run(|| plan::run(&args, quiet)),
+        args::Command::Check(args) => args.jobs.run(|| check::run(&args, quiet)),
         args::Command::Unfold(args) => unfold::run(&args, quiet),
         args::Command::View(args) => view::run(&args),
         args::Command::Plot(args) => plot::run(&args),

@@ -63,7 +63,7 @@
 //!
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
-//! < closing (cholesky < sparse < chord < solver)
+//! < closing (elimination_tree < cholesky < sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
 //! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)

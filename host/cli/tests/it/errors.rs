@@ -54,6 +54,8 @@ fn usage() {
         plan miura.fold --crease 99=90
         plan miura.fold --crease 4=-190
         plan miura.fold --crease 4=-90 --crease 4=-80
+        plan miura.fold --jobs 0
+        check path.fold --jobs some
         plan miura.fold --limit 4=-20
         plan miura.fold --limit 4=10..20
         plan miura.fold --limit 1=-20..20

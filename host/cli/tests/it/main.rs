@@ -10,6 +10,7 @@ mod errors;
 mod export;
 mod help;
 mod hostile;
+mod jobs;
 mod odd_files;
 mod options;
 mod outlook;

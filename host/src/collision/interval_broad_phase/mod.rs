@@ -9,6 +9,8 @@
 //! than a sum of these three with weights that are positive and sum to one. If all three exceed the deviations of both
 //! pieces together, the pieces are apart from the beginning to the end, however both move together.
 
+mod near;
+
 use core::ops::Range;
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
@@ -45,6 +47,8 @@ type Three<T> = [T; 3];
 #[derive(Clone, Debug)]
 pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
+    /// For each cluster the panel that has all its pieces, if one has.
+    panels: Vec<Option<FaceId>>,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
     /// Bound on the second derivative of each group's angle, one row for each part of the segment.
@@ -71,6 +75,7 @@ pub(super) struct IntervalBroadPhase {
 impl IntervalBroadPhase {
     pub(super) fn new(
         pattern: &CreasePattern,
+        hierarchy: &Hierarchy,
         memberships: &[Membership],
         groups: usize,
         tree: &SpanningTree,
@@ -91,8 +96,10 @@ impl IntervalBroadPhase {
                 reach: away.fold(0.0, f64::max),
             }
         });
+        let hinges: Vec<Hinge> = hinges.collect();
         Self {
-            hinges: hinges.collect(),
+            panels: near::panels(&hinges, hierarchy, faces),
+            hinges,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
             curvatures: Vec::new(),
             from: 0,
@@ -251,45 +258,6 @@ impl IntervalBroadPhase {
         }
     }
 
-    /// Calls `near` for the pairs of pieces whose boxes are no farther apart than `touching`, or nearer than a
-    /// distance: at first `within`, then the value that `near` returned last.
-    pub(super) fn near(
-        &mut self,
-        hierarchy: &Hierarchy,
-        touching: f64,
-        mut within: f64,
-        mut near: impl FnMut(&Self, [u32; 2]) -> f64,
-    ) {
-        let mut open = core::mem::take(&mut self.open);
-        for &root in &hierarchy.roots {
-            open.push([root, root]);
-            while let Some([a, b]) = open.pop() {
-                let [first, second] = [a, b].map(|node| hierarchy.nodes[node as usize]);
-                if a == b {
-                    if let Some([left, right]) = first.children {
-                        open.extend([[left, right], [left, left], [right, right]]);
-                    }
-                    continue;
-                }
-                let gap = self.gap(a, b);
-                if gap > touching && gap >= within {
-                    continue;
-                }
-                // Splits the larger cluster. If the larger one is a single piece, so is the other.
-                let (larger, parts, other) = if first.pieces >= second.pieces {
-                    (a, first.children, b)
-                } else {
-                    (b, second.children, a)
-                };
-                match parts {
-                    Some(parts) => open.extend(parts.map(|part| [part, other])),
-                    None => within = near(self, [larger, other]),
-                }
-            }
-        }
-        self.open = open;
-    }
-
     fn gap(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
         let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
@@ -392,10 +360,12 @@ mod tests {
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
+        let hierarchy = Hierarchy::new(&pieces);
+        let members = groups.memberships();
         let mut broad_phase =
-            IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+            IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
         broad_phase.begin(&motion, &pieces);
-        assert!(broad_phase.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
+        assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
         // Not even along the line between their centers, if the centers coincide.
         for places in &mut broad_phase.places {
@@ -450,15 +420,18 @@ mod tests {
             let motion = Motion::new(&segments, groups.len());
             let pieces = Pieces::new(&pattern);
             let hierarchy = Hierarchy::new(&pieces);
+            let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
             broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
             while broad_phase.to < motion.end() {
                 assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
                 let mut pairs = Vec::new();
-                broad_phase.near(&hierarchy, 0.0, f64::INFINITY, |broad_phase, pair| {
-                    pairs.extend(broad_phase.parted(&pieces, pair, 0.0).map(|_| pair));
+                let parted_at =
+                    |broad_phase: &IntervalBroadPhase, pair| broad_phase.parted(&pieces, pair, 0.0);
+                broad_phase.near(&hierarchy, [0.0, f64::INFINITY], parted_at, |_, pair, _| {
+                    pairs.push(pair);
                     f64::INFINITY
                 });
                 parted += pairs.len();
