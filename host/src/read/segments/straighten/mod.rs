@@ -149,10 +149,12 @@ fn flat_foldings(pattern: &CreasePattern, drawing: &Drawing) -> Vec<Condition> {
         // The theorem of J. Maekawa, if each hinge has its way.
         let folds = mountains + valleys < hinges.len() || mountains.abs_diff(valleys) == 2;
         let creases = hinges.iter().map(|&edge| ends(edge)).collect();
-        (hinges.len() >= 4 && hinges.len() % 2 == 0 && folds).then_some(Condition::FoldsFlat {
-            creases,
-            hole: None,
-        })
+        (hinges.len() >= 4 && hinges.len().is_multiple_of(2) && folds).then_some(
+            Condition::FoldsFlat {
+                creases,
+                hole: None,
+            },
+        )
     });
     let holes = pattern
         .holes()
@@ -161,7 +163,7 @@ fn flat_foldings(pattern: &CreasePattern, drawing: &Drawing) -> Vec<Condition> {
         .filter_map(|(hole, way)| {
             let edges = way.iter().map(|passage| passage.edge.index());
             let hinges: Vec<usize> = edges.filter(is_hinge).collect();
-            let folds = hinges.len() >= 2 && hinges.len() % 2 == 0;
+            let folds = hinges.len() >= 2 && hinges.len().is_multiple_of(2);
             let creases = hinges.into_iter().map(ends).collect();
             let (middle, _) = pattern.hole_frame(hole);
             folds.then_some(Condition::FoldsFlat {
