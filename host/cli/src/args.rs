@@ -342,6 +342,7 @@ impl Reading {
             )));
         }
         Ok(ReadOptions {
+            format: None,
             tolerance: self.tolerance,
             colours: self.colors.clone().unwrap_or_default(),
         })
@@ -863,17 +864,25 @@ pub(crate) struct Plot {
 Examples:
   foldpath export path.fold --to traj -o path.traj
   foldpath export path.fold --to glb -o path.glb
-  foldpath export path.fold --to obj --frames 60 -o fold.obj
-  foldpath export path.fold --to svg --colour groups -o groups.svg")]
+  foldpath export path.fold --to csv --rate 50 --per hinge -o hinges.csv
+  foldpath export path.fold --to mjcf -o model")]
 pub(crate) struct Export {
     /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_enum)]
     pub(crate) to: ExportFormat,
-    /// File to write; with obj, the name of the sequence or a folder
+    /// File to write; with obj, the name of the sequence or a folder; with mjcf, a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    /// With csv: rows a second, and one for the end [default: a row for each knot]
+    ///
+    /// The first column is the time t in seconds; angles are in degrees, valley positive.
+    #[arg(long, value_name = "HZ")]
+    pub(crate) rate: Option<f64>,
+    /// With csv and --rate: what has a column [default: hinge]
+    #[arg(long, value_enum, requires = "rate")]
+    pub(crate) per: Option<Per>,
     /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
     ///
     /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
@@ -891,8 +900,12 @@ pub(crate) struct Export {
 pub(crate) enum ExportFormat {
     /// File that a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
-    /// One row for each knot: time in seconds and the fold angle of each crease group in degrees
+    /// One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees
     Csv,
+    /// ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
+    JointTrajectory,
+    /// Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel
+    Mjcf,
     /// Contents of a .traj file as Rust constants, which need foldpath-core but no std
     Rust,
     /// Sequence of Wavefront OBJ files, one for each frame
@@ -901,6 +914,14 @@ pub(crate) enum ExportFormat {
     Glb,
     /// Coloured drawing of the crease pattern
     Svg,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Per {
+    /// Each hinge, named edge_I by the number of its edge
+    Hinge,
+    /// Each crease group, named group_G
+    Group,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

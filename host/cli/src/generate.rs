@@ -1,14 +1,15 @@
 //! Runs `foldpath generate`, which writes a crease pattern of a known family.
 
+use crate::Answer;
 use crate::args::{Family, Generate, Size, TwistLetters};
 use crate::output::write_whole_with;
-use crate::{Answer, print};
+use crate::standard::{print_summary, shown};
 use foldpath::export::fold::write_pattern;
 use foldpath::generate::{
     Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura,
 };
 
-pub(crate) fn run(args: &Generate) -> Answer {
+pub(crate) fn run(args: &Generate, quiet: bool) -> Answer {
     let (name, [rows, cols], output, drawing) = match &args.family {
         Family::Miura { size, angle, fold } => {
             let miura = Miura {
@@ -86,12 +87,13 @@ pub(crate) fn run(args: &Generate) -> Answer {
     };
     let title = format!("{name} {rows}x{cols}");
     write_whole_with(output, |out| write_pattern(&title, &drawing, out))?;
-    print(&format!(
+    let text = format!(
         "{title}: {} vertices, {} edges, written to {}\n",
         drawing.vertices.len(),
         drawing.edges.len(),
-        output.display()
-    ))?;
+        shown(output)
+    );
+    print_summary(Some(output), quiet, &text)?;
     Ok(true)
 }
 

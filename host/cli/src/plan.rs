@@ -1,6 +1,7 @@
 //! Runs `foldpath plan`, which plans a path and writes it.
 
 use core::time::Duration;
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -11,7 +12,8 @@ use crate::hints::{nearest_hinge, radians};
 use crate::output::write_whole_with;
 use crate::progress::watched;
 use crate::report::{lost_lines, outcome};
-use crate::{Answer, CliError, check_output, print, print_json, print_notes};
+use crate::standard::{Input, print_summary, shown};
+use crate::{Answer, CliError, check_output, print_json, print_notes};
 use foldpath::export::fold::write_motion;
 use foldpath::motion::Motion;
 use foldpath::pattern::{CreaseId, CreasePattern, EdgeId, Letter};
@@ -19,8 +21,7 @@ use foldpath::planner::{
     self, Foldability, Goal, GoalError, HingeLimit, Outcome, PlanOptions, forecast,
 };
 use foldpath::progress::{Progress, Stage, Watch};
-use foldpath::read::fold::{PatternFile, read_goal};
-use foldpath::read::{parse_pattern_with, read_pattern_bytes};
+use foldpath::read::fold::PatternFile;
 use foldpath::symmetry::CreaseGroups;
 
 /// Largest number of causes that a plan's notes name; `info` names them all.
@@ -68,12 +69,12 @@ struct InputJson {
 }
 
 impl InputJson {
-    fn of(args: &Plan, bytes: &[u8]) -> Self {
+    fn of(args: &Plan, name: &Path, bytes: &[u8]) -> Self {
         // Only the JSON names the digest.
         let digest = args.report.json.then(|| Sha256::digest(bytes));
         let digest = digest.iter().flatten();
         Self {
-            file: args.pattern.display().to_string(),
+            file: name.display().to_string(),
             sha256: digest.map(|byte| format!("{byte:02x}")).collect(),
         }
     }
@@ -217,7 +218,8 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     if args.report.json {
         print_json(&json)?;
     } else {
-        print(&summary(args, &file, &goal, &json, &plan))?;
+        let text = summary(args, &file, &goal, &json, &plan);
+        print_summary(args.output.as_deref(), quiet, &text)?;
     }
     Ok(plan.outcome == Outcome::Planned)
 }
@@ -246,12 +248,14 @@ fn planned(
     progress.begin(Stage::Reading);
     let start = Instant::now();
     let reading = args.reading.options()?;
-    let bytes = read_pattern_bytes(&args.pattern)?;
-    let input = InputJson::of(args, &bytes);
-    let file = parse_pattern_with(&args.pattern, &bytes, &reading)?;
+    let source = Input::of(&args.pattern)?;
+    let bytes = source.pattern_bytes()?;
+    let input = InputJson::of(args, &source.name, &bytes);
+    let file = source.pattern(&bytes, &reading)?;
     drop(bytes);
     // A drawing whose creases were left out may have no goal.
-    let goal = goal(args, &file).inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
+    let goal = goal(args, &source.name, &file)
+        .inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
     let limits = limits(args, &file.pattern)?;
     options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
     options.limits = limits;
@@ -346,20 +350,20 @@ fn is_written(args: &Plan, outcome: Outcome) -> bool {
     args.keep || outcome == Outcome::Planned
 }
 
-fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
-    let name = |path: &std::path::Path| path.display().to_string();
+fn goal(args: &Plan, name: &Path, file: &PatternFile) -> Result<Goal, CliError> {
     let bad = |source| match source {
         GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
             CliError::Usage(source.to_string())
         }
         _ => CliError::Goal {
-            file: name(&args.pattern),
+            file: name.display().to_string(),
             source,
         },
     };
-    let chosen = |path: &std::path::Path| -> Result<Goal, CliError> {
-        let source = format!("the goal angles of {}", name(path));
-        let angles = read_goal(path, &file.pattern)?;
+    let chosen = |path: &Path| -> Result<Goal, CliError> {
+        let input = Input::of(path)?;
+        let source = format!("the goal angles of {}", input.name.display());
+        let angles = input.goal(&file.pattern)?;
         Ok(Goal::chosen(&file.pattern, angles, source))
     };
     let mut goal = match (&args.goal, args.fold, &args.crease[..]) {
@@ -541,7 +545,7 @@ fn summary(
     );
     match (&args.output, plan.outcome) {
         (Some(output), outcome) if plan.motion.is_some() && is_written(args, outcome) => {
-            text += &format!("  written to   {}\n", output.display())
+            text += &format!("  written to   {}\n", shown(output))
         }
         (Some(_), _) => text += "  nothing written\n",
         (None, Outcome::Planned) => text += "  not written; -o FILE writes it\n",

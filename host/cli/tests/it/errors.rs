@@ -96,6 +96,15 @@ fn usage() {
         check path.fold --bound 0
         check path.fold --bound 2
         view path.fold
+        plan - --goal -
+        plan - --via - --via -
+        stream - --to sim --sheet -
+        export path.fold --to obj -o -
+        export path.fold --to mjcf -o -
+        export path.fold --to traj --rate 50 -o a.traj
+        export path.fold --to csv --rate 0 -o a.csv
+        export path.fold --to csv --rate 1e12 -o a.csv
+        export path.fold --to csv --per group -o a.csv
         export path.fold --to dxf -o a.dxf
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
@@ -493,10 +502,11 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
 }
 
 /// Errors whose format has no words of its own, each with a part of its text in some snapshot.
-const WORDLESS: [(&str, &str); 11] = [
+const WORDLESS: [(&str, &str); 12] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
+    ("Piped", "foldpath: <stdin>:1:14: expected a FOLD file"),
     (
         "Pattern",
         "edges_vertices[3]: joins the same vertices as edge",
