@@ -18,6 +18,7 @@ mod fold_spec;
 mod image;
 mod meshes;
 mod oracle;
+mod physics;
 mod plans;
 mod reuse;
 mod rounded;
