@@ -6,6 +6,7 @@
 pub mod link;
 
 mod args;
+mod batch;
 mod check;
 mod complete;
 mod export;
@@ -103,6 +104,7 @@ fn run(command: args::Command, quiet: bool) -> Answer {
         args::Command::View(args) => view::run(&args, quiet),
         args::Command::Plot(args) => plot::run(&args, quiet),
         args::Command::Export(args) => export::run(&args, quiet),
+        args::Command::Batch(args) => batch::run(&args, quiet),
         args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),

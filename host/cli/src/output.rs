@@ -1,5 +1,5 @@
-//! Writes files whole or not at all: under a temporary name first, and then renamed. What goes to stdout is written once
-//! it is complete.
+//! Writes files whole or not at all: under a temporary name first, and then renamed. The content for stdout is written
+//! once it is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

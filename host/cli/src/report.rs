@@ -2,6 +2,7 @@
 //! and a hint if there is one. Colours are used if stderr is a terminal that has them.
 
 use core::ops::Range;
+use std::borrow::Cow;
 use std::io::Write;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -63,40 +64,53 @@ struct ErrorJson<'a> {
     error: ErrorFields<'a>,
 }
 
+/// The fields of an error in JSON.
 #[derive(Serialize)]
-struct ErrorFields<'a> {
+pub(crate) struct ErrorFields<'a> {
     /// The file; empty if the error is about the arguments.
     file: String,
     line: Option<usize>,
     column: Option<usize>,
-    message: &'a str,
+    message: Cow<'a, str>,
     hint: Option<String>,
+}
+
+impl<'a> ErrorFields<'a> {
+    /// Returns what is told of an error.
+    pub(crate) fn of(error: &CliError) -> Self {
+        let (file, excerpt) = match error {
+            CliError::Goal { file, .. } => (file.clone(), None),
+            _ => of_file(error).unwrap_or_default(),
+        };
+        Self {
+            file,
+            line: excerpt.as_ref().map(|excerpt| excerpt.line),
+            column: excerpt.as_ref().map(|excerpt| excerpt.column),
+            message: error.to_string().into(),
+            hint: hints::hint(error),
+        }
+    }
+
+    /// Returns a message that is about no file.
+    pub(crate) fn of_message(message: &'a str) -> Self {
+        Self {
+            file: String::new(),
+            line: None,
+            column: None,
+            message: message.trim().into(),
+            hint: None,
+        }
+    }
 }
 
 /// Prints an error as one JSON object on stdout. A failure to write is ignored.
 pub(crate) fn tell_json(error: &CliError) {
-    let (file, excerpt) = match error {
-        CliError::Goal { file, .. } => (file.clone(), None),
-        _ => of_file(error).unwrap_or_default(),
-    };
-    print_error(ErrorFields {
-        file,
-        line: excerpt.as_ref().map(|excerpt| excerpt.line),
-        column: excerpt.as_ref().map(|excerpt| excerpt.column),
-        message: &error.to_string(),
-        hint: hints::hint(error),
-    });
+    print_error(ErrorFields::of(error));
 }
 
 /// Prints a message about the arguments as one JSON object on stdout. A failure to write is ignored.
 pub(crate) fn tell_usage_json(message: &str) {
-    print_error(ErrorFields {
-        file: String::new(),
-        line: None,
-        column: None,
-        message: message.trim(),
-        hint: None,
-    });
+    print_error(ErrorFields::of_message(message));
 }
 
 fn print_error(error: ErrorFields<'_>) {

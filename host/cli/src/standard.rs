@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-use crate::args::{Command, Family};
+use crate::args::Command;
 use crate::{CliError, print, say};
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
@@ -56,7 +56,7 @@ pub(crate) fn argument(path: &Path) -> &Path {
 pub(crate) struct Input {
     /// Name for messages.
     pub(crate) name: PathBuf,
-    /// What stdin held, with its format.
+    /// The bytes of stdin with their format; `None` for a file.
     piped: Option<(Vec<u8>, Format)>,
 }
 
@@ -67,12 +67,26 @@ impl Input {
     /// If stdin cannot be read or is too large.
     pub(crate) fn of(path: &Path) -> Result<Self, CliError> {
         if !is_standard(path) {
-            let name = path.to_path_buf();
-            return Ok(Self { name, piped: None });
+            return Ok(Self::of_file(path));
         }
         let name = PathBuf::from(STDIN);
         let piped = Some(read_stream(&name, stdin().lock())?);
         Ok(Self { name, piped })
+    }
+
+    /// Names a file.
+    pub(crate) fn of_file(path: &Path) -> Self {
+        let name = path.to_path_buf();
+        Self { name, piped: None }
+    }
+
+    /// Takes the bytes of a FOLD file that was never written.
+    pub(crate) fn of_bytes(name: &str, bytes: Vec<u8>) -> Self {
+        let name = PathBuf::from(name);
+        Self {
+            name,
+            piped: Some((bytes, Format::Fold)),
+        }
     }
 
     /// Returns an error about this input, with the text if it cannot be read again.
@@ -209,18 +223,10 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
         file.as_deref().map(|file| (option, file))
     }
     match command {
-        Command::Generate(args) => {
-            let output = match &args.family {
-                Family::Miura { size, .. }
-                | Family::Waterbomb { size, .. }
-                | Family::Yoshimura { size, .. } => &size.output,
-                Family::Quad { output, .. }
-                | Family::SquareTwist { output, .. }
-                | Family::Resch { output, .. }
-                | Family::Kresling { output, .. } => output,
-            };
-            (vec![], vec![("-o", output)])
-        }
+        Command::Generate(args) => (vec![], vec![("-o", args.family.output())]),
+        // A process that plans for another has the streams for itself.
+        Command::Batch(args) if args.worker => (vec![], vec![]),
+        Command::Batch(args) => (vec![("DESIGNS", &args.designs)], vec![("-o", &args.output)]),
         Command::Info(args) => (vec![("PATTERN", &args.pattern)], vec![]),
         Command::Plan(args) => {
             let via = args.via.iter().map(|via| ("--via", via.as_path()));

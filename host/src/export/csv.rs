@@ -28,7 +28,7 @@ pub fn text(motion: &Motion, file: &Path) -> Result<String, FileError> {
     Ok(text)
 }
 
-/// What a column of [`sampled`] stands for.
+/// Meaning of a column of [`sampled`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// One hinge, named `edge_I` by the number I of its edge.

@@ -38,6 +38,7 @@ fn usage() {
     folder.done("export path.fold --to traj -o path.traj");
     folder.write("goal.fold", &folder.read("miura.fold"));
     folder.write("events.txt", "0 supply 1\n");
+    folder.write("designs.jsonl", "");
     for name in ["sheet.svg", "sheet.cp", "shape.obj"] {
         folder.write(name, "");
     }
@@ -105,6 +106,14 @@ fn usage() {
         export path.fold --to csv --rate 0 -o a.csv
         export path.fold --to csv --rate 1e12 -o a.csv
         export path.fold --to csv --per group -o a.csv
+        batch designs.jsonl
+        batch designs.jsonl -o ./designs.jsonl
+        batch nowhere.jsonl -o results.jsonl
+        batch designs.jsonl -o nowhere/results.jsonl
+        batch designs.jsonl -o results.jsonl --shard 3/3
+        batch designs.jsonl -o results.jsonl --jobs 0
+        batch designs.jsonl -o results.jsonl --timeout 0
+        batch designs.jsonl -o - --resume
         export path.fold --to dxf -o a.dxf
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
@@ -506,7 +515,7 @@ const WORDLESS: [(&str, &str); 12] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
-    ("Piped", "foldpath: <stdin>:1:14: expected a FOLD file"),
+    ("Piped", "foldpath: <stdin>:1:12: expected a FOLD file"),
     (
         "Pattern",
         "edges_vertices[3]: joins the same vertices as edge",

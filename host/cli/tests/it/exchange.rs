@@ -368,7 +368,7 @@ fn a_model_of_mujoco_has_a_body_for_each_panel_and_a_joint_or_loop_for_each_crea
         }
         let actuators = attributes(&scene, "position", "joint");
         assert!(!actuators.is_empty() && actuators.iter().all(|joint| joints.contains(joint)));
-        // As many as drive the pattern, of which several choices may do.
+        // The model has as many actuators as `info` names drivers. The choice may differ, because several would do.
         let info = folder
             .done(&format!("info {PATTERNS}/{name}.fold --json"))
             .json();

@@ -2,6 +2,7 @@
 
 mod answers;
 mod bad_files;
+mod batch;
 mod cli;
 mod common;
 mod cuts_and_holes;
@@ -20,6 +21,7 @@ mod plot;
 mod recorded;
 mod routes;
 mod rust_source;
+mod schema;
 mod session;
 mod sloppy_drawings;
 mod standard;
