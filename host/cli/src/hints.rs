@@ -14,7 +14,8 @@ use foldpath::symmetry::closure_of;
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
-        CliError::File(error) | CliError::Piped { error, .. } => of_file(error),
+        CliError::File(error) => of_file(error),
+        CliError::Piped { error, .. } => of_file(error),
         CliError::Goal { source, .. } => of_goal(source),
         CliError::Hinge { hint, .. } => hint.clone(),
         _ => None,

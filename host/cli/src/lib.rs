@@ -45,7 +45,7 @@ enum CliError {
     File(#[from] FileError),
     /// An error about stdin, with the text that was read.
     #[error("{error}")]
-    Piped { error: FileError, text: String },
+    Piped { error: Box<FileError>, text: String },
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error("--{}: {}", flag(option), option.problem())]

@@ -123,7 +123,7 @@ fn of_file(error: &CliError) -> Option<(String, Option<Excerpt>)> {
         CliError::File(file) => (file, file.locate()),
         CliError::Piped { error, text } => {
             let span = error.locate_in(text);
-            (error, span.map(|span| (text.clone(), span)))
+            (&**error, span.map(|span| (text.clone(), span)))
         }
         _ => return None,
     };

@@ -96,6 +96,7 @@ impl Input {
             Some((bytes, _)) => {
                 let text = String::from_utf8_lossy(bytes);
                 let text = text.trim_start_matches('\u{feff}').to_string();
+                let error = Box::new(error);
                 CliError::Piped { error, text }
             }
         }

@@ -143,7 +143,11 @@ impl Masses {
 
 fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]) -> String {
     let pattern = &motion.pattern;
-    let title = xml(&motion.title);
+    // Drake refuses a model without a name.
+    let title = match motion.title.trim() {
+        "" => "sheet".into(),
+        title => xml(title),
+    };
     let mut text = format!(
         "<!-- Written by foldpath {}. Lengths are in units of the pattern, angles in radians, valley positive. -->\n\
          <mujoco model=\"{title}\">\n  \

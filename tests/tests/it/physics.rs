@@ -96,6 +96,9 @@ fn exported(sheet: &Planned) -> (TempDir, mjcf::Model) {
     let folder = tempfile::tempdir().unwrap();
     let name = Path::new(&sheet.name);
     let model = mjcf::model(&sheet.motion, name).unwrap();
+    let scene = String::from_utf8_lossy(&model.files[0].1);
+    // A motion of the planner has no title, but a model needs a name.
+    assert!(sheet.motion.title.is_empty() && scene.contains("model=\"sheet\""));
     for (file, content) in &model.files {
         std::fs::write(folder.path().join(file), content).unwrap();
     }

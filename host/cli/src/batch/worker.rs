@@ -1,7 +1,8 @@
 //! A process that plans one design after the other: a line in, a line out.
 
+use core::panic::AssertUnwindSafe;
 use std::io::{Write, stdin, stdout};
-use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+use std::panic::{catch_unwind, set_hook};
 use std::time::Instant;
 
 use serde::Serialize;
