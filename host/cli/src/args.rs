@@ -1014,10 +1014,6 @@ pub(crate) enum ExportFormat {
     Traj,
     /// One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees
     Csv,
-    /// ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
-    JointTrajectory,
-    /// Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel
-    Mjcf,
     /// Contents of a .traj file as Rust constants, which need foldpath-core but no std
     Rust,
     /// Sequence of Wavefront OBJ files, one for each frame
@@ -1026,6 +1022,10 @@ pub(crate) enum ExportFormat {
     Glb,
     /// Coloured drawing of the crease pattern
     Svg,
+    /// Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel
+    Mjcf,
+    /// ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
+    JointTrajectory,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -22,7 +22,7 @@ const MAX_WAITING: u64 = 1 << 14;
 /// at its timeout by itself; a machine may be too busy for that to be on time.
 const PATIENCE: (f64, f64) = (5.0, 0.5);
 
-/// What a run may use.
+/// Limits of a run.
 pub(super) struct Limits {
     /// Number of processes.
     pub(super) jobs: usize,
@@ -32,7 +32,7 @@ pub(super) struct Limits {
     pub(super) stable: bool,
 }
 
-/// How many results are written, for those who wait until theirs is not too far ahead.
+/// Number of results that are written. Workers wait for it if their designs are too far ahead.
 struct Progress {
     /// Number of results that are written; `None` once the run is to end.
     written: Mutex<Option<u64>>,

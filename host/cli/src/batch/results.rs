@@ -27,8 +27,8 @@ struct Head {
 }
 
 impl Results {
-    /// Creates the file, or with `resume` opens it and reads which designs have results. What a run that was killed has
-    /// left after the last whole line is cut off.
+    /// Creates the file, or with `resume` opens it and reads which designs have results. Bytes after the last whole
+    /// line, which a run that was killed has left, are cut off.
     ///
     /// # Errors
     /// If the system reports one, or a line is no result.

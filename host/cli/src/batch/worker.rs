@@ -27,7 +27,7 @@ struct Failed<'a> {
     error: ErrorFields<'a>,
 }
 
-/// What is told of a design whose time was up, where nothing may depend on the clock.
+/// Result of a design whose time was up, if nothing may depend on the clock.
 #[derive(Serialize)]
 struct TimedOut<'a> {
     version: &'static str,
