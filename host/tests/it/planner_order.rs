@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 45] = [
+const ORDER: [&str; 46] = [
     "vectors",
     "goal",
     "knots",

@@ -19,6 +19,7 @@ mod image;
 mod meshes;
 mod networks;
 mod oracle;
+mod physics;
 mod plans;
 mod reuse;
 mod rounded;

@@ -2,11 +2,13 @@
 
 mod answers;
 mod bad_files;
+mod batch;
 mod cli;
 mod common;
 mod cuts_and_holes;
 mod drawings;
 mod errors;
+mod exchange;
 mod export;
 mod help;
 mod hostile;
@@ -20,8 +22,10 @@ mod plot;
 mod recorded;
 mod routes;
 mod rust_source;
+mod schema;
 mod session;
 mod sloppy_drawings;
+mod standard;
 mod straightened;
 mod stream;
 mod terminal;
