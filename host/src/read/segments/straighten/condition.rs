@@ -212,14 +212,15 @@ mod tests {
             [2.0, 0.3],
             [1.2, 0.9],
             [0.7, 2.6],
-            [-0.4, 1.7],
+            [-0.59, 1.69],
             [1.5, 1.8],
-            [2.4, 0.6],
+            [2.45, 0.43],
             [1.9, 2.3],
         ]
         .map(Vector2::from)
         .to_vec();
-        // The first two are parallel, and so are the last two.
+        // The first two are parallel, and so are the last two. They differ in length, as the size of a
+        // condition is that of its shortest line.
         let creases = vec![[0, 1], [4, 5], [2, 3], [7, 6]];
         let conditions = [
             Condition::InLine {
