@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::io::{self, BufRead, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use serde::Deserialize;
@@ -38,6 +38,8 @@ pub(super) struct Designs<R> {
     done: HashSet<String>,
     /// Hashes of the names that were read.
     seen: HashSet<u128>,
+    /// Hashes of the files that are written, and of that of the designs.
+    taken: HashSet<u128>,
     /// Number of the last line that was read, from 1.
     number: u64,
     place: u64,
@@ -48,18 +50,37 @@ pub(super) struct Designs<R> {
 struct Head {
     id: String,
     #[serde(default)]
-    plan: Option<HeadPlan>,
+    plan: Value,
+    #[serde(default)]
+    path: Value,
 }
 
-#[derive(Deserialize)]
-struct HeadPlan {
-    #[serde(default)]
-    timeout: Option<f64>,
+impl Head {
+    /// Returns the time that the design may take, seconds, if it is a number or the text of one.
+    fn timeout(&self) -> Option<f64> {
+        let value = self.plan.get("timeout")?;
+        // A list stands for an option that is repeated.
+        match value
+            .as_array()
+            .and_then(|list| list.last())
+            .unwrap_or(value)
+        {
+            Value::String(text) => text.parse().ok(),
+            value => value.as_f64(),
+        }
+    }
 }
 
 impl<R: BufRead> Designs<R> {
-    pub(super) fn new(lines: R, shard: Option<Shard>, done: HashSet<String>) -> Self {
+    /// Goes through lines of designs, but for those that are `done`. No design may write to the files that are `taken`.
+    pub(super) fn new(
+        lines: R,
+        shard: Option<Shard>,
+        done: HashSet<String>,
+        taken: [&Path; 2],
+    ) -> Self {
         Self {
+            taken: taken.into_iter().map(hash_of_path).collect(),
             lines,
             shard,
             done,
@@ -88,7 +109,21 @@ impl<R: BufRead> Designs<R> {
                 head.map_err(|error| in_line(&error))
             });
             let (mut id, mut line, mut timeout) = match (head, line) {
-                (Ok(head), line) => (head.id, line, head.plan.and_then(|plan| plan.timeout)),
+                (Ok(head), line) => {
+                    let timeout = head.timeout();
+                    // Every shard sees which files are taken, as it reads all lines.
+                    let is_taken = (head.path.as_str())
+                        .is_some_and(|path| !self.taken.insert(hash_of_path(Path::new(path))));
+                    let line = if is_taken {
+                        Err(
+                            "path: expected a file that nothing else of the run writes or reads"
+                                .into(),
+                        )
+                    } else {
+                        line
+                    };
+                    (head.id, line, timeout)
+                }
                 (Err(error), _) => (format!("line {number}"), Err(error), None),
             };
             // Lines of the same name belong to the same shard, so that each shard sees which names are taken.
@@ -152,6 +187,17 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Option<Result<String, Strin
 fn hash(id: &str) -> u128 {
     let digest = Sha256::digest(id);
     u128::from_be_bytes(digest.first_chunk().copied().unwrap_or_default())
+}
+
+/// Returns a hash of the absolute path of a file.
+fn hash_of_path(path: &Path) -> u128 {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    hash(&path.to_string_lossy())
+}
+
+/// Returns `true` for devices, such as the process's own stdin and stdout, which have its designs and results.
+fn is_device(path: &Path) -> bool {
+    path.starts_with("/dev") || path.starts_with("/proc")
 }
 
 /// A design: a crease pattern and how to plan it.
@@ -236,15 +282,17 @@ impl Design {
             plan.goal.as_ref(),
             plan.output.as_ref(),
         ];
-        if files
-            .into_iter()
-            .flatten()
-            .chain(&plan.via)
-            .any(|file| is_standard(file))
-        {
-            return Err(usage(
-                "expected a file, found -: batch has no standard streams for its designs".into(),
-            ));
+        for file in files.into_iter().flatten().chain(&plan.via) {
+            if is_standard(file) {
+                return Err(usage(
+                    "expected a file, found -: batch has no standard streams for its designs"
+                        .into(),
+                ));
+            }
+            if is_device(file) {
+                let found = file.display();
+                return Err(usage(format!("expected a file, found the device {found}")));
+            }
         }
         Ok((input, plan))
     }

@@ -45,10 +45,16 @@ pub(crate) fn run(args: &Batch, quiet: bool) -> Answer {
     }
     check_output("-o", &args.output, [&args.designs])?;
     let bar = bar(args, quiet)?;
-    let designs = open(&args.designs)?;
+    let mut designs = open(&args.designs)?;
+    // Designs that cannot be read leave the results that are there.
+    designs.fill_buf().map_err(|source| FileError::Io {
+        path: args.designs.clone(),
+        source,
+    })?;
     let mut results = Results::open(&args.output, args.resume)?;
     let skipped = results.known();
-    let designs = Designs::new(designs, args.shard, results.take_ids());
+    let taken = [args.designs.as_path(), args.output.as_path()];
+    let designs = Designs::new(designs, args.shard, results.take_ids(), taken);
     let jobs = match args.jobs {
         Some(jobs) => jobs.get().into(),
         None => std::thread::available_parallelism().map_or(1, usize::from),

@@ -1,6 +1,7 @@
 //! The processes that plan designs, with the time that each design may take.
 
 use core::time::Duration;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
@@ -9,6 +10,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread;
 
 use indicatif::ProgressBar;
+use serde::Deserialize;
 
 use super::design::{Designs, Task};
 use super::results::{Counts, Results};
@@ -155,11 +157,20 @@ fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits) -> Message 
     };
     let timeout = task.timeout.unwrap_or(limits.timeout);
     let patience = Duration::try_from_secs_f64(PATIENCE.0 + (1.0 + PATIENCE.1) * timeout);
-    let result = running.ask(line, patience.ok()).unwrap_or_else(|failure| {
-        *worker = None;
-        failed(&task.id, ErrorFields::of_message(&failure))
-    });
+    let result = running
+        .ask(&task.id, line, patience.ok())
+        .unwrap_or_else(|failure| {
+            *worker = None;
+            failed(&task.id, ErrorFields::of_message(&failure))
+        });
     Ok((task.place, result))
+}
+
+/// The name in a result.
+#[derive(Deserialize)]
+struct ResultId<'a> {
+    #[serde(borrow)]
+    id: Cow<'a, str>,
 }
 
 /// A process that plans one design after the other.
@@ -204,20 +215,20 @@ impl Worker {
     }
 
     /// Returns the result of a design, or why there is none; then the process has ended.
-    fn ask(&mut self, line: &str, patience: Option<Duration>) -> Result<String, String> {
+    fn ask(&mut self, id: &str, line: &str, patience: Option<Duration>) -> Result<String, String> {
         // If the process has ended, it has no result either.
         let _gone = self
             .designs
             .as_mut()
             .map(|designs| designs.write_all(format!("{line}\n").as_bytes()));
-        let result = match patience {
+        let received = match patience {
             Some(patience) => self.results.recv_timeout(patience),
             None => self
                 .results
                 .recv()
                 .map_err(|_| RecvTimeoutError::Disconnected),
         };
-        result.map_err(|error| match error {
+        let result = received.map_err(|error| match error {
             RecvTimeoutError::Timeout => {
                 "a defect of foldpath: the design did not end at its timeout and was stopped".into()
             }
@@ -229,7 +240,12 @@ impl Worker {
                 );
                 format!("a defect of foldpath, or too little memory: its process ended ({how})")
             }
-        })
+        })?;
+        let found = serde_json::from_str::<ResultId<'_>>(&result);
+        found
+            .is_ok_and(|found| found.id == id)
+            .then_some(result)
+            .ok_or_else(|| "a defect of foldpath: its process answered something else".into())
     }
 }
 

@@ -96,8 +96,49 @@ fn a_result_is_the_answer_of_plan_with_an_id() {
     assert_eq!(folder.read("path.fold"), folder.read("expected.fold"));
 }
 
+/// No design writes over what another reads or writes, and a run that cannot begin leaves the results that are there.
 #[test]
-fn the_bytes_hang_neither_on_jobs_nor_on_shards() {
+fn designs_do_not_write_over_each_other() {
+    let folder = folder();
+    let miura = json!({"family": "miura", "rows": 3, "cols": 3});
+    let lines = [
+        json!({"id": "a", "generate": miura, "path": "a.fold"}),
+        json!({"id": "b", "generate": miura, "path": "./a.fold"}),
+        json!({"id": "c", "generate": miura, "path": "results.jsonl"}),
+        json!({"id": "d", "generate": miura, "path": "/dev/stdout"}),
+        json!({"id": "e", "pattern": "/dev/stdin"}),
+        json!({"id": "f", "generate": miura, "plan": {"timeout": "30"}}),
+        json!({"id": "g", "generate": miura, "plan": {"timeout": {"seconds": 3}}}),
+    ];
+    let text: Vec<String> = lines.iter().map(Value::to_string).collect();
+    folder.write("designs.jsonl", &text.join("\n"));
+    folder.done("batch designs.jsonl -o results.jsonl");
+    let answers = results(&folder, "results.jsonl");
+    let of = |k: usize| {
+        let error = answers[k]["error"]["message"].as_str();
+        (
+            answers[k]["id"].as_str().unwrap(),
+            error.unwrap_or("planned"),
+        )
+    };
+    assert_eq!(of(0), ("a", "planned"));
+    let taken = "path: expected a file that nothing else of the run writes or reads";
+    assert_eq!(of(1), ("b", taken));
+    assert_eq!(of(2), ("c", taken));
+    assert_eq!(
+        of(3),
+        ("d", "expected a file, found the device /dev/stdout")
+    );
+    assert_eq!(of(4), ("e", "expected a file, found the device /dev/stdin"));
+    assert_eq!(of(5), ("f", "planned"));
+    assert!(of(6).0 == "g" && of(6).1.contains("timeout"), "{:?}", of(6));
+    let before = folder.read("results.jsonl");
+    folder.run("batch . -o results.jsonl").with_status(2);
+    assert_eq!(folder.read("results.jsonl"), before);
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_jobs_or_shards() {
     let folder = folder();
     designs(&folder, 120);
     folder.done("batch designs.jsonl -o all.jsonl --stable --jobs 1");

@@ -60,6 +60,7 @@ fn a_large_sheet_that_rolls_up() {
         "plan y.fold --fold 0.05 --keep -o p.fold",
         Some("p.fold"),
     );
+    folder.done("check p.fold");
 }
 
 #[test]

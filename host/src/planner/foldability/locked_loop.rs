@@ -169,7 +169,7 @@ fn mode(pattern: &CreasePattern, letters: &[f64], vertex: VertexId) -> Option<([
         .into_iter()
         .filter(|ratio| (1e-6..1e6).contains(ratio));
     let judged = sound.map(|ratio| (residual(ratio), ratio));
-    // Where the two modes are nearly alike, both nearly close.
+    // Both modes nearly close if they are nearly alike.
     let (residual, ratio) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
     (residual < CLOSED).then_some((creases, ratio.ln()))
 }

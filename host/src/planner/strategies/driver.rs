@@ -464,6 +464,7 @@ fn try_strategy(
         let found = fold();
         let (outcome, reason) = match &found {
             Some(found) => (found.outcome, found.reason.clone()),
+            None if strategy == Strategy::WayRound => (Outcome::Partial, Some(Reason::NoWayRound)),
             None => (Outcome::Partial, Some(Reason::NoFoldSequence)),
         };
         attempts.push(Attempt {

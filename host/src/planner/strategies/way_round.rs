@@ -21,18 +21,18 @@ use crate::symmetry::CreaseGroups;
 
 /// Largest number of configurations by way of which a path is led.
 const MAX_STOPS: usize = 12;
-/// Part of the path by which each of them has to lead on.
-const LEAST_GAIN: f64 = 0.02;
+/// Part of the whole path by which the path has to become longer with each of these configurations.
+const MIN_GAIN_RATIO: f64 = 0.02;
 /// Distances to which faces that would cross are moved apart, median edges, tried one after the other: others may cross
 /// at the larger ones.
-const CLEAR: [f64; 3] = [0.1, 0.03, 0.01];
+const CLEARANCES_EDGES: [f64; 3] = [0.1, 0.03, 0.01];
 /// Largest number of moves for one configuration, and largest turn of a crease in one move, radians.
 const MAX_MOVES: usize = 30;
 const MAX_TURN_RAD: f64 = 0.05;
-/// Ratio of a move to the one that parts the faces far enough to first order.
-const FARTHER: f64 = 1.2;
+/// Ratio of a move to the one after which the faces are far enough apart, if distances grew in proportion to the move.
+const OVERSHOOT_RATIO: f64 = 1.2;
 /// Least turn of a crease off the path, over the largest one in the gradient.
-const LEAST_RATIO: f64 = 1e-3;
+const MIN_TURN_RATIO: f64 = 1e-3;
 /// Turn of a crease by which the gradient is measured, radians.
 const PROBE_RAD: f64 = 1e-5;
 
@@ -61,7 +61,7 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
             .map(|(end, before)| end - before)
             .collect();
         let at = [end.as_slice(), along.as_slice()];
-        let mut apart = CLEAR
+        let mut apart = CLEARANCES_EDGES
             .iter()
             .map(|&clear| moved_apart(problem, &reduction, at, &pairs, clear));
         stops.insert(phase, apart.find_map(|found| found)?);
@@ -72,7 +72,7 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
             return Some(plan);
         }
         effort.add_effort(&plan);
-        if plan.reached < reached + LEAST_GAIN {
+        if plan.reached < reached + MIN_GAIN_RATIO {
             return None;
         }
         reached = plan.reached;
@@ -125,6 +125,11 @@ fn moved_apart(
                 turned[crease] += PROBE_RAD;
                 slopes[crease] = (distance(&turned, faces) - before) / PROBE_RAD;
             }
+            // Faces that intersect have no direction in which they part.
+            let parts = dot(&slopes, &slopes);
+            if parts.is_nan() || parts <= 0.0 || problem.is_late() {
+                return None;
+            }
             near.push((clear - before, in_groups(reduction, &slopes)));
         }
         if near.is_empty() {
@@ -148,14 +153,17 @@ fn moved_apart(
             .for_each(|(turn, along)| *turn -= part * along);
         let most = max_norm(&turns);
         // A sheet without freedom to spare moves along the path only.
-        if most.is_nan() || most < LEAST_RATIO * wanted {
+        if most < MIN_TURN_RATIO * wanted {
             return None;
         }
         let steps = near
             .iter()
             .map(|(lacks, slopes)| lacks / dot(&turns, slopes));
         let step = steps.filter(|step| *step > 0.0).fold(0.0, f64::max);
-        let step = f64::min(FARTHER * step, MAX_TURN_RAD / most);
+        if step <= 0.0 {
+            return None;
+        }
+        let step = f64::min(OVERSHOOT_RATIO * step, MAX_TURN_RAD / most);
         closed
             .iter_mut()
             .zip(turns)

@@ -119,7 +119,7 @@ fn line(points: &[Vector2<f64>], vertices: Vec<usize>, reach: f64) -> Option<Lin
     };
     let is_line = vertices.len() > 1 && length > 0.0 && vertices.iter().all(is_near);
     is_line.then(|| Line {
-        angle: along.y.atan2(along.x).rem_euclid(PI),
+        angle: along.y.atan2(along.x).rem_euclid(PI).abs(),
         vertices,
         length,
     })
@@ -135,12 +135,14 @@ fn parallel_classes(mut lines: Vec<Line>, reach: f64) -> Vec<Vec<Line>> {
     for line in lines {
         // Turning the line about its middle by this angle moves its ends by the reach.
         let within = (2.0 * reach / line.length).min(MAX_BEND_RAD);
-        let near = [-PI, 0.0, PI].into_iter().flat_map(|turn| {
+        let near = [-PI, 0.0, PI].into_iter().filter_map(|turn| {
             let [low, high] = [-within, within].map(|off| line.angle + turn + off);
-            let [low, high] = [low.max(0.0), high.max(0.0)].map(f64::to_bits);
-            by_angle.range(low..=high)
+            let from = |low: f64| low.max(0.0).abs().to_bits();
+            (high >= 0.0).then(|| by_angle.range(from(low)..=from(high)))
         });
-        let near: Vec<usize> = near.map(|(_, &class)| class).take(2).collect();
+        let mut near: Vec<usize> = near.flatten().map(|(_, &class)| class).collect();
+        near.sort_unstable();
+        near.dedup();
         match near[..] {
             [class] => classes[class].push(line),
             [] => {

@@ -38,7 +38,7 @@ const SAME_ANGLE_RAD: f64 = 1e-3;
 const MAX_ROUNDS: usize = 12;
 
 /// Largest number of edges of a drawing that is straightened.
-const MAX_EDGES: usize = 1 << 16;
+const MAX_EDGES: usize = 1 << 14;
 
 /// A straightened drawing.
 pub(super) struct Straightened {
