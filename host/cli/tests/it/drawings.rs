@@ -669,7 +669,7 @@ fn real_drawings_are_planned_or_say_why_not() {
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
         let output = runs.path(&name).with_extension("fold");
         let answer = runs
-            .command("plan --timeout 60 --json")
+            .command("plan --timeout 10 --json")
             .arg(&file)
             .arg("-o")
             .arg(&output)
