@@ -258,6 +258,7 @@ impl IntervalBroadPhase {
         }
     }
 
+    #[inline]
     fn gap(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
         let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
@@ -267,6 +268,7 @@ impl IntervalBroadPhase {
     /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end. Returns
     /// their separations along the plane's normal at the three control points; the first and the last are lower bounds
     /// of their distance at the beginning and at the end. Returns `None` if no such plane is found.
+    #[inline]
     pub(super) fn parted(
         &self,
         pieces: &Pieces,
@@ -284,32 +286,44 @@ impl IntervalBroadPhase {
             center
         };
         let between = center(&corners[1]) - center(&corners[0]);
-        let normals = |which: usize| faces.map(|face| self.normals[which][face]);
-        let along = core::iter::once_with(|| between.try_normalize(0.0)).flatten();
-        let first = normals(1).into_iter().chain(along);
-        let others = [2, 0].into_iter().flat_map(normals);
-        for direction in first.chain(others) {
+        let along = |direction: &Vector3<f64>| {
             let forwards = direction * direction.dot(&between).signum();
-            let ahead = self.ahead(&corners, forwards);
-            if ahead.iter().all(|&ahead| ahead > slack) {
-                return Some(ahead);
-            }
-        }
-        None
+            self.ahead(&corners, &forwards, slack)
+        };
+        let normals = |which: usize| {
+            let mut normals = faces.iter().map(|&face| &self.normals[which][face]);
+            normals.find_map(along)
+        };
+        normals(1)
+            .or_else(|| along(&between.try_normalize(0.0)?))
+            .or_else(|| normals(2))
+            .or_else(|| normals(0))
     }
 
-    /// Returns, for each control point, the distance by which the second piece is ahead of the first.
-    fn ahead(&self, corners: &[Range<usize>; 2], direction: Vector3<f64>) -> Three<f64> {
-        self.places.each_ref().map(|places| {
-            let along = |corners: &Range<usize>| {
-                places[corners.clone()]
-                    .iter()
-                    .map(move |p| direction.dot(p))
-            };
-            let first = along(&corners[0]).fold(f64::NEG_INFINITY, f64::max);
-            let second = along(&corners[1]).fold(f64::INFINITY, f64::min);
-            second - first
-        })
+    /// Returns, for each control point, the distance by which the second piece is ahead of the first; `None` if it is not
+    /// more than `slack` at each.
+    #[inline]
+    fn ahead(
+        &self,
+        corners: &[Range<usize>; 2],
+        direction: &Vector3<f64>,
+        slack: f64,
+    ) -> Option<Three<f64>> {
+        let mut ahead = [0.0; 3];
+        for (ahead, places) in ahead.iter_mut().zip(&self.places) {
+            let (mut first, mut second) = (f64::NEG_INFINITY, f64::INFINITY);
+            for place in &places[corners[0].clone()] {
+                first = f64::max(first, direction.dot(place));
+            }
+            for place in &places[corners[1].clone()] {
+                second = f64::min(second, direction.dot(place));
+            }
+            *ahead = second - first;
+            if ahead.is_nan() || *ahead <= slack {
+                return None;
+            }
+        }
+        Some(ahead)
     }
 
     /// Returns the distance of two pieces at the beginning (0) or the end (2) of the interval.

@@ -76,9 +76,17 @@ impl IntervalBroadPhase {
         self.open = open;
     }
 
+    /// Returns `true` after the first interval if all pieces of two clusters are on one panel.
+    #[inline]
+    fn is_panel(&self, a: u32, b: u32) -> bool {
+        let is_same = |panel| self.panels[b as usize] == Some(panel);
+        self.from > 0 && self.panels[a as usize].is_some_and(is_same)
+    }
+
     /// Takes pairs of clusters from `open` and splits them, up to one that contains no more than `pairs` pairs of pieces
     /// and whose boxes are no farther apart than `touching` or nearer than `within`. Returns that pair with the distance
     /// of its boxes. For the same order of pairs, all of its pairs have to be taken before the next.
+    #[inline]
     fn next(
         &self,
         hierarchy: &Hierarchy,
@@ -87,26 +95,20 @@ impl IntervalBroadPhase {
         pairs: u64,
     ) -> Option<([u32; 2], f64)> {
         while let Some([a, b]) = open.pop() {
-            let [first, second] = [a, b].map(|node| hierarchy.nodes[node as usize]);
-            if self.from > 0
-                && self.panels[a as usize]
-                    .is_some_and(|panel| self.panels[b as usize] == Some(panel))
-            {
+            let gap = if a == b { 0.0 } else { self.gap(a, b) };
+            if is_far(gap, [touching, within]) || self.is_panel(a, b) {
                 continue;
             }
+            let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
             let few = u64::from(first.pieces) * u64::from(second.pieces) <= pairs;
             if a == b {
                 match first.children {
-                    Some(_) if few => return Some(([a, b], 0.0)),
+                    Some(_) if few => return Some(([a, b], gap)),
                     Some([left, right]) => {
                         open.extend([[left, right], [left, left], [right, right]]);
                     }
                     None => {}
                 }
-                continue;
-            }
-            let gap = self.gap(a, b);
-            if is_far(gap, [touching, within]) {
                 continue;
             }
             if few {
