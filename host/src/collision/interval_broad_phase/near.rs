@@ -168,8 +168,8 @@ mod tests {
     #[test]
     fn pairs_and_their_order_do_not_depend_on_the_number_of_threads() {
         let miura = Miura {
-            rows: 24,
-            columns: 24,
+            rows: 40,
+            columns: 40,
             sector_angle: 1.0,
             fold: 0.5,
         };
