@@ -59,7 +59,7 @@ impl<'a> FoldingCertifier<'a> {
     /// if no path from the root to a face turns by more than some ten radians in all, at most 256.
     pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let most = most / OTHER_TREES_RATIO;
-        let each = parallel::whole(self.0[0].sums.len(), TIME_PER_FACE);
+        let each = parallel::total_time(self.0[0].sums.len(), TIME_PER_FACE);
         let bounds =
             parallel::try_map_mut(&mut self.0, each, |folded| folded.rigidity(curves, most))?;
         let worst = bounds

@@ -194,7 +194,7 @@ impl Segment<'_> {
         let nodes = (0..samples).map(|k| middle - half * zero_of_chebyshev(k, samples));
         let nodes: Vec<f64> = nodes.collect();
         let curves = self.curves;
-        let each = parallel::whole(curves.len(), TIME_PER_ANGLE);
+        let each = parallel::total_time(curves.len(), TIME_PER_ANGLE);
         let turns: Vec<Vec<[f64; 2]>> = parallel::map(&nodes, each, |&s| {
             let angles = curves.iter().map(|curve| curve.angle(s));
             angles.map(|angle| angle.sin_cos().into()).collect()

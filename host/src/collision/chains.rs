@@ -315,7 +315,7 @@ impl<'a> Chains<'a> {
         let same_end = |a: &usize, b: &usize| pairs[*a][1] == pairs[*b][1];
         let groups: Vec<&[usize]> = order.chunk_by(same_end).collect();
         let faces = pattern.faces().len();
-        let each = parallel::whole(faces, TIME_PER_FACE);
+        let each = parallel::total_time(faces, TIME_PER_FACE);
         let begin = || Search::new(faces);
         let found = parallel::map_with(&groups, each, begin, |search, group| {
             search.begin(pairs[group[0]][1]);

@@ -16,14 +16,14 @@ const MIN_SHARED: Duration = Duration::from_millis(1);
 const CHUNKS_PER_THREAD: usize = 8;
 
 /// Returns the time that `count` items of work take, each of which takes about `each`.
-pub(crate) fn whole(count: usize, each: Duration) -> Duration {
+pub(crate) fn total_time(count: usize, each: Duration) -> Duration {
     each.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
 }
 
 /// Returns `true` if there are threads to share with, and `count` items of work, each of which takes about `each`, are
 /// worth sharing. A pool is made only if they are.
 pub(crate) fn is_shared(count: usize, each: Duration) -> bool {
-    count > 1 && whole(count, each) >= MIN_SHARED && rayon::current_num_threads() > 1
+    count > 1 && total_time(count, each) >= MIN_SHARED && rayon::current_num_threads() > 1
 }
 
 /// Returns what `work` makes of each item, in order. `each` is about the time that an item takes.

@@ -9,8 +9,8 @@ use crate::util::csr::Csr;
 
 /// Number of equal parts of all operations, of which a branch has no more than one.
 const PARTS: u64 = 12;
-/// Fraction of such a part below which a branch is too small to stand alone.
-const SMALLEST: u64 = 8;
+/// Ratio of the largest branch to the smallest that stands alone, in operations.
+const LARGEST_TO_SMALLEST: u64 = 8;
 
 /// The elimination tree of a factor, and the operations that its columns take.
 pub(super) struct EliminationTree {
@@ -88,7 +88,7 @@ pub(super) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
             continue;
         }
         let start = end - tree.sizes[column];
-        if tree.operations[column] >= most / SMALLEST {
+        if tree.operations[column] >= most / LARGEST_TO_SMALLEST {
             branches.push(start..end);
         }
         end = start;

@@ -67,7 +67,7 @@ pub(crate) fn measure(
         judge
     };
     let done = AtomicUsize::new(0);
-    let each = parallel::whole(problem.pattern.faces().len(), TIME_PER_FACE);
+    let each = parallel::total_time(problem.pattern.faces().len(), TIME_PER_FACE);
     let measured = parallel::map_with(&knots, each, judge, |judge, knot| {
         if problem.is_late() {
             return None;

@@ -459,13 +459,12 @@ fn try_strategy(
     let Some(goal) = goal.filter(|goal| goal_is_free(problem, goal)) else {
         return Some(plan);
     };
-    let mut try_phases = |strategy, fold: &dyn Fn() -> Option<Plan>| {
+    let mut try_phases = |strategy, none: Reason, fold: &dyn Fn() -> Option<Plan>| {
         let start = Instant::now();
         let found = fold();
         let (outcome, reason) = match &found {
             Some(found) => (found.outcome, found.reason.clone()),
-            None if strategy == Strategy::WayRound => (Outcome::Partial, Some(Reason::NoWayRound)),
-            None => (Outcome::Partial, Some(Reason::NoFoldSequence)),
+            None => (Outcome::Partial, Some(none)),
         };
         attempts.push(Attempt {
             strategy,
@@ -480,13 +479,13 @@ fn try_strategy(
     let round = || lead_round_crossings(problem, &plan);
     let mut found = None;
     if splits {
-        found = try_phases(Strategy::SplitPhases, &split);
+        found = try_phases(Strategy::SplitPhases, Reason::NoFoldSequence, &split);
     }
     if found.is_none() && few {
-        found = try_phases(Strategy::FoldSequence, &sequence);
+        found = try_phases(Strategy::FoldSequence, Reason::NoFoldSequence, &sequence);
     }
     if found.is_none() && leads_round {
-        found = try_phases(Strategy::WayRound, &round);
+        found = try_phases(Strategy::WayRound, Reason::NoWayRound, &round);
     }
     Some(match found {
         Some(mut found) => {

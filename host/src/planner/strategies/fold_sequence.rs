@@ -67,9 +67,8 @@ pub(super) fn is_free(
     angles: &[f64],
     closure_tolerance: f64,
 ) -> bool {
-    let angles: Vec<_> = angles.iter().copied().map(Some).collect();
     let mut knot = Knot {
-        angles: groups.reduce(&angles).into_iter().flatten().collect(),
+        angles: groups.reduce_all(angles),
         ..Knot::default()
     };
     judge.judge(&mut knot).is_none() && knot.closure <= closure_tolerance

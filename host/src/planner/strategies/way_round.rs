@@ -16,7 +16,7 @@ use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
-use crate::planner::vectors::max_norm;
+use crate::planner::vectors::{dot, max_norm};
 use crate::symmetry::CreaseGroups;
 
 /// Largest number of configurations by way of which a path is led.
@@ -82,10 +82,7 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
 
 /// Returns the fold angles of the creases at a knot of a plan, radians.
 fn of_creases(plan: &Plan, knot: &[f64]) -> Vec<f64> {
-    let angle = |member: &Membership| {
-        let angle = knot[member.group.index()];
-        if member.negative { -angle } else { angle }
-    };
+    let angle = |member: &Membership| member.apply(knot[member.group.index()]);
     plan.path.memberships.iter().map(angle).collect()
 }
 
@@ -110,7 +107,7 @@ fn moved_apart(
     let mut solver = reduction.solver(options, 0.0);
     let (_, signs) = reduction.asked(problem.goal);
     solver.set_limits(reduction.orthant(&signs));
-    let along = in_groups(reduction, along);
+    let along = reduction.groups.reduce_all(along);
     for _ in 0..MAX_MOVES {
         // For each pair that is too near, how much it lacks and the gradient of its distance.
         let mut near = Vec::new();
@@ -130,12 +127,12 @@ fn moved_apart(
             if parts.is_nan() || parts <= 0.0 || problem.is_late() {
                 return None;
             }
-            near.push((clear - before, in_groups(reduction, &slopes)));
+            near.push((clear - before, reduction.groups.reduce_all(&slopes)));
         }
         if near.is_empty() {
             break;
         }
-        let mut closed = in_groups(reduction, &angles);
+        let mut closed = reduction.groups.reduce_all(&angles);
         let mut turns = vec![0.0; closed.len()];
         for (lacks, slopes) in &near {
             let turn = lacks / dot(slopes, slopes);
@@ -176,15 +173,4 @@ fn moved_apart(
     let mut judge = Judge::new(problem, reduction, options.collision);
     let tolerance = reduction.closure_tolerance(options);
     is_free(&mut judge, &reduction.groups, &angles, tolerance).then_some(angles)
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
-}
-
-/// Returns the angles of groups that have a crease each.
-fn in_groups(reduction: &Reduction<'_>, creases: &[f64]) -> Vec<f64> {
-    let angles: Vec<_> = creases.iter().copied().map(Some).collect();
-    let groups = reduction.groups.reduce(&angles);
-    groups.into_iter().flatten().collect()
 }

@@ -119,6 +119,7 @@ fn line(points: &[Vector2<f64>], vertices: Vec<usize>, reach: f64) -> Option<Lin
     };
     let is_line = vertices.len() > 1 && length > 0.0 && vertices.iter().all(is_near);
     is_line.then(|| Line {
+        // Without the sign of -0, as classes are found by the bits of the angle.
         angle: along.y.atan2(along.x).rem_euclid(PI).abs(),
         vertices,
         length,

@@ -20,6 +20,7 @@ use self::condition::Condition;
 use self::least_moves::{Effort, fulfil};
 use crate::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
+use crate::util::nan_max::diagonal;
 
 /// Farthest move of a vertex, in tolerances: two lines that lie within the tolerance of a third are twice as far from
 /// each other.
@@ -62,8 +63,7 @@ pub(super) fn straighten(
         return None;
     }
     let reach = REACH_TOLERANCES * tolerance;
-    let [low, high] = bounds(&drawing.vertices)?;
-    let diagonal = (high - low).norm();
+    let diagonal = diagonal(&drawing.vertices);
     let drawn = &drawing.vertices;
     let exact = EXACT_RATIO * diagonal;
     let mut conditions = lines::conditions(drawing, reach);
@@ -114,15 +114,6 @@ pub(super) fn straighten(
         });
     }
     None
-}
-
-/// Returns the lowest and the highest coordinates, if there are points.
-fn bounds(points: &[Vector2<f64>]) -> Option<[Vector2<f64>; 2]> {
-    let first = *points.first()?;
-    let bounds = points.iter().fold([first; 2], |[low, high], point| {
-        [low.inf(point), high.sup(point)]
-    });
-    Some(bounds)
 }
 
 /// Returns `true` unless an edge has a goal between flat and half a turn.
