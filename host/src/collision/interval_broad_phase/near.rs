@@ -35,7 +35,7 @@ impl IntervalBroadPhase {
         open.clear();
         open.extend(hierarchy.roots.iter().rev().map(|&root| [root, root]));
         if !parallel::is_shared(self.boxes.len(), TIME_PER_CLUSTER) {
-            while let Some((pair, _)) = self.next(hierarchy, &mut open, [touching, within], 1) {
+            while let Some((pair, _)) = self.next::<1>(hierarchy, &mut open, [touching, within]) {
                 if let Some(tested) = test(self, pair) {
                     within = take(self, pair, tested);
                 }
@@ -47,7 +47,7 @@ impl IntervalBroadPhase {
         let mut round = 1;
         while !open.is_empty() {
             let clusters = core::iter::from_fn(|| {
-                self.next(hierarchy, &mut open, [touching, within], PAIRS_PER_TASK)
+                self.next::<PAIRS_PER_TASK>(hierarchy, &mut open, [touching, within])
             });
             let clusters: Vec<_> = clusters.take(round).collect();
             let near = parallel::map_with(
@@ -57,7 +57,7 @@ impl IntervalBroadPhase {
                 |open: &mut Vec<_>, &(clusters, _)| {
                     open.push(clusters);
                     let pairs =
-                        core::iter::from_fn(|| self.next(hierarchy, open, [touching, within], 1));
+                        core::iter::from_fn(|| self.next::<1>(hierarchy, open, [touching, within]));
                     let tested = pairs.filter_map(|(pair, gap)| {
                         test(self, pair).map(|tested| (pair, gap, tested))
                     });
@@ -87,12 +87,11 @@ impl IntervalBroadPhase {
     /// and whose boxes are no farther apart than `touching` or nearer than `within`. Returns that pair with the distance
     /// of its boxes. For the same order of pairs, all of its pairs have to be taken before the next.
     #[inline]
-    fn next(
+    fn next<const PAIRS: u64>(
         &self,
         hierarchy: &Hierarchy,
         open: &mut Vec<[u32; 2]>,
         [touching, within]: [f64; 2],
-        pairs: u64,
     ) -> Option<([u32; 2], f64)> {
         while let Some([a, b]) = open.pop() {
             let gap = if a == b { 0.0 } else { self.gap(a, b) };
@@ -100,7 +99,7 @@ impl IntervalBroadPhase {
                 continue;
             }
             let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
-            let few = u64::from(first.pieces) * u64::from(second.pieces) <= pairs;
+            let few = u64::from(first.pieces) * u64::from(second.pieces) <= PAIRS;
             if a == b {
                 match first.children {
                     Some(_) if few => return Some(([a, b], gap)),
