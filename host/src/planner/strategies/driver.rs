@@ -30,12 +30,12 @@ const FEW_CREASES: usize = 200;
 const MANY_CREASES: usize = 2000;
 
 /// Largest number of limits on the bend of panels that are tried after a plan is found.
-const MAX_BEND_HALVINGS: usize = 8;
+const MAX_BEND_HALVINGS: usize = 12;
 /// Largest bend that is tried to tell how far panels would have to bend, radians, and the number of smaller ones.
 const HINTED_BEND_RAD: f64 = core::f64::consts::FRAC_PI_2;
 const HINT_HALVINGS: usize = 3;
 /// Fraction of the largest bend to which the least one is looked for.
-const BEND_RATIO: f64 = 0.03;
+const BEND_RATIO: f64 = 0.01;
 
 /// A row of the table of strategies.
 struct Row {
