@@ -15,6 +15,7 @@
 //! 6. [`unfold`](mod@unfold) makes a crease pattern of a folded shape.
 //! 7. [`check`](mod@check) judges a motion afresh; [`view`] makes a page of it, [`plot`](mod@plot) draws its curves,
 //!    [`export`] writes it in other formats, and [`stream`] sends it to a controller.
+//! 8. [`request`] has the options of all this by their names, and the answers as JSON, for programs that ask by text.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -173,6 +174,7 @@ pub mod pattern;
 pub mod planner;
 pub mod plot;
 pub mod read;
+pub mod request;
 pub mod stream;
 pub mod symmetry;
 pub mod unfold;

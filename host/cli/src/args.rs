@@ -5,13 +5,21 @@ use core::str::FromStr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use serde::{Deserialize, Serialize};
 
+use foldpath_core::{Interpolation, Objective};
 use foldpath_firmware_sim::hinges::Drive;
 
+use crate::choice::choice;
 use crate::jobs::Jobs;
-use foldpath::planner;
-use foldpath::read::{self, ColourLetters, ReadOptions};
+use foldpath::generate::{self, defaults};
+use foldpath::planner::{Judged, Search, Solver, Symmetry, Timing, Vertices};
+use foldpath::read::{ColourLetters, Straighten};
+use foldpath::request::{
+    DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Reuse, Skip, Switch,
+};
+
+/// An interpolation, or none in particular. Under this name clap takes it for one value.
+type AnyInterpolation = Option<Interpolation>;
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -225,6 +233,69 @@ Examples:
 }
 
 impl Family {
+    /// Returns the family with its parameters.
+    pub(crate) fn family(&self) -> generate::Family {
+        match *self {
+            Self::Miura {
+                ref size,
+                angle,
+                fold,
+            } => generate::Family::Miura {
+                rows: size.rows,
+                cols: size.cols,
+                angle: Some(angle),
+                fold: Some(fold),
+            },
+            Self::Waterbomb { ref size, fold } => generate::Family::Waterbomb {
+                rows: size.rows,
+                cols: size.cols,
+                fold: Some(fold),
+            },
+            Self::Yoshimura {
+                ref size,
+                angle,
+                fold,
+            } => generate::Family::Yoshimura {
+                rows: size.rows,
+                cols: size.cols,
+                angle: Some(angle),
+                fold: Some(fold),
+            },
+            Self::Quad {
+                rows, cols, fold, ..
+            } => generate::Family::Quad {
+                rows: Some(rows),
+                cols: Some(cols),
+                fold: Some(fold),
+            },
+            Self::SquareTwist {
+                rows,
+                cols,
+                angle,
+                letters,
+                fold,
+                ..
+            } => generate::Family::SquareTwist {
+                rows: Some(rows),
+                cols: Some(cols),
+                angle: Some(angle),
+                letters: Some(match letters {
+                    TwistLetters::Foldable => generate::Letters::Foldable,
+                    TwistLetters::Unfoldable => generate::Letters::Unfoldable,
+                }),
+                fold: Some(fold),
+            },
+            Self::Resch { rows, cols, .. } => generate::Family::Resch {
+                rows: Some(rows),
+                cols: Some(cols),
+            },
+            Self::Kresling { rows, cols, .. } => generate::Family::Kresling {
+                rows: Some(rows),
+                cols: Some(cols),
+            },
+        }
+    }
+
     /// Returns the file to write.
     pub(crate) fn output(&self) -> &PathBuf {
         match self {
@@ -239,25 +310,7 @@ impl Family {
     }
 }
 
-/// Parameters of families that are not given: degrees, fractions of 180 degrees, and numbers of rows or columns.
-pub(crate) mod defaults {
-    pub(crate) const MIURA_ANGLE: f64 = 60.0;
-    pub(crate) const MIURA_FOLD: f64 = 0.9;
-    pub(crate) const WATERBOMB_FOLD: f64 = 0.5;
-    pub(crate) const YOSHIMURA_ANGLE: f64 = 30.0;
-    pub(crate) const YOSHIMURA_FOLD: f64 = 0.25;
-    pub(crate) const QUAD_SIZE: usize = 24;
-    pub(crate) const QUAD_FOLD: f64 = 0.0675;
-    pub(crate) const TWIST_SIZE: usize = 1;
-    pub(crate) const TWIST_ANGLE: f64 = 60.0;
-    pub(crate) const TWIST_FOLD: f64 = 0.5;
-    pub(crate) const RESCH_SIZE: usize = 3;
-    pub(crate) const KRESLING_RINGS: usize = 2;
-    pub(crate) const KRESLING_SIDES: usize = 6;
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum TwistLetters {
     /// The sheet folds
     #[default]
@@ -406,7 +459,7 @@ impl Command {
 }
 
 /// Options of reading a drawing of lines.
-#[derive(Clone, Debug, Args, Serialize)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub(crate) struct Reading {
     /// Distance within which lines of a drawing are meant to meet, in the drawing's own units
@@ -418,7 +471,7 @@ pub(crate) struct Reading {
     /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
     ///
     /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
-    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    #[arg(long, value_name = "WHEN", value_parser = choice::<Straighten>(), default_value = "auto")]
     pub(crate) straighten: Straighten,
     /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
     ///
@@ -426,31 +479,7 @@ pub(crate) struct Reading {
     /// J (joins a panel). A colour that is not named counts as the nearest named colour of its hue; without one it has
     /// the meaning of Origami Simulator.
     #[arg(long, value_name = "NAME=LETTER,...")]
-    #[serde(serialize_with = "text")]
     pub(crate) colors: Option<ColourLetters>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Straighten {
-    /// If a vertex is off by more than rounding: by a tenth of the usual tolerance
-    Auto,
-    /// Always
-    On,
-    /// Never
-    Off,
-}
-
-/// Serialises an option as its text.
-#[allow(clippy::ref_option, reason = "serde passes the field so")]
-fn text<S: serde::Serializer>(
-    value: &Option<ColourLetters>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    value
-        .as_ref()
-        .map(ToString::to_string)
-        .serialize(serializer)
 }
 
 impl Reading {
@@ -459,27 +488,13 @@ impl Reading {
         self.tolerance.is_some() || self.colors.is_some() || self.straighten != Straighten::Auto
     }
 
-    /// Returns the reader's options.
-    ///
-    /// # Errors
-    /// If the tolerance is no positive length.
-    pub(crate) fn options(&self) -> Result<ReadOptions, crate::CliError> {
-        let is_length = |tolerance: f64| tolerance > 0.0 && tolerance.is_finite();
-        if let Some(found) = self.tolerance.filter(|tolerance| !is_length(*tolerance)) {
-            return Err(crate::CliError::Usage(format!(
-                "--tolerance: expected a finite length above 0, found {found}"
-            )));
-        }
-        Ok(ReadOptions {
-            format: None,
+    /// Returns the options by their names.
+    pub(crate) fn request(&self) -> ReadingRequest {
+        ReadingRequest {
             tolerance: self.tolerance,
-            straighten: match self.straighten {
-                Straighten::Auto => read::Straighten::Auto,
-                Straighten::On => read::Straighten::On,
-                Straighten::Off => read::Straighten::Off,
-            },
-            colours: self.colors.clone().unwrap_or_default(),
-        })
+            straighten: self.straighten,
+            colors: self.colors.clone(),
+        }
     }
 }
 
@@ -490,7 +505,7 @@ pub(crate) struct Report {
     pub(crate) json: bool,
 }
 
-#[derive(Clone, Debug, Args, Serialize)]
+#[derive(Clone, Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
 Examples:
@@ -502,7 +517,6 @@ pub(crate) struct Plan {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator.
-    #[serde(skip)]
     pub(crate) pattern: PathBuf,
     /// FOLD file of the same sheet whose fold angles are the goal
     #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
@@ -527,7 +541,6 @@ pub(crate) struct Plan {
     pub(crate) goal_tolerance: f64,
     /// Path to write, a FOLD animation; written only if the goal is reached
     #[arg(short, long, help_heading = "Path written")]
-    #[serde(skip)]
     pub(crate) output: Option<PathBuf>,
     /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
     ///
@@ -562,29 +575,29 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "EDGES", help_heading = "Limits")]
     pub(crate) contact: Option<f64>,
     /// Unknowns of the plan: crease groups, or single creases
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Symmetry>(), default_value = "auto", help_heading = "Method")]
     pub(crate) symmetry: Symmetry,
     /// Vertices whose closure conditions are solved
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Vertices>(), default_value = "essential", help_heading = "Method")]
     pub(crate) vertices: Vertices,
     /// Reuse of a path of the essential crease pattern on the whole sheet
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Reuse>(), default_value = "auto", help_heading = "Method")]
     pub(crate) reuse: Reuse,
     /// Search for faces that pass through each other
-    #[arg(long, value_enum, default_value_t, help_heading = "Crossings")]
+    #[arg(long, value_parser = choice::<Switch>(), default_value = "on", help_heading = "Crossings")]
     pub(crate) collision: Switch,
     /// Kinds of pairs that the search for crossings must not skip, for comparison; separated by commas
     #[arg(
         long,
-        value_enum,
+        value_parser = choice::<Skip>(),
         value_delimiter = ',',
         value_name = "LIST",
         help_heading = "Crossings"
     )]
     pub(crate) no_skip: Vec<Skip>,
     /// Interpolation of the motion between knots
-    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
-    pub(crate) interpolation: Interpolation,
+    #[arg(long, value_parser = choice::<AnyInterpolation>(), default_value = "auto", help_heading = "Path written")]
+    pub(crate) interpolation: AnyInterpolation,
     /// Largest speed of a hinge, degrees per second
     #[arg(
         long,
@@ -599,25 +612,25 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "DEG_PER_S2", help_heading = "Limits")]
     pub(crate) max_accel: Option<f64>,
     /// Time law along the path
-    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
-    pub(crate) pace: Pace,
+    #[arg(long, value_parser = choice::<Timing>(), default_value = "optimal", help_heading = "Path written")]
+    pub(crate) pace: Timing,
     /// Part of the path that is judged
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Judged>(), default_value = "motion", help_heading = "Method")]
     pub(crate) judge: Judged,
     /// Largest number of knots of the path [default: no limit]
     #[arg(long, value_name = "N", help_heading = "Path written")]
     pub(crate) max_knots: Option<usize>,
     /// Data that each knot stores
-    #[arg(long, value_enum, default_value_t, help_heading = "Path written")]
+    #[arg(long, value_parser = choice::<Frames>(), default_value = "full", help_heading = "Path written")]
     pub(crate) frames: Frames,
     /// Solver that closes the sheet
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Solver>(), default_value = "lm", help_heading = "Method")]
     pub(crate) solver: Solver,
     /// Method by which the path is found
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Search>(), default_value = "auto", help_heading = "Method")]
     pub(crate) search: Search,
     /// Objective by which the randomised search measures closure
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choice::<Objective>(), default_value = "max", help_heading = "Method")]
     pub(crate) objective: Objective,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0, help_heading = "Method")]
@@ -626,319 +639,47 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
-    #[serde(flatten)]
     pub(crate) reading: Reading,
     // Not listed among the options of an answer, which is the same for any number.
     #[command(flatten)]
-    #[serde(skip)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
-    #[serde(skip)]
     pub(crate) report: Report,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Symmetry {
-    /// One unknown for each group of creases that turn alike
-    #[default]
-    Auto,
-    /// One unknown for each crease
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Vertices {
-    /// One vertex for each distinct closure condition
-    #[default]
-    Essential,
-    /// All vertices
-    All,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Reuse {
-    /// Plan on the essential crease pattern and reuse the path on the whole sheet
-    #[default]
-    Auto,
-    /// Plan on the closure of all vertices
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Switch {
-    #[default]
-    On,
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Interpolation {
-    /// The interpolation that needs the fewest knots
-    #[default]
-    Auto,
-    /// Cubic Hermite in the tangent of half the fold angle
-    HalfAngle,
-    /// Cubic Hermite in the fold angle
-    Hermite,
-    /// Cubic Hermite in weighted cosine and sine of half the fold angle
-    Homogeneous,
-    /// Linear in the fold angle
-    Linear,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Skip {
-    /// Pairs of faces that move like another pair
-    Symmetry,
-    /// Pairs that cannot have met since they were last looked at
-    Motion,
-    /// Pairs whose bounding volumes are apart
-    Bounds,
-    /// Pairs joined by an edge
-    Edges,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Pace {
-    /// As fast as the limits of the hinges allow
-    #[default]
-    Optimal,
-    /// A simple law with which few knots suffice
-    Sparse,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Judged {
-    /// The whole motion, certified between the knots
-    #[default]
-    Motion,
-    /// The knots alone, for a quicker first look; hinges turn evenly between them, whatever the pace
-    Knots,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Frames {
-    /// Fold angles and the positions of all vertices
-    #[default]
-    Full,
-    /// Only fold angles
-    Angles,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Solver {
-    /// Levenberg-Marquardt
-    #[default]
-    Lm,
-    /// Gradient steps
-    Gradient,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Search {
-    /// Follow the motion, in phases where faces would cross otherwise
-    #[default]
-    Auto,
-    /// Follow the motion with all creases turning at once
-    Path,
-    /// The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)
-    Random,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Objective {
-    /// The worst vertex
-    #[default]
-    Max,
-    /// The sum over all vertices
-    Sum,
-}
-
-/// Value `I=DEG` of `--crease`: an edge and its angle in degrees.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(into = "String")]
-pub(crate) struct DrivenEdge {
-    pub(crate) edge: usize,
-    pub(crate) degrees: f64,
-}
-
-impl From<DrivenEdge> for String {
-    fn from(driven: DrivenEdge) -> Self {
-        format!("{}={}", driven.edge, driven.degrees)
-    }
-}
-
-impl FromStr for DrivenEdge {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parse = || {
-            let (edge, degrees) = text.split_once('=')?;
-            Some(Self {
-                edge: edge.trim().parse().ok()?,
-                degrees: degrees_of(degrees)?,
-            })
-        };
-        parse().ok_or("expected I=DEG, the number of an edge and an angle in degrees")
-    }
-}
-
-/// Value `I=MIN..MAX` of `--limit`: an edge and the range of its angle in degrees.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(into = "String")]
-pub(crate) struct LimitedEdge {
-    pub(crate) edge: usize,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-}
-
-impl From<LimitedEdge> for String {
-    fn from(limit: LimitedEdge) -> Self {
-        format!("{}={}..{}", limit.edge, limit.lower, limit.upper)
-    }
-}
-
-impl FromStr for LimitedEdge {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parse = || {
-            let (edge, range) = text.split_once('=')?;
-            let (lower, upper) = range.split_once("..")?;
-            Some(Self {
-                edge: edge.trim().parse().ok()?,
-                lower: degrees_of(lower)?,
-                upper: degrees_of(upper)?,
-            })
-        };
-        parse().ok_or("expected I=MIN..MAX, the number of an edge and two angles in degrees")
-    }
-}
-
-fn degrees_of(text: &str) -> Option<f64> {
-    let degrees: f64 = text.trim().parse().ok()?;
-    degrees.is_finite().then_some(degrees)
-}
-
-/// Returns the time that `--timeout` allows, if it does.
-///
-/// # Errors
-/// If the number of seconds is negative or none.
-pub(crate) fn timeout(
-    seconds: Option<f64>,
-) -> Result<Option<core::time::Duration>, crate::CliError> {
-    let timeout = seconds.map(|seconds| {
-        // A number of seconds that is too large for a `Duration` is no timeout.
-        let timeout = core::time::Duration::try_from_secs_f64(seconds).ok();
-        (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
-            let text = format!("--timeout: expected seconds from 0, found {seconds}");
-            crate::CliError::Usage(text)
-        })
-    });
-    Ok(timeout.transpose()?.flatten())
-}
-
 impl Plan {
-    /// Returns the planner's options.
-    ///
-    /// # Errors
-    /// If an option is out of its range, or options exclude each other.
-    pub(crate) fn options(&self) -> Result<planner::PlanOptions, crate::CliError> {
-        let timeout = timeout(self.timeout)?;
-        if !(self.max_speed >= 1e-6 && self.max_speed.is_finite()) {
-            let found = self.max_speed;
-            return Err(crate::CliError::Usage(format!(
-                "--max-speed: expected at least 1e-6 degrees per second, found {found}"
-            )));
-        }
-        if let Some(found) = self
-            .max_accel
-            .filter(|most| !(*most > 0.0 && most.is_finite()))
-        {
-            return Err(crate::CliError::Usage(format!(
-                "--max-accel: expected degrees per second squared above 0, found {found}"
-            )));
-        }
-        if !self.via.is_empty() && matches!(self.search, Search::Random) {
-            return Err(crate::CliError::Usage(
-                "--via: expected --search auto or path, as the randomised search knows no phases"
-                    .into(),
-            ));
-        }
-        let skips = |skip| !self.no_skip.contains(&skip);
-        let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
-        let options = planner::PlanOptions {
+    /// Returns the options by their names.
+    pub(crate) fn request(&self) -> PlanRequest {
+        PlanRequest {
+            goal: self.goal.clone(),
+            fold: self.fold,
+            crease: self.crease.clone(),
+            via: self.via.clone(),
+            goal_tolerance: self.goal_tolerance,
+            limit: self.limit.clone(),
             bound: self.bound,
-            goal_tolerance: self.goal_tolerance.to_radians(),
+            bend: self.bend,
+            keep: self.keep,
             contact: self.contact,
-            bend: self.bend.to_radians(),
-            symmetry: match self.symmetry {
-                Symmetry::Auto => planner::Symmetry::Auto,
-                Symmetry::Off => planner::Symmetry::Off,
-            },
-            vertices: if all {
-                planner::Vertices::All
-            } else {
-                planner::Vertices::Essential
-            },
-            judged: match self.judge {
-                Judged::Motion => planner::Judged::Motion,
-                Judged::Knots => planner::Judged::Knots,
-            },
-            collision: self.collision == Switch::On,
-            skips: planner::Skips {
-                symmetry: skips(Skip::Symmetry),
-                motion: skips(Skip::Motion),
-                bounds: skips(Skip::Bounds),
-                edges: skips(Skip::Edges),
-            },
-            interpolation: match self.interpolation {
-                Interpolation::Auto => None,
-                Interpolation::HalfAngle => Some(foldpath_core::Interpolation::HalfAngle),
-                Interpolation::Hermite => Some(foldpath_core::Interpolation::Hermite),
-                Interpolation::Homogeneous => Some(foldpath_core::Interpolation::Homogeneous),
-                Interpolation::Linear => Some(foldpath_core::Interpolation::Linear),
-            },
-            pace: match self.pace {
-                Pace::Optimal => planner::Timing::Optimal,
-                Pace::Sparse => planner::Timing::Sparse,
-            },
-            solver: match self.solver {
-                Solver::Lm => planner::Solver::LevenbergMarquardt,
-                Solver::Gradient => planner::Solver::Gradient,
-            },
-            search: match self.search {
-                Search::Auto => planner::Search::Auto,
-                Search::Path => planner::Search::Path,
-                Search::Random => planner::Search::Random,
-            },
-            objective: match self.objective {
-                Objective::Max => planner::Objective::Max,
-                Objective::Sum => planner::Objective::Sum,
-            },
-            seed: self.seed,
-            max_speed: self.max_speed.to_radians(),
-            max_acceleration: self.max_accel.map(f64::to_radians),
+            symmetry: self.symmetry,
+            vertices: self.vertices,
+            reuse: self.reuse,
+            collision: self.collision,
+            no_skip: self.no_skip.clone(),
+            interpolation: self.interpolation,
+            max_speed: self.max_speed,
+            max_accel: self.max_accel,
+            pace: self.pace,
+            judge: self.judge,
             max_knots: self.max_knots,
-            timeout,
-            ..planner::PlanOptions::default()
-        };
-        options
-            .validate()
-            .map_err(|option| crate::CliError::Options { option })?;
-        Ok(options)
+            frames: self.frames,
+            solver: self.solver,
+            search: self.search,
+            objective: self.objective,
+            seed: self.seed,
+            timeout: self.timeout,
+            reading: self.reading.request(),
+        }
     }
 }
 

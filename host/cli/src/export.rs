@@ -1,5 +1,7 @@
 //! Runs `foldpath export`, which writes a path, or its pattern, in other formats.
 
+use std::path::Path;
+
 use foldpath_core::Membership;
 
 use crate::args::{Colour, Export, ExportFormat, Per};
@@ -16,6 +18,34 @@ use foldpath::read::FileError;
 use foldpath::symmetry::CreaseGroups;
 
 pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
+    check(args)?;
+    check_output("-o", &args.output, [&args.path])?;
+    let input = Input::of(&args.path)?;
+    let text = match args.to {
+        ExportFormat::Svg => written(args, drawing(args, &input)?)?,
+        _ => export(args, &input.motion()?, &input.name)?,
+    };
+    match args.to {
+        ExportFormat::Obj | ExportFormat::Mjcf => print(&text)?,
+        _ => print_summary(Some(&args.output), quiet, &text)?,
+    }
+    Ok(true)
+}
+
+/// Exports a motion that was never written. `name` stands for it in messages.
+///
+/// # Errors
+/// As the command refuses.
+pub(crate) fn motion(args: &Export, motion: &Motion, name: &Path) -> Result<(), CliError> {
+    check(args)?;
+    if is_standard(&args.output) {
+        return Err(CliError::Usage("-o: expected a file, found -".into()));
+    }
+    export(args, motion, name).map(drop)
+}
+
+/// Checks that the options have a meaning for the format.
+fn check(args: &Export) -> Result<(), CliError> {
     let has_frames = matches!(args.to, ExportFormat::Obj | ExportFormat::Glb);
     let usage = |text: &str| Err(CliError::Usage(text.into()));
     if args.frames.is_some() && !has_frames {
@@ -37,48 +67,48 @@ pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
         let text = "--tolerance, --straighten and --colors: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text);
     }
-    check_output("-o", &args.output, [&args.path])?;
     let several = matches!(args.to, ExportFormat::Obj | ExportFormat::Mjcf);
     if several && is_standard(&args.output) {
         return usage(
             "-o: expected a folder, as --to obj and --to mjcf write several files, found -",
         );
     }
-    let input = Input::of(&args.path)?;
-    if args.to == ExportFormat::Obj {
-        return sequence(args, &input);
+    Ok(())
+}
+
+/// Exports a motion and returns a summary.
+fn export(args: &Export, path: &Motion, name: &Path) -> Result<String, CliError> {
+    match args.to {
+        ExportFormat::Obj => sequence(args, path),
+        ExportFormat::Mjcf => model(args, path, name),
+        ExportFormat::Svg => written(args, drawing_of_path(args, path)),
+        _ => written(args, path_file(args, path, name)?),
     }
-    if args.to == ExportFormat::Mjcf {
-        return model(args, &input);
-    }
-    let (title, bytes, content) = match args.to {
-        ExportFormat::Svg => drawing(args, &input)?,
-        _ => path_file(args, &input)?,
-    };
+}
+
+/// Writes the content and returns a summary.
+fn written(args: &Export, (title, bytes, content): Content) -> Result<String, CliError> {
     write_whole(&args.output, &bytes)?;
-    let text = format!(
+    Ok(format!(
         "{title}: {content}, {} bytes written to {}\n",
         bytes.len(),
         shown(&args.output)
-    );
-    print_summary(Some(&args.output), quiet, &text)?;
-    Ok(true)
+    ))
 }
 
 /// Title, bytes, and a description of the bytes.
 type Content = (String, Vec<u8>, String);
 
-fn path_file(args: &Export, input: &Input) -> Result<Content, CliError> {
-    let path = input.motion()?;
+fn path_file(args: &Export, path: &Motion, name: &Path) -> Result<Content, CliError> {
     let (bytes, content) = match args.to {
         ExportFormat::Traj | ExportFormat::Rust => {
-            let file = TrajFile::of(&path, &input.name)?;
+            let file = TrajFile::of(path, name)?;
             let content = format!(
                 "{} knots of {} groups, {} hinges, {:.3} s",
                 file.knots, file.groups, file.hinges, file.duration
             );
             if args.to == ExportFormat::Rust {
-                let text = rust::source(&file, &path.title, &input.name)?;
+                let text = rust::source(&file, &path.title, name)?;
                 (text.into_bytes(), content)
             } else {
                 (file.bytes, content)
@@ -87,16 +117,16 @@ fn path_file(args: &Export, input: &Input) -> Result<Content, CliError> {
         ExportFormat::Glb => {
             // A viewer moves vertices on straight lines between frames, so that hinges may turn only a little from one
             // frame to the next.
-            let frames = resampled(args, &path).unwrap_or_else(|| path.with_steps(STEP));
+            let frames = resampled(args, path).unwrap_or_else(|| path.with_steps(STEP));
             let content = format!(
                 "{} frames, {} faces",
                 frames.knots.len(),
                 path.pattern.faces().len()
             );
-            (glb::content(&frames, &input.name)?, content)
+            (glb::content(&frames, name)?, content)
         }
         ExportFormat::JointTrajectory => {
-            let trajectory = JointTrajectory::of(&path, &input.name)?;
+            let trajectory = JointTrajectory::of(path, name)?;
             let (points, joints) = (trajectory.points.len(), trajectory.joints.len());
             let error = trajectory.resampling_error;
             let made = if error > 0.0 {
@@ -115,16 +145,16 @@ fn path_file(args: &Export, input: &Input) -> Result<Content, CliError> {
                 Some(Per::Hinge) | None => csv::Column::Hinge,
             };
             let rate = args.rate.unwrap_or_default();
-            let text = csv::sampled(&path, &input.name, rate, column)?;
+            let text = csv::sampled(path, name, rate, column)?;
             let rows = text.lines().count() - 1;
             (text.into_bytes(), format!("{rows} rows at {rate} Hz"))
         }
         _ => {
-            let text = csv::text(&path, &input.name)?;
+            let text = csv::text(path, name)?;
             (text.into_bytes(), format!("{} knots", path.knots.len()))
         }
     };
-    Ok((path.title, bytes, content))
+    Ok((path.title.clone(), bytes, content))
 }
 
 /// Returns the path in the number of frames asked for; `None` if no number is given.
@@ -133,9 +163,9 @@ fn resampled(args: &Export, path: &Motion) -> Option<Motion> {
 }
 
 /// Writes one OBJ file for each frame.
-fn sequence(args: &Export, input: &Input) -> Answer {
-    let path = input.motion()?;
-    let path = resampled(args, &path).unwrap_or(path);
+fn sequence(args: &Export, path: &Motion) -> Result<String, CliError> {
+    let frames = resampled(args, path);
+    let path = frames.as_ref().unwrap_or(path);
     let output = &args.output;
     let named_folder = output
         .as_os_str()
@@ -153,22 +183,20 @@ fn sequence(args: &Export, input: &Input) -> Answer {
         let frame = obj_sequence::frame_path(output, folder, index);
         check_output("-o", &frame, [&args.path])?;
     }
-    write_each_whole(obj_sequence::files(&path, output, folder))?;
-    print(&format!(
+    write_each_whole(obj_sequence::files(path, output, folder))?;
+    Ok(format!(
         "{}: {} frames, {} faces, written to {} to {}\n",
         path.title,
         path.knots.len(),
         path.pattern.faces().len(),
         names[0].display(),
         names[1].display()
-    ))?;
-    Ok(true)
+    ))
 }
 
 /// Writes a model of MuJoCo into a folder.
-fn model(args: &Export, input: &Input) -> Answer {
-    let path = input.motion()?;
-    let model = mjcf::model(&path, &input.name)?;
+fn model(args: &Export, path: &Motion, name: &Path) -> Result<String, CliError> {
+    let model = mjcf::model(path, name)?;
     let output = &args.output;
     std::fs::create_dir_all(output).map_err(|source| FileError::Io {
         path: output.clone(),
@@ -181,7 +209,7 @@ fn model(args: &Export, input: &Input) -> Answer {
     } else {
         "of the tree, as it is not known which drive the sheet"
     };
-    print(&format!(
+    Ok(format!(
         "{}: {} panels, {} hinge joints, {} loops, actuators on {} hinges {driven}, written to {}\n",
         path.title,
         model.panels,
@@ -189,59 +217,66 @@ fn model(args: &Export, input: &Input) -> Answer {
         model.loops,
         model.actuators.len(),
         output.join("scene.xml").display()
-    ))?;
-    Ok(true)
+    ))
 }
 
 /// Returns a coloured drawing of the crease pattern of a path, or of any file with a crease pattern.
 fn drawing(args: &Export, input: &Input) -> Result<Content, CliError> {
-    let options = args.reading.options()?;
+    let options = args.reading.request().options()?;
     let read = || input.pattern(&input.pattern_bytes()?, &options);
-    let colour = args.colour.unwrap_or_default();
-    let (title, text, content) = match colour {
+    match args.colour.unwrap_or_default() {
         Colour::Letters => {
             let file = read()?;
-            let text = svg_pattern::by_letters(&file.title, &file.pattern);
-            (
-                file.title,
-                text,
-                format!("{} edges by letters", file.pattern.edges().len()),
-            )
+            Ok(by_letters(&file.title, &file.pattern))
         }
         Colour::Groups => match input.motion() {
-            Ok(path) if path.naming != GroupNaming::Unnamed => {
-                let ranges = ranges(&path);
-                let members = path.named_members();
-                let text = svg_pattern::by_groups(&path.title, &path.pattern, members, &ranges);
-                (
-                    path.title,
-                    text,
-                    format!("{} crease groups of the path", ranges.len()),
-                )
-            }
+            Ok(path) if path.naming != GroupNaming::Unnamed => Ok(drawing_of_path(args, &path)),
             _ => {
                 let file = read()?;
-                let (members, ranges) = found_groups(&file.pattern);
-                let text = svg_pattern::by_groups(&file.title, &file.pattern, &members, &ranges);
-                (
-                    file.title,
-                    text,
-                    format!("{} crease groups of the pattern", ranges.len()),
-                )
+                Ok(by_found_groups(&file.title, &file.pattern))
             }
         },
-        Colour::Deformation => {
-            let path = input.motion()?;
-            let faces = deformation_of_faces(&path);
-            let text = svg_pattern::by_deformation(&path.title, &path.pattern, &faces);
+        Colour::Deformation => Ok(drawing_of_path(args, &input.motion()?)),
+    }
+}
+
+/// Returns a coloured drawing of the crease pattern of a path.
+fn drawing_of_path(args: &Export, path: &Motion) -> Content {
+    let (text, content) = match args.colour.unwrap_or_default() {
+        Colour::Letters => return by_letters(&path.title, &path.pattern),
+        Colour::Groups if path.naming == GroupNaming::Unnamed => {
+            return by_found_groups(&path.title, &path.pattern);
+        }
+        Colour::Groups => {
+            let ranges = ranges(path);
+            let members = path.named_members();
             (
-                path.title,
-                text,
+                svg_pattern::by_groups(&path.title, &path.pattern, members, &ranges),
+                format!("{} crease groups of the path", ranges.len()),
+            )
+        }
+        Colour::Deformation => {
+            let faces = deformation_of_faces(path);
+            (
+                svg_pattern::by_deformation(&path.title, &path.pattern, &faces),
                 format!("{} faces by deformation", faces.len()),
             )
         }
     };
-    Ok((title, text.into_bytes(), content))
+    (path.title.clone(), text.into_bytes(), content)
+}
+
+fn by_letters(title: &str, pattern: &CreasePattern) -> Content {
+    let text = svg_pattern::by_letters(title, pattern);
+    let content = format!("{} edges by letters", pattern.edges().len());
+    (title.into(), text.into_bytes(), content)
+}
+
+fn by_found_groups(title: &str, pattern: &CreasePattern) -> Content {
+    let (members, ranges) = found_groups(pattern);
+    let text = svg_pattern::by_groups(title, pattern, &members, &ranges);
+    let content = format!("{} crease groups of the pattern", ranges.len());
+    (title.into(), text.into_bytes(), content)
 }
 
 /// Returns for each crease group of a path its smallest and largest fold angle, radians.

@@ -1,23 +1,22 @@
-//! Finds hints for common mistakes, such as a file of another format or goal angles in radians.
+//! Finds hints for common mistakes, such as a file of another format.
 
-use core::f64::consts::PI;
 use std::io::Read;
 use std::path::Path;
 
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
-use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
-use foldpath::planner::{CLOSED, GoalError};
+use foldpath::pattern::PatternError;
+use foldpath::planner::GoalError;
 use foldpath::read::FileError;
-use foldpath::symmetry::closure_of;
+use foldpath::request::RequestError;
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
-        CliError::Goal { source, .. } => of_goal(source),
-        CliError::Hinge { hint, .. } => hint.clone(),
+        CliError::Request(RequestError::Goal { source, .. }) => of_goal(source),
+        CliError::Request(RequestError::Hinge { hint, .. }) => hint.clone(),
         _ => None,
     }
 }
@@ -126,64 +125,4 @@ fn of_content(path: &Path) -> Option<String> {
         return None;
     };
     Some(text.into())
-}
-
-/// Largest distance from π at which the largest goal angle, read as degrees, seems to be half a turn in radians.
-const SAME_ANGLE: f64 = 1e-3;
-/// Largest closure residual of a goal that was given in rounded radians.
-const NEARLY_CLOSED: f64 = 1e-3;
-
-/// Returns a hint if the goal angles, which are taken as degrees and do not close, seem to be radians.
-pub(crate) fn radians(pattern: &CreasePattern, closure: Option<f64>) -> Option<String> {
-    let goals = pattern
-        .creases()
-        .iter()
-        .map(|&edge| pattern.edge(edge).goal);
-    let goals: Vec<Option<f64>> = goals.collect();
-    let largest = goals
-        .iter()
-        .flatten()
-        .fold(0.0, |most: f64, goal| most.max(goal.to_degrees().abs()));
-    let closed = closure.is_none_or(|closure| closure <= CLOSED);
-    if closed || largest <= 0.0 || largest > PI + SAME_ANGLE {
-        return None;
-    }
-    let meant: Vec<Option<f64>> = goals.iter().map(|goal| goal.map(f64::to_degrees)).collect();
-    let closes = closure_of(pattern, &meant).is_some_and(|closure| closure <= NEARLY_CLOSED);
-    (closes || (largest - PI).abs() <= SAME_ANGLE).then(|| {
-        format!(
-            "no goal angle is beyond {largest:.4} degrees, and they do not close: if they are radians, convert them, \
-             as edges_foldAngle is in degrees"
-        )
-    })
-}
-
-/// Names the hinge nearest to an edge that is no hinge, in words. If the pattern has no such edge, names its first
-/// hinge.
-pub(crate) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<String> {
-    let middle = |edge: EdgeId| {
-        let [a, b] = pattern
-            .edge(edge)
-            .ends
-            .map(|end| pattern.vertices()[end.index()]);
-        (a + b) / 2.0
-    };
-    let known = edge < pattern.edges().len();
-    let here = known.then(|| middle(EdgeId::new(edge)));
-    let hinges = pattern
-        .creases()
-        .iter()
-        .filter(|hinge| pattern.edge(**hinge).letter.sign().abs() > 0.0);
-    let far = |hinge: &EdgeId| match here {
-        Some(here) => (middle(*hinge) - here).norm(),
-        None => 0.0,
-    };
-    let nearest = hinges.min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    let letter = pattern.edge(*nearest).letter.code();
-    let edge = format!("edge {} ({letter})", nearest.index());
-    Some(if known {
-        format!("the nearest hinge is {edge}")
-    } else {
-        format!("{edge} is a hinge")
-    })
 }

@@ -1,137 +1,43 @@
 //! Runs `foldpath info`, which describes a crease pattern.
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
-use serde::Serialize;
-
-use crate::args::{Info, timeout};
-use crate::hints::radians;
+use crate::args::Info;
 use crate::report::lost_lines;
 use crate::standard::Input;
 use crate::{Answer, outlook, print, print_json, print_notes};
-use foldpath::folding::{Amplification, SpanningTree};
-use foldpath::pattern::{EdgeId, Letter};
-use foldpath::planner::{CLOSED, Cause, forecast};
+use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
-
-#[derive(Serialize)]
-struct InfoJson {
-    vertices: usize,
-    edges: usize,
-    faces: usize,
-    sheets: usize,
-    creases: usize,
-    virtual_edges: usize,
-    free_hinges: usize,
-    real_vertices: usize,
-    virtual_vertices: usize,
-    letters: BTreeMap<char, usize>,
-    groups: usize,
-    essential_vertices: usize,
-    closure_goal: Option<f64>,
-    amplification: Option<f64>,
-    repairs: Vec<String>,
-    assumptions: Vec<String>,
-    verdict: &'static str,
-    causes: Vec<CauseJson>,
-    locked_creases: Vec<usize>,
-    flat_dof: Option<usize>,
-    goal_dof: Option<usize>,
-    drivers: Vec<usize>,
-}
-
-#[derive(Serialize)]
-struct CauseJson {
-    kind: &'static str,
-    vertices: Vec<usize>,
-    edges: Vec<usize>,
-    at: [f64; 2],
-    message: String,
-}
-
-impl CauseJson {
-    fn of(cause: &Cause) -> Self {
-        Self {
-            kind: cause.kind.name(),
-            vertices: cause.vertices.iter().map(|vertex| vertex.index()).collect(),
-            edges: edges(&cause.edges),
-            at: cause.at,
-            message: cause.to_string(),
-        }
-    }
-}
-
-/// Returns the numbers of edges.
-fn edges(ids: &[EdgeId]) -> Vec<usize> {
-    ids.iter().map(|edge| edge.index()).collect()
-}
+use foldpath::request::{PatternInfo, PatternInfoJson, radians_hint, timeout};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
     let watch = Watch::default().until(deadline);
-    let options = args.reading.options()?;
+    let options = args.reading.request().options()?;
     let input = Input::of(&args.pattern)?;
     let file = input.pattern(&input.pattern_bytes()?, &options)?;
     drop(input);
     let pattern = &file.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
-    let groups = CreaseGroups::find_until(pattern, watch);
-    let mut assumptions = pattern.assumptions().to_vec();
-    if watch.is_over() {
-        let timeout =
-            "--timeout ended the search for crease groups: there may be fewer than are told";
-        assumptions.push(timeout.to_string());
-    }
-    let stars = ReducedStars::all(pattern, &groups).essential();
-    let mut letters = BTreeMap::new();
-    for edge in pattern.edges() {
-        *letters.entry(edge.letter.code()).or_default() += 1;
-    }
-    let real_vertices = pattern.real_vertices().count();
-    let free = |id: &&EdgeId| pattern.edge(**id).letter == Letter::Unassigned;
-    let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
-    let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
-    let forecast = forecast(pattern, &groups, watch);
-    let info = InfoJson {
-        vertices: pattern.vertices().len(),
-        edges: pattern.edges().len(),
-        faces: pattern.faces().len(),
-        sheets: pattern.sheets(),
-        creases: pattern.creases().len(),
-        virtual_edges: pattern.virtual_edges(),
-        free_hinges: pattern.creases().iter().filter(free).count(),
-        real_vertices,
-        virtual_vertices: pattern.vertices().len() - real_vertices,
-        letters,
-        groups: groups.len(),
-        essential_vertices: stars.vertices().len(),
-        closure_goal,
-        amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
-        repairs: pattern.repairs().to_vec(),
-        assumptions,
-        verdict: forecast.foldability.name(),
-        causes: forecast.causes.iter().map(CauseJson::of).collect(),
-        locked_creases: edges(&forecast.locked),
-        flat_dof: forecast.flat_motions(),
-        goal_dof: forecast.goal_motions,
-        drivers: edges(&forecast.drivers(pattern, &groups)),
-    };
+    let info = PatternInfo::of(pattern, watch);
+    let PatternInfo {
+        json: info,
+        groups,
+        forecast,
+    } = &info;
     if args.report.json {
-        print_json(&info)?;
+        print_json(info)?;
         return Ok(true);
     }
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
-    print_notes(quiet, radians(pattern, closure_goal).as_slice());
-    let text = summary(&file, &info);
-    print(&(text + &outlook::text(pattern, &groups, &forecast, &args.pattern)))?;
+    print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
+    let text = summary(&file, info);
+    print(&(text + &outlook::text(pattern, groups, forecast, &args.pattern)))?;
     Ok(true)
 }
 
-fn summary(file: &PatternFile, info: &InfoJson) -> String {
+fn summary(file: &PatternFile, info: &PatternInfoJson) -> String {
     let letters = info
         .letters
         .iter()

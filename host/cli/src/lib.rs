@@ -3,11 +3,13 @@
 //! Code that needs a terminal, a process or a serial port is here. Planning and judging are in the library,
 //! [`foldpath`].
 
+pub mod embed;
 pub mod link;
 
 mod args;
 mod batch;
 mod check;
+mod choice;
 mod complete;
 mod export;
 mod fonts;
@@ -27,6 +29,7 @@ mod stream;
 mod unfold;
 mod view;
 
+use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,8 +39,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use foldpath::generate::ParameterError;
-use foldpath::planner::{GoalError, OptionsError};
 use foldpath::read::FileError;
+use foldpath::request::RequestError;
 
 /// Bad input or usage: exit status 2.
 #[derive(Debug, Error)]
@@ -49,24 +52,12 @@ enum CliError {
     Piped { error: Box<FileError>, text: String },
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error("--{}: {}", flag(option), option.problem())]
-    Options { option: OptionsError },
     #[error("stdout: {0}")]
     Output(std::io::Error),
-    #[error("{file}: {source}")]
-    Goal { file: String, source: GoalError },
+    #[error(transparent)]
+    Request(#[from] RequestError),
     #[error("{0}")]
     Usage(String),
-    #[error("{text}")]
-    Hinge { text: String, hint: Option<String> },
-}
-
-/// Returns the name of an option on the command line.
-fn flag(error: &OptionsError) -> String {
-    match error.option {
-        "max_acceleration" => "max-accel".into(),
-        option => option.replace('_', "-"),
-    }
 }
 
 /// Answer of a command that ran well: `true` if the work is done, `false` if the answer is no.
@@ -76,26 +67,35 @@ type Answer = Result<bool, CliError>;
 /// bad input or usage.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = match args::Cli::try_parse() {
+    let program = std::env::current_exe().map(|program| vec![program.into_os_string()]);
+    let arguments = std::env::args_os().collect();
+    run_command(arguments, &program.unwrap_or_default()).into()
+}
+
+/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` is how
+/// to start the command once more: a program and its first arguments.
+fn run_command(arguments: Vec<OsString>, program: &[OsString]) -> u8 {
+    let wants_json = arguments.iter().any(|argument| argument == "--json");
+    let cli = match args::Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(&error, wants_json),
     };
     let (quiet, json) = (cli.quiet, cli.command.prints_json());
-    let answer = standard::check_use(&cli.command).and_then(|()| run(cli.command, quiet));
+    let answer = standard::check_use(&cli.command).and_then(|()| run(cli.command, quiet, program));
     match answer {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
+        Ok(true) => 0,
+        Ok(false) => 1,
         Err(error) => {
             report::tell(&error);
             if json {
                 report::tell_json(&error);
             }
-            ExitCode::from(2)
+            2
         }
     }
 }
 
-fn run(command: args::Command, quiet: bool) -> Answer {
+fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
     match command {
         args::Command::Generate(args) => generate::run(&args, quiet),
         args::Command::Info(args) => info::run(&args, quiet),
@@ -105,7 +105,7 @@ fn run(command: args::Command, quiet: bool) -> Answer {
         args::Command::View(args) => view::run(&args, quiet),
         args::Command::Plot(args) => plot::run(&args, quiet),
         args::Command::Export(args) => export::run(&args, quiet),
-        args::Command::Batch(args) => batch::run(&args, quiet),
+        args::Command::Batch(args) => batch::run(&args, quiet, program),
         args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),
@@ -113,15 +113,15 @@ fn run(command: args::Command, quiet: bool) -> Answer {
 }
 
 /// Prints what is wrong with the arguments, or the help or version that they ask for.
-fn usage(error: &clap::Error) -> ExitCode {
+fn usage(error: &clap::Error, wants_json: bool) -> u8 {
     let _gone = error.print();
     if !error.use_stderr() {
-        return ExitCode::SUCCESS;
+        return 0;
     }
-    if std::env::args_os().any(|argument| argument == "--json") {
+    if wants_json {
         report::tell_usage_json(&error.to_string());
     }
-    ExitCode::from(2)
+    2
 }
 
 /// Checks that the output file, named by `option`, is none of the input files. Stdout is no file.

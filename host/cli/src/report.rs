@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::{CliError, hints};
 use foldpath::pattern::LostLines;
+use foldpath::request::RequestError;
 
 /// Largest number of characters of a line that are shown.
 const SHOWN: usize = 72;
@@ -68,18 +69,18 @@ struct ErrorJson<'a> {
 #[derive(Serialize)]
 pub(crate) struct ErrorFields<'a> {
     /// The file; empty if the error is about the arguments.
-    file: String,
-    line: Option<usize>,
-    column: Option<usize>,
+    pub(crate) file: String,
+    pub(crate) line: Option<usize>,
+    pub(crate) column: Option<usize>,
     message: Cow<'a, str>,
-    hint: Option<String>,
+    pub(crate) hint: Option<String>,
 }
 
 impl<'a> ErrorFields<'a> {
     /// Returns what is told of an error.
     pub(crate) fn of(error: &CliError) -> Self {
         let (file, excerpt) = match error {
-            CliError::Goal { file, .. } => (file.clone(), None),
+            CliError::Request(RequestError::Goal { file, .. }) => (file.clone(), None),
             _ => of_file(error).unwrap_or_default(),
         };
         Self {
@@ -129,6 +130,13 @@ fn of_file(error: &CliError) -> Option<(String, Option<Excerpt>)> {
     };
     let excerpt = place.and_then(|(text, span)| Excerpt::of(&text, span));
     Some((file.path().display().to_string(), excerpt))
+}
+
+/// Returns the full text of an error, without the name of the command, colours and the last newline.
+pub(crate) fn plain_text(error: &CliError) -> String {
+    let text = text_of(error);
+    let text = anstream::adapter::strip_str(&text).to_string();
+    text.trim_start_matches("foldpath: ").into()
 }
 
 /// Returns the full text of an error, with colours and without the last newline.

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::args::Command;
 use crate::{CliError, print, say};
+use foldpath::export::fold::write_pattern;
+use foldpath::generate::Family;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{PatternFile, parse_goal, parse_motion, read_goal, read_motion};
@@ -80,13 +82,28 @@ impl Input {
         Self { name, piped: None }
     }
 
-    /// Takes the bytes of a FOLD file that was never written.
-    pub(crate) fn of_bytes(name: &str, bytes: Vec<u8>) -> Self {
+    /// Takes bytes, and finds their format.
+    ///
+    /// # Errors
+    /// If there are too many bytes for a file of their format.
+    pub(crate) fn of_stream(name: &str, bytes: &[u8]) -> Result<Self, CliError> {
         let name = PathBuf::from(name);
-        Self {
-            name,
+        let piped = Some(read_stream(&name, bytes)?);
+        Ok(Self { name, piped })
+    }
+
+    /// Takes the pattern of a family, as a FOLD file that was never written.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub(crate) fn of_family(family: &Family) -> Result<Self, CliError> {
+        let (title, drawing) = (family.title(), family.drawing()?);
+        let mut bytes = Vec::new();
+        write_pattern(&title, &drawing, &mut bytes).map_err(CliError::Output)?;
+        Ok(Self {
+            name: format!("generate {title}").into(),
             piped: Some((bytes, Format::Fold)),
-        }
+        })
     }
 
     /// Returns an error about this input, with the text if it cannot be read again.

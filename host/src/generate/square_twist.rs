@@ -1,6 +1,7 @@
 //! Generates the square twist and its tessellation.
 
 use nalgebra::Vector2;
+use serde::Deserialize;
 
 use super::{ParameterError, check_between, check_fold, check_size};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
@@ -28,7 +29,8 @@ pub struct SquareTwist {
 }
 
 /// The two ways to letter a square twist.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Letters {
     /// Symmetric under half turns of the square with mountain and valley exchanged; the sheet folds.
     Foldable,

@@ -5,6 +5,7 @@
 //! `rayon::ThreadPool::install`, or else rayon's own, which has a thread for each core and is made when first needed.
 //! If no thread can be made, as in most browsers, rayon works on the caller's thread alone.
 
+use core::cell::Cell;
 use core::time::Duration;
 
 use rayon::prelude::*;
@@ -15,6 +16,25 @@ const MIN_SHARED: Duration = Duration::from_millis(1);
 /// Number of chunks of work for each thread: threads that have finished theirs take over those of others.
 const CHUNKS_PER_THREAD: usize = 8;
 
+thread_local! {
+    /// `true` while this thread shares no work.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does the work without sharing it: for callers that have work for each thread, and for processes that were forked, in
+/// which the threads of rayon's own pool do not run.
+pub fn alone<T>(work: impl FnOnce() -> T) -> T {
+    /// Ends being alone, also if the work panics.
+    struct Restore(bool);
+    impl Drop for Restore {
+        fn drop(&mut self) {
+            ALONE.set(self.0);
+        }
+    }
+    let _restore = Restore(ALONE.replace(true));
+    work()
+}
+
 /// Returns the time that `count` items of work take, each of which takes about `each`.
 pub(crate) fn total_time(count: usize, each: Duration) -> Duration {
     each.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
@@ -23,7 +43,10 @@ pub(crate) fn total_time(count: usize, each: Duration) -> Duration {
 /// Returns `true` if there are threads to share with, and `count` items of work, each of which takes about `each`, are
 /// worth sharing. A pool is made only if they are.
 pub(crate) fn is_shared(count: usize, each: Duration) -> bool {
-    count > 1 && total_time(count, each) >= MIN_SHARED && rayon::current_num_threads() > 1
+    count > 1
+        && total_time(count, each) >= MIN_SHARED
+        && !ALONE.get()
+        && rayon::current_num_threads() > 1
 }
 
 /// Returns what `work` makes of each item, in order. `each` is about the time that an item takes.
@@ -151,6 +174,18 @@ mod tests {
             }
             assert!(map(&[0; 0], Duration::MAX, |k| *k).is_empty());
         }
+    }
+
+    #[test]
+    fn who_is_alone_shares_nothing() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2);
+        pool.build().unwrap().install(|| {
+            let each = Duration::from_millis(1);
+            assert!(alone(|| !is_shared(9, each)));
+            assert!(is_shared(9, each));
+            let panicked = std::panic::catch_unwind(|| alone(|| panic!("as it should")));
+            assert!(panicked.is_err() && is_shared(9, each));
+        });
     }
 
     #[test]

@@ -21,7 +21,8 @@
 //! ```
 
 use core::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
-use std::time::Instant;
+
+use crate::util::clock::Instant;
 
 /// Stage of a long call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -20,7 +20,7 @@ const LAYERS: [&[&str]; 13] = [
     &["planner", "check", "unfold"],
     &["read"],
     &["export"],
-    &["view", "plot", "stream"],
+    &["view", "plot", "stream", "request"],
 ];
 
 /// Returns the layer of a module.

@@ -1,19 +1,19 @@
 //! A line of designs, and the plan that it asks for.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 use crate::CliError;
-use crate::args::{Cli, Command, Family, Plan, Shard, Size, TwistLetters, defaults};
-use crate::generate::family_drawing;
+use crate::args::Shard;
+use crate::plan::Job;
 use crate::standard::{Input, is_standard};
-use foldpath::export::fold::write_pattern;
+use foldpath::generate::Family;
+use foldpath::request::PlanRequest;
 
 /// Longest line that is read, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -206,7 +206,7 @@ fn is_device(path: &Path) -> bool {
 pub(super) struct Design {
     pub(super) id: String,
     pattern: Option<PathBuf>,
-    generate: Option<Generated>,
+    generate: Option<Family>,
     #[serde(default)]
     plan: Option<Map<String, Value>>,
     /// File to write the path to.
@@ -215,31 +215,6 @@ pub(super) struct Design {
 
 /// Options that say where the answer goes or who works on it, which a design does not choose.
 const NOT_CHOSEN: [&str; 6] = ["output", "json", "quiet", "jobs", "help", "version"];
-
-/// Largest number of different plan options that are kept.
-const MAX_PARSED: usize = 1 << 10;
-
-/// Plan options that were parsed before, because many designs have the same, and parsing takes as long as a small plan.
-#[derive(Default)]
-pub(super) struct Parsed {
-    plans: HashMap<String, Plan>,
-}
-
-impl Parsed {
-    /// Returns the arguments of `foldpath plan` with these options, which write a path or do not.
-    fn plan(&mut self, options: &Map<String, Value>, writes: bool) -> Result<Plan, CliError> {
-        let key = format!("{writes} {}", Value::Object(options.clone()));
-        if let Some(plan) = self.plans.get(&key) {
-            return Ok(plan.clone());
-        }
-        let plan = parse_options(options, writes)?;
-        if self.plans.len() >= MAX_PARSED {
-            self.plans.clear();
-        }
-        self.plans.insert(key, plan.clone());
-        Ok(plan)
-    }
-}
 
 impl Design {
     /// Parses a line.
@@ -250,39 +225,20 @@ impl Design {
         serde_json::from_str(line).map_err(|error| CliError::Usage(in_line(&error)))
     }
 
-    /// Returns the input and the arguments of `foldpath plan` for this design. `timeout` (seconds) holds for designs
-    /// that name none.
+    /// Returns the input and what is to be planned for this design. `timeout` (seconds) holds for designs that name none.
     ///
     /// # Errors
     /// If the design has not one pattern, or its options are none of `plan`.
-    pub(super) fn arguments(
-        &self,
-        timeout: f64,
-        parsed: &mut Parsed,
-    ) -> Result<(Input, Plan), CliError> {
+    pub(super) fn job(&self, timeout: f64) -> Result<(Input, Job), CliError> {
         let usage = |text: String| CliError::Usage(text);
         let input = match (&self.pattern, &self.generate) {
             (Some(pattern), None) => Input::of_file(pattern),
-            (None, Some(generated)) => {
-                let (title, drawing) = family_drawing(&generated.family())?;
-                let mut bytes = Vec::new();
-                write_pattern(&title, &drawing, &mut bytes).map_err(CliError::Output)?;
-                Input::of_bytes(&format!("generate {title}"), bytes)
-            }
+            (None, Some(family)) => Input::of_family(family)?,
             _ => return Err(usage("expected either pattern or generate".into())),
         };
-        let none = Map::new();
-        let options = self.plan.as_ref().unwrap_or(&none);
-        let mut plan = parsed.plan(options, self.path.is_some())?;
-        plan.pattern.clone_from(&input.name);
-        plan.output.clone_from(&self.path);
-        plan.timeout.get_or_insert(timeout);
-        let files = [
-            Some(&plan.pattern),
-            plan.goal.as_ref(),
-            plan.output.as_ref(),
-        ];
-        for file in files.into_iter().flatten().chain(&plan.via) {
+        let request = self.request(timeout)?;
+        let files = [Some(&input.name), request.goal.as_ref(), self.path.as_ref()];
+        for file in files.into_iter().flatten().chain(&request.via) {
             if is_standard(file) {
                 return Err(usage(
                     "expected a file, found -: batch has no standard streams for its designs"
@@ -294,7 +250,33 @@ impl Design {
                 return Err(usage(format!("expected a file, found the device {found}")));
             }
         }
-        Ok((input, plan))
+        let job = Job {
+            request,
+            pattern: input.name.clone(),
+            output: self.path.clone(),
+            json: true,
+        };
+        Ok((input, job))
+    }
+
+    /// Returns the options of planning.
+    fn request(&self, timeout: f64) -> Result<PlanRequest, CliError> {
+        let mut request = PlanRequest::default();
+        for (name, value) in self.plan.iter().flatten() {
+            if NOT_CHOSEN.contains(&name.as_str()) {
+                return Err(CliError::Usage(format!(
+                    "plan: {name}: expected an option of planning"
+                )));
+            }
+            request.set(name, value)?;
+        }
+        if request.keep && self.path.is_none() {
+            return Err(CliError::Usage(
+                "--keep: expected with a path to write, as with --output".into(),
+            ));
+        }
+        request.timeout.get_or_insert(timeout);
+        Ok(request)
     }
 }
 
@@ -308,167 +290,4 @@ pub(super) fn in_line(error: &serde_json::Error) -> String {
     error
         .to_string()
         .replace(" at line 1 column ", " at column ")
-}
-
-/// Parses options by their names on the command line, with `_` for `-`: a number or text is a value, a list stands for
-/// an option that is repeated, `true` for one without a value, and `null` or `false` for one that is not given.
-fn parse_options(options: &Map<String, Value>, writes: bool) -> Result<Plan, CliError> {
-    let mut arguments: Vec<String> = ["foldpath", "plan", "-"].map(String::from).to_vec();
-    if writes {
-        arguments.push("--output=-".into());
-    }
-    for (name, value) in options {
-        if NOT_CHOSEN.contains(&name.as_str()) {
-            return Err(CliError::Usage(format!(
-                "plan: {name}: expected an option of planning"
-            )));
-        }
-        let flag = format!("--{}", name.replace('_', "-"));
-        let with = |value: &Value| match value {
-            Value::String(text) => Ok(format!("{flag}={text}")),
-            Value::Number(number) => Ok(format!("{flag}={number}")),
-            _ => Err(CliError::Usage(format!(
-                "plan: {name}: expected a number or text, found {value}"
-            ))),
-        };
-        match value {
-            Value::Null => {}
-            Value::Bool(given) if name == "keep" => arguments.extend(given.then(|| flag.clone())),
-            Value::Array(values) => {
-                for value in values {
-                    arguments.push(with(value)?);
-                }
-            }
-            value => arguments.push(with(value)?),
-        }
-    }
-    let cli = Cli::try_parse_from(arguments).map_err(|error| {
-        let text = error.to_string();
-        // The first paragraph says what is wrong; the others are about the command line.
-        CliError::Usage(
-            text.trim_start_matches("error: ")
-                .split("\n\n")
-                .next()
-                .unwrap_or_default()
-                .into(),
-        )
-    })?;
-    match cli.command {
-        Command::Plan(plan) => {
-            let mut plan = *plan;
-            plan.report.json = true;
-            Ok(plan)
-        }
-        _ => Err(CliError::Usage("plan: expected options of planning".into())),
-    }
-}
-
-/// A family of patterns with its parameters; those that are not given are those of the command line.
-#[derive(Deserialize)]
-#[serde(tag = "family", rename_all = "kebab-case", deny_unknown_fields)]
-enum Generated {
-    Miura {
-        rows: usize,
-        cols: usize,
-        angle: Option<f64>,
-        fold: Option<f64>,
-    },
-    Waterbomb {
-        rows: usize,
-        cols: usize,
-        fold: Option<f64>,
-    },
-    Yoshimura {
-        rows: usize,
-        cols: usize,
-        angle: Option<f64>,
-        fold: Option<f64>,
-    },
-    Quad {
-        rows: Option<usize>,
-        cols: Option<usize>,
-        fold: Option<f64>,
-    },
-    SquareTwist {
-        rows: Option<usize>,
-        cols: Option<usize>,
-        angle: Option<f64>,
-        letters: Option<TwistLetters>,
-        fold: Option<f64>,
-    },
-    Resch {
-        rows: Option<usize>,
-        cols: Option<usize>,
-    },
-    Kresling {
-        rows: Option<usize>,
-        cols: Option<usize>,
-    },
-}
-
-impl Generated {
-    fn family(&self) -> Family {
-        let output = PathBuf::new;
-        let size = |rows: usize, cols: usize| Size {
-            rows,
-            cols,
-            output: output(),
-        };
-        match *self {
-            Self::Miura {
-                rows,
-                cols,
-                angle,
-                fold,
-            } => Family::Miura {
-                size: size(rows, cols),
-                angle: angle.unwrap_or(defaults::MIURA_ANGLE),
-                fold: fold.unwrap_or(defaults::MIURA_FOLD),
-            },
-            Self::Waterbomb { rows, cols, fold } => Family::Waterbomb {
-                size: size(rows, cols),
-                fold: fold.unwrap_or(defaults::WATERBOMB_FOLD),
-            },
-            Self::Yoshimura {
-                rows,
-                cols,
-                angle,
-                fold,
-            } => Family::Yoshimura {
-                size: size(rows, cols),
-                angle: angle.unwrap_or(defaults::YOSHIMURA_ANGLE),
-                fold: fold.unwrap_or(defaults::YOSHIMURA_FOLD),
-            },
-            Self::Quad { rows, cols, fold } => Family::Quad {
-                rows: rows.unwrap_or(defaults::QUAD_SIZE),
-                cols: cols.unwrap_or(defaults::QUAD_SIZE),
-                output: output(),
-                fold: fold.unwrap_or(defaults::QUAD_FOLD),
-            },
-            Self::SquareTwist {
-                rows,
-                cols,
-                angle,
-                letters,
-                fold,
-            } => Family::SquareTwist {
-                rows: rows.unwrap_or(defaults::TWIST_SIZE),
-                cols: cols.unwrap_or(defaults::TWIST_SIZE),
-                output: output(),
-                angle: angle.unwrap_or(defaults::TWIST_ANGLE),
-                letters: letters.unwrap_or_default(),
-                fold: fold.unwrap_or(defaults::TWIST_FOLD),
-            },
-            Self::Resch { rows, cols } => Family::Resch {
-                rows: rows.unwrap_or(defaults::RESCH_SIZE),
-                cols: cols.unwrap_or(defaults::RESCH_SIZE),
-                output: output(),
-            },
-            Self::Kresling { rows, cols } => Family::Kresling {
-                rows: rows.unwrap_or(defaults::KRESLING_RINGS),
-                cols: cols.unwrap_or(defaults::KRESLING_SIDES),
-                output: output(),
-            },
-        }
-    }
 }

@@ -12,6 +12,7 @@ mod results;
 mod worker;
 
 use core::time::Duration;
+use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufRead, BufReader, IsTerminal, stderr, stdin};
 use std::path::Path;
@@ -26,7 +27,10 @@ use design::Designs;
 use foldpath::read::FileError;
 use results::Results;
 
-pub(crate) fn run(args: &Batch, quiet: bool) -> Answer {
+pub(crate) use worker::record;
+
+/// Runs the command. `program` is how to start it once more, for the processes that plan.
+pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
     if args.worker {
         worker::run(args.timeout, args.stable);
         return Ok(true);
@@ -63,6 +67,7 @@ pub(crate) fn run(args: &Batch, quiet: bool) -> Answer {
         jobs,
         timeout: args.timeout,
         stable: args.stable,
+        program,
     };
     let counts = pool::run(designs, results, &limits, &bar)?;
     bar.finish_and_clear();

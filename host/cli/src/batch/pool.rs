@@ -3,6 +3,7 @@
 use core::time::Duration;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -25,13 +26,15 @@ const MAX_WAITING: u64 = 1 << 14;
 const PATIENCE: (f64, f64) = (5.0, 0.5);
 
 /// Limits of a run.
-pub(super) struct Limits {
+pub(super) struct Limits<'a> {
     /// Number of processes.
     pub(super) jobs: usize,
     /// Time of designs that name none, seconds.
     pub(super) timeout: f64,
     /// Leaves out what depends on the clock.
     pub(super) stable: bool,
+    /// How to start the command: a program and its first arguments.
+    pub(super) program: &'a [OsString],
 }
 
 /// Number of results that are written. Workers wait for it if their designs are too far ahead.
@@ -68,7 +71,7 @@ type Message = Result<(u64, String), CliError>;
 pub(super) fn run<R: BufRead + Send>(
     designs: Designs<R>,
     mut results: Results,
-    limits: &Limits,
+    limits: &Limits<'_>,
     bar: &ProgressBar,
 ) -> Result<Counts, CliError> {
     let designs = Mutex::new(designs);
@@ -117,7 +120,7 @@ fn write(
 /// Plans designs until there are no more.
 fn work<R: BufRead>(
     designs: &Mutex<Designs<R>>,
-    limits: &Limits,
+    limits: &Limits<'_>,
     progress: &Progress,
     results: &Sender<Message>,
 ) {
@@ -143,7 +146,7 @@ fn work<R: BufRead>(
 }
 
 /// Returns the result of a design, by a worker that is started if there is none.
-fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits) -> Message {
+fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits<'_>) -> Message {
     let line = match &task.line {
         Ok(line) => line,
         Err(error) => return Ok((task.place, failed(&task.id, ErrorFields::of_message(error)))),
@@ -182,9 +185,13 @@ struct Worker {
 }
 
 impl Worker {
-    fn start(limits: &Limits) -> io::Result<Self> {
-        let mut command = Command::new(std::env::current_exe()?);
+    fn start(limits: &Limits<'_>) -> io::Result<Self> {
+        let [program, arguments @ ..] = limits.program else {
+            return Err(io::ErrorKind::NotFound.into());
+        };
+        let mut command = Command::new(program);
         command
+            .args(arguments)
             .args(["batch", "-", "-o", "-", "--worker"])
             .arg(format!("--timeout={}", limits.timeout));
         if limits.stable {

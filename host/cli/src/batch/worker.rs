@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::design::{Design, Parsed};
+use super::design::Design;
 use crate::CliError;
-use crate::args::Plan;
-use crate::plan::{PlanJson, plan_input, told};
 use crate::report::ErrorFields;
 use foldpath::planner::Outcome;
+use foldpath::progress::Progress;
+use foldpath::request::{InputJson, PlanRequest};
 
 /// A result.
 #[derive(Serialize)]
@@ -31,8 +31,8 @@ struct Failed<'a> {
 #[derive(Serialize)]
 struct TimedOut<'a> {
     version: &'static str,
-    input: &'a crate::plan::InputJson,
-    options: &'a Plan,
+    input: &'a InputJson,
+    options: &'a PlanRequest,
     outcome: &'static str,
 }
 
@@ -40,20 +40,19 @@ struct TimedOut<'a> {
 pub(super) fn run(timeout: f64, stable: bool) {
     // A panic is told in the result.
     set_hook(Box::new(|_| {}));
-    let mut parsed = Parsed::default();
     for line in stdin().lines() {
         let Ok(line) = line else {
             return;
         };
-        let result = result(&line, timeout, stable, &mut parsed);
+        let result = record(&line, timeout, stable, &Progress::new());
         if writeln!(stdout().lock(), "{result}").is_err() {
             return;
         }
     }
 }
 
-/// Returns the result of a line, in one line.
-fn result(line: &str, timeout: f64, stable: bool, parsed: &mut Parsed) -> String {
+/// Plans the design of a line and returns its result, in one line. A panic is a result.
+pub(crate) fn record(line: &str, timeout: f64, stable: bool, progress: &Progress) -> String {
     let design = match Design::parse(line) {
         Ok(design) => design,
         Err(error) => {
@@ -61,7 +60,7 @@ fn result(line: &str, timeout: f64, stable: bool, parsed: &mut Parsed) -> String
             return failed(&id, ErrorFields::of(&error));
         }
     };
-    let work = AssertUnwindSafe(|| answered(&design, timeout, stable, parsed));
+    let work = AssertUnwindSafe(|| answered(&design, timeout, stable, progress));
     match catch_unwind(work) {
         Ok(Ok(result)) => result,
         Ok(Err(error)) => failed(&design.id, ErrorFields::of(&error)),
@@ -78,25 +77,27 @@ fn answered(
     design: &Design,
     timeout: f64,
     stable: bool,
-    parsed: &mut Parsed,
+    progress: &Progress,
 ) -> Result<String, CliError> {
     let start = Instant::now();
-    let (input, args) = design.arguments(timeout, parsed)?;
-    let planned = plan_input(&args, input)?;
-    let mut answer: PlanJson<'_> = told(&args, &planned, start);
+    let (input, job) = design.job(timeout)?;
+    job.check()?;
+    let done = job.run(Some(input), true, progress)?;
+    let mut answer = done.json(&job, start);
     if !stable {
         return Ok(text(&design.id, &answer));
     }
     answer.leave_out_times();
     // Some strategies may have had no time, whatever the best of the others found.
-    let is_up = args
+    let is_up = job
+        .request
         .timeout
         .is_some_and(|timeout| start.elapsed().as_secs_f64() >= timeout);
-    if is_up || planned.ran_out_of_time() {
+    if is_up || done.planned.ran_out_of_time() {
         let bare = TimedOut {
             version: answer.version,
             input: answer.input,
-            options: &args,
+            options: &job.request,
             outcome: Outcome::Timeout.name(),
         };
         return Ok(text(&design.id, &bare));

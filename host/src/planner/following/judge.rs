@@ -1,7 +1,6 @@
 //! Judges configurations on the whole sheet, to which a path found on few unknowns is lifted.
 
 use core::time::Duration;
-use std::time::Instant;
 
 use super::reduction::Reduction;
 use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts};
@@ -10,6 +9,7 @@ use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
+use crate::util::clock::Instant;
 
 /// A whole sheet that is folded at one configuration after another.
 pub(crate) struct Judge<'a> {

@@ -2,7 +2,6 @@
 //! else forwards from flat, or else by the randomised search.
 
 use core::time::Duration;
-use std::time::Instant;
 
 use super::branch::branches_at_flat;
 use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
@@ -16,6 +15,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
 use crate::planner::{Judged, PlanOptions, Search};
+use crate::util::clock::Instant;
 
 /// Way in which a route ends.
 #[derive(Clone, Copy, Debug, PartialEq)]

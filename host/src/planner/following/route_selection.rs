@@ -2,7 +2,6 @@
 //! looked for without it.
 
 use core::time::Duration;
-use std::time::Instant;
 
 use super::follow::Waypoint;
 use super::reduction::{CLOSED, Reduction, SAME_RAD};
@@ -13,6 +12,7 @@ use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
 use crate::symmetry::{CreaseGroups, closure_of};
+use crate::util::clock::Instant;
 
 /// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
 /// less symmetry or moved coordinates.

@@ -2,7 +2,6 @@
 //! sheet between them.
 
 use core::time::Duration;
-use std::time::Instant;
 
 use foldpath_core::Curve;
 
@@ -19,6 +18,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
+use crate::util::clock::Instant;
 use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.

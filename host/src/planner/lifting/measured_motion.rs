@@ -2,7 +2,6 @@
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 use core::time::Duration;
-use std::time::Instant;
 
 use super::certified_motion::Certificate;
 use crate::certificate::{Closure, SheetCertifier};
@@ -14,6 +13,7 @@ use crate::planner::knots::{Knot, Path};
 use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
+use crate::util::clock::Instant;
 use crate::util::nan_max::larger;
 use crate::util::parallel;
 

@@ -2,7 +2,6 @@
 //! motion, or at the knots alone.
 
 use core::time::Duration;
-use std::time::Instant;
 
 use super::certified_motion::CandidatePath;
 use crate::collision::{Crossing, SearchEffort, SweepCounts, SweepOptions, lattice_scene};
@@ -14,6 +13,7 @@ use crate::planner::options::Skips;
 use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
+use crate::util::clock::Instant;
 
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.

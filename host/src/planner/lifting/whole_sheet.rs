@@ -1,8 +1,6 @@
 //! Lifts a path found on few unknowns to the whole sheet: certified, measured and swept for crossings. If layers touch,
 //! a motion that is as far off its path as the bound allows may cross: it is then lifted again, nearer to the path.
 
-use std::time::Instant;
-
 use foldpath_core::Interpolation;
 
 use super::certified_motion::{CandidatePath, Certificate, cut, place_knots, unplaced};
@@ -25,6 +23,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
+use crate::util::clock::Instant;
 
 /// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
 /// sharp.

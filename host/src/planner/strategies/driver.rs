@@ -1,8 +1,6 @@
 //! Runs the table of strategies: each row says when a strategy is tried, under which error model, and when its answer
 //! takes the place of the best so far.
 
-use std::time::Instant;
-
 use super::bending::BentSheet;
 use super::fold_sequence::{fold_in_sequence, goal_is_free, goal_of_sequences, has_few_creases};
 use super::lines::goal_of_lines;
@@ -21,6 +19,7 @@ use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
 use crate::planner::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
+use crate::util::clock::Instant;
 
 /// Largest number of creases of a sheet that is planned once more without its crease groups to prove a smaller
 /// deformation.

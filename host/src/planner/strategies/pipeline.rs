@@ -1,8 +1,6 @@
 //! One pass through all stages under one error model: goal, reduction, reduced path, knots, certified motion, swept
 //! motion, plan.
 
-use std::time::Instant;
-
 use super::arrival::judge_arrival;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
@@ -18,6 +16,7 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
 use crate::symmetry::closure_of;
+use crate::util::clock::Instant;
 
 /// Largest turn of a crease in the step that shows which vertex stands in the way, radians.
 const PROBE_RAD: f64 = 0.1;

@@ -1,0 +1,266 @@
+//! Options whose values have names.
+
+use foldpath_core::{Interpolation, Objective};
+use serde::{Serialize, Serializer};
+
+use crate::planner::{Judged, Search, Solver, Symmetry, Timing, Vertices};
+use crate::read::Straighten;
+
+/// A type whose values have names on the command line and in JSON.
+pub trait Named: Copy + PartialEq + 'static {
+    /// Each name with its value, and what the value means in a phrase; no phrase if the name says it.
+    const NAMES: &'static [(&'static str, Self, &'static str)];
+}
+
+/// Returns the name of a value; empty if it has none.
+#[must_use]
+pub fn name_of<T: Named>(value: T) -> &'static str {
+    let found = T::NAMES.iter().find(|(_, named, _)| *named == value);
+    found.map_or("", |(name, ..)| name)
+}
+
+/// Returns the value with a name, if there is one.
+#[must_use]
+pub fn value_of<T: Named>(name: &str) -> Option<T> {
+    let found = T::NAMES.iter().find(|(known, ..)| *known == name);
+    found.map(|(_, value, _)| *value)
+}
+
+/// Serialises a value as its name.
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes the field so"
+)]
+pub(super) fn by_name<T: Named, S: Serializer>(
+    value: &T,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    name_of(*value).serialize(serializer)
+}
+
+/// Serialises values as their names.
+pub(super) fn by_names<T: Named, S: Serializer>(
+    values: &[T],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|value| name_of(*value)))
+}
+
+/// Reuse of a path of the essential crease pattern on the whole sheet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reuse {
+    /// Plans on the essential crease pattern.
+    #[default]
+    Auto,
+    /// Plans on the closure of all vertices.
+    Off,
+}
+
+/// Something that is done or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Switch {
+    /// It is done.
+    #[default]
+    On,
+    /// It is not done.
+    Off,
+}
+
+/// A kind of pairs of faces that the search for crossings skips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Skip {
+    /// Pairs that move like another pair.
+    Symmetry,
+    /// Pairs that cannot have met since they were last looked at.
+    Motion,
+    /// Pairs whose bounding volumes are apart.
+    Bounds,
+    /// Pairs joined by an edge.
+    Edges,
+}
+
+/// Data that each knot of a written path stores.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frames {
+    /// Fold angles and the positions of all vertices.
+    #[default]
+    Full,
+    /// Fold angles alone.
+    Angles,
+}
+
+impl Named for Symmetry {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "auto",
+            Self::Auto,
+            "One unknown for each group of creases that turn alike",
+        ),
+        ("off", Self::Off, "One unknown for each crease"),
+    ];
+}
+
+impl Named for Vertices {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "essential",
+            Self::Essential,
+            "One vertex for each distinct closure condition",
+        ),
+        ("all", Self::All, "All vertices"),
+    ];
+}
+
+impl Named for Reuse {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "auto",
+            Self::Auto,
+            "Plan on the essential crease pattern and reuse the path on the whole sheet",
+        ),
+        ("off", Self::Off, "Plan on the closure of all vertices"),
+    ];
+}
+
+impl Named for Switch {
+    const NAMES: &'static [(&'static str, Self, &'static str)] =
+        &[("on", Self::On, ""), ("off", Self::Off, "")];
+}
+
+impl Named for Option<Interpolation> {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "auto",
+            None,
+            "The interpolation that needs the fewest knots",
+        ),
+        (
+            "half-angle",
+            Some(Interpolation::HalfAngle),
+            "Cubic Hermite in the tangent of half the fold angle",
+        ),
+        (
+            "hermite",
+            Some(Interpolation::Hermite),
+            "Cubic Hermite in the fold angle",
+        ),
+        (
+            "homogeneous",
+            Some(Interpolation::Homogeneous),
+            "Cubic Hermite in weighted cosine and sine of half the fold angle",
+        ),
+        (
+            "linear",
+            Some(Interpolation::Linear),
+            "Linear in the fold angle",
+        ),
+    ];
+}
+
+impl Named for Skip {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "symmetry",
+            Self::Symmetry,
+            "Pairs of faces that move like another pair",
+        ),
+        (
+            "motion",
+            Self::Motion,
+            "Pairs that cannot have met since they were last looked at",
+        ),
+        (
+            "bounds",
+            Self::Bounds,
+            "Pairs whose bounding volumes are apart",
+        ),
+        ("edges", Self::Edges, "Pairs joined by an edge"),
+    ];
+}
+
+impl Named for Timing {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "optimal",
+            Self::Optimal,
+            "As fast as the limits of the hinges allow",
+        ),
+        (
+            "sparse",
+            Self::Sparse,
+            "A simple law with which few knots suffice",
+        ),
+    ];
+}
+
+impl Named for Judged {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "motion",
+            Self::Motion,
+            "The whole motion, certified between the knots",
+        ),
+        (
+            "knots",
+            Self::Knots,
+            "The knots alone, for a quicker first look; hinges turn evenly between them, whatever the pace",
+        ),
+    ];
+}
+
+impl Named for Frames {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "full",
+            Self::Full,
+            "Fold angles and the positions of all vertices",
+        ),
+        ("angles", Self::Angles, "Only fold angles"),
+    ];
+}
+
+impl Named for Solver {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        ("lm", Self::LevenbergMarquardt, "Levenberg-Marquardt"),
+        ("gradient", Self::Gradient, "Gradient steps"),
+    ];
+}
+
+impl Named for Search {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "auto",
+            Self::Auto,
+            "Follow the motion, in phases where faces would cross otherwise",
+        ),
+        (
+            "path",
+            Self::Path,
+            "Follow the motion with all creases turning at once",
+        ),
+        (
+            "random",
+            Self::Random,
+            "The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)",
+        ),
+    ];
+}
+
+impl Named for Objective {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        ("max", Self::Max, "The worst vertex"),
+        ("sum", Self::Sum, "The sum over all vertices"),
+    ];
+}
+
+impl Named for Straighten {
+    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
+        (
+            "auto",
+            Self::Auto,
+            "If a vertex is off by more than rounding: by a tenth of the usual tolerance",
+        ),
+        ("on", Self::On, "Always"),
+        ("off", Self::Off, "Never"),
+    ];
+}
