@@ -138,6 +138,24 @@ impl Knot {
 }
 
 impl Motion {
+    /// Returns the flat sheet, of which nothing moves.
+    #[must_use]
+    pub fn flat(title: &str, pattern: Arc<CreasePattern>) -> Self {
+        Self {
+            title: title.into(),
+            members: vec![None; pattern.edges().len()],
+            pattern,
+            naming: GroupNaming::Named,
+            interpolation: Interpolation::Linear,
+            max_speed: None,
+            max_acceleration: None,
+            seed: None,
+            answer: None,
+            knots: vec![Knot::default()],
+            phases: Vec::new(),
+        }
+    }
+
     /// Number of groups.
     #[must_use]
     pub fn groups(&self) -> usize {

@@ -73,6 +73,8 @@ pub struct Progress {
     /// Number of parts of the stage that are done, and in the upper half the number of all its parts; 0 of 0 if
     /// unknown.
     done: AtomicU64,
+    /// Called on the thread of the call at each change.
+    listener: Option<fn(&Self)>,
 }
 
 impl Progress {
@@ -83,6 +85,23 @@ impl Progress {
             cancelled: AtomicBool::new(false),
             stage: AtomicU32::new(0),
             done: AtomicU64::new(0),
+            listener: None,
+        }
+    }
+
+    /// Makes the progress of a call that has not begun, with a function that is called at each change, on a thread of the
+    /// call: for programs of one thread. The function should return soon.
+    #[must_use]
+    pub const fn told_to(listener: fn(&Self)) -> Self {
+        Self {
+            listener: Some(listener),
+            ..Self::new()
+        }
+    }
+
+    fn tell(&self) {
+        if let Some(listener) = self.listener {
+            listener(self);
         }
     }
 
@@ -101,6 +120,7 @@ impl Progress {
     pub fn begin(&self, stage: Stage) {
         self.done.store(0, Ordering::Relaxed);
         self.stage.store(stage as u32, Ordering::Relaxed);
+        self.tell();
     }
 
     /// Notes that `done` of `of` parts of the stage are done.
@@ -108,6 +128,7 @@ impl Progress {
         let [done, of] =
             [done, of].map(|count| u64::from(u32::try_from(count).unwrap_or(u32::MAX)));
         self.done.store(done | of << 32, Ordering::Relaxed);
+        self.tell();
     }
 
     /// Notes that a fraction of the stage, from 0 to 1, is done.

@@ -1,0 +1,40 @@
+/** How far a call has come: the stage in words, and the part of it that is done, from 0 to 1, if that is known. */
+export type Told = (stage: string, part: number | undefined) => void;
+/** Options of `foldpath plan` by their names, with numbers or text as values: `{ fold: 0.5, collision: "off" }`. */
+export type Options = Record<string, number | string | boolean | (number | string)[]>;
+/** Formats of a path: FOLD, a table of angles, an animation, for controllers, and drawings of the sheet and of curves. */
+export type Format = "fold" | "csv" | "glb" | "traj" | "pattern" | "curves";
+
+/** The JSON of `foldpath plan --json`, which docs/schema/plan.json describes. */
+export interface Answer {
+  outcome: "planned" | "near_goal" | "partial" | "not_rigidly_foldable" | "goal_not_closed" | "crossing" | "undecided" | "timeout";
+  reason: string | null;
+  reached: number;
+  [key: string]: unknown;
+}
+
+export interface Planned {
+  answer: Answer;
+  /** The page that `foldpath view` writes; without a path it shows the flat sheet and what is in the way. */
+  page(): string;
+  /** The path as a file, as far as it goes. `fold` has the bytes that `foldpath plan --keep` writes. */
+  file(format: Format): Uint8Array;
+  /** Gives the memory back. */
+  free(): void;
+}
+
+/** Prepares the module, from its own place or from bytes or an address; has to end before any other call. */
+export function load(module?: BufferSource | URL | string | Response): Promise<void>;
+export function version(): string;
+/** Makes a pattern, as the text of a FOLD file: `generate({ family: "miura", rows: 3, cols: 3 })`. */
+export function generate(family: { family: string; [parameter: string]: number | string }): string;
+/** Describes a pattern as `foldpath info --json` does. The name of the file tells its format. */
+export function info(name: string, file: Uint8Array | string, options?: Options): Record<string, unknown>;
+/** Plans a pattern. Works on the calling thread: in a page, call it in a worker. Throws an Error if input is bad. */
+export function plan(name: string, file: Uint8Array | string, options?: Options, told?: Told): Planned;
+/** Judges a path as `foldpath check --json` does. */
+export function check(name: string, file: Uint8Array | string, told?: Told): Record<string, unknown>;
+/** Lays a folded shape (OBJ, STL, FOLD) flat; returns the text of a FOLD file. */
+export function unfold(name: string, file: Uint8Array): string;
+/** Returns the page of a path, as `foldpath view` writes it. */
+export function view(name: string, file: Uint8Array): string;

@@ -1,0 +1,40 @@
+"use strict";
+// Calls the module, so that the page stays alive meanwhile. Messages to the worker: { module } once, with the bytes or the
+// address of the WebAssembly module; then { id, call, ... }. Messages from it: { id, told }, and in the end { id, result } or
+// { id, error }.
+
+let ready, planned;
+
+/** Formats of shapes in space, which are laid flat first. */
+const SHAPES = /\.(obj|stl)$/i;
+
+const CALLS = {
+  generate: ({ family }) => wasm_bindgen.generate(JSON.stringify(family)),
+  plan({ name, bytes, options }, told) {
+    const text = new TextEncoder();
+    if (SHAPES.test(name)) {
+      bytes = text.encode(wasm_bindgen.unfold(name, bytes));
+      name = name.replace(SHAPES, ".fold");
+    }
+    planned?.free();
+    planned = undefined;
+    planned = wasm_bindgen.plan(name, bytes, JSON.stringify(options), told);
+    return { json: planned.json, page: planned.page() };
+  },
+  check: ({ name, bytes }, told) => ({ json: wasm_bindgen.check(name, bytes, told), page: wasm_bindgen.view(name, bytes) }),
+  file: ({ format }) => planned.file(format),
+};
+
+onmessage = async ({ data }) => {
+  if (data.module) {
+    ready = wasm_bindgen({ module_or_path: data.module });
+    return;
+  }
+  const { id, call } = data;
+  try {
+    await ready;
+    postMessage({ id, result: CALLS[call](data, (stage, part) => postMessage({ id, told: { stage, part } })) });
+  } catch (error) {
+    postMessage({ id, error: String(error.message ?? error) });
+  }
+};

@@ -1,0 +1,215 @@
+//! foldpath as a WebAssembly module: what the page of `web/` and the npm package call.
+//!
+//! Files come and go as bytes, options and answers as the JSON of the command line. Every call works on the caller's
+//! thread until it is done, so that a page calls the module in a worker, and cancels a call by ending that worker.
+
+mod told;
+
+use core::fmt::Display;
+use core::time::Duration;
+use std::path::Path;
+use std::sync::Arc;
+
+use foldpath::check::{CheckOptions, check_watched};
+use foldpath::export::fold::{motion_text, pattern_text};
+use foldpath::export::traj::TrajFile;
+use foldpath::export::{csv, glb, svg_pattern};
+use foldpath::generate::Family;
+use foldpath::motion::{Motion, PlanAnswer};
+use foldpath::plot::{self, Curves};
+use foldpath::progress::Watch;
+use foldpath::read::fold::{PatternFile, parse_motion};
+use foldpath::read::{parse_pattern_with, parse_shape};
+use foldpath::request::{
+    CheckJson, InputJson, PatternInfo, PlanRequest, ReadingRequest, RequestError,
+};
+use foldpath::unfold::{UnfoldOptions, unfold as unfold_shape};
+use foldpath::view::{Scene, page};
+use js_sys::Function;
+use serde_json::{Map, Value};
+use wasm_bindgen::prelude::*;
+use web_time::Instant;
+
+/// Returns the version of foldpath.
+#[wasm_bindgen]
+#[must_use]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").into()
+}
+
+/// Returns the pattern of a family as the text of a FOLD file. `family` is JSON such as
+/// `{"family": "miura", "rows": 3, "cols": 3}`.
+///
+/// # Errors
+/// If there is no such family, or a parameter is out of its range.
+#[wasm_bindgen]
+pub fn generate(family: &str) -> Result<String, JsError> {
+    let family: Family = serde_json::from_str(family).map_err(refusal)?;
+    let drawing = family.drawing().map_err(refusal)?;
+    Ok(pattern_text(&family.title(), &drawing))
+}
+
+/// Describes a crease pattern as `foldpath info --json` does. `name` is that of its file, and tells the format; `options`
+/// is a JSON object of reading options by their names.
+///
+/// # Errors
+/// If the bytes hold no crease pattern, or an option cannot be met.
+#[wasm_bindgen]
+pub fn info(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> {
+    let mut reading = ReadingRequest::default();
+    for (option, value) in &parsed(options)? {
+        reading.set(option, value).map_err(refusal)?;
+    }
+    let file = read(name, bytes, &reading)?;
+    let info = PatternInfo::of(&file.pattern, Watch::default());
+    serde_json::to_string(&info.json).map_err(refusal)
+}
+
+/// Makes a crease pattern of a folded shape (OBJ, STL, FOLD), as the text of a FOLD file with the goal's fold angles.
+///
+/// # Errors
+/// If the bytes hold no shape, or it cannot be laid flat.
+#[wasm_bindgen]
+pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
+    let path = Path::new(name);
+    let file = parse_shape(path, bytes, None).map_err(refusal)?;
+    let unfolding = unfold_shape(&file.shape, &UnfoldOptions::default()).map_err(refusal)?;
+    match (&unfolding.drawing, unfolding.reason) {
+        (Some(drawing), _) => Ok(pattern_text(&file.title, drawing)),
+        (None, Some(reason)) => Err(JsError::new(&format!("{name}: {reason}"))),
+        (None, None) => Err(JsError::new(&format!("{name}: not unfolded"))),
+    }
+}
+
+/// Judges a path as `foldpath check --json` does, from the bytes of its file.
+///
+/// # Errors
+/// If the bytes hold no path.
+#[wasm_bindgen]
+pub fn check(name: &str, bytes: &[u8], told: Option<Function>) -> Result<String, JsError> {
+    let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
+    let verdict = told::with(told, |progress| {
+        check_watched(&motion, &CheckOptions::default(), progress)
+    });
+    serde_json::to_string(&CheckJson::of(&motion, &verdict)).map_err(refusal)
+}
+
+/// Returns the page of a path, as `foldpath view` writes it, from the bytes of its file.
+///
+/// # Errors
+/// If the bytes hold no path.
+#[wasm_bindgen]
+pub fn view(name: &str, bytes: &[u8]) -> Result<String, JsError> {
+    let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
+    Ok(page(&Scene::of_path(&motion)))
+}
+
+/// Plans a crease pattern. `name` is the name of its file, and tells the format; `options` is a JSON object of the options
+/// of `foldpath plan` by their names. `told` is called now and then with the stage (text) and the part of it that is done
+/// (a number from 0 to 1, or `undefined`).
+///
+/// # Errors
+/// If the bytes hold no crease pattern, or an option cannot be met.
+#[wasm_bindgen]
+pub fn plan(
+    name: &str,
+    bytes: &[u8],
+    options: &str,
+    told: Option<Function>,
+) -> Result<Planned, JsError> {
+    let start = Instant::now();
+    let mut request = PlanRequest::default();
+    for (option, value) in &parsed(options)? {
+        request.set(option, value).map_err(refusal)?;
+    }
+    let file = read(name, bytes, &request.reading)?;
+    let no_file = |path: &Path, _: &_| {
+        let text = format!(
+            "{}: expected a goal in the pattern's own file, as this program opens no other",
+            path.display()
+        );
+        Err(RequestError::Usage(text))
+    };
+    let path = Path::new(name);
+    let task = (request.task(path, &file, true, no_file)).map_err(refusal)?;
+    let read = start.elapsed();
+    let planned = told::with(told, |progress| task.after(read).run(&file, progress));
+    let input = InputJson::of(path, bytes);
+    let json = planned.json(&request, &input, &file);
+    let json = json.with_times(read, Duration::ZERO, start.elapsed());
+    let json = serde_json::to_string(&json).map_err(refusal)?;
+    let plan = planned.plan;
+    let outcome = plan.outcome.name();
+    let motion = plan.motion.unwrap_or_else(|| Motion {
+        answer: Some(PlanAnswer {
+            outcome: outcome.into(),
+            reached: 0.0,
+            bound: request.bound,
+            bend: 0.0,
+        }),
+        ..Motion::flat(&file.title, Arc::new(file.pattern))
+    });
+    Ok(Planned { json, motion })
+}
+
+/// The answer to a plan.
+#[wasm_bindgen]
+pub struct Planned {
+    json: String,
+    /// The motion as far as it goes.
+    motion: Motion,
+}
+
+#[wasm_bindgen]
+impl Planned {
+    /// The JSON object of `foldpath plan --json`.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn json(&self) -> String {
+        self.json.clone()
+    }
+
+    /// Returns the page that shows the path, or the flat sheet with what is in the way.
+    #[must_use]
+    pub fn page(&self) -> String {
+        page(&Scene::of_path(&self.motion))
+    }
+
+    /// Returns the path as a file: `fold` (as `foldpath plan --keep` writes it), `csv`, `glb`, `traj`, `pattern` (an SVG
+    /// drawing of the flat sheet) or `curves` (an SVG drawing of angles and errors).
+    ///
+    /// # Errors
+    /// If there is no such format, or the path has no such form.
+    pub fn file(&self, format: &str) -> Result<Vec<u8>, JsError> {
+        let (motion, name) = (&self.motion, Path::new("path.fold"));
+        Ok(match format {
+            "fold" => motion_text(motion).into_bytes(),
+            "csv" => csv::text(motion, name).map_err(refusal)?.into_bytes(),
+            "glb" => glb::content(motion, name).map_err(refusal)?,
+            "traj" => TrajFile::of(motion, name).map_err(refusal)?.bytes,
+            "pattern" => svg_pattern::by_letters(&motion.title, &motion.pattern).into_bytes(),
+            "curves" => plot::svg(&Curves::of_path(motion)).into_bytes(),
+            _ => {
+                let all = "fold, csv, glb, traj, pattern or curves";
+                return Err(JsError::new(&format!("expected {all}, found {format}")));
+            }
+        })
+    }
+}
+
+fn read(name: &str, bytes: &[u8], reading: &ReadingRequest) -> Result<PatternFile, JsError> {
+    let options = reading.options().map_err(refusal)?;
+    parse_pattern_with(Path::new(name), bytes, &options).map_err(refusal)
+}
+
+/// Parses an object of options; empty text has none.
+fn parsed(options: &str) -> Result<Map<String, Value>, JsError> {
+    if options.is_empty() {
+        return Ok(Map::new());
+    }
+    serde_json::from_str(options).map_err(|error| JsError::new(&format!("options: {error}")))
+}
+
+fn refusal(error: impl Display) -> JsError {
+    JsError::new(&error.to_string())
+}
