@@ -10,13 +10,19 @@ const [status, progress, cancel, options] = ["status", "progress", "cancel", "op
 const inlined = { module: element("module"), worker: element("worker") };
 let worker, calls = 0, waiting = new Map();
 
+/** The module, compiled once for all workers. */
+const compiled = inlined.module
+  ? WebAssembly.compile(Uint8Array.from(atob(inlined.module.textContent.trim()), c => c.charCodeAt(0)))
+  : WebAssembly.compileStreaming(fetch("foldpath_bg.wasm"));
+compiled.catch(error => say(`The module does not load (${error.message}). From a disk, open foldpath.html.`, true));
+
 function begin() {
   const source = inlined.worker
     ? URL.createObjectURL(new Blob([inlined.worker.textContent], { type: "text/javascript" }))
     : "worker.js";
   worker = new Worker(source);
-  const bytes = inlined.module && Uint8Array.from(atob(inlined.module.textContent.trim()), c => c.charCodeAt(0));
-  worker.postMessage({ module: bytes ?? "foldpath_bg.wasm" });
+  const begun = worker;
+  compiled.then(module => begun.postMessage({ module }), () => {});
   worker.onmessage = ({ data: { id, told, result, error } }) => {
     const call = waiting.get(id);
     if (!call) return;

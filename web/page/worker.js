@@ -1,9 +1,10 @@
 "use strict";
-// Calls the module, so that the page stays alive meanwhile. Messages to the worker: { module } once, with the bytes or the
-// address of the WebAssembly module; then { id, call, ... }. Messages from it: { id, told }, and in the end { id, result } or
+// Calls the module, so that the page stays alive meanwhile. Messages to the worker: { module } once, the compiled
+// WebAssembly module; { id, call, ... }. Messages from it: { id, told }, and in the end { id, result } or
 // { id, error }.
 
-let ready, planned;
+let planned, begin;
+const ready = new Promise(resolve => { begin = resolve; });
 
 /** Formats of shapes in space, which are laid flat first. */
 const SHAPES = /\.(obj|stl)$/i;
@@ -27,7 +28,7 @@ const CALLS = {
 
 onmessage = async ({ data }) => {
   if (data.module) {
-    ready = wasm_bindgen({ module_or_path: data.module });
+    begin(wasm_bindgen({ module_or_path: data.module }));
     return;
   }
   const { id, call } = data;
