@@ -1,15 +1,16 @@
 //! Checks of a setpoint before a controller follows it: is it valid, within limits, and closed?
 //!
-//! A setpoint and the segment that leads to it are checked once, when they arrive, so that a tick has nothing left to
-//! check. Angles, rates and accelerations are checked at nine places of the segment. For cubics of the angle they are
-//! also checked where they are largest, which makes the check exact. Closure is checked at the setpoint and at the
-//! segment's middle.
+//! A setpoint and the segment that leads to it are checked once, when they arrive. Angles, rates and accelerations are
+//! checked at nine places of the segment. For cubics of the angle they are also checked where they are largest, which
+//! makes the check exact. For half angles, angles and rates are also bounded between these places. Closure is checked
+//! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::bernstein::differences;
 use crate::curve::Flaw;
+use crate::segment_bounds::{self, Pair};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
@@ -72,7 +73,8 @@ pub enum Refusal {
     Acceleration(u16),
     /// This essential vertex does not close at the setpoint.
     Open(u16),
-    /// This essential vertex does not close in the middle of the segment.
+    /// This essential vertex does not close in the middle of the segment, or, with homogeneous half angles, anywhere on
+    /// it.
     OpenBetween(u16),
 }
 
@@ -100,7 +102,8 @@ impl core::error::Error for Refusal {}
 
 /// Checks `next` as the setpoint behind `before`, if there is one. Does not check the setpoint's number.
 ///
-/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice.
+/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice. Half angles
+/// cost more: a few hundred multiplications for each group and, if they are homogeneous, some thousands for each star.
 ///
 /// # Errors
 /// The first defect, in this order: of its numbers and their order in time, of the limits, of closure at the setpoint,
@@ -148,7 +151,35 @@ pub fn check<T: Scalar, const GROUPS: usize>(
         keeps(group, &curve, span, size, limits)?;
         *half = curve.half_angle(T::HALF);
     }
-    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
+    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)?;
+    if sheet.interpolation == Interpolation::Homogeneous {
+        stays_closed(sheet, before, next, span).map_err(Refusal::OpenBetween)?;
+    }
+    Ok(())
+}
+
+/// Returns the first star whose bound on the segment is not closed as an error.
+fn stays_closed<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: &Setpoint<T, GROUPS>,
+    next: &Setpoint<T, GROUPS>,
+    span: T,
+) -> Result<(), u16> {
+    let pair = |group: usize| {
+        let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
+        pair(&Curve::between(sheet.interpolation, span, *from, *to))
+    };
+    let closes = |star| segment_bounds::stays_closed(star, pair, sheet.closure);
+    let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
+    first.map_or(Ok(()), |(star, _)| Err(star))
+}
+
+/// Returns the cubics of a curve of half angles.
+fn pair<T: Scalar>(curve: &Curve<T>) -> Option<Pair<T>> {
+    match *curve {
+        Curve::Angle(_) => None,
+        Curve::HalfAngle { cos, sin } => Some(Pair { cos, sin }),
+    }
 }
 
 /// Pairs each item with the number of its group (or star).
@@ -194,7 +225,18 @@ fn keeps<T: Scalar>(
     };
     let step = T::one() / T::whole(INTERVALS);
     let places = (0..=INTERVALS).map(|k| T::whole(k) * step);
-    places.chain(extremes(curve)).try_for_each(keeps)
+    places.chain(extremes(curve)).try_for_each(keeps)?;
+    let Some(pair) = pair(curve) else {
+        return Ok(());
+    };
+    if !segment_bounds::stays_within(&pair, limits.lower, limits.upper) {
+        return Err(Refusal::Range(group));
+    }
+    let speed = limits.speed * span;
+    if speed.is_finite() && !segment_bounds::turns_slowly(&pair, speed, noise) {
+        return Err(Refusal::Speed(group));
+    }
+    Ok(())
 }
 
 /// Returns the parameters within a segment at which a cubic of the angle turns back (two) and at which its rate is

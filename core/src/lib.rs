@@ -124,6 +124,7 @@ pub mod project;
 mod rotation;
 pub mod sampling;
 mod scalar;
+mod segment_bounds;
 mod sine;
 mod star;
 pub mod trajectory;

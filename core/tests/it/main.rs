@@ -12,6 +12,7 @@ mod path_clock;
 mod project;
 mod rotation;
 mod sampling;
+mod segment_bounds;
 mod solvers;
 mod star;
 mod trajectory;
