@@ -196,6 +196,7 @@ fn pairs<'a, T: Scalar, const GROUPS: usize>(
 }
 
 /// Returns the first star that does not close as an error.
+#[inline(never)]
 fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
     let closes = |star| closure::closes(star, half_angles, sheet.closure);
     let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
@@ -241,6 +242,7 @@ fn keeps<T: Scalar>(
 
 /// Returns the parameters within a segment at which a cubic of the angle turns back (two) and at which its rate is
 /// largest; 0 stands for none.
+#[inline(never)]
 fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
     let Curve::Angle(angle) = curve else {
         return [T::zero(); 3];

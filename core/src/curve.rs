@@ -175,6 +175,7 @@ impl<T: Scalar> Curve<T> {
 }
 
 /// Returns the tangent of half an angle and the rate of that tangent.
+#[inline(never)]
 fn tangent<T: Scalar>(angle: T, rate: T) -> [T; 2] {
     let HalfAngle { cos, sin } = HalfAngle::of(angle);
     let tangent = sin / cos;
@@ -182,6 +183,7 @@ fn tangent<T: Scalar>(angle: T, rate: T) -> [T; 2] {
 }
 
 /// Returns value and rate of c, then of n, of a homogeneous half angle.
+#[inline(never)]
 fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
     let HalfAngle { cos, sin } = HalfAngle::of(node.angle);
     let ([weight, grow], turn) = (node.weight, node.rate * T::HALF);

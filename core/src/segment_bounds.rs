@@ -40,7 +40,10 @@ impl<T: Scalar> Default for Pair<T> {
     }
 }
 
+// The functions here are not inlined, nor are they unrolled over arrays of known length: they are rarely called, and
+// would otherwise double the acceptance of a setpoint in an image.
 impl<T: Scalar> Pair<T> {
+    #[inline(never)]
     fn restrict(&self, part: [T; 2]) -> Self {
         Self {
             cos: restrict(&self.cos, part),
@@ -56,6 +59,7 @@ pub(crate) fn slack<T: Scalar>() -> T {
 
 /// Returns `true` if |ρ'| (radians by s) is at most `speed` everywhere, within [`slack`] and `noise`. Cost: about 100
 /// multiplications for each of at most 63 parts, of which an ordinary segment has one to three.
+#[inline(never)]
 pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> bool {
     everywhere(|part| {
         let Pair { cos, sin } = pair.restrict(part);
@@ -81,6 +85,7 @@ pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> boo
 
 /// Returns `true` if the fold angle is everywhere from `lower` to `upper` (radians), within a thousandth of a radian. An
 /// angle beyond half a turn is never within limits here.
+#[inline(never)]
 pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> bool {
     let slack = T::lit(RANGE_SLACK_RAD);
     // Half angles between two limits of at most a quarter turn are a convex cone, so that coefficients in the cone bound
@@ -102,6 +107,7 @@ pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> boo
 ///
 /// `pair` returns the curves of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded, and the answer is
 /// `false`. Cost: about 100 multiplications by the squared number of spokes, for each of at most 63 parts.
+#[inline(never)]
 pub(crate) fn stays_closed<T: Scalar>(
     star: StarView<'_, T>,
     pair: impl Fn(usize) -> Option<Pair<T>>,
@@ -151,6 +157,7 @@ pub(crate) fn stays_closed<T: Scalar>(
 }
 
 /// Multiplies the first `length - 3` quaternions by a fold about the axis (x, y, 0), in place; the product has `length`.
+#[inline(never)]
 fn across<T: Scalar>(
     product: &mut [[T; 5]],
     length: usize,
@@ -218,6 +225,7 @@ fn slope<T: Scalar>(cubic: [T; 4]) -> [T; 3] {
 }
 
 /// Adds the product of two polynomials in scaled coefficients, times `factor`, to `sum`.
+#[inline(never)]
 fn multiply<T: Scalar>(a: &[T], b: &[T], factor: T, sum: &mut [T]) {
     for (i, a) in a.iter().enumerate() {
         for (b, sum) in b.iter().zip(sum.iter_mut().skip(i)) {

@@ -20,8 +20,17 @@ pub enum State {
     Holding,
     /// At the end of the path.
     Done,
-    /// A hinge has stalled; nothing moves.
+    /// Something failed, see [`Fault`]; nothing moves.
     Faulted,
+}
+
+/// Failure that ends a motion. It stays until it is [cleared](crate::follower::Follower::clear).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fault {
+    /// This hinge did not follow its command.
+    Stalled(u32),
+    /// The next command of this group would have been farther away than its largest speed allows.
+    Leap(u16),
 }
 
 /// Reason why a follower does not run at full speed.
@@ -44,8 +53,12 @@ pub enum Reason {
     Session,
     /// A setpoint was refused.
     Refused(Refusal),
-    /// This hinge has stalled.
-    Stalled(u32),
+    /// The motion has failed.
+    Fault(Fault),
+    /// The groups slowly approach the beginning of the path.
+    Approach,
+    /// The path time has reached the bound that was set from outside.
+    Lease,
 }
 
 /// Reason why a command is not carried out.
@@ -55,7 +68,7 @@ pub enum Denial {
     State,
     /// The sheet is moving.
     Moving,
-    /// The sheet has more groups than there is room for, no group, or other groups than those that stand.
+    /// The sheet has no group, or more groups than there is room for.
     Groups,
     /// No setpoint is queued.
     Empty,
@@ -65,6 +78,10 @@ pub enum Denial {
     Jump(u16),
     /// The stop line is drawn, or something held the motion and nobody has asked to resume since.
     Held,
+    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it.
+    Unknown(u16),
+    /// The measured angles of this group's hinges differ too much to be one angle.
+    Spread(u16),
 }
 
 /// A position on a path; the protocol calls it a place.
@@ -93,8 +110,15 @@ pub struct Options<T> {
     pub most_lag: T,
     /// Time for which a hinge may lag by `most_lag` before the motion fails.
     pub stall: u32,
-    /// Largest distance of a group from the beginning of a path at which the path may start, radians.
+    /// Largest distance of a group from the beginning of a path at which the path may start, radians, if the angle was
+    /// commanded before.
     pub jump: T,
+    /// The same if the angle was measured, or if an approach was broken off.
+    pub reach: T,
+    /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
+    pub spread: T,
+    /// Speed at which the groups approach the beginning of a path, radians per second.
+    pub approach: T,
 }
 
 impl<T: Scalar> Default for Options<T> {
@@ -110,6 +134,9 @@ impl<T: Scalar> Default for Options<T> {
             most_lag: T::lit(0.15),
             stall: 1_000_000,
             jump: T::lit(0.01),
+            reach: T::lit(0.1),
+            spread: T::lit(0.05),
+            approach: T::lit(0.1),
         }
     }
 }

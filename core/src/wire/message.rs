@@ -10,10 +10,10 @@ use crate::acceptance::Refusal;
 use crate::follower::{Denial, FollowerPosition, Reason, State};
 
 /// Version of the protocol.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x1f42_b7e1;
+pub const SCHEMA: u32 = 0x0df5_9e56;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,8 +59,11 @@ pub enum Item<'a> {
     /// The next spokes of the sheet's essential vertices, 10 bytes each: four times the group, 2 more if the spoke is
     /// the last of its vertex, 1 more if it turns the opposite way; then the two numbers of its direction.
     Spokes(#[serde(borrow)] &'a [u8]),
-    /// A knot of the path.
+    /// A knot of the path, or the last piece of one.
     Setpoint(#[serde(borrow)] SetpointBytes<'a>),
+    /// Numbers of the next groups of a knot that does not fit into one item. As many items of
+    /// [`NODES_BYTES`](crate::wire::path::NODES_BYTES) come before the setpoint with the rest.
+    Nodes(#[serde(borrow)] &'a [u8]),
 }
 
 /// Numbers of groups, hinges and spokes of a sheet, and the place on its path at which to begin.
@@ -76,6 +79,8 @@ pub struct SheetHead {
     pub spokes: u16,
     /// Largest closure residual of a commanded configuration.
     pub closure: f32,
+    /// Number that tells this path from others: a checksum of its numbers that is not 0.
+    pub path: u32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
     pub place: FollowerPosition<f32>,
 }
@@ -107,6 +112,23 @@ pub enum Command {
     Unload,
     /// Leave a fault behind.
     Clear,
+    /// Take the operator's word that the sheet stands where the path begins.
+    Stand,
+    /// Forget where the sheet stands.
+    Forget,
+}
+
+/// The largest numbers for which a controller has room.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Capacity {
+    /// Number of groups.
+    pub groups: u16,
+    /// Number of hinges.
+    pub hinges: u16,
+    /// Number of spokes of all essential vertices.
+    pub spokes: u16,
+    /// Number of setpoints in the queue.
+    pub knots: u16,
 }
 
 /// A message from the controller.
@@ -127,12 +149,16 @@ pub enum ToHost<'a> {
         id: u32,
         /// Number of the session.
         session: u32,
+        /// Number that the controller has not used in any run before.
+        nonce: u64,
+        /// Room of the controller.
+        capacity: Capacity,
     },
     /// The session of this frame is not the open one.
     Unknown,
     /// State of the session and of the follower.
     Report(Report),
-    /// Commanded state and angles at a moment. May be lost.
+    /// Commanded state and angles at a moment, in pieces if there are many groups. May be lost.
     Telemetry {
         /// Microseconds on the controller's clock.
         time: u64,
@@ -142,7 +168,9 @@ pub enum ToHost<'a> {
         rate: f32,
         /// Position on the path.
         place: FollowerPosition<f32>,
-        /// Commanded angle of each group, 4 bytes each, little endian.
+        /// Number of the first group of this piece.
+        first: u16,
+        /// Commanded angles of groups, 4 bytes each, little endian; none while it is not known where they stand.
         angles: &'a [u8],
     },
 }
@@ -170,6 +198,12 @@ pub struct Report {
     pub reason: Reason,
     /// Position of the follower on the path.
     pub place: FollowerPosition<f32>,
+    /// Number of the path on which the place is, see [`SheetHead::path`]; 0 if there was none.
+    pub path: u32,
+    /// `true` if it is known where the sheet stands.
+    pub known: bool,
+    /// `true` if the stop line holds the motion, whatever the reason says.
+    pub stopped: bool,
 }
 
 /// Reason why an item is not taken.
@@ -185,11 +219,12 @@ pub enum ItemRefusal {
     Pieces,
     /// The sheet is not complete.
     Incomplete,
-    /// The limits of this group are no range, or are not above 0.
+    /// The limits of this group are no range, are not above 0, or leave nothing of those of the board.
     Limits(u16),
     /// This hinge follows a group that the sheet does not have.
     Hinge(u16),
-    /// The essential vertices are not valid: a group or a direction is wrong, or the last spoke does not end a vertex.
+    /// The essential vertices are not valid: a group or a direction is wrong, the last spoke does not end a vertex, or
+    /// there is none although the board asks for one.
     Stars,
     /// The closure residual asked for is no number, or more than the controller allows.
     Closure,

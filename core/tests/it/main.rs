@@ -9,6 +9,7 @@ mod nonsense;
 mod normal_equations;
 mod objective;
 mod path_clock;
+mod power_on;
 mod project;
 mod rotation;
 mod sampling;

@@ -3,5 +3,6 @@
 mod faults;
 mod fuzz;
 mod path;
+mod power_on;
 mod refusals;
 mod world;

@@ -46,6 +46,7 @@ fn work_is_done_in_time() {
     assert!((58 * 10..=58 * 25).contains(&(some - few)));
     assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
     assert!(all <= PACE / 1000);
+    assert!((100..=600).contains(&cost("record-of-2-groups")));
     let frames = PACE / cost("setpoint-from-its-frame-to-the-answer");
     println!("| setpoints received, checked and answered at 25 MHz | {frames} a second |");
     assert!(frames >= 2000);

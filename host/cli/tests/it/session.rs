@@ -28,8 +28,28 @@ pub(crate) fn session(
     (id, resume): (u32, bool),
     wish: &dyn Fn(&[Telemetry]) -> Wish,
 ) -> (Summary, Vec<Telemetry>) {
+    let at_start = false;
+    session_at(
+        link,
+        path,
+        Options {
+            resume,
+            at_start,
+            id,
+        },
+        wish,
+    )
+}
+
+/// Runs a session with these options. Returns its summary and its telemetry.
+pub(crate) fn session_at(
+    link: &mut impl Link,
+    path: &StreamPath,
+    options: Options,
+    wish: &dyn Fn(&[Telemetry]) -> Wish,
+) -> (Summary, Vec<Telemetry>) {
     let heard = Vec::new();
     let mut ear = Ear { heard, wish };
-    let summary = run(link, path, Options { resume, id }, &mut ear).unwrap();
+    let summary = run(link, path, options, &mut ear).unwrap();
     (summary, ear.heard)
 }

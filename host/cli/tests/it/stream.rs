@@ -81,6 +81,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         };
         follower.accept(&sheet, setpoint).unwrap();
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     let mut run = Vec::new();
     for tick in 1.. {
@@ -151,12 +152,14 @@ fn rows(log: &str) -> Vec<Row> {
 fn runs_as(rows: &[Row], run: &[[f32; 2]]) {
     let moving = rows
         .iter()
-        .position(|row| row.state != "Idle" && row.state != "Ready");
+        // Telemetry may come between the start and the first tick.
+        .position(|row| row.state != "Idle" && row.state != "Ready" && row.angles[0] > 0.0);
     let rows = &rows[moving.expect("something moves")..];
     let first = (0..run.len()).find(|tick| bits(&run[*tick]) == bits(&rows[0].angles));
     let first = first.unwrap_or_else(|| panic!("{:?}", rows[0]));
     for row in rows {
-        let passed = usize::try_from((row.micros - rows[0].micros) / 1000).unwrap();
+        // A tick comes at each whole millisecond, and telemetry at any time behind it.
+        let passed = usize::try_from(row.micros / 1000 - rows[0].micros / 1000).unwrap();
         let tick = (first + passed).min(run.len() - 1);
         assert_eq!(bits(&row.angles), bits(&run[tick]), "{row:?}");
     }
@@ -515,10 +518,24 @@ struct Served {
     knot: Arc<AtomicU32>,
 }
 
+/// Returns a controller that is told that both groups stand at 0, where the path begins.
+fn flat() -> Device {
+    let limits = |_| GroupLimits {
+        lower: -3.2,
+        upper: 3.2,
+        speed: 20.0,
+        acceleration: f32::INFINITY,
+    };
+    let mut device = Device::new(Settings::new(1, limits));
+    let place = FollowerPosition::default();
+    device.follower_mut().stand(&[0.0; 2], place).unwrap();
+    device
+}
+
 impl Served {
     fn new() -> Self {
         Self {
-            device: Device::new(Settings::default()),
+            device: flat(),
             start: Instant::now(),
             knot: Arc::default(),
         }

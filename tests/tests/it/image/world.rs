@@ -18,6 +18,8 @@ use super::path::{CLOSURE, Fold};
 /// Options of a very patient host, because the machine may be busy, and the board's time may pass six times as fast as
 /// that of the machine.
 const PATIENT: Options = Options {
+    node: 0,
+    max_retry: 500_000,
     retry: 100_000,
     alive: 20_000,
     silence: 60_000_000,
@@ -126,11 +128,15 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Adds a host, which greets the board.
+    /// Adds a host, which greets the board. The first host says that the sheet stands where the path begins.
     pub(crate) fn greet(&mut self, persistence: Persistence) {
         let id = 1000 + 7 * u32::try_from(self.hosts.len()).unwrap();
+        let mut driver = Driver::new(self.fold.items(), persistence, id, PATIENT);
+        if self.hosts.is_empty() {
+            driver = driver.confirming();
+        }
         self.hosts.push(Host {
-            driver: Driver::new(self.fold.items(), persistence, id, PATIENT),
+            driver,
             awake: true,
             reasons: Vec::new(),
         });
