@@ -3,7 +3,7 @@
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
-use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Node, StarsView};
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Node, Scalar, StarsView};
 use foldpath_test_support::Random;
 
 const TICK: u64 = 1000;
@@ -78,6 +78,11 @@ impl<const G: usize> Run<G> {
         moved.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
     }
 
+    /// Ticks, and asserts that nothing moves.
+    fn still(&mut self) {
+        assert_eq!(self.tick().to_bits(), 0);
+    }
+
     fn until(&mut self, state: State) {
         while self.follower.state() != state {
             assert!(self.tick() <= LIMITS.speed * 1e-3 + 1e-5);
@@ -104,7 +109,7 @@ fn starts_from_no_unknown_place<const G: usize>() {
     // Each start needs measurements of its own.
     assert_eq!(run.follower.start(), Err(Denial::Unknown(0)));
     assert!(run.follower.angles().is_empty());
-    assert_eq!(run.tick(), 0.0);
+    run.still();
     assert_eq!(run.follower.state(), State::Ready);
 }
 
@@ -119,10 +124,10 @@ fn no_motion_starts_from_an_unknown_place() {
 fn a_measured_sheet_approaches_its_path_slowly() {
     let mut rng = Random::new(85);
     for _ in 0..100 {
-        let off = rng.uniform(-0.09, 0.09) as f32;
+        let off = f32::lit(rng.uniform(-0.09, 0.09));
         let mut run = Run::<11>::new();
         run.load(0.5);
-        run.measure(|_| 0.5 + off + rng.uniform(-0.01, 0.01) as f32);
+        run.measure(|_| 0.5 + off + f32::lit(rng.uniform(-0.01, 0.01)));
         run.follower.start().unwrap();
         let approach = Options::<f32>::default().approach;
         assert_eq!(run.follower.reason(), Reason::Approach);
@@ -157,7 +162,7 @@ fn an_approach_is_held_and_goes_on() {
     run.follower.stop(false);
     let stood = run.follower.angles().to_vec();
     assert!(stood[0] > 0.455 && stood[0] < 0.495, "{stood:?}");
-    (0..100).for_each(|_| assert_eq!(run.tick(), 0.0));
+    (0..100).for_each(|_| run.still());
     run.follower.unload().unwrap();
     run.load(0.5);
     run.follower.resume().unwrap();
@@ -231,7 +236,7 @@ fn a_stop_and_a_fault_are_latched_apart() {
             (run.follower.fault(), run.follower.is_stopped()),
             (Some(fault), true)
         );
-        (0..100).for_each(|_| assert_eq!(run.tick(), 0.0));
+        (0..100).for_each(|_| run.still());
         run.follower.clear().unwrap();
         assert_eq!(run.follower.reason(), Reason::StopLine);
         run.load(run.follower.angles()[0]);
@@ -256,10 +261,10 @@ fn a_leap_within_a_tick_is_a_fault() {
         run.follower
             .limit_speeds(|group| if group == 7 { 1e-3 } else { 2.0 });
         let before = run.follower.angles().to_vec();
-        assert_eq!(run.tick(), 0.0);
+        run.still();
         assert_eq!(run.follower.reason(), Reason::Fault(Fault::Leap(7)));
         assert_eq!(run.follower.angles(), before);
-        (0..100).for_each(|_| assert_eq!(run.tick(), 0.0));
+        (0..100).for_each(|_| run.still());
     }
 }
 
@@ -275,7 +280,7 @@ fn a_sensor_that_flickers_hides_no_stuck_hinge() {
             while run.follower.state() != State::Faulted {
                 run.tick();
                 let command = run.follower.angles()[0];
-                let fails = command > 0.46 && run.now / TICK % period == 0;
+                let fails = command > 0.46 && (run.now / TICK).is_multiple_of(period);
                 run.measure(|hinge| {
                     if hinge == flickers && fails {
                         f32::NAN
@@ -325,7 +330,7 @@ fn a_lease_bounds_the_path_time() {
                 assert!(change <= most, "{change} {rate}");
                 rate = run.follower.rate();
             }
-            lease += rng.uniform(0.0, 0.3) as f32;
+            lease += f32::lit(rng.uniform(0.0, 0.3));
             run.follower.lease(Some(lease));
         }
         run.follower.lease(Some(0.0));

@@ -1,9 +1,9 @@
 //! Is a board safe from the first millisecond, with 2, 11 and 94 groups: after power-on, after resets, in faults, and
 //! against bytes that were recorded or forged? Does work go on afterwards?
 
-use std::cell::RefCell;
+use core::cell::RefCell;
+use core::convert::Infallible;
 use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};

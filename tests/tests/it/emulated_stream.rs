@@ -43,7 +43,7 @@ fn session(
         at_start: id == 1,
         id,
     };
-    let (summary, heard) = session::session_at(link, &path, options, wish);
+    let (summary, heard) = session::session(link, &path, options, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
     for told in heard.iter().filter(|told| !told.angles.is_empty()) {
         let knot = told.place.knot as usize;

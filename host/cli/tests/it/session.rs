@@ -21,28 +21,8 @@ impl Watcher for Ear<'_> {
     }
 }
 
-/// Runs a session. Returns its summary and its telemetry.
-pub(crate) fn session(
-    link: &mut impl Link,
-    path: &StreamPath,
-    (id, resume): (u32, bool),
-    wish: &dyn Fn(&[Telemetry]) -> Wish,
-) -> (Summary, Vec<Telemetry>) {
-    let at_start = false;
-    session_at(
-        link,
-        path,
-        Options {
-            resume,
-            at_start,
-            id,
-        },
-        wish,
-    )
-}
-
 /// Runs a session with these options. Returns its summary and its telemetry.
-pub(crate) fn session_at(
+pub(crate) fn session(
     link: &mut impl Link,
     path: &StreamPath,
     options: Options,

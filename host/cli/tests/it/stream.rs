@@ -11,8 +11,8 @@ use std::thread::{self, JoinHandle, sleep};
 use std::time::Instant;
 
 use crate::common::folder;
-use crate::session::session;
-use foldpath::stream::{Faulty, Outcome, Sim, StreamPath, Telemetry, Wish};
+use crate::session;
+use foldpath::stream::{Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{self, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
@@ -56,6 +56,21 @@ fn stars(file: &TrajectoryFile<'_>) -> (Vec<Spoke<f32>>, Vec<u32>) {
     let ends = (1..).zip(file.spokes()).filter(|(_, (_, last))| *last);
     let ends = ends.map(|(end, _)| end).collect();
     (file.spokes().map(|(spoke, _)| spoke).collect(), ends)
+}
+
+/// Runs a session of this number, which goes on or not. Returns its summary and its telemetry.
+fn session(
+    link: &mut impl Link,
+    path: &StreamPath,
+    (id, resume): (u32, bool),
+    wish: &dyn Fn(&[Telemetry]) -> Wish,
+) -> (Summary, Vec<Telemetry>) {
+    let options = Options {
+        resume,
+        id,
+        ..Options::default()
+    };
+    session::session(link, path, options, wish)
 }
 
 /// Returns the angles that the follower commands at each millisecond from the start on, if it has all setpoints.

@@ -215,6 +215,7 @@ impl<'a> World<'a> {
                     state,
                     rate,
                     place,
+                    first: 0,
                     angles,
                 } => {
                     let (numbers, rest) = angles.as_chunks();
