@@ -49,7 +49,7 @@ impl<T: Scalar, const GROUPS: usize> Approach<T, GROUPS> {
     pub(super) fn advance(&mut self, step: T) -> T {
         let taken = step.min(self.left);
         let left = self.left - taken;
-        // What rounding leaves of the way is no way.
+        // Rounding leaves a little of the way, which counts as none.
         self.left = if left > T::EPSILON * self.span {
             left
         } else {

@@ -23,15 +23,16 @@
 //! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly.
 
 mod approach;
+mod hinges;
 mod lag;
 mod queue;
 mod start;
 mod state;
 mod survey;
 
+use crate::Scalar;
 use crate::acceptance::{self, Refusal, Setpoint, SheetView};
 use crate::path_clock::PathClock;
-use crate::{Membership, Scalar};
 
 use approach::Approach;
 use lag::{Lag, LagWatch};
@@ -232,13 +233,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.stopped || self.latch != Reason::None
     }
 
-    /// Returns the commanded angle of a hinge, radians.
-    #[must_use]
-    pub fn hinge(&self, membership: Membership) -> Option<T> {
-        let angle = self.angles().get(membership.group.index())?;
-        Some(membership.apply(*angle))
-    }
-
     /// Bounds the path time from outside: the motion comes to rest there, and goes on when the bound has grown. `None`
     /// removes the bound. A bound that shrinks below the braking distance stops the motion at once, but never moves it
     /// back.
@@ -396,48 +390,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Notes that the host was heard at `now`, microseconds.
     pub fn heard(&mut self, now: u64) {
         self.heard = self.heard.max(now);
-    }
-
-    /// Takes the measured angle of a hinge, radians. Hinges may be measured at any pace, in the order of their numbers
-    /// and then from the first one again. The farthest from its command in this round or the last counts. While it is
-    /// not known where the groups stand, the measured angles tell it.
-    pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
-        if let Some(commanded) = self.hinge(membership) {
-            self.lag.note(hinge, (commanded - angle).abs());
-        } else if self.state == State::Ready && !self.stands {
-            let group = membership.group.index();
-            self.survey.measure(group, membership.apply(angle));
-        }
-    }
-
-    /// Calls `drive` for each of these hinges, numbered from 0, with its number, its group and sign, and its commanded
-    /// angle (radians), or `None` while it is not known where the groups stand. [Measures](Self::measure) the angle that
-    /// `drive` returns, radians, if there is one. Cost: a multiplication and a comparison for each hinge.
-    pub fn drive(
-        &mut self,
-        hinges: impl Iterator<Item = Membership>,
-        mut drive: impl FnMut(u32, Membership, Option<T>) -> Option<T>,
-    ) {
-        let hinges = (0..).zip(hinges);
-        if !self.stands {
-            for (hinge, membership) in hinges {
-                if let Some(angle) = drive(hinge, membership, None) {
-                    self.measure(hinge, membership, angle);
-                }
-            }
-            return;
-        }
-        self.lag.begin();
-        let angles = self.angles.get(..self.groups).unwrap_or(&[]);
-        for (hinge, membership) in hinges {
-            if let Some(angle) = angles.get(membership.group.index()) {
-                let command = membership.apply(*angle);
-                if let Some(angle) = drive(hinge, membership, Some(command)) {
-                    self.lag.note_next(hinge, (command - angle).abs());
-                }
-            }
-        }
-        self.lag.end();
     }
 
     /// Moves on to `now`, microseconds. Time that has already passed does not pass again. If a group would move farther

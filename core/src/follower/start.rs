@@ -1,4 +1,4 @@
-//! How a motion starts: only from a place that is known.
+//! The start of a motion, which needs a place that is known.
 
 use crate::Scalar;
 use crate::follower::lag::LagWatch;

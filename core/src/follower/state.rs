@@ -113,7 +113,7 @@ pub struct Options<T> {
     /// Largest distance of a group from the beginning of a path at which the path may start, radians, if the angle was
     /// commanded before.
     pub jump: T,
-    /// The same if the angle was measured, or if an approach was broken off.
+    /// Largest such distance if the angle was measured, or if an approach was broken off, radians.
     pub reach: T,
     /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
     pub spread: T,

@@ -61,8 +61,8 @@ pub enum Item<'a> {
     Spokes(#[serde(borrow)] &'a [u8]),
     /// A knot of the path, or the last piece of one.
     Setpoint(#[serde(borrow)] SetpointBytes<'a>),
-    /// Numbers of the next groups of a knot that does not fit into one item. As many items of
-    /// [`NODES_BYTES`](crate::wire::path::NODES_BYTES) come before the setpoint with the rest.
+    /// Numbers of the next groups of a knot that does not fit into one item, of
+    /// [`NODES_BYTES`](crate::wire::path::NODES_BYTES). The setpoint with the rest of the groups follows.
     Nodes(#[serde(borrow)] &'a [u8]),
 }
 

@@ -212,10 +212,10 @@ Examples:
     },
 }
 
-/// Where a sheet stands, by the word of its operator.
+/// Places at which an operator may say that a sheet stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum At {
-    /// Where the path begins
+    /// The beginning of the path
     Start,
 }
 

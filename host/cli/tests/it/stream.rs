@@ -21,7 +21,8 @@ use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::{
-    GroupId, GroupLimits, Interpolation, Spoke, StarView, StarsView, local_foldability_matrix,
+    GroupId, GroupLimits, Interpolation, Membership, Spoke, StarView, StarsView,
+    local_foldability_matrix,
 };
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::Faults;
@@ -437,6 +438,61 @@ fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
 
     folder.write("free.txt", "0.8 stick 3\n0.85 free 3");
     assert_eq!(driven(&folder, "--script free.txt")["outcome"], "done");
+}
+
+/// The setpoints of 94 groups come in four pieces, and their telemetry in two; the log has all groups.
+#[test]
+fn a_path_of_94_groups_is_streamed_whole() {
+    const GROUPS: usize = 94;
+    let folder = small();
+    let times: Vec<f32> = (0..11_u8).map(|knot| f32::from(knot) * 0.2).collect();
+    let angles: Vec<f32> = times
+        .iter()
+        .flat_map(|time| (0..GROUPS).map(move |group| time * if group < 40 { 0.5 } else { -0.25 }))
+        .collect();
+    let rates: Vec<f32> = (0..times.len())
+        .flat_map(|_| (0..GROUPS).map(|group| if group < 40 { 0.5 } else { -0.25 }))
+        .collect();
+    let kind = Interpolation::Hermite;
+    let view = TrajectoryView::new(kind, GROUPS, &times, &angles, &rates, &[]).unwrap();
+    let limits = [GroupLimits {
+        lower: -1.0,
+        upper: 1.5,
+        speed: 1.0,
+        acceleration: f32::INFINITY,
+    }; GROUPS];
+    let hinges: Vec<Membership> = (0..94_u32)
+        .map(|group| Membership {
+            group: GroupId(group),
+            negative: false,
+        })
+        .collect();
+    let stars = StarsView::new(&[], &[], GROUPS).unwrap();
+    let mut bytes = Vec::new();
+    write(view, &limits, &hinges, stars, 0.0, |more| {
+        bytes.extend_from_slice(more)
+    })
+    .unwrap();
+    std::fs::write(folder.path("wide.traj"), &bytes).unwrap();
+    let path = StreamPath::read(&bytes, Path::new("wide.traj")).unwrap();
+    let (summary, heard) = session(&mut Sim::new(), &path, (1, false), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+    assert_eq!((summary.setpoints, summary.retransmitted), (11, 0));
+    let known: Vec<_> = heard
+        .iter()
+        .filter(|told| !told.angles.is_empty())
+        .collect();
+    assert!(known.len() > 50, "{}", known.len());
+    for told in known {
+        assert_eq!(told.angles.len(), GROUPS);
+        let pairs = told.angles[..40].iter().zip(&told.angles[54..]);
+        assert!(
+            pairs.into_iter().all(|(a, b)| (a + 2.0 * b).abs() < 1e-5),
+            "{told:?}"
+        );
+    }
+    let answer = folder.done("stream wide.traj --to sim --json");
+    assert_eq!(answer.json()["outcome"], "done");
 }
 
 #[test]

@@ -51,7 +51,7 @@ impl Board {
         // byte of a line.
         command.args(["-mon", "chardev=monitor,mode=readline"]);
         command.args(["-icount", "shift=5"]);
-        // The board's random number, at the address where it expects one. Of all runs in a test only this one has it.
+        // The board's random number, at the address where it expects one. It differs between test programs.
         let nonce = 1 + u64::from(std::process::id());
         command
             .arg("-device")
