@@ -131,6 +131,16 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         self.iter().map(|s| s.spokes.len()).max().unwrap_or(0)
     }
 
+    /// Returns the star of this number, if there is one.
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<StarView<'a, T>> {
+        let end = *self.ends.get(index)? as usize;
+        let before = index.checked_sub(1).and_then(|k| self.ends.get(k));
+        let start = before.map_or(0, |&start| start as usize);
+        let spokes = self.spokes.get(start..end)?;
+        Some(StarView { spokes })
+    }
+
     /// Iterates over the stars in order.
     pub fn iter(&self) -> impl Iterator<Item = StarView<'a, T>> + use<'a, T> {
         let spokes = self.spokes;

@@ -140,6 +140,10 @@
 //! included, the second is given if the search for crossings was completed. No hinge exceeds its limits of speed and
 //! acceleration.
 //!
+//! Pattern, goal, options and seed determine the answer, byte by byte, unless time runs out. The number of threads does
+//! not: large work is shared by the threads of the rayon pool that the caller is in (`rayon::ThreadPool::install`), or
+//! else of rayon's own, which has a thread for each core.
+//!
 //! # Limits
 //!
 //! Errors are the rounding errors of `f64`, which grow with the distance across the sheet and from the origin: a 24x24

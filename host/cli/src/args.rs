@@ -5,12 +5,13 @@ use core::str::FromStr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use foldpath_firmware_sim::hinges::Drive;
 
+use crate::jobs::Jobs;
 use foldpath::planner;
-use foldpath::read::{ColourLetters, ReadOptions};
+use foldpath::read::{self, ColourLetters, ReadOptions};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -65,6 +66,17 @@ pub(crate) enum Command {
     Plot(Plot),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
+    /// Plan many designs: JSON lines in, JSON lines out
+    ///
+    /// A line that is read is {"id":TEXT, "pattern":FILE, "plan":{OPTION:VALUE}, "path":FILE}; in place of "pattern", a
+    /// line may have "generate" with a "family" and its parameters. "plan" and "path" may be left out. A line that is
+    /// written is the answer of `foldpath plan --json` with the id before it, or the id with an "error".
+    ///
+    /// Each design is planned by itself. One that cannot be read, ends its process or hangs is told in its line.
+    /// Results come in the order of the designs.
+    ///
+    /// Exit status: 0 if each design has a result, whatever it says; 2 for bad input or usage.
+    Batch(Batch),
     /// Send a path to a controller and follow the motion
     ///
     /// Ctrl-C slows the motion down along the path and then holds it; a second Ctrl-C stops it at once.
@@ -99,10 +111,10 @@ Examples:
         #[command(flatten)]
         size: Size,
         /// Sector angle, degrees
-        #[arg(long, default_value_t = 60.0)]
+        #[arg(long, default_value_t = defaults::MIURA_ANGLE)]
         angle: f64,
         /// Goal: fold angle of the zigzag creases, as a fraction of 180 degrees
-        #[arg(long, default_value_t = 0.9)]
+        #[arg(long, default_value_t = defaults::MIURA_FOLD)]
         fold: f64,
     },
     /// Waterbomb tessellation on rows x cols unit squares; rows are counted round the tube
@@ -114,7 +126,7 @@ Examples:
         #[command(flatten)]
         size: Size,
         /// Goal: fold angle of the boundary lines, as a fraction of 180 degrees
-        #[arg(long, default_value_t = 0.5)]
+        #[arg(long, default_value_t = defaults::WATERBOMB_FOLD)]
         fold: f64,
     },
     /// Yoshimura pattern on rows x cols cells with one diagonal each
@@ -126,10 +138,10 @@ Examples:
         #[command(flatten)]
         size: Size,
         /// Angle between diagonals and straight creases, degrees
-        #[arg(long, default_value_t = 30.0)]
+        #[arg(long, default_value_t = defaults::YOSHIMURA_ANGLE)]
         angle: f64,
         /// Goal: fold angle of the straight creases, as a fraction of 180 degrees
-        #[arg(long, default_value_t = 0.25)]
+        #[arg(long, default_value_t = defaults::YOSHIMURA_FOLD)]
         fold: f64,
     },
     /// Slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold
@@ -139,16 +151,16 @@ Examples:
   foldpath generate quad --rows 6 --cols 6 -o small-quad.fold")]
     Quad {
         /// Number of rows
-        #[arg(long, default_value_t = 24)]
+        #[arg(long, default_value_t = defaults::QUAD_SIZE)]
         rows: usize,
         /// Number of columns
-        #[arg(long, default_value_t = 24)]
+        #[arg(long, default_value_t = defaults::QUAD_SIZE)]
         cols: usize,
         /// File to write
         #[arg(short, long)]
         output: PathBuf,
         /// Goal: fold angle of the diagonals, as a fraction of 180 degrees
-        #[arg(long, default_value_t = 0.0675)]
+        #[arg(long, default_value_t = defaults::QUAD_FOLD)]
         fold: f64,
     },
     /// Square twists on rows x cols tiles; each tile mirrors its neighbours
@@ -158,22 +170,22 @@ Examples:
   foldpath generate square-twist --rows 2 --cols 2 --letters unfoldable -o locked.fold")]
     SquareTwist {
         /// Number of rows
-        #[arg(long, default_value_t = 1)]
+        #[arg(long, default_value_t = defaults::TWIST_SIZE)]
         rows: usize,
         /// Number of columns
-        #[arg(long, default_value_t = 1)]
+        #[arg(long, default_value_t = defaults::TWIST_SIZE)]
         cols: usize,
         /// File to write
         #[arg(short, long)]
         output: PathBuf,
         /// Angle between the sides of a square and its pleats, degrees
-        #[arg(long, default_value_t = 60.0)]
+        #[arg(long, default_value_t = defaults::TWIST_ANGLE)]
         angle: f64,
         /// Letters with which the sheet folds, or with which it does not
         #[arg(long, value_enum, default_value_t)]
         letters: TwistLetters,
         /// Goal of foldable letters: fold angle of the creases that turn most, as a fraction of 180 degrees
-        #[arg(long, default_value_t = 0.5)]
+        #[arg(long, default_value_t = defaults::TWIST_FOLD)]
         fold: f64,
     },
     /// Ron Resch's triangular tessellation of rows x cols stars; its goal is closed to a plane
@@ -183,10 +195,10 @@ Examples:
   foldpath generate resch --rows 2 --cols 4 -o strip.fold")]
     Resch {
         /// Number of rows
-        #[arg(long, default_value_t = 3)]
+        #[arg(long, default_value_t = defaults::RESCH_SIZE)]
         rows: usize,
         /// Number of columns
-        #[arg(long, default_value_t = 3)]
+        #[arg(long, default_value_t = defaults::RESCH_SIZE)]
         cols: usize,
         /// File to write
         #[arg(short, long)]
@@ -201,10 +213,10 @@ Examples:
   foldpath generate kresling --rows 1 --cols 8 -o ring.fold")]
     Kresling {
         /// Number of rings
-        #[arg(long, default_value_t = 2)]
+        #[arg(long, default_value_t = defaults::KRESLING_RINGS)]
         rows: usize,
         /// Number of sides of the polygon, even
-        #[arg(long, default_value_t = 6)]
+        #[arg(long, default_value_t = defaults::KRESLING_SIDES)]
         cols: usize,
         /// File to write
         #[arg(short, long)]
@@ -219,7 +231,40 @@ pub(crate) enum At {
     Start,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+impl Family {
+    /// Returns the file to write.
+    pub(crate) fn output(&self) -> &PathBuf {
+        match self {
+            Self::Miura { size, .. }
+            | Self::Waterbomb { size, .. }
+            | Self::Yoshimura { size, .. } => &size.output,
+            Self::Quad { output, .. }
+            | Self::SquareTwist { output, .. }
+            | Self::Resch { output, .. }
+            | Self::Kresling { output, .. } => output,
+        }
+    }
+}
+
+/// Parameters of families that are not given: degrees, fractions of 180 degrees, and numbers of rows or columns.
+pub(crate) mod defaults {
+    pub(crate) const MIURA_ANGLE: f64 = 60.0;
+    pub(crate) const MIURA_FOLD: f64 = 0.9;
+    pub(crate) const WATERBOMB_FOLD: f64 = 0.5;
+    pub(crate) const YOSHIMURA_ANGLE: f64 = 30.0;
+    pub(crate) const YOSHIMURA_FOLD: f64 = 0.25;
+    pub(crate) const QUAD_SIZE: usize = 24;
+    pub(crate) const QUAD_FOLD: f64 = 0.0675;
+    pub(crate) const TWIST_SIZE: usize = 1;
+    pub(crate) const TWIST_ANGLE: f64 = 60.0;
+    pub(crate) const TWIST_FOLD: f64 = 0.5;
+    pub(crate) const RESCH_SIZE: usize = 3;
+    pub(crate) const KRESLING_RINGS: usize = 2;
+    pub(crate) const KRESLING_SIDES: usize = 6;
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum TwistLetters {
     /// The sheet folds
     #[default]
@@ -285,6 +330,74 @@ pub(crate) struct Unfold {
     pub(crate) report: Report,
 }
 
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath batch designs.jsonl -o results.jsonl
+  foldpath batch designs.jsonl -o results.jsonl --resume
+  foldpath batch designs.jsonl --shard 0/3 -o results-0.jsonl")]
+pub(crate) struct Batch {
+    /// Designs, one JSON object a line
+    pub(crate) designs: PathBuf,
+    /// File to write, one JSON object a line
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Number of designs that are planned at a time [default: one for each core]
+    #[arg(long, value_name = "K")]
+    pub(crate) jobs: Option<core::num::NonZeroU16>,
+    /// Plan one part of N, numbered from 0
+    ///
+    /// A digest of its id says to which part a design belongs. All parts put together and sorted are the lines of one
+    /// run, sorted.
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Go on with results that are there
+    ///
+    /// Designs whose ids are among the results are skipped. The rest of a line that an interrupted run has left is cut off.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Timeout of designs that name none, seconds
+    #[arg(long, default_value_t = 60.0, value_name = "SECONDS")]
+    pub(crate) timeout: f64,
+    /// Leave out what depends on the clock, so that equal designs give equal bytes
+    ///
+    /// Results then have no times. A design whose time was up has no more than the outcome timeout.
+    #[arg(long)]
+    pub(crate) stable: bool,
+    /// Be a process that plans the designs on stdin
+    #[arg(long, hide = true)]
+    pub(crate) worker: bool,
+}
+
+/// Value `I/N` of `--shard`: one part of N, numbered from 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shard {
+    pub(crate) index: u32,
+    pub(crate) of: u32,
+}
+
+impl Default for Shard {
+    fn default() -> Self {
+        Self { index: 0, of: 1 }
+    }
+}
+
+impl FromStr for Shard {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parse = || {
+            let (index, of) = text.split_once('/')?;
+            let shard = Self {
+                index: index.parse().ok()?,
+                of: of.parse().ok()?,
+            };
+            (shard.index < shard.of).then_some(shard)
+        };
+        parse().ok_or("expected I/N, a part from 0 to N-1 of N parts")
+    }
+}
+
 impl Command {
     /// Returns `true` if the answer is to be one JSON object on stdout.
     pub(crate) fn prints_json(&self) -> bool {
@@ -309,6 +422,11 @@ pub(crate) struct Reading {
     /// keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
     #[arg(long, value_name = "LENGTH")]
     pub(crate) tolerance: Option<f64>,
+    /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
+    ///
+    /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub(crate) straighten: Straighten,
     /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
     ///
     /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and
@@ -317,6 +435,17 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "NAME=LETTER,...")]
     #[serde(serialize_with = "text")]
     pub(crate) colors: Option<ColourLetters>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Straighten {
+    /// If a vertex is off by more than rounding: by a tenth of the usual tolerance
+    Auto,
+    /// Always
+    On,
+    /// Never
+    Off,
 }
 
 /// Serialises an option as its text.
@@ -334,7 +463,7 @@ fn text<S: serde::Serializer>(
 impl Reading {
     /// Returns `true` if an option is given.
     pub(crate) fn is_given(&self) -> bool {
-        self.tolerance.is_some() || self.colors.is_some()
+        self.tolerance.is_some() || self.colors.is_some() || self.straighten != Straighten::Auto
     }
 
     /// Returns the reader's options.
@@ -349,20 +478,26 @@ impl Reading {
             )));
         }
         Ok(ReadOptions {
+            format: None,
             tolerance: self.tolerance,
+            straighten: match self.straighten {
+                Straighten::Auto => read::Straighten::Auto,
+                Straighten::On => read::Straighten::On,
+                Straighten::Off => read::Straighten::Off,
+            },
             colours: self.colors.clone().unwrap_or_default(),
         })
     }
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-#[derive(Debug, Args, Serialize)]
+#[derive(Clone, Debug, Args, Serialize)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
 Examples:
@@ -500,6 +635,10 @@ pub(crate) struct Plan {
     #[command(flatten)]
     #[serde(flatten)]
     pub(crate) reading: Reading,
+    // Not listed among the options of an answer, which is the same for any number.
+    #[command(flatten)]
+    #[serde(skip)]
+    pub(crate) jobs: Jobs,
     #[command(flatten)]
     #[serde(skip)]
     pub(crate) report: Report,
@@ -836,6 +975,8 @@ pub(crate) struct Check {
     #[arg(long, value_name = "EDGES")]
     pub(crate) contact: Option<f64>,
     #[command(flatten)]
+    pub(crate) jobs: Jobs,
+    #[command(flatten)]
     pub(crate) report: Report,
 }
 
@@ -870,17 +1011,25 @@ pub(crate) struct Plot {
 Examples:
   foldpath export path.fold --to traj -o path.traj
   foldpath export path.fold --to glb -o path.glb
-  foldpath export path.fold --to obj --frames 60 -o fold.obj
-  foldpath export path.fold --to svg --colour groups -o groups.svg")]
+  foldpath export path.fold --to csv --rate 50 --per hinge -o hinges.csv
+  foldpath export path.fold --to mjcf -o model")]
 pub(crate) struct Export {
     /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_enum)]
     pub(crate) to: ExportFormat,
-    /// File to write; with obj, the name of the sequence or a folder
+    /// File to write; with obj, the name of the sequence or a folder; with mjcf, a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    /// With csv: rows a second, and one for the end [default: a row for each knot]
+    ///
+    /// The first column is the time t in seconds; angles are in degrees, valley positive.
+    #[arg(long, value_name = "HZ")]
+    pub(crate) rate: Option<f64>,
+    /// With csv and --rate: what has a column [default: hinge]
+    #[arg(long, value_enum, requires = "rate")]
+    pub(crate) per: Option<Per>,
     /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
     ///
     /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
@@ -898,7 +1047,7 @@ pub(crate) struct Export {
 pub(crate) enum ExportFormat {
     /// File that a controller stores and follows: group angles and rates at the knots, with limits
     Traj,
-    /// One row for each knot: time in seconds and the fold angle of each crease group in degrees
+    /// One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees
     Csv,
     /// Contents of a .traj file as Rust constants, which need foldpath-core but no std
     Rust,
@@ -908,6 +1057,18 @@ pub(crate) enum ExportFormat {
     Glb,
     /// Coloured drawing of the crease pattern
     Svg,
+    /// Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel
+    Mjcf,
+    /// ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
+    JointTrajectory,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Per {
+    /// Each hinge, named edge_I by the number of its edge
+    Hinge,
+    /// Each crease group, named group_G
+    Group,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -5,11 +5,11 @@ use serde::Serialize;
 use crate::args::Check;
 use crate::progress::watched;
 use crate::report::outcome;
+use crate::standard::Input;
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::check::{CheckOptions, check_watched};
 use foldpath::folding::SpanningTree;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::fold::read_motion;
 
 #[derive(Serialize)]
 struct CheckJson {
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         return Err(CliError::Usage(text));
     }
     let (path, verdict) = watched(&args.report, quiet, |progress| {
-        let path = read_motion(&args.path)?;
+        let path = Input::of(&args.path)?.motion()?;
         let options = CheckOptions {
             bound,
             contact: args.contact,

@@ -2,63 +2,83 @@
 
 use foldpath_core::Membership;
 
-use crate::args::{Colour, Export, ExportFormat};
+use crate::args::{Colour, Export, ExportFormat, Per};
 use crate::output::{write_each_whole, write_whole};
+use crate::standard::{Input, is_standard, print_summary, shown};
 use crate::{Answer, CliError, check_output, print};
+use foldpath::export::joint_trajectory::JointTrajectory;
 use foldpath::export::traj::TrajFile;
-use foldpath::export::{csv, glb, obj_sequence, rust, svg_pattern};
+use foldpath::export::{csv, glb, mjcf, obj_sequence, rust, svg_pattern};
 use foldpath::folding::{STEP, deformation_of_faces};
 use foldpath::motion::{GroupNaming, Motion};
 use foldpath::pattern::{CreasePattern, EdgeId};
-use foldpath::read::fold::read_motion;
-use foldpath::read::{FileError, parse_pattern_with, read_pattern_bytes};
+use foldpath::read::FileError;
 use foldpath::symmetry::CreaseGroups;
 
-pub(crate) fn run(args: &Export) -> Answer {
+pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
     let has_frames = matches!(args.to, ExportFormat::Obj | ExportFormat::Glb);
     let usage = |text: &str| Err(CliError::Usage(text.into()));
     if args.frames.is_some() && !has_frames {
         return usage("--frames: expected --to obj or --to glb, which have frames");
+    }
+    if args.rate.is_some() && args.to != ExportFormat::Csv {
+        return usage("--rate: expected --to csv, which has rows");
+    }
+    if let Some(rate) = args.rate.filter(|rate| !(*rate > 0.0 && rate.is_finite())) {
+        return usage(&format!(
+            "--rate: expected a frequency above 0 Hz, found {rate}"
+        ));
     }
     if args.colour.is_some() && args.to != ExportFormat::Svg {
         return usage("--colour: expected --to svg, which has colours");
     }
     let reads_drawing = args.to == ExportFormat::Svg && args.colour != Some(Colour::Deformation);
     if args.reading.is_given() && !reads_drawing {
-        let text = "--tolerance and --colors: expected --to svg with colours by letters or groups, which reads drawings";
+        let text = "--tolerance, --straighten and --colors: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text);
     }
     check_output("-o", &args.output, [&args.path])?;
+    let several = matches!(args.to, ExportFormat::Obj | ExportFormat::Mjcf);
+    if several && is_standard(&args.output) {
+        return usage(
+            "-o: expected a folder, as --to obj and --to mjcf write several files, found -",
+        );
+    }
+    let input = Input::of(&args.path)?;
     if args.to == ExportFormat::Obj {
-        return sequence(args);
+        return sequence(args, &input);
+    }
+    if args.to == ExportFormat::Mjcf {
+        return model(args, &input);
     }
     let (title, bytes, content) = match args.to {
-        ExportFormat::Svg => drawing(args)?,
-        _ => path_file(args)?,
+        ExportFormat::Svg => drawing(args, &input)?,
+        _ => path_file(args, &input)?,
     };
     write_whole(&args.output, &bytes)?;
-    print(&format!(
+    let text = format!(
         "{title}: {content}, {} bytes written to {}\n",
         bytes.len(),
-        args.output.display()
-    ))?;
+        shown(&args.output)
+    );
+    print_summary(Some(&args.output), quiet, &text)?;
     Ok(true)
 }
 
 /// Title, bytes, and a description of the bytes.
 type Content = (String, Vec<u8>, String);
 
-fn path_file(args: &Export) -> Result<Content, FileError> {
-    let path = read_motion(&args.path)?;
+fn path_file(args: &Export, input: &Input) -> Result<Content, CliError> {
+    let path = input.motion()?;
     let (bytes, content) = match args.to {
         ExportFormat::Traj | ExportFormat::Rust => {
-            let file = TrajFile::of(&path, &args.path)?;
+            let file = TrajFile::of(&path, &input.name)?;
             let content = format!(
                 "{} knots of {} groups, {} hinges, {:.3} s",
                 file.knots, file.groups, file.hinges, file.duration
             );
             if args.to == ExportFormat::Rust {
-                let text = rust::source(&file, &path.title, &args.path)?;
+                let text = rust::source(&file, &path.title, &input.name)?;
                 (text.into_bytes(), content)
             } else {
                 (file.bytes, content)
@@ -73,10 +93,34 @@ fn path_file(args: &Export) -> Result<Content, FileError> {
                 frames.knots.len(),
                 path.pattern.faces().len()
             );
-            (glb::content(&frames, &args.path)?, content)
+            (glb::content(&frames, &input.name)?, content)
+        }
+        ExportFormat::JointTrajectory => {
+            let trajectory = JointTrajectory::of(&path, &input.name)?;
+            let (points, joints) = (trajectory.points.len(), trajectory.joints.len());
+            let error = trajectory.resampling_error;
+            let made = if error > 0.0 {
+                format!("resampled to {error:.1e} radians")
+            } else {
+                "exact".into()
+            };
+            (
+                trajectory.text().into_bytes(),
+                format!("{points} points of {joints} joints, {made}"),
+            )
+        }
+        ExportFormat::Csv if args.rate.is_some() => {
+            let column = match args.per {
+                Some(Per::Group) => csv::Column::Group,
+                Some(Per::Hinge) | None => csv::Column::Hinge,
+            };
+            let rate = args.rate.unwrap_or_default();
+            let text = csv::sampled(&path, &input.name, rate, column)?;
+            let rows = text.lines().count() - 1;
+            (text.into_bytes(), format!("{rows} rows at {rate} Hz"))
         }
         _ => {
-            let text = csv::text(&path, &args.path)?;
+            let text = csv::text(&path, &input.name)?;
             (text.into_bytes(), format!("{} knots", path.knots.len()))
         }
     };
@@ -89,8 +133,8 @@ fn resampled(args: &Export, path: &Motion) -> Option<Motion> {
 }
 
 /// Writes one OBJ file for each frame.
-fn sequence(args: &Export) -> Answer {
-    let path = read_motion(&args.path)?;
+fn sequence(args: &Export, input: &Input) -> Answer {
+    let path = input.motion()?;
     let path = resampled(args, &path).unwrap_or(path);
     let output = &args.output;
     let named_folder = output
@@ -121,10 +165,38 @@ fn sequence(args: &Export) -> Answer {
     Ok(true)
 }
 
+/// Writes a model of MuJoCo into a folder.
+fn model(args: &Export, input: &Input) -> Answer {
+    let path = input.motion()?;
+    let model = mjcf::model(&path, &input.name)?;
+    let output = &args.output;
+    std::fs::create_dir_all(output).map_err(|source| FileError::Io {
+        path: output.clone(),
+        source,
+    })?;
+    let files = model.files.into_iter();
+    write_each_whole(files.map(|(name, content)| (output.join(name), content)))?;
+    let driven = if model.drivers_known {
+        "that drive the sheet near flat"
+    } else {
+        "of the tree, as it is not known which drive the sheet"
+    };
+    print(&format!(
+        "{}: {} panels, {} hinge joints, {} loops, actuators on {} hinges {driven}, written to {}\n",
+        path.title,
+        model.panels,
+        model.joints,
+        model.loops,
+        model.actuators.len(),
+        output.join("scene.xml").display()
+    ))?;
+    Ok(true)
+}
+
 /// Returns a coloured drawing of the crease pattern of a path, or of any file with a crease pattern.
-fn drawing(args: &Export) -> Result<Content, CliError> {
+fn drawing(args: &Export, input: &Input) -> Result<Content, CliError> {
     let options = args.reading.options()?;
-    let read = || parse_pattern_with(&args.path, &read_pattern_bytes(&args.path)?, &options);
+    let read = || input.pattern(&input.pattern_bytes()?, &options);
     let colour = args.colour.unwrap_or_default();
     let (title, text, content) = match colour {
         Colour::Letters => {
@@ -136,7 +208,7 @@ fn drawing(args: &Export) -> Result<Content, CliError> {
                 format!("{} edges by letters", file.pattern.edges().len()),
             )
         }
-        Colour::Groups => match read_motion(&args.path) {
+        Colour::Groups => match input.motion() {
             Ok(path) if path.naming != GroupNaming::Unnamed => {
                 let ranges = ranges(&path);
                 let members = path.named_members();
@@ -159,7 +231,7 @@ fn drawing(args: &Export) -> Result<Content, CliError> {
             }
         },
         Colour::Deformation => {
-            let path = read_motion(&args.path)?;
+            let path = input.motion()?;
             let faces = deformation_of_faces(&path);
             let text = svg_pattern::by_deformation(&path.title, &path.pattern, &faces);
             (

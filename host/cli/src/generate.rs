@@ -2,14 +2,34 @@
 
 use crate::args::{Family, Generate, Size, TwistLetters};
 use crate::output::write_whole_with;
-use crate::{Answer, print};
+use crate::standard::{print_summary, shown};
+use crate::{Answer, CliError};
 use foldpath::export::fold::write_pattern;
 use foldpath::generate::{
     Kresling, Letters, Miura, Quad, Resch, SquareTwist, Waterbomb, Yoshimura,
 };
+use foldpath::pattern::Drawing;
 
-pub(crate) fn run(args: &Generate) -> Answer {
-    let (name, [rows, cols], output, drawing) = match &args.family {
+pub(crate) fn run(args: &Generate, quiet: bool) -> Answer {
+    let (title, drawing) = family_drawing(&args.family)?;
+    let output = args.family.output();
+    write_whole_with(output, |out| write_pattern(&title, &drawing, out))?;
+    let text = format!(
+        "{title}: {} vertices, {} edges, written to {}\n",
+        drawing.vertices.len(),
+        drawing.edges.len(),
+        shown(output)
+    );
+    print_summary(Some(output), quiet, &text)?;
+    Ok(true)
+}
+
+/// Returns title and drawing of a pattern of a family.
+///
+/// # Errors
+/// If a parameter is out of its range.
+pub(crate) fn family_drawing(family: &Family) -> Result<(String, Drawing), CliError> {
+    let (name, [rows, cols], drawing) = match family {
         Family::Miura { size, angle, fold } => {
             let miura = Miura {
                 rows: size.rows,
@@ -17,7 +37,7 @@ pub(crate) fn run(args: &Generate) -> Answer {
                 sector_angle: angle.to_radians(),
                 fold: *fold,
             };
-            ("Miura", shape(size), &size.output, miura.drawing()?)
+            ("Miura", shape(size), miura.drawing()?)
         }
         Family::Waterbomb { size, fold } => {
             let waterbomb = Waterbomb {
@@ -25,7 +45,7 @@ pub(crate) fn run(args: &Generate) -> Answer {
                 columns: size.cols,
                 fold: *fold,
             };
-            ("Waterbomb", shape(size), &size.output, waterbomb.drawing()?)
+            ("Waterbomb", shape(size), waterbomb.drawing()?)
         }
         Family::Yoshimura { size, angle, fold } => {
             let yoshimura = Yoshimura {
@@ -34,28 +54,25 @@ pub(crate) fn run(args: &Generate) -> Answer {
                 angle: angle.to_radians(),
                 fold: *fold,
             };
-            ("Yoshimura", shape(size), &size.output, yoshimura.drawing()?)
+            ("Yoshimura", shape(size), yoshimura.drawing()?)
         }
         Family::Quad {
-            rows,
-            cols,
-            output,
-            fold,
+            rows, cols, fold, ..
         } => {
             let quad = Quad {
                 rows: *rows,
                 columns: *cols,
                 fold: *fold,
             };
-            ("Quad", [*rows, *cols], output, quad.drawing()?)
+            ("Quad", [*rows, *cols], quad.drawing()?)
         }
         Family::SquareTwist {
             rows,
             cols,
-            output,
             angle,
             letters,
             fold,
+            ..
         } => {
             let twist = SquareTwist {
                 rows: *rows,
@@ -67,32 +84,24 @@ pub(crate) fn run(args: &Generate) -> Answer {
                 },
                 fold: *fold,
             };
-            ("Square twist", [*rows, *cols], output, twist.drawing()?)
+            ("Square twist", [*rows, *cols], twist.drawing()?)
         }
-        Family::Resch { rows, cols, output } => {
+        Family::Resch { rows, cols, .. } => {
             let resch = Resch {
                 rows: *rows,
                 columns: *cols,
             };
-            ("Resch", [*rows, *cols], output, resch.drawing()?)
+            ("Resch", [*rows, *cols], resch.drawing()?)
         }
-        Family::Kresling { rows, cols, output } => {
+        Family::Kresling { rows, cols, .. } => {
             let kresling = Kresling {
                 rows: *rows,
                 columns: *cols,
             };
-            ("Kresling", [*rows, *cols], output, kresling.drawing()?)
+            ("Kresling", [*rows, *cols], kresling.drawing()?)
         }
     };
-    let title = format!("{name} {rows}x{cols}");
-    write_whole_with(output, |out| write_pattern(&title, &drawing, out))?;
-    print(&format!(
-        "{title}: {} vertices, {} edges, written to {}\n",
-        drawing.vertices.len(),
-        drawing.edges.len(),
-        output.display()
-    ))?;
-    Ok(true)
+    Ok((format!("{name} {rows}x{cols}"), drawing))
 }
 
 fn shape(size: &Size) -> [usize; 2] {

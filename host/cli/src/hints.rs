@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::CliError;
+use crate::standard::{argument, is_stdin};
 use foldpath::pattern::{CreasePattern, EdgeId, PatternError};
 use foldpath::planner::{CLOSED, GoalError};
 use foldpath::read::FileError;
@@ -14,6 +15,7 @@ use foldpath::symmetry::closure_of;
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
+        CliError::Piped { error, .. } => of_file(error),
         CliError::Goal { source, .. } => of_goal(source),
         CliError::Hinge { hint, .. } => hint.clone(),
         _ => None,
@@ -35,7 +37,7 @@ fn of_file(error: &FileError) -> Option<String> {
         FileError::Syntax { .. } => return of_content(path),
         FileError::Expected { place, .. } if place == "the file" => return of_content(path),
         FileError::Expected { place, found, .. } if place == "file_frames" && found == "none" => {
-            let path = path.display();
+            let path = argument(path).display();
             return Some(format!(
                 "`foldpath plan {path} -o path.fold` makes a path of it, to use here"
             ));
@@ -83,9 +85,9 @@ fn of_goal(error: &GoalError) -> Option<String> {
 const HEAD: u64 = 512;
 
 /// Returns the first line of a file, within its first bytes, that is neither empty nor a comment with `#`. Pipes and
-/// devices are not read: for these it returns `None`.
+/// devices are not read: for these it returns `None`, as for stdin.
 fn head(path: &Path) -> Option<String> {
-    if !std::fs::metadata(path).ok()?.is_file() {
+    if is_stdin(path) || !std::fs::metadata(path).ok()?.is_file() {
         return None;
     }
     let mut head = Vec::new();

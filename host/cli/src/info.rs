@@ -8,13 +8,13 @@ use serde::Serialize;
 use crate::args::{Info, timeout};
 use crate::hints::radians;
 use crate::report::lost_lines;
+use crate::standard::Input;
 use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::folding::{Amplification, SpanningTree};
 use foldpath::pattern::{EdgeId, Letter};
 use foldpath::planner::{CLOSED, Cause, forecast};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::read::{parse_pattern_with, read_pattern_bytes};
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
 #[derive(Serialize)]
@@ -73,9 +73,9 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
     let watch = Watch::default().until(deadline);
     let options = args.reading.options()?;
-    let bytes = read_pattern_bytes(&args.pattern)?;
-    let file = parse_pattern_with(&args.pattern, &bytes, &options)?;
-    drop(bytes);
+    let input = Input::of(&args.pattern)?;
+    let file = input.pattern(&input.pattern_bytes()?, &options)?;
+    drop(input);
     let pattern = &file.pattern;
     let tree = SpanningTree::from_central_face(pattern);
     let groups = CreaseGroups::find_until(pattern, watch);

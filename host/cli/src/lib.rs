@@ -6,6 +6,7 @@
 pub mod link;
 
 mod args;
+mod batch;
 mod check;
 mod complete;
 mod export;
@@ -13,6 +14,7 @@ mod fonts;
 mod generate;
 mod hints;
 mod info;
+mod jobs;
 mod outlook;
 mod output;
 mod plan;
@@ -20,6 +22,7 @@ mod plot;
 mod png;
 mod progress;
 mod report;
+mod standard;
 mod stream;
 mod unfold;
 mod view;
@@ -41,6 +44,9 @@ use foldpath::read::FileError;
 enum CliError {
     #[error(transparent)]
     File(#[from] FileError),
+    /// An error about stdin, with the text that was read.
+    #[error("{error}")]
+    Piped { error: Box<FileError>, text: String },
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error("--{}: {}", flag(option), option.problem())]
@@ -75,19 +81,7 @@ pub fn main() -> ExitCode {
         Err(error) => return usage(&error),
     };
     let (quiet, json) = (cli.quiet, cli.command.prints_json());
-    let answer = match cli.command {
-        args::Command::Generate(args) => generate::run(&args),
-        args::Command::Info(args) => info::run(&args, quiet),
-        args::Command::Plan(args) => plan::run(&args, quiet),
-        args::Command::Check(args) => check::run(&args, quiet),
-        args::Command::Unfold(args) => unfold::run(&args, quiet),
-        args::Command::View(args) => view::run(&args),
-        args::Command::Plot(args) => plot::run(&args),
-        args::Command::Export(args) => export::run(&args),
-        args::Command::Stream(args) => stream::run(&args, quiet),
-        args::Command::Completions(args) => complete::completions(&args),
-        args::Command::Man(args) => complete::man(&args),
-    };
+    let answer = standard::check_use(&cli.command).and_then(|()| run(cli.command, quiet));
     match answer {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
@@ -98,6 +92,23 @@ pub fn main() -> ExitCode {
             }
             ExitCode::from(2)
         }
+    }
+}
+
+fn run(command: args::Command, quiet: bool) -> Answer {
+    match command {
+        args::Command::Generate(args) => generate::run(&args, quiet),
+        args::Command::Info(args) => info::run(&args, quiet),
+        args::Command::Plan(args) => args.jobs.run(|| plan::run(&args, quiet)),
+        args::Command::Check(args) => args.jobs.run(|| check::run(&args, quiet)),
+        args::Command::Unfold(args) => unfold::run(&args, quiet),
+        args::Command::View(args) => view::run(&args, quiet),
+        args::Command::Plot(args) => plot::run(&args, quiet),
+        args::Command::Export(args) => export::run(&args, quiet),
+        args::Command::Batch(args) => batch::run(&args, quiet),
+        args::Command::Stream(args) => stream::run(&args, quiet),
+        args::Command::Completions(args) => complete::completions(&args),
+        args::Command::Man(args) => complete::man(&args),
     }
 }
 
@@ -113,12 +124,15 @@ fn usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Checks that the output file, named by `option`, is none of the input files.
+/// Checks that the output file, named by `option`, is none of the input files. Stdout is no file.
 fn check_output<'a>(
     option: &str,
     output: &Path,
     inputs: impl IntoIterator<Item = &'a PathBuf>,
 ) -> Result<(), CliError> {
+    if standard::is_standard(output) {
+        return Ok(());
+    }
     let Ok(found) = output.canonicalize() else {
         return Ok(());
     };

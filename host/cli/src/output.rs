@@ -1,4 +1,5 @@
-//! Writes files whole or not at all: under a temporary name first, and then renamed.
+//! Writes files whole or not at all: under a temporary name first, and then renamed. The content for stdout is written
+//! once it is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -7,34 +8,65 @@ use std::path::{Path, PathBuf};
 use foldpath::read::FileError;
 use tempfile::TempPath;
 
+use crate::standard::is_standard;
+use crate::{CliError, print_to};
+
 /// Size of the buffer for writing, bytes.
 const BUFFER: usize = 1 << 18;
+
+/// Takes the content of a file.
+pub(crate) enum Sink<'a> {
+    File(BufWriter<&'a File>),
+    /// Content for stdout, until it is complete.
+    Memory(&'a mut Vec<u8>),
+}
+
+impl Write for Sink<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Memory(memory) => memory.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Memory(_) => Ok(()),
+        }
+    }
+}
 
 /// Writes `content` to `path`, as [`write_whole_with`] does.
 ///
 /// # Errors
 /// If the system refuses.
-pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), FileError> {
+pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), CliError> {
     write_whole_with(path, |out| out.write_all(content))
 }
 
 /// Writes the output of `content` to `path`, so that `path` never holds a part of it. The file is written in the same
 /// folder under another name and then renamed. If `path` is a symbolic link, its target is replaced and the link stays.
-/// A pipe or a device is written to directly.
+/// A pipe or a device is written to directly, and `-` stands for stdout.
 ///
 /// # Errors
 /// If the system refuses, or `content` fails.
 pub(crate) fn write_whole_with(
     path: &Path,
-    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
-) -> Result<(), FileError> {
+    content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+) -> Result<(), CliError> {
+    if is_standard(path) {
+        let mut bytes = Vec::new();
+        content(&mut Sink::Memory(&mut bytes)).map_err(CliError::Output)?;
+        return print_to(io::stdout().lock(), &bytes);
+    }
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     if std::fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
         let write = || fill(&File::create(&target)?, content);
-        return write().map_err(|error| failed(path, &error));
+        return Ok(write().map_err(|error| failed(path, &error))?);
     }
     let write = || Ok(beside(&target, content)?.persist(&target)?);
-    write().map_err(|error| failed(path, &error))
+    Ok(write().map_err(|error| failed(path, &error))?)
 }
 
 /// Writes several files, each whole. No file is put in its place before all have been written.
@@ -68,7 +100,7 @@ fn failed(path: &Path, error: &io::Error) -> FileError {
 /// path is dropped.
 fn beside(
     target: &Path,
-    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+    content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
 ) -> io::Result<TempPath> {
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -88,11 +120,8 @@ fn beside(
     Ok(file.into_temp_path())
 }
 
-fn fill(
-    file: &File,
-    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(BUFFER, file);
+fn fill(file: &File, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> io::Result<()> {
+    let mut out = Sink::File(BufWriter::with_capacity(BUFFER, file));
     content(&mut out)?;
     out.flush()
 }
@@ -129,7 +158,9 @@ mod tests {
             out.write_all(&vec![b'x'; 2 * BUFFER])?;
             Err(io::ErrorKind::StorageFull.into())
         });
-        assert!(matches!(refused, Err(FileError::Io { path: at, .. }) if at == path));
+        assert!(
+            matches!(refused, Err(CliError::File(FileError::Io { path: at, .. })) if at == path)
+        );
         assert_eq!(std::fs::read(&path).unwrap(), b"before");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }

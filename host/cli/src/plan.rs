@@ -1,6 +1,7 @@
 //! Runs `foldpath plan`, which plans a path and writes it.
 
 use core::time::Duration;
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -11,7 +12,8 @@ use crate::hints::{nearest_hinge, radians};
 use crate::output::write_whole_with;
 use crate::progress::watched;
 use crate::report::{lost_lines, outcome};
-use crate::{Answer, CliError, check_output, print, print_json, print_notes};
+use crate::standard::{Input, print_summary, shown};
+use crate::{Answer, CliError, check_output, print_json, print_notes};
 use foldpath::export::fold::write_motion;
 use foldpath::motion::Motion;
 use foldpath::pattern::{CreaseId, CreasePattern, EdgeId, Letter};
@@ -19,8 +21,7 @@ use foldpath::planner::{
     self, Foldability, Goal, GoalError, HingeLimit, Outcome, PlanOptions, forecast,
 };
 use foldpath::progress::{Progress, Stage, Watch};
-use foldpath::read::fold::{PatternFile, read_goal};
-use foldpath::read::{parse_pattern_with, read_pattern_bytes};
+use foldpath::read::fold::PatternFile;
 use foldpath::symmetry::CreaseGroups;
 
 /// Largest number of causes that a plan's notes name; `info` names them all.
@@ -28,13 +29,14 @@ const MAX_CAUSES: usize = 5;
 /// Largest number of panels that bend that are named.
 const MAX_BENDS: usize = 8;
 
+/// The answer as `--json` prints it.
 #[derive(Serialize)]
-struct PlanJson<'a> {
-    version: &'static str,
-    input: InputJson,
+pub(crate) struct PlanJson<'a> {
+    pub(crate) version: &'static str,
+    pub(crate) input: &'a InputJson,
     options: &'a Plan,
-    outcome: &'a str,
-    reason: Option<&'a str>,
+    pub(crate) outcome: &'static str,
+    reason: Option<String>,
     reached: f64,
     creases: usize,
     real_vertices: usize,
@@ -54,26 +56,37 @@ struct PlanJson<'a> {
     undecided: Vec<String>,
     notes: Vec<String>,
     attempts: Vec<AttemptJson>,
-    time: TimeJson,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<TimeJson>,
     solver: SolverJson,
     collision: CollisionJson,
     seed: u64,
 }
 
+impl PlanJson<'_> {
+    /// Leaves out the times that were taken.
+    pub(crate) fn leave_out_times(&mut self) {
+        self.time = None;
+        for attempt in &mut self.attempts {
+            attempt.seconds = None;
+        }
+    }
+}
+
 /// The file that was read.
 #[derive(Serialize)]
-struct InputJson {
+pub(crate) struct InputJson {
     file: String,
     sha256: String,
 }
 
 impl InputJson {
-    fn of(args: &Plan, bytes: &[u8]) -> Self {
+    fn of(args: &Plan, name: &Path, bytes: &[u8]) -> Self {
         // Only the JSON names the digest.
         let digest = args.report.json.then(|| Sha256::digest(bytes));
         let digest = digest.iter().flatten();
         Self {
-            file: args.pattern.display().to_string(),
+            file: name.display().to_string(),
             sha256: digest.map(|byte| format!("{byte:02x}")).collect(),
         }
     }
@@ -85,7 +98,8 @@ struct AttemptJson {
     strategy: &'static str,
     outcome: &'static str,
     reason: Option<String>,
-    seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
 }
 
 impl AttemptJson {
@@ -94,7 +108,7 @@ impl AttemptJson {
             strategy: attempt.strategy.name(),
             outcome: attempt.outcome.name(),
             reason: attempt.reason.as_ref().map(ToString::to_string),
-            seconds: attempt.seconds,
+            seconds: Some(attempt.seconds),
         }
     }
 }
@@ -128,6 +142,32 @@ struct CollisionJson {
 
 pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     let start = Instant::now();
+    let options = checked_options(args)?;
+    let planned = watched(&args.report, quiet, |progress| {
+        planned(args, None, options, quiet, progress)
+    })?;
+    let json = told(args, &planned, start);
+    print_notes(quiet, &json.notes);
+    if args.report.json {
+        print_json(&json)?;
+    } else {
+        let text = summary(args, &planned, &json);
+        print_summary(args.output.as_deref(), quiet, &text)?;
+    }
+    Ok(planned.outcome() == Outcome::Planned)
+}
+
+/// Plans for an input that was found otherwise than by the arguments, and prints nothing.
+///
+/// # Errors
+/// As the command refuses.
+pub(crate) fn plan_input(args: &Plan, input: Input) -> Result<Planned, CliError> {
+    let options = checked_options(args)?;
+    planned(args, Some(input), options, true, &Progress::new())
+}
+
+/// Returns the planner's options, if these and the file to write are valid.
+fn checked_options(args: &Plan) -> Result<PlanOptions, CliError> {
     let options = args.options()?;
     if let Some(output) = &args.output {
         let inputs = [&args.pattern]
@@ -136,25 +176,25 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
             .chain(&args.via);
         check_output("-o", output, inputs)?;
     }
+    Ok(options)
+}
+
+/// Returns the answer for `--json`. `start` is when the work began.
+pub(crate) fn told<'a>(args: &'a Plan, planned: &'a Planned, start: Instant) -> PlanJson<'a> {
     let Planned {
         input,
         file,
-        goal,
         plan,
-        held_flat,
-        in_the_way,
         read,
         write,
-    } = watched(&args.report, quiet, |progress| {
-        planned(args, options, quiet, progress)
-    })?;
+        ..
+    } = planned;
     let times = plan.times;
-    let reason = plan.reason.as_ref().map(ToString::to_string);
     let notes = [file.pattern.repairs(), file.pattern.assumptions()];
     let mut notes: Vec<String> = notes.concat();
     notes.extend(plan.notes.iter().map(ToString::to_string));
-    notes.extend(held_flat);
-    notes.extend(in_the_way);
+    notes.extend_from_slice(&planned.held_flat);
+    notes.extend_from_slice(&planned.in_the_way);
     notes.extend(plan.motion.iter().flat_map(bends));
     if args.goal.is_none() && args.fold.is_none() && args.crease.is_empty() {
         let open = plan.outcome == Outcome::GoalNotClosed;
@@ -165,13 +205,12 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         };
         notes.extend(radians(&file.pattern, Some(closure)));
     }
-    print_notes(quiet, &notes);
-    let json = PlanJson {
+    PlanJson {
         version: env!("CARGO_PKG_VERSION"),
         input,
         options: args,
         outcome: plan.outcome.name(),
-        reason: reason.as_deref(),
+        reason: plan.reason.as_ref().map(ToString::to_string),
         reached: plan.reached,
         creases: file.pattern.creases().len(),
         real_vertices: file.pattern.real_vertices().count(),
@@ -191,7 +230,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
         undecided: plan.undecided.iter().map(ToString::to_string).collect(),
         notes,
         attempts: plan.attempts.iter().map(AttemptJson::of).collect(),
-        time: TimeJson {
+        time: Some(TimeJson {
             write: write.as_secs_f64(),
             total: start.elapsed().as_secs_f64(),
             read: read.as_secs_f64(),
@@ -199,7 +238,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
             solve: times.solve.as_secs_f64(),
             fold: (times.place + times.fold).as_secs_f64(),
             collision: times.collision.as_secs_f64(),
-        },
+        }),
         solver: SolverJson {
             iterations: plan.iterations,
             evaluations: plan.evaluations,
@@ -213,17 +252,11 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
             skipped_edges: plan.collision.skipped_edges,
         },
         seed: args.seed,
-    };
-    if args.report.json {
-        print_json(&json)?;
-    } else {
-        print(&summary(args, &file, &goal, &json, &plan))?;
     }
-    Ok(plan.outcome == Outcome::Planned)
 }
 
 /// Pattern and goal that were read, the plan, and the times that reading and writing took.
-struct Planned {
+pub(crate) struct Planned {
     input: InputJson,
     file: PatternFile,
     goal: Goal,
@@ -236,9 +269,25 @@ struct Planned {
     write: Duration,
 }
 
+impl Planned {
+    /// Returns the outcome of the plan.
+    pub(crate) fn outcome(&self) -> Outcome {
+        self.plan.outcome
+    }
+
+    /// Returns `true` if a strategy was ended by the timeout.
+    pub(crate) fn ran_out_of_time(&self) -> bool {
+        let attempts = self.plan.attempts.iter().map(|attempt| attempt.outcome);
+        attempts
+            .chain([self.plan.outcome])
+            .any(|outcome| outcome == Outcome::Timeout)
+    }
+}
+
 /// Reads the pattern and the goal, plans, and writes the path if it reaches the goal.
 fn planned(
     args: &Plan,
+    source: Option<Input>,
     mut options: PlanOptions,
     quiet: bool,
     progress: &Progress,
@@ -246,12 +295,14 @@ fn planned(
     progress.begin(Stage::Reading);
     let start = Instant::now();
     let reading = args.reading.options()?;
-    let bytes = read_pattern_bytes(&args.pattern)?;
-    let input = InputJson::of(args, &bytes);
-    let file = parse_pattern_with(&args.pattern, &bytes, &reading)?;
+    let source = source.map_or_else(|| Input::of(&args.pattern), Ok)?;
+    let bytes = source.pattern_bytes()?;
+    let input = InputJson::of(args, &source.name, &bytes);
+    let file = source.pattern(&bytes, &reading)?;
     drop(bytes);
     // A drawing whose creases were left out may have no goal.
-    let goal = goal(args, &file).inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
+    let goal = goal(args, &source.name, &file)
+        .inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
     let limits = limits(args, &file.pattern)?;
     options.keep_vertices = args.output.is_some() && args.frames == Frames::Full;
     options.limits = limits;
@@ -346,20 +397,20 @@ fn is_written(args: &Plan, outcome: Outcome) -> bool {
     args.keep || outcome == Outcome::Planned
 }
 
-fn goal(args: &Plan, file: &PatternFile) -> Result<Goal, CliError> {
-    let name = |path: &std::path::Path| path.display().to_string();
+fn goal(args: &Plan, name: &Path, file: &PatternFile) -> Result<Goal, CliError> {
     let bad = |source| match source {
         GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
             CliError::Usage(source.to_string())
         }
         _ => CliError::Goal {
-            file: name(&args.pattern),
+            file: name.display().to_string(),
             source,
         },
     };
-    let chosen = |path: &std::path::Path| -> Result<Goal, CliError> {
-        let source = format!("the goal angles of {}", name(path));
-        let angles = read_goal(path, &file.pattern)?;
+    let chosen = |path: &Path| -> Result<Goal, CliError> {
+        let input = Input::of(path)?;
+        let source = format!("the goal angles of {}", input.name.display());
+        let angles = input.goal(&file.pattern)?;
         Ok(Goal::chosen(&file.pattern, angles, source))
     };
     let mut goal = match (&args.goal, args.fold, &args.crease[..]) {
@@ -454,16 +505,13 @@ fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId
     })
 }
 
-fn summary(
-    args: &Plan,
-    file: &PatternFile,
-    goal: &Goal,
-    json: &PlanJson<'_>,
-    plan: &planner::Plan,
-) -> String {
+fn summary(args: &Plan, planned: &Planned, json: &PlanJson<'_>) -> String {
+    let Planned {
+        file, goal, plan, ..
+    } = planned;
     let outcome = outcome(plan.outcome == Outcome::Planned, json.outcome);
     let mut text = format!("{}: {outcome}\n", file.title);
-    if let Some(reason) = json.reason {
+    if let Some(reason) = &json.reason {
         text += &format!("  reason       {reason}\n");
         let attempts = json.attempts.iter();
         let tried: Vec<String> = attempts
@@ -528,20 +576,22 @@ fn summary(
             )
         }
     };
-    text += &format!(
-        "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \
+    if let Some(time) = &json.time {
+        text += &format!(
+            "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \
          {:.2}, write {:.2}\n",
-        1e3 * json.time.total,
-        1e3 * json.time.read,
-        1e3 * json.time.symmetry,
-        1e3 * json.time.solve,
-        1e3 * json.time.fold,
-        1e3 * json.time.collision,
-        1e3 * json.time.write,
-    );
+            1e3 * time.total,
+            1e3 * time.read,
+            1e3 * time.symmetry,
+            1e3 * time.solve,
+            1e3 * time.fold,
+            1e3 * time.collision,
+            1e3 * time.write,
+        );
+    }
     match (&args.output, plan.outcome) {
         (Some(output), outcome) if plan.motion.is_some() && is_written(args, outcome) => {
-            text += &format!("  written to   {}\n", output.display())
+            text += &format!("  written to   {}\n", shown(output))
         }
         (Some(_), _) => text += "  nothing written\n",
         (None, Outcome::Planned) => text += "  not written; -o FILE writes it\n",

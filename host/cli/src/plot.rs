@@ -4,21 +4,21 @@ use crate::args::Plot;
 use crate::fonts::Font;
 use crate::output::write_whole;
 use crate::png::png;
-use crate::{Answer, CliError, check_output, print};
+use crate::standard::{Input, is_standard, print_summary, shown};
+use crate::{Answer, CliError, check_output};
 use foldpath::plot::{Curves, svg};
-use foldpath::read::fold::read_motion;
 
-pub(crate) fn run(args: &Plot) -> Answer {
-    let output = args.output.display();
+pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
+    let output = shown(&args.output);
     let ending = args.output.extension().unwrap_or_default();
     let pixels = ending.eq_ignore_ascii_case("png");
-    if !pixels && !ending.eq_ignore_ascii_case("svg") {
+    if !pixels && !ending.eq_ignore_ascii_case("svg") && !is_standard(&args.output) {
         return Err(CliError::Usage(format!(
             "-o: expected a name that ends in .svg or .png, found {output}"
         )));
     }
     check_output("-o", &args.output, [&args.path])?;
-    let path = read_motion(&args.path)?;
+    let path = Input::of(&args.path)?.motion()?;
     let curves = Curves::of_path(&path);
     let text = svg(&curves);
     let picture = if pixels {
@@ -28,11 +28,12 @@ pub(crate) fn run(args: &Plot) -> Answer {
         text.into_bytes()
     };
     write_whole(&args.output, &picture)?;
-    print(&format!(
+    let text = format!(
         "{}: {} curves of angles, {} knots, picture written to {output}\n",
         path.title,
         curves.count,
         curves.knots.len(),
-    ))?;
+    );
+    print_summary(Some(&args.output), quiet, &text)?;
     Ok(true)
 }

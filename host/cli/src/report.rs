@@ -2,6 +2,7 @@
 //! and a hint if there is one. Colours are used if stderr is a terminal that has them.
 
 use core::ops::Range;
+use std::borrow::Cow;
 use std::io::Write;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -63,70 +64,88 @@ struct ErrorJson<'a> {
     error: ErrorFields<'a>,
 }
 
+/// The fields of an error in JSON.
 #[derive(Serialize)]
-struct ErrorFields<'a> {
+pub(crate) struct ErrorFields<'a> {
     /// The file; empty if the error is about the arguments.
     file: String,
     line: Option<usize>,
     column: Option<usize>,
-    message: &'a str,
+    message: Cow<'a, str>,
     hint: Option<String>,
+}
+
+impl<'a> ErrorFields<'a> {
+    /// Returns what is told of an error.
+    pub(crate) fn of(error: &CliError) -> Self {
+        let (file, excerpt) = match error {
+            CliError::Goal { file, .. } => (file.clone(), None),
+            _ => of_file(error).unwrap_or_default(),
+        };
+        Self {
+            file,
+            line: excerpt.as_ref().map(|excerpt| excerpt.line),
+            column: excerpt.as_ref().map(|excerpt| excerpt.column),
+            message: error.to_string().into(),
+            hint: hints::hint(error),
+        }
+    }
+
+    /// Returns a message that is about no file.
+    pub(crate) fn of_message(message: &'a str) -> Self {
+        Self {
+            file: String::new(),
+            line: None,
+            column: None,
+            message: message.trim().into(),
+            hint: None,
+        }
+    }
 }
 
 /// Prints an error as one JSON object on stdout. A failure to write is ignored.
 pub(crate) fn tell_json(error: &CliError) {
-    let (file, excerpt) = match error {
-        CliError::File(file) => {
-            let place = file.locate();
-            let excerpt = place.and_then(|(text, span)| Excerpt::of(&text, span));
-            (file.path().display().to_string(), excerpt)
-        }
-        CliError::Goal { file, .. } => (file.clone(), None),
-        _ => (String::new(), None),
-    };
-    print_error(ErrorFields {
-        file,
-        line: excerpt.as_ref().map(|excerpt| excerpt.line),
-        column: excerpt.as_ref().map(|excerpt| excerpt.column),
-        message: &error.to_string(),
-        hint: hints::hint(error),
-    });
+    print_error(ErrorFields::of(error));
 }
 
 /// Prints a message about the arguments as one JSON object on stdout. A failure to write is ignored.
 pub(crate) fn tell_usage_json(message: &str) {
-    print_error(ErrorFields {
-        file: String::new(),
-        line: None,
-        column: None,
-        message: message.trim(),
-        hint: None,
-    });
+    print_error(ErrorFields::of_message(message));
 }
 
 fn print_error(error: ErrorFields<'_>) {
     let _gone = crate::print_json(&ErrorJson { error });
 }
 
+/// Returns the name of the file that an error is about, and the place in its text.
+fn of_file(error: &CliError) -> Option<(String, Option<Excerpt>)> {
+    let (file, place) = match error {
+        CliError::File(file) => (file, file.locate()),
+        CliError::Piped { error, text } => {
+            let span = error.locate_in(text);
+            (&**error, span.map(|span| (text.clone(), span)))
+        }
+        _ => return None,
+    };
+    let excerpt = place.and_then(|(text, span)| Excerpt::of(&text, span));
+    Some((file.path().display().to_string(), excerpt))
+}
+
 /// Returns the full text of an error, with colours and without the last newline.
 fn text_of(error: &CliError) -> String {
     let mut message = error.to_string();
-    let excerpt = match error {
-        CliError::File(file) => file.locate().and_then(|(text, span)| {
-            let excerpt = Excerpt::of(&text, span)?;
-            let name = format!("{}: ", file.path().display());
-            // A place that is a key or a list index is no position in the text yet, so line and column are added.
-            if let Some(rest) = message
-                .strip_prefix(&name)
-                .filter(|rest| !rest.starts_with("line "))
-            {
-                let position = format!("{}:{}", excerpt.line, excerpt.column);
-                message = format!("{}:{position}: {rest}", file.path().display());
-            }
-            Some(excerpt)
-        }),
-        _ => None,
-    };
+    let (file, excerpt) = of_file(error).unwrap_or_default();
+    if let Some(excerpt) = &excerpt {
+        let name = format!("{file}: ");
+        // A place that is a key or a list index is no position in the text yet, so line and column are added.
+        if let Some(rest) = message
+            .strip_prefix(&name)
+            .filter(|rest| !rest.starts_with("line "))
+        {
+            let position = format!("{}:{}", excerpt.line, excerpt.column);
+            message = format!("{file}:{position}: {rest}");
+        }
+    }
     let mut group = Group::with_level(Level::ERROR);
     if let Some(Excerpt {
         line, shown, mark, ..

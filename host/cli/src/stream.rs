@@ -14,13 +14,11 @@ use crate::link::{Emulator, Wire, default_image};
 use crate::output::write_whole_with;
 use crate::progress::{self, PACE, PATIENCE};
 use crate::report::outcome;
-use crate::{Answer, CliError, check_output, print, print_json};
+use crate::standard::{Input, print_summary, shown, source};
+use crate::{Answer, CliError, check_output, print_json};
 use foldpath::folding::Rigidity;
-use foldpath::read::FileError;
-use foldpath::read::fold::read_motion;
 use foldpath::stream::{
-    self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher,
-    Wish, read_script,
+    self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher, Wish,
 };
 
 #[derive(Serialize)]
@@ -45,17 +43,15 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
         let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
         check_output("--log", log, inputs)?;
     }
-    let bytes = std::fs::read(&args.path).map_err(|source| FileError::Io {
-        path: args.path.clone(),
-        source,
-    })?;
-    let path = StreamPath::read(&bytes, &args.path)?;
+    let input = Input::of(&args.path)?;
+    let name = input.name.clone();
+    let path = StreamPath::read(&input.bytes()?, &name)?;
     let driven = args.drives.is_some() || args.script.is_some() || args.sheet.is_some();
     if driven && !matches!(args.to, Target::Sim) {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
-    let shown = progress::shown(&args.report, quiet);
+    let bars = progress::shown(&args.report, quiet);
     let mut rigidity = None;
     let summary = match &args.to {
         Target::Sim => {
@@ -64,7 +60,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             } else {
                 Sim::new()
             };
-            let summary = session(&mut sim, args, &path, 1, shown)?;
+            let summary = session(&mut sim, args, &path, 1, bars)?;
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
@@ -82,31 +78,34 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
                 }
             };
             let name = format!("qemu-system-arm with {}", image.display());
-            connected(&name, Emulator::start(&image), args, &path, shown)?
+            connected(&name, Emulator::start(&image), args, &path, bars)?
         }
         Target::Serial(device) => {
             let link = Wire::open(device, args.baud);
-            connected(&format!("serial:{device}"), link, args, &path, shown)?
+            connected(&format!("serial:{device}"), link, args, &path, bars)?
         }
         Target::Tcp(address) => {
             let link = Wire::connect(address);
-            connected(&format!("tcp:{address}"), link, args, &path, shown)?
+            connected(&format!("tcp:{address}"), link, args, &path, bars)?
         }
     };
-    report(args, &path, &summary, rigidity)?;
+    report(args, &path, &summary, rigidity, quiet)?;
     Ok(summary.outcome == Outcome::Done)
 }
 
 /// Returns the hinges of a simulated controller.
 fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     let events = match &args.script {
-        Some(file) => read_script(file, path.hinges().len())?,
+        Some(file) => Input::of(file)?.script(path.hinges().len())?,
         None => Vec::new(),
     };
     let Drives { drive, seed } = args.drives.unwrap_or_default();
     let plant = Plant::new(path, drive, seed, events);
     Ok(match &args.sheet {
-        Some(file) => plant.with_sheet(path, read_motion(file)?, file)?,
+        Some(file) => {
+            let input = Input::of(file)?;
+            plant.with_sheet(path, input.motion()?, &input.name)?
+        }
         None => plant,
     })
 }
@@ -205,6 +204,7 @@ fn report(
     path: &StreamPath,
     summary: &Summary,
     rigidity: Option<Rigidity>,
+    quiet: bool,
 ) -> Result<(), CliError> {
     #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
     let duration = summary.duration as f64 / 1e6;
@@ -224,7 +224,7 @@ fn report(
         return print_json(&json);
     }
     let outcome = outcome(summary.outcome == Outcome::Done, json.outcome);
-    let mut text = format!("{}: {outcome}\n", args.path.display());
+    let mut text = format!("{}: {outcome}\n", source(&args.path));
     if let Some(reason) = json.reason {
         text += &format!("  reason       {reason}\n");
     }
@@ -249,9 +249,9 @@ fn report(
         );
     }
     if let Some(log) = &args.log {
-        text += &format!("  log          {}\n", log.display());
+        text += &format!("  log          {}\n", shown(log));
     }
-    print(&text)
+    print_summary(args.log.as_deref(), quiet, &text)
 }
 
 /// Watches a session for the user: writes the log, draws the bar and obeys Ctrl-C.

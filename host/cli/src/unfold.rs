@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use crate::args::Unfold;
 use crate::output::write_whole_with;
-use crate::{Answer, CliError, check_output, print, print_json, print_notes};
+use crate::standard::{Input, print_summary, shown};
+use crate::{Answer, CliError, check_output, print_json, print_notes};
 use foldpath::export::fold::write_pattern;
-use foldpath::read::{FileError, read_shape};
+use foldpath::read::FileError;
 use foldpath::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
 
 #[derive(Serialize)]
@@ -29,13 +30,14 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
         )));
     }
     check_output("-o", &args.output, [&args.shape])?;
-    let file = read_shape(&args.shape, args.frame)?;
+    let input = Input::of(&args.shape)?;
+    let file = input.shape(args.frame)?;
     let options = UnfoldOptions {
         max_defect: degrees.to_radians(),
         ..UnfoldOptions::default()
     };
     let unfolding = unfold(&file.shape, &options).map_err(|source| FileError::Shape {
-        path: args.shape.clone(),
+        path: input.name.clone(),
         source,
     })?;
     if let Some(drawing) = &unfolding.drawing {
@@ -55,7 +57,8 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
             max_closure: unfolding.max_closure,
         })?;
     } else {
-        print(&summary(args, &file.title, &unfolding))?;
+        let text = summary(args, &file.title, &unfolding);
+        print_summary(Some(&args.output), quiet, &text)?;
     }
     Ok(unfolding.outcome == Outcome::Unfolded)
 }
@@ -83,7 +86,7 @@ fn summary(args: &Unfold, title: &str, unfolding: &Unfolding) -> String {
         );
     }
     text + &match unfolding.outcome {
-        Outcome::Unfolded => format!("  written to   {}\n", args.output.display()),
+        Outcome::Unfolded => format!("  written to   {}\n", shown(&args.output)),
         _ => "  nothing written\n".into(),
     }
 }

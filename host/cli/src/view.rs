@@ -2,21 +2,22 @@
 
 use crate::args::View;
 use crate::output::write_whole;
-use crate::{Answer, check_output, print};
-use foldpath::read::fold::read_motion;
+use crate::standard::{Input, print_summary, shown};
+use crate::{Answer, check_output};
 use foldpath::view::{Scene, page};
 
-pub(crate) fn run(args: &View) -> Answer {
+pub(crate) fn run(args: &View, quiet: bool) -> Answer {
     check_output("-o", &args.output, [&args.path])?;
-    let path = read_motion(&args.path)?;
+    let path = Input::of(&args.path)?.motion()?;
     let scene = Scene::of_path(&path);
     write_whole(&args.output, page(&scene).as_bytes())?;
-    print(&format!(
+    let text = format!(
         "{}: {} faces, {} knots, page written to {}\n",
         scene.title,
         scene.faces.len(),
         scene.motion.times.len(),
-        args.output.display()
-    ))?;
+        shown(&args.output)
+    );
+    print_summary(Some(&args.output), quiet, &text)?;
     Ok(true)
 }

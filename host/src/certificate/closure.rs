@@ -10,11 +10,19 @@
 //! The translation of a loop is a sum of differences of places rotated by products of the same quaternions, of twice
 //! the degree. It is bounded in the same way.
 
-use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarsView, closure, hole, norm};
+use core::time::Duration;
+
+use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarView, StarsView, closure, hole, norm};
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
 use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
+use crate::util::parallel;
+
+/// About the time that bounding a curve, evaluating a curve, and bounding or evaluating the condition of a star takes.
+const TIME_PER_PIECE: Duration = Duration::from_nanos(200);
+const TIME_PER_SAMPLE: Duration = Duration::from_nanos(30);
+const TIME_PER_STAR: Duration = Duration::from_nanos(100);
 
 /// Error of the polynomials, as a residual, for which the number of points is chosen: below all rounding. If no number
 /// of points reaches it, the largest one is used.
@@ -64,7 +72,8 @@ pub struct SegmentCertifier {
     points: [Points; 6],
     pieces: Vec<Piece>,
     half_angles: Vec<HalfAngle<f64>>,
-    sizes: Vec<f64>,
+    /// Half angle of each group at a point, with the norm of its quaternion over the lower bound.
+    samples: Vec<(HalfAngle<f64>, f64)>,
     conditions: Vec<Condition>,
     open: Vec<(u8, u32)>,
     stars: Vec<f64>,
@@ -78,7 +87,7 @@ impl Default for SegmentCertifier {
             points: Points::all(),
             pieces: Vec::new(),
             half_angles: Vec::new(),
-            sizes: Vec::new(),
+            samples: Vec::new(),
             conditions: Vec::new(),
             open: Vec::new(),
             stars: Vec::new(),
@@ -137,17 +146,15 @@ impl SegmentCertifier {
         curves: &[Curve<f64>],
         part: [f64; 2],
     ) {
-        let piece = |curve| Piece::new(curve, part, &self.radii);
-        self.pieces.clear();
-        self.pieces.extend(curves.iter().map(piece));
+        let piece = |group: usize| Piece::new(&curves[group], part, &self.radii);
+        parallel::collect(&mut self.pieces, curves.len(), TIME_PER_PIECE, piece);
         let pieces = &self.pieces;
-        let rotations = stars.iter().map(|star| rotation(star.spokes, pieces));
-        let both = loops.iter().flat_map(|cycle| {
+        let star = |index: usize| rotation(spokes_of(stars, index), pieces);
+        parallel::collect(&mut self.conditions, stars.len(), TIME_PER_STAR, star);
+        self.conditions.extend(loops.iter().flat_map(|cycle| {
             let turn = rotation(cycle.spokes, pieces);
             [turn, translation(&turn, cycle.places)]
-        });
-        self.conditions.clear();
-        self.conditions.extend(rotations.chain(both));
+        }));
     }
 
     /// Returns the index of the fewest points that serve every condition, or else of the most points.
@@ -172,25 +179,25 @@ impl SegmentCertifier {
         let mut conditions = core::mem::take(&mut self.conditions);
         for at in &self.points[points].at {
             let s = from + (to - from) * at;
+            let pieces = &self.pieces;
+            let sample = |group: usize| pieces[group].sample(&curves[group], s);
+            parallel::collect(&mut self.samples, curves.len(), TIME_PER_SAMPLE, sample);
             self.half_angles.clear();
-            self.sizes.clear();
-            for (piece, curve) in self.pieces.iter().zip(curves) {
-                let (half, size) = piece.sample(curve, s);
-                self.half_angles.push(half);
-                self.sizes.push(size);
-            }
-            let half_angles = &self.half_angles;
+            self.half_angles
+                .extend(self.samples.iter().map(|(half, _)| *half));
+            let (half_angles, samples) = (&self.half_angles, &self.samples);
             let size = |spokes: &[Spoke<f64>]| -> f64 {
-                let sizes = spokes
+                let samples = spokes
                     .iter()
-                    .filter_map(|spoke| self.sizes.get(spoke.group.index()));
-                sizes.product()
+                    .filter_map(|spoke| samples.get(spoke.group.index()));
+                samples.map(|(_, size)| size).product()
             };
             let (rotations, both) = conditions.split_at_mut(stars.len());
-            for (star, condition) in stars.iter().zip(rotations) {
-                let residual = norm(&closure::residual(star, half_angles));
-                condition.see(residual, size(star.spokes));
-            }
+            parallel::change(rotations, TIME_PER_STAR, |index, condition| {
+                let spokes = spokes_of(stars, index);
+                let residual = norm(&closure::residual(StarView { spokes }, half_angles));
+                condition.see(residual, size(spokes));
+            });
             for (cycle, both) in loops.iter().zip(both.chunks_exact_mut(2)) {
                 let size = size(cycle.spokes);
                 let residuals = hole::residuals(cycle, half_angles);
@@ -242,6 +249,11 @@ impl Condition {
             self.largest.max(weighted)
         };
     }
+}
+
+/// Returns the spokes of a star.
+fn spokes_of(stars: StarsView<'_, f64>, index: usize) -> &[Spoke<f64>] {
+    stars.get(index).map_or(&[], |star| star.spokes)
 }
 
 /// Bounds the growth and the rounding of the rotation of a star or a loop.

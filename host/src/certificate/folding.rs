@@ -8,6 +8,8 @@
 //! on single vertices (`sheet.rs`) have to add up, although errors of one vertex may cancel those of another; the
 //! bounds here are on the sum.
 
+use core::time::Duration;
+
 use foldpath_core::{Curve, Membership};
 
 use super::bernstein::Piece;
@@ -15,6 +17,10 @@ use super::chebyshev::{Points, RADII, Radius, radii};
 use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, Step, rounding};
 use crate::pattern::CreasePattern;
+use crate::util::parallel;
+
+/// About the time that folding and measuring the sheet at all points takes for each of its faces.
+const TIME_PER_FACE: Duration = Duration::from_micros(3);
 
 /// Polynomial error that is always small enough where the number of points is chosen.
 const POLYNOMIAL_ERROR: f64 = 1e-13;
@@ -53,10 +59,12 @@ impl<'a> FoldingCertifier<'a> {
     /// if no path from the root to a face turns by more than some ten radians in all, at most 256.
     pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let most = most / OTHER_TREES_RATIO;
-        let worse = |worst: Rigidity, folded: &mut Folded<'_>| {
-            Some(worst.worse(folded.rigidity(curves, most)?))
-        };
-        let worst = self.0.iter_mut().try_fold(Rigidity::default(), worse)?;
+        let each = parallel::total_time(self.0[0].sums.len(), TIME_PER_FACE);
+        let bounds =
+            parallel::try_map_mut(&mut self.0, each, |folded| folded.rigidity(curves, most))?;
+        let worst = bounds
+            .into_iter()
+            .fold(Rigidity::default(), Rigidity::worse);
         Some(Rigidity {
             deformation: OTHER_TREES_RATIO * worst.deformation,
             gap: OTHER_TREES_RATIO * worst.gap,

@@ -17,6 +17,7 @@
 //! Math. Zeitschrift 86.
 
 use core::f64::consts::{FRAC_PI_2, SQRT_2};
+use core::time::Duration;
 
 use foldpath_core::{Curve, Spoke};
 use nalgebra::{Matrix3, Vector3};
@@ -26,6 +27,13 @@ use super::majorant::{ORDER, Series, exponential, of_angle};
 use crate::folding::Rigidity;
 use crate::pattern::{ClosureSite, CreasePattern};
 use crate::symmetry::ReducedStars;
+use crate::util::parallel;
+
+/// About the time that an angle of a curve, with its sine and cosine, bounding the derivatives of a curve, and all samples
+/// of a condition take.
+const TIME_PER_ANGLE: Duration = Duration::from_nanos(50);
+const TIME_PER_SERIES: Duration = Duration::from_nanos(500);
+const TIME_PER_CONDITION: Duration = Duration::from_micros(4);
 
 /// Effort of bounding a segment: how close a bound has to come to the samples.
 #[derive(Clone, Copy, Debug)]
@@ -184,30 +192,35 @@ impl Segment<'_> {
         let samples = self.effort.samples;
         self.found.samples += samples;
         let nodes = (0..samples).map(|k| middle - half * zero_of_chebyshev(k, samples));
-        let turns: Vec<(f64, Vec<[f64; 2]>)> = nodes
-            .map(|s| {
-                let angles = self.curves.iter().map(|curve| curve.angle(s));
-                (s, angles.map(|angle| angle.sin_cos().into()).collect())
-            })
-            .collect();
-        let mut bounds = Vec::with_capacity(open.len());
-        let series: Vec<Series> = (self.curves.iter())
-            .map(|curve| of_angle(curve, middle, half))
-            .collect();
-        for &index in open {
-            let condition = &self.conditions[index];
-            let mut sampled = 0.0;
-            for (s, turns) in &turns {
+        let nodes: Vec<f64> = nodes.collect();
+        let curves = self.curves;
+        let each = parallel::total_time(curves.len(), TIME_PER_ANGLE);
+        let turns: Vec<Vec<[f64; 2]>> = parallel::map(&nodes, each, |&s| {
+            let angles = curves.iter().map(|curve| curve.angle(s));
+            angles.map(|angle| angle.sin_cos().into()).collect()
+        });
+        let series = parallel::map(curves, TIME_PER_SERIES, |curve| {
+            of_angle(curve, middle, half)
+        });
+        let conditions = &self.conditions;
+        let judged = parallel::map(open, TIME_PER_CONDITION, |&index| {
+            let condition = &conditions[index];
+            let (mut sampled, mut at) = (0.0, middle);
+            for (&s, turns) in nodes.iter().zip(&turns) {
                 let residual = condition.residual(turns);
                 if residual > sampled || residual.is_nan() {
-                    sampled = residual;
-                }
-                if residual > self.found.sampled || residual.is_nan() {
-                    (self.found.sampled, self.found.at) = (residual, *s);
-                    self.found.open = Some(condition.place);
+                    (sampled, at) = (residual, s);
                 }
             }
-            bounds.push((index, condition.bound(samples, sampled, &series)));
+            (sampled, at, condition.bound(samples, sampled, &series))
+        });
+        let mut bounds = Vec::with_capacity(open.len());
+        for (&index, (sampled, at, bound)) in open.iter().zip(judged) {
+            if sampled > self.found.sampled || sampled.is_nan() {
+                (self.found.sampled, self.found.at) = (sampled, at);
+                self.found.open = Some(self.conditions[index].place);
+            }
+            bounds.push((index, bound));
         }
         let sampled = self.found.sampled;
         let enough = self.effort.loose * sampled + MARGIN;

@@ -1,7 +1,7 @@
 //! Finds the creases between two faces of a sheet, along a shortest chain of faces (Dijkstra's algorithm).
 
-use core::cmp::Reverse;
-use std::collections::BinaryHeap;
+use core::time::Duration;
+use std::collections::VecDeque;
 
 use foldpath_core::Membership;
 use nalgebra::Vector2;
@@ -9,6 +9,14 @@ use nalgebra::Vector2;
 use super::tolerances::{MAX_FACES_OF_DISTANCES, PARALLEL_RAD, TURNING_COST};
 use crate::folding::{SpanningTree, Step, Tear};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
+use crate::util::parallel;
+use crate::util::progress::Watch;
+
+/// About the time that a search takes for each face of a sheet.
+const TIME_PER_FACE: Duration = Duration::from_nanos(20);
+
+/// A way from a face to another: the edges in order, each with the face beyond it.
+pub(super) type Way = Vec<(EdgeId, FaceId)>;
 
 /// A crease of a chain, or two creases that turn by opposite angles about parallel lines: the part beyond such
 /// a pair does not turn, but moves on a circle whose radius is the distance of the lines.
@@ -79,7 +87,7 @@ impl TornSheet {
 
     /// Returns the creases on the way along the tree from a face to another, each with the face beyond; `None` if the
     /// faces are in different sheets.
-    fn way(&self, faces: [FaceId; 2]) -> Option<Vec<(EdgeId, FaceId)>> {
+    fn way(&self, faces: [FaceId; 2]) -> Option<Way> {
         let top = |face: FaceId| self.tops[face.index()];
         let [mut from, mut to] = faces.map(top);
         let (mut way, mut back) = (Vec::new(), Vec::new());
@@ -131,31 +139,42 @@ pub(super) struct Chains<'a> {
     keeps: bool,
     searched: Search,
     crossed: Vec<Crossed>,
-    way: Vec<(EdgeId, FaceId)>,
     /// `None` along a lattice, where faces are placed as in a sheet that closes.
     torn: Option<TornSheet>,
 }
 
 /// A search that passes from face to face. Source: E. W. Dijkstra, "A note on two problems in connexion with
-/// graphs", 1959.
+/// graphs", 1959. Differs from the source in the queue: as there are two costs, two queues in order of arrival do.
 #[derive(Clone, Debug, Default)]
 struct Search {
-    /// For each face reached its distance plus one; 0 for the others.
+    /// For each face reached its distance plus one; 0 for the others. Distances of at most `settled` are final.
     far: Vec<u32>,
-    /// Faces to go on from, with their distance plus one.
-    open: BinaryHeap<Reverse<(u32, FaceId)>>,
+    settled: u32,
+    /// Faces to go on from, with their distance plus one: those reached across an edge that costs 1, and the others.
+    open: [VecDeque<(u32, FaceId)>; 2],
     reached: Vec<FaceId>,
 }
 
 impl Search {
-    fn forget(&mut self) {
+    fn new(faces: usize) -> Self {
+        Self {
+            far: vec![0; faces],
+            ..Self::default()
+        }
+    }
+
+    /// Begins at a face.
+    fn begin(&mut self, face: FaceId) {
         for face in self.reached.drain(..) {
             self.far[face.index()] = 0;
         }
-        self.open.clear();
+        self.open.iter_mut().for_each(VecDeque::clear);
+        self.settled = 0;
+        self.reach(face, 0, 1);
     }
 
-    fn reach(&mut self, face: FaceId, far: u32) {
+    fn reach(&mut self, face: FaceId, from: u32, cost: u32) {
+        let far = from + cost;
         let known = &mut self.far[face.index()];
         if *known == 0 {
             self.reached.push(face);
@@ -163,7 +182,21 @@ impl Search {
             return;
         }
         *known = far;
-        self.open.push(Reverse((far, face)));
+        self.open[usize::from(cost > 1)].push_back((far, face));
+    }
+
+    /// Takes the nearest face to go on from.
+    fn next(&mut self) -> Option<(u32, FaceId)> {
+        let [first, second] = self.open.each_ref().map(|open| open.front());
+        let far = |front: Option<&(u32, FaceId)>| front.map_or(u32::MAX, |front| front.0);
+        let queue = usize::from(far(second) < far(first));
+        self.open[queue].pop_front()
+    }
+
+    /// Returns `true` if the distance to the face is final.
+    fn is_settled(&self, face: FaceId) -> bool {
+        let far = self.far[face.index()];
+        far > 0 && far <= self.settled
     }
 }
 
@@ -183,12 +216,8 @@ impl<'a> Chains<'a> {
             links: Vec::new(),
             known: vec![Vec::new(); if keeps { faces } else { 0 }],
             keeps,
-            searched: Search {
-                far: vec![0; faces],
-                ..Search::default()
-            },
+            searched: Search::new(faces),
             crossed: Vec::new(),
-            way: Vec::new(),
             torn: folded.map(|(tree, tears)| TornSheet::new(pattern, tree, tears)),
         }
     }
@@ -252,23 +281,71 @@ impl<'a> Chains<'a> {
         if round.is_none() && self.torn.as_ref().is_some_and(|torn| torn.is_simple) {
             return self.along_tree(pattern, [from, to]);
         }
-        let whole = round.is_none() && self.keeps;
-        if !whole || self.known[to.index()].is_empty() {
-            self.search(pattern, to, round, (!whole).then_some(from));
-            if whole {
-                self.known[to.index()] = self.searched.far.clone();
+        let mut search = core::mem::take(&mut self.searched);
+        let way = if round.is_none() && self.keeps {
+            if self.known[to.index()].is_empty() {
+                search.begin(to);
+                self.search(pattern, &mut search, None, None);
+                self.known[to.index()] = search.far.clone();
             }
-        }
-        let far = if whole {
-            &self.known[to.index()]
+            self.trace(pattern, &self.known[to.index()], [from, to], round)
         } else {
-            &self.searched.far
+            search.begin(to);
+            self.search(pattern, &mut search, round, Some(from));
+            self.trace(pattern, &search.far, [from, to], round)
         };
+        self.searched = search;
+        Some(self.chain(pattern, from, &way?))
+    }
+
+    /// Returns for each pair of faces the way that [`find`](Self::find) takes, if a search for it is needed. Pairs with
+    /// the same second face share a search, and the threads share the searches. Once the watch is over, ways are missing.
+    pub(super) fn ways(
+        &self,
+        pattern: &CreasePattern,
+        pairs: &[[FaceId; 2]],
+        watch: Watch<'_>,
+    ) -> Vec<Option<Way>> {
+        let mut ways = vec![None; pairs.len()];
+        if self.keeps || self.torn.as_ref().is_some_and(|torn| torn.is_simple) {
+            return ways;
+        }
+        let mut order: Vec<usize> = (0..pairs.len()).collect();
+        order.sort_by_key(|&index| pairs[index][1]);
+        let same_end = |a: &usize, b: &usize| pairs[*a][1] == pairs[*b][1];
+        let groups: Vec<&[usize]> = order.chunk_by(same_end).collect();
+        let faces = pattern.faces().len();
+        let each = parallel::total_time(faces, TIME_PER_FACE);
+        let begin = || Search::new(faces);
+        let found = parallel::map_with(&groups, each, begin, |search, group| {
+            search.begin(pairs[group[0]][1]);
+            let ways = group.iter().map(|&index| {
+                if watch.is_over() {
+                    return None;
+                }
+                self.search(pattern, search, None, Some(pairs[index][0]));
+                self.trace(pattern, &search.far, pairs[index], None)
+            });
+            ways.collect::<Vec<_>>()
+        });
+        for (&index, way) in order.iter().zip(found.into_iter().flatten()) {
+            ways[index] = way;
+        }
+        ways
+    }
+
+    /// Returns the shortest way from a face to the one that distances are measured from, with few bends.
+    fn trace(
+        &self,
+        pattern: &CreasePattern,
+        far: &[u32],
+        [from, to]: [FaceId; 2],
+        round: Option<VertexId>,
+    ) -> Option<Way> {
         if far[from.index()] == 0 {
             return None;
         }
-        let mut way = core::mem::take(&mut self.way);
-        way.clear();
+        let mut way = Vec::new();
         let (mut face, mut heading) = (from, Vector2::zeros());
         while face != to {
             let ahead = pattern.neighbours()[face.index()].iter().copied();
@@ -284,9 +361,7 @@ impl<'a> Chains<'a> {
             way.push((edge, next));
             face = next;
         }
-        let chain = self.chain(pattern, from, &way);
-        self.way = way;
-        Some(chain)
+        Some(way)
     }
 
     /// Returns the chain from a face to another along the spanning tree, on which nothing is torn. Returns `None` if no
@@ -300,8 +375,13 @@ impl<'a> Chains<'a> {
         Some(self.chain(pattern, faces[0], &way))
     }
 
-    /// Makes the chain from a face along a way of edges and the faces beyond them.
-    fn chain(&mut self, pattern: &CreasePattern, from: FaceId, way: &[(EdgeId, FaceId)]) -> Chain {
+    /// Makes the chain from a face along a way.
+    pub(super) fn chain(
+        &mut self,
+        pattern: &CreasePattern,
+        from: FaceId,
+        way: &[(EdgeId, FaceId)],
+    ) -> Chain {
         let start = self.links.len();
         self.crossed.clear();
         for (place, &(edge, beyond)) in (0..).zip(way) {
@@ -363,31 +443,29 @@ impl<'a> Chains<'a> {
         sum
     }
 
-    /// Finds the distances to `to` from all faces, or from the faces up to `from`; round a vertex, if one is given.
+    /// Goes on with a search until the distance to a face is final, or those to all faces are; round a vertex, if one is
+    /// given.
     fn search(
-        &mut self,
+        &self,
         pattern: &CreasePattern,
-        to: FaceId,
+        search: &mut Search,
         round: Option<VertexId>,
-        from: Option<FaceId>,
+        until: Option<FaceId>,
     ) {
-        let mut search = core::mem::take(&mut self.searched);
-        search.forget();
-        search.reach(to, 1);
-        while let Some(Reverse((far, face))) = search.open.pop() {
-            if from == Some(face) {
-                break;
-            }
+        while !until.is_some_and(|until| search.is_settled(until)) {
+            let Some((far, face)) = search.next() else {
+                return;
+            };
+            search.settled = far;
             if far > search.far[face.index()] {
                 continue;
             }
             for &(beyond, edge) in &pattern.neighbours()[face.index()] {
                 if ends_at(pattern, edge, round) {
-                    search.reach(beyond, far + self.across(pattern, edge));
+                    search.reach(beyond, far, self.across(pattern, edge));
                 }
             }
         }
-        self.searched = search;
     }
 
     /// Returns the cost of crossing an edge.
@@ -439,4 +517,51 @@ fn direction(pattern: &CreasePattern, edge: EdgeId) -> Vector2<f64> {
 /// Returns `true` if the edge ends at the vertex, or no vertex is given.
 fn ends_at(pattern: &CreasePattern, edge: EdgeId, vertex: Option<VertexId>) -> bool {
     vertex.is_none_or(|vertex| pattern.edge(edge).ends.contains(&vertex))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Miura;
+    use crate::symmetry::CreaseGroups;
+
+    #[test]
+    fn ways_found_together_are_those_found_one_by_one() {
+        let miura = Miura {
+            rows: 20,
+            columns: 15,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let groups = CreaseGroups::trivial(&pattern);
+        let faces = pattern.faces().len();
+        // Ends repeat, near ones come after far ones, and some creases cost more than others.
+        let face = |k: usize| FaceId::new(k % faces);
+        let pairs: Vec<_> = (0..600)
+            .map(|k| [face(7 * k), face(11 * (k % 13))])
+            .collect();
+        let still = (0..groups.len()).map(|group| group % 3 != 0);
+        for still in [Vec::new(), still.collect()] {
+            let mut chains = Chains::new(&pattern, groups.memberships(), None);
+            chains.keep_still(still);
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                let pool = pool.build().unwrap();
+                let ways = pool.install(|| chains.ways(&pattern, &pairs, Watch::default()));
+                assert_eq!(ways.len(), pairs.len());
+                for (faces, way) in pairs.iter().zip(ways) {
+                    let one = chains.find(&pattern, *faces, None).unwrap();
+                    let other = chains.chain(&pattern, faces[0], &way.unwrap());
+                    let [one, other] = [one, other].map(|chain| {
+                        let links = chains.links(&chain).iter();
+                        links
+                            .map(|link| (link.creases, link.places))
+                            .collect::<Vec<_>>()
+                    });
+                    assert_eq!(one, other, "{faces:?}");
+                }
+            }
+        }
+    }
 }

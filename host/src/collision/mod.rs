@@ -31,4 +31,5 @@ pub use pieces::contact_tolerance;
 pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn, lattice_scene};
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
+pub(crate) use separation::face_distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
 use super::tolerances::SIDE_ROUNDING_RATIO;
+use crate::folding::FoldingMap;
+use crate::pattern::{CreasePattern, FaceId};
 
 /// Returns the distance between two pieces; 0 if they intersect.
 ///
@@ -33,6 +35,26 @@ pub fn distance(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>) -> f64 {
         }
     }
     squared.sqrt()
+}
+
+/// Returns the distance of two faces under a folding map, in units of the sheet; 0 if they intersect.
+pub(crate) fn face_distance(pattern: &CreasePattern, map: &FoldingMap, faces: [FaceId; 2]) -> f64 {
+    let placed = faces.map(|face| {
+        let pose = &map.poses()[face.index()];
+        let triangles = pattern.triangles()[face.index()].iter();
+        let corners = triangles
+            .map(|triangle| triangle.map(|vertex| pose.apply(pattern.vertices()[vertex.index()])));
+        (corners.collect::<Vec<_>>(), pose.r_wf.rotate(&Vector3::z()))
+    });
+    let [a, b] = placed.each_ref().map(|(triangles, normal)| {
+        let piece = |corners| ConvexPiece {
+            corners,
+            normal: *normal,
+        };
+        triangles.iter().map(move |corners| piece(&corners[..]))
+    });
+    let pairs = a.flat_map(|a| b.clone().map(move |b| distance(&a, &b)));
+    pairs.fold(f64::INFINITY, f64::min)
 }
 
 impl ConvexPiece<'_> {

@@ -85,6 +85,9 @@ pub(super) const MIN_INTERVAL_TICKS: Tick = SEGMENT >> 14;
 /// Cost of crossing a crease that turns, in the search for a chain of faces; crossing another edge costs 1.
 pub(super) const TURNING_COST: u32 = 1 << 12;
 
+/// Number of pairs for which ways of faces are looked for at once.
+pub(super) const WAYS_AT_ONCE: usize = 1 << 12;
+
 /// Number of queries between two readings of the clock.
 pub(super) const QUERIES_PER_CLOCK: u64 = 256;
 /// Number of evaluations of the motion bound after which the search for the last safe time stops.

@@ -1,4 +1,4 @@
-//! Writes CSV files: the group angles of a path at its knots.
+//! Writes CSV files: the group angles of a path at its knots, or the angles of hinges or groups at a fixed rate.
 
 use core::fmt::Write;
 use std::path::Path;
@@ -22,6 +22,77 @@ pub fn text(motion: &Motion, file: &Path) -> Result<String, FileError> {
         let _complete = write!(text, "\n{}", knot.time);
         for node in groups.nodes(motion, index) {
             let _complete = write!(text, ",{}", node.angle.to_degrees() + 0.0);
+        }
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+/// Meaning of a column of [`sampled`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// One hinge, named `edge_I` by the number I of its edge.
+    Hinge,
+    /// One crease group, named `group_G`.
+    Group,
+}
+
+/// Largest number of numbers in a file of [`sampled`].
+const MAX_NUMBERS: f64 = 1e8;
+
+/// Returns a row each 1/`rate` seconds and one for the end of the motion: time `t` in seconds since the start, then the
+/// fold angle of each hinge or group in degrees, valley positive. `rate` is in hertz, finite and above 0.
+///
+/// # Errors
+/// If the file would have more than 10⁸ numbers, or if columns are groups and a hinge does not turn as its group does.
+pub fn sampled(
+    motion: &Motion,
+    file: &Path,
+    rate: f64,
+    column: Column,
+) -> Result<String, FileError> {
+    let groups = match column {
+        Column::Group => Some(HingeGroups::of(motion, file)?),
+        Column::Hinge => None,
+    };
+    let creases = motion.pattern.creases();
+    let columns = groups.as_ref().map_or(creases.len(), HingeGroups::len);
+    let [start, end] =
+        [motion.knots.first(), motion.knots.last()].map(|knot| knot.map_or(0.0, |knot| knot.time));
+    #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
+    let numbers = ((end - start) * rate + 2.0) * (columns + 1) as f64;
+    if numbers > MAX_NUMBERS {
+        return Err(FileError::Expected {
+            path: file.to_path_buf(),
+            place: "the path".into(),
+            expected: format!("at most {MAX_NUMBERS:e} numbers at {rate} Hz"),
+            found: format!("{numbers:.1e}"),
+        });
+    }
+    let mut text = String::from("t");
+    // Writing to memory cannot fail.
+    match &groups {
+        Some(groups) => (0..groups.len()).for_each(|group| {
+            let _complete = write!(text, ",group_{group}");
+        }),
+        None => creases.iter().for_each(|edge| {
+            let _complete = write!(text, ",edge_{edge}");
+        }),
+    }
+    // The last row at the rate is left out if it is the end of the motion but for rounding.
+    let rows = (0_u32..).map(|row| f64::from(row) / rate);
+    let rows = rows.take_while(|time| time + 1e-6 / rate < end - start);
+    for time in rows.chain([end - start]) {
+        let now = motion.at_times([start + time]);
+        let _complete = write!(text, "\n{time}");
+        let mut angle = |radians: f64| {
+            let _complete = write!(text, ",{}", radians.to_degrees() + 0.0);
+        };
+        match &groups {
+            Some(groups) => groups.nodes(&now, 0).for_each(|node| angle(node.angle)),
+            None => creases
+                .iter()
+                .for_each(|&edge| angle(now.node(0, edge).angle)),
         }
     }
     text.push('\n');

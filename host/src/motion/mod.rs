@@ -278,6 +278,39 @@ impl Motion {
         }
     }
 
+    /// Returns the configuration at a time (seconds), without rates and positions; a copy of a knot at the time of that
+    /// knot. Before the first knot and after the last the sheet is at rest there.
+    ///
+    /// # Panics
+    /// If the motion has no knots; the planner and the reader give it one at least.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Knot {
+        if self.knots.len() == 1 {
+            return self.knots[0].clone();
+        }
+        let after = self.knots.partition_point(|knot| knot.time <= time);
+        let after = after.clamp(1, self.knots.len() - 1);
+        let [a, b] = [&self.knots[after - 1], &self.knots[after]];
+        let s = (time - a.time) / (b.time - a.time);
+        if s <= 0.0 {
+            a.clone()
+        } else if s >= 1.0 {
+            b.clone()
+        } else {
+            self.between(after - 1, s)
+        }
+    }
+
+    /// Returns the configurations at these times (seconds, increasing) as knots of a motion.
+    #[must_use]
+    pub fn at_times(&self, times: impl IntoIterator<Item = f64>) -> Self {
+        let at = |time| Knot {
+            time,
+            ..self.at(time)
+        };
+        self.with_knots(times.into_iter().map(at).collect())
+    }
+
     /// Returns `count` configurations (at least two) of the motion, evenly spaced in time from the first knot to the
     /// last, as knots of a motion. A configuration that falls on a knot is a copy of that knot. A motion of one knot
     /// stays unchanged.
@@ -289,20 +322,8 @@ impl Motion {
         let count = count.max(2);
         #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
         let fraction = |index: usize| index as f64 / (count - 1) as f64;
-        let configuration = |index: usize| {
-            let time = first.time + fraction(index) * (last.time - first.time);
-            let after = self.knots.partition_point(|knot| knot.time <= time);
-            let after = after.clamp(1, self.knots.len() - 1);
-            let [a, b] = [&self.knots[after - 1], &self.knots[after]];
-            let s = (time - a.time) / (b.time - a.time);
-            if s <= 0.0 {
-                a.clone()
-            } else if s >= 1.0 {
-                b.clone()
-            } else {
-                self.between(after - 1, s)
-            }
-        };
+        let configuration =
+            |index: usize| self.at(first.time + fraction(index) * (last.time - first.time));
         self.with_knots((0..count).map(configuration).collect())
     }
 

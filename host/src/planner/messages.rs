@@ -196,6 +196,7 @@ impl Display for Reason {
             Self::NoFoldSequence => {
                 f.write_str("no sequence of folds was found that is free of crossings")
             }
+            Self::NoWayRound => f.write_str("no way round the crossing was found"),
         }
     }
 }

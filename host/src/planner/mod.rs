@@ -45,8 +45,8 @@
 //!
 //! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion
 //! crosses or ends early, phases are looked for: on sheets whose hinges are all free, phases split at crossings; then
-//! folds in sequence. Each try is the same pipeline again, by way of the configurations between its phases. Nothing
-//! calls the driver but its user.
+//! folds in sequence; then a way round, on which the faces that cross are kept clear of each other. Each try is the same
+//! pipeline again, by way of the configurations between its phases. Nothing calls the driver but its user.
 //!
 //! If all rows say no to letters at a fraction, lines that run from border to border turn alone (`strategies/lines.rs`).
 //! If all rows say no and panels may bend, or to tell which bend would be enough, crease groups are tried on sheets whose
@@ -63,12 +63,13 @@
 //!
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
-//! < closing (cholesky < sparse < chord < solver)
+//! < closing (elimination_tree < cholesky < sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
 //! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, bending, lines < driver)
+//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, way_round, bending, lines
+//! < driver)
 //! ```
 
 mod closing;

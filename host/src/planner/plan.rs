@@ -164,6 +164,8 @@ pub enum Strategy {
     SplitPhases,
     /// Parts of the sheet are folded one after the other.
     FoldSequence,
+    /// The path leads by way of configurations in which faces that would cross are clear of each other.
+    WayRound,
     /// The sheet is taken to the closed configuration nearest to the goal, however far from it.
     NearestConfiguration,
     /// Crease groups or every crease, with other random numbers.
@@ -188,6 +190,7 @@ impl Strategy {
             Self::StraightDeforming => "straight, deforming",
             Self::SplitPhases => "phases split at crossings",
             Self::FoldSequence => "folds in sequence",
+            Self::WayRound => "a way round crossings",
             Self::NearestConfiguration => "nearest configuration",
             Self::OtherSeed => "another seed",
             Self::LinesAlone => "lines alone",

@@ -186,6 +186,8 @@ pub enum Reason {
     NothingNearer,
     /// No sequence of folds was found that is free of crossings.
     NoFoldSequence,
+    /// The faces that cross could not be led round each other.
+    NoWayRound,
 }
 
 /// Reason why crease groups were dropped.

@@ -6,14 +6,19 @@ pub(super) fn unit(x: &[f64]) -> Vec<f64> {
     x.iter().map(|a| a / length).collect()
 }
 
+/// Returns the inner product of two vectors.
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(a, b)| a * b).sum()
+}
+
 /// Returns the Euclidean norm.
 pub(super) fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|a| a * a).sum::<f64>().sqrt()
+    dot(x, x).sqrt()
 }
 
 /// Returns the cosine of the angle between two vectors.
 pub(super) fn cosine(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>() / (norm(x) * norm(y))
+    dot(x, y) / (norm(x) * norm(y))
 }
 
 /// Returns the largest absolute entry.

@@ -100,5 +100,5 @@ pub(super) fn parse_pattern(
         notes,
         ..LooseLines::default()
     };
-    pattern_file(path, lines, options.tolerance, watch)
+    pattern_file(path, lines, options, watch)
 }

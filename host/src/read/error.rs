@@ -103,19 +103,26 @@ impl FileError {
     #[must_use]
     pub fn locate(&self) -> Option<(String, Range<usize>)> {
         let text = self.text_again()?;
-        let span = match self {
+        let span = self.locate_in(&text)?;
+        Some((text, span))
+    }
+
+    /// Returns the byte range in the text of the file, without a byte order mark, that the error is about. Returns `None`
+    /// if the error names no place in a text.
+    #[must_use]
+    pub fn locate_in(&self, text: &str) -> Option<Range<usize>> {
+        match self {
             Self::Io { .. }
             | Self::Trajectory { .. }
             | Self::Cancelled { .. }
             | Self::Shape { .. } => None,
-            Self::Syntax { line, column, .. } => locate::at_position(&text, *line, *column),
-            Self::Expected { place, found, .. } => span_of(&text, place, found),
+            Self::Syntax { line, column, .. } => locate::at_position(text, *line, *column),
+            Self::Expected { place, found, .. } => span_of(text, place, found),
             Self::Pattern { frame, source, .. } => {
                 let place = format!("{frame}{source}");
-                locate::in_json(&text, place.split(": ").next()?)
+                locate::in_json(text, place.split(": ").next()?)
             }
-        }?;
-        Some((text, span))
+        }
     }
 
     /// Reads the text of the file once more. Returns `None` for pipes, whose bytes can be read only once.

@@ -1,11 +1,12 @@
 //! Reads files: crease patterns, folded shapes, motions.
 //!
-//! The ending of a file's name selects the reader, and every reader bounds the
+//! The ending of a file's name selects the reader, or for bytes without a name their content. Every reader bounds the
 //! memory and time that a file can ask for.
 
 mod cp;
 mod error;
 pub mod fold;
+mod format;
 mod locate;
 mod merge;
 mod obj;
@@ -20,7 +21,8 @@ use std::io::Read;
 use std::path::Path;
 
 pub use error::FileError;
-pub use options::{ColourLetters, ColourLettersError, ReadOptions};
+pub use format::Format;
+pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten};
 
 use crate::progress::{Progress, Stage, Watch};
 use crate::unfold::FoldedShape;
@@ -39,14 +41,25 @@ pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
 /// # Errors
 /// If the file cannot be read, or is too large for its format.
 pub fn read_pattern_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    let most = match ending(path).as_str() {
-        "svg" => svg::LARGEST_FILE,
-        "cp" => cp::LARGEST_FILE,
-        "opx" => opx::LARGEST_FILE,
-        "obj" => obj::LARGEST_FILE,
-        _ => fold::LARGEST_FILE,
-    };
-    read_bytes(path, most)
+    read_bytes(path, Format::of_name(path).largest_file())
+}
+
+/// Reads the bytes of a source that has no file name, such as a pipe, and finds their format by
+/// [`Format::of_content`]. `path` names the source in errors.
+///
+/// # Errors
+/// If the source cannot be read, or has more bytes than a file of its format may have.
+pub fn read_stream(path: &Path, source: impl Read) -> Result<(Vec<u8>, Format), FileError> {
+    let mut bytes = Vec::new();
+    let most = fold::LARGEST_FILE;
+    let read = source.take(most + 1).read_to_end(&mut bytes);
+    read.map_err(|source| FileError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let format = Format::of_content(&bytes);
+    check_size(path, bytes.len(), format.largest_file())?;
+    Ok((bytes, format))
 }
 
 /// Parses a crease pattern from the bytes of a file; `path` selects the format as in [`read_pattern`].
@@ -96,19 +109,15 @@ fn parse_within(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<fold::PatternFile, FileError> {
-    options.check(path)?;
-    match ending(path).as_str() {
-        "svg" => svg::parse_pattern(path, text(path, bytes)?, options, watch),
-        "cp" => cp::parse_pattern(path, text(path, bytes)?, options, watch),
-        "opx" => opx::parse_pattern(path, text(path, bytes)?, options, watch),
-        "obj" => obj::parse_pattern(path, text(path, bytes)?, watch),
-        _ => fold::parse_within(path, bytes, options.tolerance, watch),
+    let format = options.format.unwrap_or_else(|| Format::of_name(path));
+    options.check(path, format)?;
+    match format {
+        Format::Svg => svg::parse_pattern(path, text(path, bytes)?, options, watch),
+        Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
+        Format::Opx => opx::parse_pattern(path, text(path, bytes)?, options, watch),
+        Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
+        Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
     }
-}
-
-fn ending(path: &Path) -> String {
-    let ending = path.extension().unwrap_or_default();
-    ending.to_string_lossy().to_ascii_lowercase()
 }
 
 /// Reads all bytes of a file. Reading stops after `most` + 1 bytes, because a device may deliver bytes without end.
@@ -127,8 +136,14 @@ pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
         path: path.to_path_buf(),
         source,
     })?;
-    if u64::try_from(bytes.len()).is_ok_and(|size| size <= most) {
-        return Ok(bytes);
+    check_size(path, bytes.len(), most)?;
+    Ok(bytes)
+}
+
+/// Refuses a file of more than `most` bytes.
+fn check_size(path: &Path, size: usize, most: u64) -> Result<(), FileError> {
+    if u64::try_from(size).is_ok_and(|size| size <= most) {
+        return Ok(());
     }
     Err(FileError::Expected {
         path: path.to_path_buf(),
@@ -156,9 +171,8 @@ pub struct ShapeFile {
 /// If the file cannot be read, is too large or holds no faces in space, or if `frame` is given for a format without
 /// frames.
 pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
-    let most = match ending(path).as_str() {
-        "obj" => obj::LARGEST_FILE,
-        "stl" => stl::LARGEST_FILE,
+    let most = match Format::of_name(path) {
+        format @ (Format::Obj | Format::Stl) => format.largest_file(),
         _ => fold::LARGEST_FILE,
     };
     parse_shape(path, &read_bytes(path, most)?, frame)
@@ -173,15 +187,28 @@ pub fn parse_shape(
     bytes: &[u8],
     frame: Option<usize>,
 ) -> Result<ShapeFile, FileError> {
-    let ending = ending(path);
-    match (ending.as_str(), frame) {
-        ("obj", None) => obj::parse_shape(path, text(path, bytes)?),
-        ("stl", None) => stl::parse_shape(path, bytes),
-        ("obj" | "stl", Some(frame)) => Err(FileError::Expected {
+    parse_shape_as(Format::of_name(path), path, bytes, frame)
+}
+
+/// Parses a folded shape in the format `format`; formats other than OBJ and STL are read as FOLD. `path` names the
+/// shape in errors. See [`parse_shape`].
+///
+/// # Errors
+/// If the bytes hold no faces in space, or if `frame` is given for a format without frames.
+pub fn parse_shape_as(
+    format: Format,
+    path: &Path,
+    bytes: &[u8],
+    frame: Option<usize>,
+) -> Result<ShapeFile, FileError> {
+    match (format, frame) {
+        (Format::Obj, None) => obj::parse_shape(path, text(path, bytes)?),
+        (Format::Stl, None) => stl::parse_shape(path, bytes),
+        (Format::Obj | Format::Stl, Some(frame)) => Err(FileError::Expected {
             path: path.to_path_buf(),
             place: format!("frame {frame}"),
             expected: "a FOLD file, which has frames".into(),
-            found: format!("an {} file", ending.to_ascii_uppercase()),
+            found: format!("an {} file", format.name()),
         }),
         _ => fold::parse_shape(path, bytes, frame),
     }

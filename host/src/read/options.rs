@@ -5,25 +5,44 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use super::{FileError, ending};
+use super::{FileError, Format};
 use crate::pattern::Letter;
 
 /// Options of reading a crease pattern. The default takes every choice from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
+    /// Format of the file. Without it, the ending of the name says the format.
+    pub format: Option<Format>,
     /// Largest distance between lines of a drawing that are meant to meet, in the drawing's own units; positive and
     /// finite. Without it, the tolerance follows from the lengths of the lines.
     pub tolerance: Option<f64>,
+    /// Drawings that are straightened.
+    pub straighten: Straighten,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
 }
 
+/// Drawings whose vertices are moved a little, by at most twice the tolerance, so that lines that are nearly straight or
+/// parallel are so exactly, and so that vertices and holes fold flat that nearly do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Straighten {
+    /// Drawings in which some vertex is off by more than a tenth of the usual tolerance, within that tolerance. The
+    /// rounding of coordinates is less, and planning takes it into account.
+    #[default]
+    Auto,
+    /// All drawings in which a vertex is off, if only by the rounding of its coordinates, within
+    /// [`ReadOptions::tolerance`].
+    On,
+    /// None.
+    Off,
+}
+
 impl ReadOptions {
-    /// Checks that a file of this name can be read with these options.
+    /// Checks that a file of this format can be read with these options.
     ///
     /// # Errors
     /// If the tolerance is no positive length, or the format has no use for an option.
-    pub(super) fn check(&self, path: &Path) -> Result<(), FileError> {
+    pub(super) fn check(&self, path: &Path, format: Format) -> Result<(), FileError> {
         let wrong = |place: &str, expected: &str, found: String| {
             Err(FileError::Expected {
                 path: path.to_path_buf(),
@@ -32,22 +51,27 @@ impl ReadOptions {
                 found,
             })
         };
-        let format = match ending(path).as_str() {
-            ending @ ("svg" | "cp" | "opx" | "obj") => ending.to_ascii_uppercase(),
-            _ => "FOLD".into(),
+        // An STL file is no drawing, and the reader of FOLD says so.
+        let format = match format {
+            Format::Stl => Format::Fold,
+            format => format,
         };
         if let Some(tolerance) = self.tolerance {
             if !(tolerance > 0.0 && tolerance.is_finite()) {
                 let expected = "a finite length above 0, in the units of the drawing";
                 return wrong("the tolerance", expected, tolerance.to_string());
             }
-            if format == "OBJ" {
+            if format == Format::Obj {
                 let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
         }
-        if !self.colours.is_empty() && format != "SVG" {
-            let article = if format == "OPX" || format == "OBJ" {
+        if self.straighten == Straighten::On && format == Format::Obj {
+            let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
+            return wrong("straightening", expected, "an OBJ file".into());
+        }
+        if !self.colours.is_empty() && format != Format::Svg {
+            let article = if matches!(format, Format::Opx | Format::Obj) {
                 "an"
             } else {
                 "a"
@@ -56,7 +80,7 @@ impl ReadOptions {
             return wrong(
                 "letters of colours",
                 expected,
-                format!("{article} {format} file"),
+                format!("{article} {} file", format.name()),
             );
         }
         Ok(())

@@ -44,7 +44,7 @@ pub(super) fn parse_pattern(
         expected,
         found,
     })?;
-    let mut file = pattern_file(path, lines, options.tolerance, watch)?;
+    let mut file = pattern_file(path, lines, options, watch)?;
     if let Some(title) = title {
         file.title = title;
     }

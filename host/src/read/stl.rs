@@ -74,20 +74,26 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
     })
 }
 
-/// Returns the corners of a binary file, or `None` if the length of the file does not agree with its number of
-/// triangles.
-fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
+/// Returns `true` if the bytes are as many as a binary file of its number of triangles has.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    triangles(bytes).is_some()
+}
+
+/// Returns the triangles of a binary file, or `None` if the length of the file does not agree with their number.
+fn triangles(bytes: &[u8]) -> Option<&[u8]> {
     let (count, triangles) = bytes.get(HEADER..)?.split_first_chunk()?;
     let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;
-    if triangles.len() != count.checked_mul(TRIANGLE)? {
-        return None;
-    }
+    (triangles.len() == count.checked_mul(TRIANGLE)?).then_some(triangles)
+}
+
+/// Returns the corners of a binary file, or `None` if it is none.
+fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     let number = |bytes: &[u8]| {
         let bytes = bytes.first_chunk().copied().unwrap_or_default();
         f64::from(f32::from_le_bytes(bytes))
     };
     let corner = |bytes: &[u8]| Vector3::from_iterator(bytes.chunks_exact(4).map(number));
-    let corners = triangles
+    let corners = triangles(bytes)?
         .chunks_exact(TRIANGLE)
         .flat_map(|triangle| triangle[12..48].chunks_exact(12).map(corner));
     Some(corners.collect())

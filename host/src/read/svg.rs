@@ -133,7 +133,7 @@ pub(super) fn parse_pattern(
         y_down: true,
         notes,
     };
-    pattern_file(path, lines, options.tolerance, watch)
+    pattern_file(path, lines, options, watch)
 }
 
 /// Checks that the text of an XML file asks for a bounded amount of work. The error describes the excess.

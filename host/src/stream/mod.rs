@@ -19,6 +19,6 @@ pub use faulty::Faulty;
 pub use link::Link;
 pub use path::StreamPath;
 pub use plant::Plant;
-pub use script::read_script;
+pub use script::{parse_script, read_script};
 pub use session::{Options, Outcome, Summary, Telemetry, Watcher, Wish, run};
 pub use sim::Sim;

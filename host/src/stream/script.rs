@@ -14,7 +14,18 @@ use crate::read::{FileError, read_text};
 /// # Errors
 /// If the file cannot be read, a line has another form, or a line names a hinge that does not exist.
 pub fn read_script(file: &Path, hinges: usize) -> Result<Vec<(u64, Trouble)>, FileError> {
-    let text = read_text(file)?;
+    parse_script(file, &read_text(file)?, hinges)
+}
+
+/// Parses the text of a script; `file` names the script in errors. See [`read_script`].
+///
+/// # Errors
+/// If a line has another form, or names a hinge that does not exist.
+pub fn parse_script(
+    file: &Path,
+    text: &str,
+    hinges: usize,
+) -> Result<Vec<(u64, Trouble)>, FileError> {
     let mut events = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.split('#').next().unwrap_or_default().trim();

@@ -214,6 +214,12 @@ impl CreaseGroups {
         let mean = |(first, sum, count): (Option<f64>, f64, f64)| Some(first? + sum / count);
         sums.into_iter().map(mean).collect()
     }
+
+    /// Returns the group angles nearest to the fold angles of all creases, as [`reduce`](Self::reduce) does.
+    pub(crate) fn reduce_all(&self, creases: &[f64]) -> Vec<f64> {
+        let creases: Vec<_> = creases.iter().copied().map(Some).collect();
+        self.reduce(&creases).into_iter().flatten().collect()
+    }
 }
 
 /// Makes a set of each crease.

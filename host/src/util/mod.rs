@@ -3,5 +3,6 @@
 pub(crate) mod angle;
 pub mod csr;
 pub(crate) mod nan_max;
+pub(crate) mod parallel;
 pub mod progress;
 pub(crate) mod union_find;

@@ -210,6 +210,10 @@ fn reasons_are_sentences() {
             Reason::NoFoldSequence,
             "no sequence of folds was found that is free of crossings".into(),
         ),
+        (
+            Reason::NoWayRound,
+            "no way round the crossing was found".into(),
+        ),
     ];
     for (reason, sentence) in all {
         assert_eq!(reason.to_string(), sentence);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 44] = [
+const ORDER: [&str; 46] = [
     "vectors",
     "goal",
     "knots",
@@ -13,6 +13,7 @@ const ORDER: [&str; 44] = [
     "plan",
     "options",
     "problem",
+    "closing/elimination_tree",
     "closing/cholesky",
     "closing/sparse",
     "closing/chord",
@@ -46,6 +47,7 @@ const ORDER: [&str; 44] = [
     "strategies/pipeline",
     "strategies/fold_sequence",
     "strategies/split_phases",
+    "strategies/way_round",
     "strategies/bending",
     "strategies/lines",
     "strategies/driver",

@@ -25,7 +25,7 @@ pub use lattice::lattice;
 pub use maps::{map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
-pub use net::net;
+pub use net::{net, net_of};
 pub use simple_folds::simple_folds;
 pub use strips::{strips, wide_strips};
 pub use tree::{chain, tree};

@@ -24,22 +24,29 @@ pub fn net(random: &mut Random) -> Drawing {
             reason = "6 to 102"
         )]
         let corners = random.log_uniform(6.0, 102.0) as usize;
-        let directions: Vec<_> = (0..corners).map(|_| direction(random)).collect();
-        let nearest = if random.chance(0.5) { 1.0 } else { 0.6 };
-        let shape = FoldedShape {
-            faces: hull(&directions),
-            vertices: directions
-                .iter()
-                .map(|direction| direction * random.uniform(nearest, 1.0))
-                .collect(),
-            edges: Vec::new(),
-        };
-        let mut net = unfold(&shape, &UnfoldOptions::default()).ok()?.drawing?;
-        for goal in net.edges.iter_mut().filter_map(|edge| edge.goal.as_mut()) {
-            *goal = (*goal / UNIT).round() * UNIT;
-        }
-        Some(rounded(net, UNIT))
+        net_of(random, corners)
     })
+}
+
+/// Draws the net of a polyhedron with this many corners, and twice as many triangles less four. Returns `None` if the
+/// triangles of the net would overlap.
+#[must_use]
+pub fn net_of(random: &mut Random, corners: usize) -> Option<Drawing> {
+    let directions: Vec<_> = (0..corners).map(|_| direction(random)).collect();
+    let nearest = if random.chance(0.5) { 1.0 } else { 0.6 };
+    let shape = FoldedShape {
+        faces: hull(&directions),
+        vertices: directions
+            .iter()
+            .map(|direction| direction * random.uniform(nearest, 1.0))
+            .collect(),
+        edges: Vec::new(),
+    };
+    let mut net = unfold(&shape, &UnfoldOptions::default()).ok()?.drawing?;
+    for goal in net.edges.iter_mut().filter_map(|edge| edge.goal.as_mut()) {
+        *goal = (*goal / UNIT).round() * UNIT;
+    }
+    Some(rounded(net, UNIT))
 }
 
 /// Returns a direction, evenly distributed.

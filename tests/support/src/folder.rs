@@ -1,6 +1,7 @@
 //! Commands in a folder of their own, and their answers.
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
@@ -150,6 +151,30 @@ impl Folder {
     /// If the command cannot be started, or if its output is not text.
     pub fn run(&self, arguments: &str) -> Answer {
         let output = self.command(arguments).output().unwrap();
+        Answer {
+            status: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Runs the command as [`run`](Self::run) does, with these bytes on its stdin.
+    ///
+    /// # Panics
+    /// If the command cannot be started, or if its output is not text.
+    pub fn run_with(&self, arguments: &str, stdin: &[u8]) -> Answer {
+        let mut command = self.command(arguments);
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        let output = std::thread::scope(|scope| {
+            // A command that refuses its arguments does not read.
+            scope.spawn(move || drop(pipe.write_all(stdin)));
+            child.wait_with_output().unwrap()
+        });
         Answer {
             status: output.status.code(),
             stdout: String::from_utf8(output.stdout).unwrap(),

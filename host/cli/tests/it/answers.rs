@@ -59,7 +59,7 @@ fn plan_shape() -> Value {
             "collision": "text", "no_skip": ["text"], "interpolation": "text", "max_speed": "number",
             "max_accel": "number|null", "pace": "text", "judge": "text", "max_knots": "count|null",
             "frames": "text", "solver": "text", "search": "text", "objective": "text",
-            "seed": "count", "timeout": "number|null", "tolerance": "number|null", "colors": "text|null",
+            "seed": "count", "timeout": "number|null", "tolerance": "number|null", "straighten": "text", "colors": "text|null",
         },
         "outcome": "planned|near_goal|partial|not_rigidly_foldable|goal_not_closed|crossing|undecided|timeout",
         "reason": "text|null", "reached": "number", "creases": "count", "real_vertices": "count",

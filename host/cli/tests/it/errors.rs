@@ -38,6 +38,7 @@ fn usage() {
     folder.done("export path.fold --to traj -o path.traj");
     folder.write("goal.fold", &folder.read("miura.fold"));
     folder.write("events.txt", "0 supply 1\n");
+    folder.write("designs.jsonl", "");
     for name in ["sheet.svg", "sheet.cp", "shape.obj"] {
         folder.write(name, "");
     }
@@ -54,6 +55,8 @@ fn usage() {
         plan miura.fold --crease 99=90
         plan miura.fold --crease 4=-190
         plan miura.fold --crease 4=-90 --crease 4=-80
+        plan miura.fold --jobs 0
+        check path.fold --jobs some
         plan miura.fold --limit 4=-20
         plan miura.fold --limit 4=10..20
         plan miura.fold --limit 1=-20..20
@@ -73,6 +76,9 @@ fn usage() {
         info sheet.svg --colors red=V,#f00=M
         info path.fold --tolerance 0.1
         info shape.obj --tolerance 0.1
+        info path.fold --straighten on
+        info shape.obj --straighten on
+        info sheet.cp --straighten maybe
         info sheet.cp --colors red=V
         export path.fold --to csv --tolerance 0.1 -o a.csv
         export path.fold --to svg --colors red=V --colour deformation -o a.svg
@@ -96,6 +102,23 @@ fn usage() {
         check path.fold --bound 0
         check path.fold --bound 2
         view path.fold
+        plan - --goal -
+        plan - --via - --via -
+        stream - --to sim --sheet -
+        export path.fold --to obj -o -
+        export path.fold --to mjcf -o -
+        export path.fold --to traj --rate 50 -o a.traj
+        export path.fold --to csv --rate 0 -o a.csv
+        export path.fold --to csv --rate 1e12 -o a.csv
+        export path.fold --to csv --per group -o a.csv
+        batch designs.jsonl
+        batch designs.jsonl -o ./designs.jsonl
+        batch nowhere.jsonl -o results.jsonl
+        batch designs.jsonl -o nowhere/results.jsonl
+        batch designs.jsonl -o results.jsonl --shard 3/3
+        batch designs.jsonl -o results.jsonl --jobs 0
+        batch designs.jsonl -o results.jsonl --timeout 0
+        batch designs.jsonl -o - --resume
         export path.fold --to dxf -o a.dxf
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
@@ -493,10 +516,11 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
 }
 
 /// Errors whose format has no words of its own, each with a part of its text in some snapshot.
-const WORDLESS: [(&str, &str); 11] = [
+const WORDLESS: [(&str, &str); 12] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
+    ("Piped", "foldpath: <stdin>:1:12: expected a FOLD file"),
     (
         "Pattern",
         "edges_vertices[3]: joins the same vertices as edge",

@@ -6,7 +6,7 @@ use core::fmt::Write as _;
 use crate::common::folder;
 use crate::drawings::external;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::{ColourLetters, ReadOptions, parse_pattern_with};
+use foldpath::read::{ColourLetters, ReadOptions, Straighten, parse_pattern_with};
 use foldpath_test_support::Random;
 use nalgebra::Vector2;
 use serde_json::json;
@@ -22,6 +22,8 @@ fn read(name: &str, text: &str, options: &ReadOptions) -> CreasePattern {
 fn within(tolerance: f64) -> ReadOptions {
     ReadOptions {
         tolerance: Some(tolerance),
+        // Lines that are nearly parallel by chance would be turned.
+        straighten: Straighten::Off,
         ..ReadOptions::default()
     }
 }

@@ -33,7 +33,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use foldpath_core::{Curve, Membership};
 
-use super::chains::{Chain, Chains};
+use super::chains::{Chain, Chains, Way};
 use super::comoving_faces::{ComovingFaces, comoving_faces};
 use super::contact::{Change, Turn};
 use super::hierarchy::Hierarchy;
@@ -205,8 +205,8 @@ impl<'a> Sweep<'a> {
         // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
         let broad_phase = tree.as_ref().filter(|_| skips);
-        let broad_phase =
-            broad_phase.map(|tree| IntervalBroadPhase::new(pattern, memberships, groups, tree));
+        let broad_phase = broad_phase
+            .map(|tree| IntervalBroadPhase::new(pattern, &hierarchy, memberships, groups, tree));
         let cells = lattice.map(|lattice| CellPairs::new(pattern, memberships, groups, lattice));
         let holonomy = tree.as_ref().and_then(|tree| tree.holonomy(pattern));
         let tears = holonomy.map_or_else(Vec::new, |holonomy| holonomy.tears(options.closure));
@@ -569,9 +569,9 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Adds a pair of pieces to be queried from `time` to the `end` of an interval; up to `time` they were apart.
-    fn add_unseen(&mut self, [a, b]: [u32; 2], [before, time, end]: [Tick; 3]) {
-        let pair = [a.min(b), a.max(b)];
+    /// Adds a pair of pieces that do not touch in the flat sheet, to be queried from `time` to the `end` of an interval;
+    /// up to `time` they were apart. `way` is the way between their faces, if it is known.
+    fn add_unseen(&mut self, pair: [u32; 2], [before, time, end]: [Tick; 3], way: Option<Way>) {
         if let Some(&index) = self.unseen.get(&pair) {
             let pair = &mut self.pairs[index as usize];
             if pair.end < time {
@@ -579,15 +579,22 @@ impl<'a> Sweep<'a> {
             }
             pair.end = end;
             self.due.entry(time).or_default().push(index);
-        } else {
-            let index = FaceId::new(self.pairs.len()).0;
-            self.add(pair, time);
-            if let Some(added) = self.pairs.get_mut(index as usize) {
-                added.end = end;
-                added.last = (time > 0).then_some(before);
-                self.unseen.insert(pair, index);
-            }
+            return;
         }
+        let faces = pair.map(|piece| self.hierarchy.nodes[piece as usize].face);
+        let chain = match way {
+            Some(way) => Some(self.chains.chain(self.pattern, faces[0], &way)),
+            None => self.chains.find(self.pattern, faces, None),
+        };
+        if chain.is_none() {
+            return;
+        }
+        let index = FaceId::new(self.pairs.len()).0;
+        self.push(pair, Kind::Pieces, chain, time);
+        let added = &mut self.pairs[index as usize];
+        added.end = end;
+        added.last = (time > 0).then_some(before);
+        self.unseen.insert(pair, index);
     }
 
     /// Returns the kind of a pair, and the chain of creases between its two members; `None` if the pair never

@@ -4,6 +4,7 @@ use super::{Kind, Pair, Place, QueryOutcome, Sweep, place};
 use crate::collision::chains::Chain;
 use crate::collision::contact::{Change, Parted, Turn, parted};
 use crate::collision::hierarchy::Sphere;
+use crate::collision::interval_broad_phase::IntervalBroadPhase;
 use crate::collision::layers::heights;
 use crate::collision::lazy_folding::Axis;
 use crate::collision::motion::{Motion, Tick};
@@ -11,8 +12,8 @@ use crate::collision::pieces::Pieces;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sweep::Clearance;
 use crate::collision::tolerances::{
-    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, MIN_LEFT_RATIO, NEAREST_APART_TIMES,
-    QUERIES_PER_CLOCK, SPLIT_RATIO, TOUCHING_RATIO, WAKE_TIMES,
+    APART_TIMES, MAX_TEAR_RATIO, MEASURE_RATIO, MIN_LEFT_RATIO, NEAREST_APART_TIMES, SPLIT_RATIO,
+    TOUCHING_RATIO, WAKE_TIMES, WAYS_AT_ONCE,
 };
 use crate::pattern::FaceId;
 
@@ -121,17 +122,18 @@ impl Sweep<'_> {
         } else {
             &[]
         };
-        broad_phase.near(hierarchy, touching, best(&nearest), |broad_phase, pair| {
-            if pieces.comparable(pair[0], pair[1]).is_none() || pieces.meet(pair[0], pair[1]) {
-                return best(&nearest);
-            }
+        let test = |broad_phase: &IntervalBroadPhase, pair: [u32; 2]| {
+            let [a, b] = pair;
+            let counts = pieces.comparable(a, b).is_some() && !pieces.meet(a, b);
+            counts.then(|| broad_phase.parted(pieces, pair, touching))
+        };
+        let within = [touching, best(&nearest)];
+        broad_phase.near(hierarchy, within, test, |broad_phase, pair, apart| {
             tested += 1;
-            let apart = broad_phase
-                .parted(pieces, pair, touching)
-                .unwrap_or_else(|| {
-                    unseen.push(pair);
-                    [0.0; 3]
-                });
+            let apart = apart.unwrap_or_else(|| {
+                unseen.push(pair);
+                [0.0; 3]
+            });
             for &(end, tick) in ends {
                 if apart[end] >= best(&nearest) {
                     continue;
@@ -149,12 +151,30 @@ impl Sweep<'_> {
         self.counts.skipped_bounds += self.others.saturating_sub(tested);
         let [from, to] = [broad_phase.from, broad_phase.to];
         self.broad_phase = Some(broad_phase);
-        for (count, pair) in unseen.into_iter().enumerate() {
+        for pair in &mut unseen {
+            pair.sort_unstable();
+        }
+        for pairs in unseen.chunks(WAYS_AT_ONCE) {
             // Finding the chain of a pair takes about as long as a query.
-            if (count as u64).is_multiple_of(QUERIES_PER_CLOCK) && self.watch.is_over() {
+            let new: Vec<[u32; 2]> = pairs
+                .iter()
+                .filter(|pair| !self.unseen.contains_key(*pair))
+                .copied()
+                .collect();
+            let faces: Vec<[FaceId; 2]> = new
+                .iter()
+                .map(|pair| pair.map(|piece| self.hierarchy.nodes[piece as usize].face))
+                .collect();
+            let ways = self.chains.ways(self.pattern, &faces, self.watch);
+            if self.watch.is_over() {
                 return QueryOutcome::Undecided;
             }
-            self.add_unseen(pair, [before, from, to]);
+            let mut ways = ways.into_iter();
+            for pair in pairs {
+                let is_new = !self.unseen.contains_key(pair);
+                let way = if is_new { ways.next().flatten() } else { None };
+                self.add_unseen(*pair, [before, from, to], way);
+            }
         }
         self.push([0, 0], Kind::Interval, None, to);
         QueryOutcome::Split

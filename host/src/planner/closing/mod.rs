@@ -4,5 +4,6 @@
 
 pub(super) mod cholesky;
 pub(super) mod chord;
+pub(super) mod elimination_tree;
 pub(super) mod solver;
 pub(super) mod sparse;

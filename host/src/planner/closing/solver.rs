@@ -1,8 +1,7 @@
 //! Closes configurations and projects directions on infinitesimal motions, by core's solvers with memory from the heap.
 
-use core::cell::OnceCell;
 use core::ops::AddAssign;
-use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
@@ -72,7 +71,7 @@ impl<'a> ClosureSolver<'a> {
         reduced: &'a ReducedStars,
         kind: Solver,
         closure_tolerance: f64,
-        structure: &OnceCell<Option<Rc<Structure>>>,
+        structure: &OnceLock<Option<Arc<Structure>>>,
         watch: Watch<'a>,
     ) -> Self {
         let (stars, loops) = (reduced.view(), reduced.loops());
@@ -403,11 +402,11 @@ impl<'a> Equations<'a> {
     fn new(
         stars: StarsView<'_, f64>,
         loops: LoopsView<'_, f64>,
-        structure: &OnceCell<Option<Rc<Structure>>>,
+        structure: &OnceLock<Option<Arc<Structure>>>,
         watch: Watch<'a>,
     ) -> Self {
         let n = stars.unknowns();
-        let find = || Structure::new(stars, loops).map(Rc::new);
+        let find = || Structure::new(stars, loops).map(Arc::new);
         let structure = (n > MAX_DENSE_UNKNOWNS)
             .then(|| structure.get_or_init(find).clone())
             .flatten();

@@ -6,8 +6,7 @@
 //! assembled from the rows of J only when it is factorised, as inexact steps by conjugate gradients need the rows
 //! alone.
 
-use core::cell::OnceCell;
-use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
 use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
@@ -25,7 +24,7 @@ const MIN_DIAGONAL_RATIO: f64 = 0.5;
 
 /// JᵀJ as the lower triangle of a matrix in compressed sparse columns, with its Cholesky factor.
 pub struct SparseNormalEquations<'a> {
-    structure: Rc<Structure>,
+    structure: Arc<Structure>,
     values: Vec<f64>,
     gradient: Vec<f64>,
     /// The columns of each block of rows, as last accumulated.
@@ -56,7 +55,7 @@ pub(crate) struct Structure {
     /// For each star, then each loop, the unknowns of its spokes.
     unknowns: Csr<u32>,
     /// For each unknown, the blocks of rows that have it, once they were asked for.
-    touching: OnceCell<Csr<u32>>,
+    touching: OnceLock<Csr<u32>>,
     symbolic: Symbolic,
 }
 
@@ -66,11 +65,11 @@ impl<'a> SparseNormalEquations<'a> {
     #[must_use]
     pub fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
         let structure = Structure::new(stars, loops)?;
-        Some(Self::of(Rc::new(structure), Watch::default()))
+        Some(Self::of(Arc::new(structure), Watch::default()))
     }
 
     /// Makes equations of this structure.
-    pub(crate) fn of(structure: Rc<Structure>, watch: Watch<'a>) -> Self {
+    pub(crate) fn of(structure: Arc<Structure>, watch: Watch<'a>) -> Self {
         let n = structure.diagonal.len();
         Self {
             values: vec![0.0; structure.entries],
@@ -143,7 +142,7 @@ impl Structure {
             places,
             stars: count,
             unknowns,
-            touching: OnceCell::new(),
+            touching: OnceLock::new(),
             symbolic,
         })
     }

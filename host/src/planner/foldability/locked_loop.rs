@@ -8,7 +8,7 @@
 use core::f64::consts::PI;
 use std::collections::{HashSet, VecDeque};
 
-use nalgebra::Rotation3;
+use nalgebra::{Matrix3, Rotation3};
 
 use super::cause::{Cause, CauseKind};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
@@ -149,10 +149,10 @@ fn mode(pattern: &CreasePattern, letters: &[f64], vertex: VertexId) -> Option<([
         [sector(0) + sector(1), sector(0) - sector(1)].map(|a| a / 2.0);
     let cosines = (half_sum.cos() / half_difference.cos()).abs();
     let sines = (half_difference.sin() / half_sum.sin()).abs();
-    let closes = |ratio: &f64| {
+    let residual = |ratio: f64| {
         let tangent = (PROBE_RAD / 2.0).tan();
         // The larger of the two angles is the one that is set.
-        let (first, second) = if *ratio > 1.0 {
+        let (first, second) = if ratio > 1.0 {
             (tangent, tangent / ratio)
         } else {
             (tangent * ratio, tangent)
@@ -162,10 +162,14 @@ fn mode(pattern: &CreasePattern, letters: &[f64], vertex: VertexId) -> Option<([
             let angle = 2.0 * turns[k].atan() * letters[creases[k]];
             product * Rotation3::new(ways[k].push(0.0) * angle)
         });
-        product.angle() < CLOSED
+        (product.matrix() - Matrix3::identity()).norm()
     };
     let ratios = [cosines, sines, 1.0 / cosines, 1.0 / sines];
-    let sound = |ratio: &f64| (1e-6..1e6).contains(ratio);
-    let ratio = ratios.into_iter().filter(sound).find(closes)?;
-    Some((creases, ratio.ln()))
+    let sound = ratios
+        .into_iter()
+        .filter(|ratio| (1e-6..1e6).contains(ratio));
+    let judged = sound.map(|ratio| (residual(ratio), ratio));
+    // Both modes nearly close if they are nearly alike.
+    let (residual, ratio) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (residual < CLOSED).then_some((creases, ratio.ln()))
 }

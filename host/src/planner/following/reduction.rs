@@ -1,8 +1,7 @@
 //! The reduced problem: crease groups as unknowns, stars and loops as closure conditions, and the goal in these terms.
 
-use core::cell::OnceCell;
 use core::f64::consts::PI;
-use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 use super::follow::{approach, same_signs};
 use crate::folding::{Amplification, SpanningTree};
@@ -43,9 +42,9 @@ pub(crate) struct Reduction<'a> {
     /// Largest ratio that is assumed, whatever the worst case is; infinite to assume the worst case.
     expected: f64,
     /// Sparse structure of the stars to solve, once a solver has found it.
-    structure: OnceCell<Option<Rc<Structure>>>,
+    structure: OnceLock<Option<Arc<Structure>>>,
     /// Lattice of the groups, once it was asked for.
-    lattice: OnceCell<Option<Lattice>>,
+    lattice: OnceLock<Option<Lattice>>,
 }
 
 /// A closed configuration near the goal.
@@ -107,8 +106,8 @@ impl<'a> Reduction<'a> {
             amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
             tree,
             expected: f64::INFINITY,
-            structure: OnceCell::new(),
-            lattice: OnceCell::new(),
+            structure: OnceLock::new(),
+            lattice: OnceLock::new(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Folds the whole sheet at the knots of a motion and measures its errors there.
 
+use core::sync::atomic::{AtomicUsize, Ordering};
 use core::time::Duration;
 use std::time::Instant;
 
@@ -14,6 +15,10 @@ use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
 use crate::util::nan_max::larger;
+use crate::util::parallel;
+
+/// About the time that folding and measuring the sheet takes for each face.
+const TIME_PER_FACE: Duration = Duration::from_nanos(500);
 
 /// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -52,20 +57,31 @@ impl MeasuredMotion {
 pub(crate) fn measure(
     problem: &PlanningProblem<'_>,
     reduction: &Reduction<'_>,
-    mut knots: Vec<Knot>,
+    knots: Vec<Knot>,
 ) -> MeasuredMotion {
-    let mut judge = Judge::new(problem, reduction, false);
-    judge.keep_vertices = problem.options.keep_vertices;
+    let start = Instant::now();
     let count = knots.len();
-    let late = knots.iter_mut().enumerate().find_map(|(index, knot)| {
+    let judge = || {
+        let mut judge = Judge::new(problem, reduction, false);
+        judge.keep_vertices = problem.options.keep_vertices;
+        judge
+    };
+    let done = AtomicUsize::new(0);
+    let each = parallel::total_time(problem.pattern.faces().len(), TIME_PER_FACE);
+    let measured = parallel::map_with(&knots, each, judge, |judge, knot| {
         if problem.is_late() {
-            return Some(index);
+            return None;
         }
-        problem.watch.done(index, count);
-        judge.judge(knot);
-        None
+        let mut knot = knot.clone();
+        judge.judge(&mut knot);
+        problem
+            .watch
+            .done(1 + done.fetch_add(1, Ordering::Relaxed), count);
+        Some(knot)
     });
-    knots.truncate(late.unwrap_or(count));
+    let knots: Vec<Knot> = measured.into_iter().map_while(|knot| knot).collect();
+    let late = (knots.len() < count).then_some(knots.len());
+    let mut judge = judge();
     let essential = late.is_none().then(|| {
         let angles = knots.iter().map(|knot| knot.angles.as_slice());
         judge.essential(angles)
@@ -74,7 +90,7 @@ pub(crate) fn measure(
         knots,
         late,
         essential,
-        time: judge.fold,
+        time: start.elapsed(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and
 //! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
 
+use core::time::Duration;
 use std::collections::HashMap;
 
 use foldpath_core::{Curve, Interpolation, Node};
@@ -13,6 +14,10 @@ use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::knots::Knot;
 use crate::planner::options::{PlanOptions, Timing};
 use crate::symmetry::ReducedStars;
+use crate::util::parallel;
+
+/// About the time that finding the extremes of a curve takes.
+const TIME_PER_CURVE: Duration = Duration::from_nanos(300);
 
 /// Conditions that the motion between knots has to keep.
 pub(crate) struct PlacementConstraints<'a> {
@@ -413,7 +418,10 @@ impl KnotPlacer<'_, '_> {
     ) -> Option<bool> {
         let span = self.span(builder, from, to)?;
         let constraints = self.constraints;
-        let within = self.curves.iter().zip(constraints.limits).all(is_within);
+        let (curves, limits) = (&self.curves, constraints.limits);
+        let within = parallel::all(curves.len().min(limits.len()), TIME_PER_CURVE, |group| {
+            is_within((&curves[group], &limits[group]))
+        });
         let optimal = matches!(builder.law, TimeLaw::Optimal(_));
         if !within || optimal && self.exceeds_limits(builder, from, to, span) {
             return Some(false);
@@ -482,8 +490,8 @@ impl KnotPlacer<'_, '_> {
 
     /// Returns the factor by which time has to be stretched so that the hinges of the present curves keep their limits.
     fn limit_ratio(&self, kind: Interpolation, span: f64) -> f64 {
-        let peaks = self.curves.iter().map(peaks);
-        let most = peaks.fold([0.0; 2], |most, peaks| {
+        let peaks = parallel::map(&self.curves, TIME_PER_CURVE, peaks);
+        let most = peaks.iter().fold([0.0; 2], |most, peaks| {
             [0, 1].map(|k| f64::max(most[k], peaks[k]))
         });
         let speed = most[0] / (span * self.constraints.speed);

@@ -8,6 +8,7 @@ use super::fold_sequence::{fold_in_sequence, goal_is_free, goal_of_sequences, ha
 use super::lines::goal_of_lines;
 use super::pipeline::{self, Ending};
 use super::split_phases::{fold_in_split_phases, splits_phases};
+use super::way_round::lead_round_crossings;
 use crate::collision::contact_tolerance;
 use crate::pattern::{CreasePattern, Diagonals};
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
@@ -450,19 +451,20 @@ fn try_strategy(
         return Some(plan);
     }
     let (splits, few) = (splits_phases(problem, &plan), has_few_creases(problem));
-    if !splits && !few {
+    let leads_round = !splits && matches!(plan.outcome, Outcome::Crossing(_));
+    if !splits && !few && !leads_round {
         return Some(plan);
     }
     let goal = goal_of_sequences(problem, &pass.route);
     let Some(goal) = goal.filter(|goal| goal_is_free(problem, goal)) else {
         return Some(plan);
     };
-    let mut try_phases = |strategy, fold: &dyn Fn() -> Option<Plan>| {
+    let mut try_phases = |strategy, none: Reason, fold: &dyn Fn() -> Option<Plan>| {
         let start = Instant::now();
         let found = fold();
         let (outcome, reason) = match &found {
             Some(found) => (found.outcome, found.reason.clone()),
-            None => (Outcome::Partial, Some(Reason::NoFoldSequence)),
+            None => (Outcome::Partial, Some(none)),
         };
         attempts.push(Attempt {
             strategy,
@@ -474,12 +476,16 @@ fn try_strategy(
     };
     let split = || fold_in_split_phases(problem, &goal, &plan);
     let sequence = || fold_in_sequence(problem, &pass.route, goal.clone());
+    let round = || lead_round_crossings(problem, &plan);
     let mut found = None;
     if splits {
-        found = try_phases(Strategy::SplitPhases, &split);
+        found = try_phases(Strategy::SplitPhases, Reason::NoFoldSequence, &split);
     }
     if found.is_none() && few {
-        found = try_phases(Strategy::FoldSequence, &sequence);
+        found = try_phases(Strategy::FoldSequence, Reason::NoFoldSequence, &sequence);
+    }
+    if found.is_none() && leads_round {
+        found = try_phases(Strategy::WayRound, Reason::NoWayRound, &round);
     }
     Some(match found {
         Some(mut found) => {

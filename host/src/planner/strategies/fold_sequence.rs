@@ -61,15 +61,14 @@ pub(crate) fn goal_is_free(problem: &PlanningProblem<'_>, goal: &[f64]) -> bool 
 }
 
 /// Returns `true` if the sheet closes at these fold angles (radians) to a tolerance, and no faces cross.
-fn is_free(
+pub(super) fn is_free(
     judge: &mut Judge<'_>,
     groups: &CreaseGroups,
     angles: &[f64],
     closure_tolerance: f64,
 ) -> bool {
-    let angles: Vec<_> = angles.iter().copied().map(Some).collect();
     let mut knot = Knot {
-        angles: groups.reduce(&angles).into_iter().flatten().collect(),
+        angles: groups.reduce_all(angles),
         ..Knot::default()
     };
     judge.judge(&mut knot).is_none() && knot.closure <= closure_tolerance
@@ -225,9 +224,19 @@ pub(super) fn plan_by_way_of(
     stops: &[FixedBitSet],
     bound_fraction: f64,
 ) -> Plan {
-    let via = stops.iter().map(|folded| {
-        let angles = angles(goal, folded).into_iter().map(Some).collect();
-        Goal::chosen(problem.pattern, angles, "a part of the goal".into())
+    let stops: Vec<_> = stops.iter().map(|folded| angles(goal, folded)).collect();
+    plan_via(problem, &stops, bound_fraction)
+}
+
+/// Returns the plan by way of these fold angles (radians), certified for this fraction of the bound at first.
+pub(super) fn plan_via(
+    problem: &PlanningProblem<'_>,
+    stops: &[Vec<f64>],
+    bound_fraction: f64,
+) -> Plan {
+    let via = stops.iter().map(|angles| {
+        let angles = angles.iter().copied().map(Some).collect();
+        Goal::chosen(problem.pattern, angles, "a stop on the way".into())
     });
     let goal = Goal {
         via: via.collect(),

@@ -10,3 +10,4 @@ pub(super) mod lines;
 pub(super) mod pipeline;
 pub(super) mod simple_folds;
 pub(super) mod split_phases;
+pub(super) mod way_round;

@@ -14,7 +14,7 @@ use crate::pattern::{
 };
 use crate::progress::Watch;
 use crate::read::segments::{self, LooseLines, Segment};
-use crate::read::{FileError, stem};
+use crate::read::{FileError, ReadOptions, Straighten, stem};
 
 /// A crease pattern read from a file.
 #[derive(Clone, Debug)]
@@ -32,7 +32,11 @@ pub struct PatternFile {
 /// # Errors
 /// If the file cannot be read or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    pattern(&Document::read(path)?, None, Watch::default())
+    pattern(
+        &Document::read(path)?,
+        &ReadOptions::default(),
+        Watch::default(),
+    )
 }
 
 /// Parses a crease pattern from the bytes of a file; `path` names the file in errors. See [`read_pattern`].
@@ -40,30 +44,31 @@ pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
 /// # Errors
 /// If the bytes hold no flat crease pattern.
 pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
-    parse_within(path, bytes, None, Watch::default())
+    parse_within(path, bytes, &ReadOptions::default(), Watch::default())
 }
 
 pub(in crate::read) fn parse_within(
     path: &Path,
     bytes: &[u8],
-    tolerance: Option<f64>,
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    pattern(&Document::parse(path, bytes)?, tolerance, watch)
+    pattern(&Document::parse(path, bytes)?, options, watch)
 }
 
-/// Makes the crease pattern of a document. With a tolerance, its edges are repaired like the lines of a drawing.
+/// Makes the crease pattern of a document. With a tolerance, or if it is to be straightened, its edges are repaired like
+/// the lines of a drawing.
 fn pattern(
     document: &Document,
-    tolerance: Option<f64>,
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let frames = document.frames()?;
     let flat = flat_frame(&frames);
     let frame = frames.get(flat);
     let angles = goal_angles(&frames, &frame)?;
-    if tolerance.is_some() {
-        return repaired(document, &frame, angles.as_ref(), tolerance, watch);
+    if options.tolerance.is_some() || options.straighten == Straighten::On {
+        return repaired(document, &frame, angles.as_ref(), options, watch);
     }
     let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
         Ok(file) => file,
@@ -81,7 +86,7 @@ fn pattern(
             if !repairable {
                 return Err(error);
             }
-            let repaired = repaired(document, &frame, angles.as_ref(), None, watch);
+            let repaired = repaired(document, &frame, angles.as_ref(), options, watch);
             return repaired.map_err(|_| error);
         }
     };
@@ -110,14 +115,18 @@ fn repaired(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
-    tolerance: Option<f64>,
+    options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals, &mut notes)?;
     let wrong = |expected: &str, found: &str| FileError::Expected {
         path: document.path().to_path_buf(),
-        place: "the tolerance".into(),
+        place: if options.tolerance.is_some() {
+            "the tolerance".into()
+        } else {
+            "straightening".into()
+        },
         expected: expected.into(),
         found: found.into(),
     };
@@ -141,7 +150,7 @@ fn repaired(
         notes,
         ..LooseLines::default()
     };
-    let file = segments::pattern_file(document.path(), lines, tolerance, watch)?;
+    let file = segments::pattern_file(document.path(), lines, options, watch)?;
     let title = title(document, frame)?;
     Ok(PatternFile { title, ..file })
 }

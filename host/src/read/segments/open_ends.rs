@@ -16,7 +16,7 @@ const OF_LINE: f64 = 0.05;
 
 /// Largest distance of an open end from that vertex or line, as a fraction of the diagonal. Origami Simulator joins
 /// points within 3 pixels, in drawings of about a thousand pixels.
-const OPEN: f64 = 1.0 / 300.0;
+pub(super) const OPEN: f64 = 1.0 / 300.0;
 
 /// Smallest ratio of the distances to the second and to the nearest candidate with which the nearest is the only one.
 const APART: f64 = 2.0;

@@ -9,7 +9,8 @@ use nalgebra::Vector2;
 use robust::{Coord, orient2d};
 
 use super::grid::Grid;
-use super::open_ends::{LineReach, join_to_lines, join_to_vertices, remove_open};
+use super::missing_border::missing_borders;
+use super::open_ends::{LineReach, OPEN, join_to_lines, join_to_vertices, remove_open};
 use super::places::Places;
 use super::repairs::Repairs;
 use super::{MOST, Segment};
@@ -71,6 +72,7 @@ pub(super) fn planar(
     let tolerance = asked.map_or(usual, |asked| asked.max(least));
     let mut repairs = Repairs {
         tolerance,
+        least_tolerance: tolerance.min(usual),
         ..Repairs::default()
     };
     let mut places = Places::new(tolerance, low);
@@ -129,6 +131,8 @@ pub(super) fn planar(
     }
     // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
+    repairs.missing_borders =
+        missing_borders(&places.points, &pieces, 2.0 * tolerance, OPEN * diagonal);
     repairs.removed = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector2;
 
+use super::missing_border::MissingBorder;
 use super::open_ends::Removed;
 use crate::pattern::rounded;
 
@@ -41,6 +42,10 @@ pub(super) struct Repairs {
     pub(super) removed: Option<Removed>,
     /// Points within this distance of each other are one place.
     pub(super) tolerance: f64,
+    /// The tolerance that the caller asked for or that follows from the lines, whichever is less.
+    pub(super) least_tolerance: f64,
+    /// Sides of the sheet where lines end in the open because no border is drawn.
+    pub(super) missing_borders: Vec<MissingBorder>,
 }
 
 impl Repairs {
@@ -112,6 +117,24 @@ impl Repairs {
             ),
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
-        said.map(|(_, words)| words).collect()
+        let said = said.map(|(_, words)| words);
+        said.chain(self.borders_in_words(drawn)).collect()
+    }
+
+    /// Names the sides where a border is missing.
+    pub(super) fn borders_in_words(
+        &self,
+        drawn: impl Fn(Vector2<f64>) -> [f64; 2],
+    ) -> impl Iterator<Item = String> {
+        let borders = self.missing_borders.iter();
+        borders.map(move |&MissingBorder { ends, lines }| {
+            let [[x, y], [u, v]] = ends.map(|end| drawn(end).map(rounded));
+            let place = if ends[0] == ends[1] {
+                "all round the drawing".into()
+            } else {
+                format!("from ({x}, {y}) to ({u}, {v})")
+            };
+            format!("a border is missing {place}, where lines end in the open: {lines}")
+        })
     }
 }

@@ -9,6 +9,8 @@
 //! than a sum of these three with weights that are positive and sum to one. If all three exceed the deviations of both
 //! pieces together, the pieces are apart from the beginning to the end, however both move together.
 
+mod near;
+
 use core::ops::Range;
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
@@ -45,6 +47,8 @@ type Three<T> = [T; 3];
 #[derive(Clone, Debug)]
 pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
+    /// For each cluster the panel that has all its pieces, if one has.
+    panels: Vec<Option<FaceId>>,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
     /// Bound on the second derivative of each group's angle, one row for each part of the segment.
@@ -71,6 +75,7 @@ pub(super) struct IntervalBroadPhase {
 impl IntervalBroadPhase {
     pub(super) fn new(
         pattern: &CreasePattern,
+        hierarchy: &Hierarchy,
         memberships: &[Membership],
         groups: usize,
         tree: &SpanningTree,
@@ -91,8 +96,10 @@ impl IntervalBroadPhase {
                 reach: away.fold(0.0, f64::max),
             }
         });
+        let hinges: Vec<Hinge> = hinges.collect();
         Self {
-            hinges: hinges.collect(),
+            panels: near::panels(&hinges, hierarchy, faces),
+            hinges,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
             curvatures: Vec::new(),
             from: 0,
@@ -251,45 +258,7 @@ impl IntervalBroadPhase {
         }
     }
 
-    /// Calls `near` for the pairs of pieces whose boxes are no farther apart than `touching`, or nearer than a
-    /// distance: at first `within`, then the value that `near` returned last.
-    pub(super) fn near(
-        &mut self,
-        hierarchy: &Hierarchy,
-        touching: f64,
-        mut within: f64,
-        mut near: impl FnMut(&Self, [u32; 2]) -> f64,
-    ) {
-        let mut open = core::mem::take(&mut self.open);
-        for &root in &hierarchy.roots {
-            open.push([root, root]);
-            while let Some([a, b]) = open.pop() {
-                let [first, second] = [a, b].map(|node| hierarchy.nodes[node as usize]);
-                if a == b {
-                    if let Some([left, right]) = first.children {
-                        open.extend([[left, right], [left, left], [right, right]]);
-                    }
-                    continue;
-                }
-                let gap = self.gap(a, b);
-                if gap > touching && gap >= within {
-                    continue;
-                }
-                // Splits the larger cluster. If the larger one is a single piece, so is the other.
-                let (larger, parts, other) = if first.pieces >= second.pieces {
-                    (a, first.children, b)
-                } else {
-                    (b, second.children, a)
-                };
-                match parts {
-                    Some(parts) => open.extend(parts.map(|part| [part, other])),
-                    None => within = near(self, [larger, other]),
-                }
-            }
-        }
-        self.open = open;
-    }
-
+    #[inline]
     fn gap(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
         let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
@@ -299,6 +268,7 @@ impl IntervalBroadPhase {
     /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end. Returns
     /// their separations along the plane's normal at the three control points; the first and the last are lower bounds
     /// of their distance at the beginning and at the end. Returns `None` if no such plane is found.
+    #[inline]
     pub(super) fn parted(
         &self,
         pieces: &Pieces,
@@ -316,32 +286,44 @@ impl IntervalBroadPhase {
             center
         };
         let between = center(&corners[1]) - center(&corners[0]);
-        let normals = |which: usize| faces.map(|face| self.normals[which][face]);
-        let along = core::iter::once_with(|| between.try_normalize(0.0)).flatten();
-        let first = normals(1).into_iter().chain(along);
-        let others = [2, 0].into_iter().flat_map(normals);
-        for direction in first.chain(others) {
+        let along = |direction: &Vector3<f64>| {
             let forwards = direction * direction.dot(&between).signum();
-            let ahead = self.ahead(&corners, forwards);
-            if ahead.iter().all(|&ahead| ahead > slack) {
-                return Some(ahead);
-            }
-        }
-        None
+            self.ahead(&corners, &forwards, slack)
+        };
+        let normals = |which: usize| {
+            let mut normals = faces.iter().map(|&face| &self.normals[which][face]);
+            normals.find_map(along)
+        };
+        normals(1)
+            .or_else(|| along(&between.try_normalize(0.0)?))
+            .or_else(|| normals(2))
+            .or_else(|| normals(0))
     }
 
-    /// Returns, for each control point, the distance by which the second piece is ahead of the first.
-    fn ahead(&self, corners: &[Range<usize>; 2], direction: Vector3<f64>) -> Three<f64> {
-        self.places.each_ref().map(|places| {
-            let along = |corners: &Range<usize>| {
-                places[corners.clone()]
-                    .iter()
-                    .map(move |p| direction.dot(p))
-            };
-            let first = along(&corners[0]).fold(f64::NEG_INFINITY, f64::max);
-            let second = along(&corners[1]).fold(f64::INFINITY, f64::min);
-            second - first
-        })
+    /// Returns, for each control point, the distance by which the second piece is ahead of the first; `None` if it is not
+    /// more than `slack` at each.
+    #[inline]
+    fn ahead(
+        &self,
+        corners: &[Range<usize>; 2],
+        direction: &Vector3<f64>,
+        slack: f64,
+    ) -> Option<Three<f64>> {
+        let mut ahead = [0.0; 3];
+        for (ahead, places) in ahead.iter_mut().zip(&self.places) {
+            let (mut first, mut second) = (f64::NEG_INFINITY, f64::INFINITY);
+            for place in &places[corners[0].clone()] {
+                first = f64::max(first, direction.dot(place));
+            }
+            for place in &places[corners[1].clone()] {
+                second = f64::min(second, direction.dot(place));
+            }
+            *ahead = second - first;
+            if ahead.is_nan() || *ahead <= slack {
+                return None;
+            }
+        }
+        Some(ahead)
     }
 
     /// Returns the distance of two pieces at the beginning (0) or the end (2) of the interval.
@@ -392,10 +374,12 @@ mod tests {
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
+        let hierarchy = Hierarchy::new(&pieces);
+        let members = groups.memberships();
         let mut broad_phase =
-            IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+            IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
         broad_phase.begin(&motion, &pieces);
-        assert!(broad_phase.advance(&motion, &pieces, &Hierarchy::new(&pieces)));
+        assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
         // Not even along the line between their centers, if the centers coincide.
         for places in &mut broad_phase.places {
@@ -450,15 +434,18 @@ mod tests {
             let motion = Motion::new(&segments, groups.len());
             let pieces = Pieces::new(&pattern);
             let hierarchy = Hierarchy::new(&pieces);
+            let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, groups.memberships(), groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
             broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
             while broad_phase.to < motion.end() {
                 assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
                 let mut pairs = Vec::new();
-                broad_phase.near(&hierarchy, 0.0, f64::INFINITY, |broad_phase, pair| {
-                    pairs.extend(broad_phase.parted(&pieces, pair, 0.0).map(|_| pair));
+                let parted_at =
+                    |broad_phase: &IntervalBroadPhase, pair| broad_phase.parted(&pieces, pair, 0.0);
+                broad_phase.near(&hierarchy, [0.0, f64::INFINITY], parted_at, |_, pair, _| {
+                    pairs.push(pair);
                     f64::INFINITY
                 });
                 parted += pairs.len();

@@ -1,0 +1,474 @@
+//! A line of designs, and the plan that it asks for.
+
+use std::collections::{HashMap, HashSet};
+use std::io::{self, BufRead, Read};
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+use crate::CliError;
+use crate::args::{Cli, Command, Family, Plan, Shard, Size, TwistLetters, defaults};
+use crate::generate::family_drawing;
+use crate::standard::{Input, is_standard};
+use foldpath::export::fold::write_pattern;
+
+/// Longest line that is read, bytes.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// A line that some worker has to plan.
+pub(super) struct Task {
+    /// Position among the lines of this run, from 0, in which results are written.
+    pub(super) place: u64,
+    /// Name of the result.
+    pub(super) id: String,
+    /// The line, or the reason why it is no design.
+    pub(super) line: Result<String, String>,
+    /// Time that the design may take, seconds, if the line names one.
+    pub(super) timeout: Option<f64>,
+}
+
+/// The lines of a file that belong to this run.
+pub(super) struct Designs<R> {
+    lines: R,
+    shard: Option<Shard>,
+    /// Results that are there already.
+    done: HashSet<String>,
+    /// Hashes of the names that were read.
+    seen: HashSet<u128>,
+    /// Hashes of the files that are written, and of that of the designs.
+    taken: HashSet<u128>,
+    /// Number of the last line that was read, from 1.
+    number: u64,
+    place: u64,
+}
+
+/// The parts of a line that the pool needs.
+#[derive(Deserialize)]
+struct Head {
+    id: String,
+    #[serde(default)]
+    plan: Value,
+    #[serde(default)]
+    path: Value,
+}
+
+impl Head {
+    /// Returns the time that the design may take, seconds, if it is a number or the text of one.
+    fn timeout(&self) -> Option<f64> {
+        let value = self.plan.get("timeout")?;
+        // A list stands for an option that is repeated.
+        match value
+            .as_array()
+            .and_then(|list| list.last())
+            .unwrap_or(value)
+        {
+            Value::String(text) => text.parse().ok(),
+            value => value.as_f64(),
+        }
+    }
+}
+
+impl<R: BufRead> Designs<R> {
+    /// Goes through lines of designs, but for those that are `done`. No design may write to the files that are `taken`.
+    pub(super) fn new(
+        lines: R,
+        shard: Option<Shard>,
+        done: HashSet<String>,
+        taken: [&Path; 2],
+    ) -> Self {
+        Self {
+            taken: taken.into_iter().map(hash_of_path).collect(),
+            lines,
+            shard,
+            done,
+            seen: HashSet::new(),
+            number: 0,
+            place: 0,
+        }
+    }
+
+    /// Reads the next line of this shard that has no result yet.
+    ///
+    /// # Errors
+    /// If the system reports one.
+    pub(super) fn next_task(&mut self) -> io::Result<Option<Task>> {
+        loop {
+            let Some(line) = next_line(&mut self.lines)? else {
+                return Ok(None);
+            };
+            self.number += 1;
+            if line.as_ref().is_ok_and(|line| line.trim().is_empty()) {
+                continue;
+            }
+            let number = self.number;
+            let head = line.as_ref().map_err(Clone::clone).and_then(|line| {
+                let head = serde_json::from_str::<Head>(line);
+                head.map_err(|error| in_line(&error))
+            });
+            let (mut id, mut line, mut timeout) = match (head, line) {
+                (Ok(head), line) => {
+                    let timeout = head.timeout();
+                    // Every shard sees which files are taken, as it reads all lines.
+                    let is_taken = (head.path.as_str())
+                        .is_some_and(|path| !self.taken.insert(hash_of_path(Path::new(path))));
+                    let line = if is_taken {
+                        Err(
+                            "path: expected a file that nothing else of the run writes or reads"
+                                .into(),
+                        )
+                    } else {
+                        line
+                    };
+                    (head.id, line, timeout)
+                }
+                (Err(error), _) => (format!("line {number}"), Err(error), None),
+            };
+            // Lines of the same name belong to the same shard, so that each shard sees which names are taken.
+            let hash = hash(&id);
+            if self
+                .shard
+                .is_some_and(|shard| hash % u128::from(shard.of) != u128::from(shard.index))
+            {
+                continue;
+            }
+            if !self.seen.insert(hash) {
+                line = Err(format!(
+                    "expected an id that no line before has, found {id:?}"
+                ));
+                id = format!("line {number}");
+                timeout = None;
+            }
+            if self.done.contains(&id) {
+                continue;
+            }
+            self.place += 1;
+            return Ok(Some(Task {
+                place: self.place - 1,
+                id,
+                line,
+                timeout,
+            }));
+        }
+    }
+}
+
+/// Reads a line without its end; `None` at the end of the file. A line that is too long, or not in UTF-8, is an inner
+/// error.
+fn next_line(lines: &mut impl BufRead) -> io::Result<Option<Result<String, String>>> {
+    let mut read = |bytes: &mut Vec<u8>| lines.by_ref().take(LONGEST_LINE).read_until(b'\n', bytes);
+    let mut bytes = Vec::new();
+    if read(&mut bytes)? == 0 {
+        return Ok(None);
+    }
+    let goes_on = |bytes: &[u8]| bytes.len() as u64 == LONGEST_LINE && !bytes.ends_with(b"\n");
+    let long = goes_on(&bytes);
+    while goes_on(&bytes) {
+        bytes.clear();
+        read(&mut bytes)?;
+    }
+    if long {
+        return Ok(Some(Err(format!(
+            "expected a line of at most {} MiB, found more",
+            LONGEST_LINE >> 20
+        ))));
+    }
+    while bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {
+        bytes.pop();
+    }
+    Ok(Some(String::from_utf8(bytes).map_err(|_| {
+        "expected text in UTF-8, found other bytes".into()
+    })))
+}
+
+/// Returns 128 bits of the digest of a name, which no other name among billions has.
+fn hash(id: &str) -> u128 {
+    let digest = Sha256::digest(id);
+    u128::from_be_bytes(digest.first_chunk().copied().unwrap_or_default())
+}
+
+/// Returns a hash of the absolute path of a file.
+fn hash_of_path(path: &Path) -> u128 {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    hash(&path.to_string_lossy())
+}
+
+/// Returns `true` for devices, such as the process's own stdin and stdout, which have its designs and results.
+fn is_device(path: &Path) -> bool {
+    path.starts_with("/dev") || path.starts_with("/proc")
+}
+
+/// A design: a crease pattern and how to plan it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Design {
+    pub(super) id: String,
+    pattern: Option<PathBuf>,
+    generate: Option<Generated>,
+    #[serde(default)]
+    plan: Option<Map<String, Value>>,
+    /// File to write the path to.
+    path: Option<PathBuf>,
+}
+
+/// Options that say where the answer goes or who works on it, which a design does not choose.
+const NOT_CHOSEN: [&str; 6] = ["output", "json", "quiet", "jobs", "help", "version"];
+
+/// Largest number of different plan options that are kept.
+const MAX_PARSED: usize = 1 << 10;
+
+/// Plan options that were parsed before, because many designs have the same, and parsing takes as long as a small plan.
+#[derive(Default)]
+pub(super) struct Parsed {
+    plans: HashMap<String, Plan>,
+}
+
+impl Parsed {
+    /// Returns the arguments of `foldpath plan` with these options, which write a path or do not.
+    fn plan(&mut self, options: &Map<String, Value>, writes: bool) -> Result<Plan, CliError> {
+        let key = format!("{writes} {}", Value::Object(options.clone()));
+        if let Some(plan) = self.plans.get(&key) {
+            return Ok(plan.clone());
+        }
+        let plan = parse_options(options, writes)?;
+        if self.plans.len() >= MAX_PARSED {
+            self.plans.clear();
+        }
+        self.plans.insert(key, plan.clone());
+        Ok(plan)
+    }
+}
+
+impl Design {
+    /// Parses a line.
+    ///
+    /// # Errors
+    /// If the line is no design.
+    pub(super) fn parse(line: &str) -> Result<Self, CliError> {
+        serde_json::from_str(line).map_err(|error| CliError::Usage(in_line(&error)))
+    }
+
+    /// Returns the input and the arguments of `foldpath plan` for this design. `timeout` (seconds) holds for designs
+    /// that name none.
+    ///
+    /// # Errors
+    /// If the design has not one pattern, or its options are none of `plan`.
+    pub(super) fn arguments(
+        &self,
+        timeout: f64,
+        parsed: &mut Parsed,
+    ) -> Result<(Input, Plan), CliError> {
+        let usage = |text: String| CliError::Usage(text);
+        let input = match (&self.pattern, &self.generate) {
+            (Some(pattern), None) => Input::of_file(pattern),
+            (None, Some(generated)) => {
+                let (title, drawing) = family_drawing(&generated.family())?;
+                let mut bytes = Vec::new();
+                write_pattern(&title, &drawing, &mut bytes).map_err(CliError::Output)?;
+                Input::of_bytes(&format!("generate {title}"), bytes)
+            }
+            _ => return Err(usage("expected either pattern or generate".into())),
+        };
+        let none = Map::new();
+        let options = self.plan.as_ref().unwrap_or(&none);
+        let mut plan = parsed.plan(options, self.path.is_some())?;
+        plan.pattern.clone_from(&input.name);
+        plan.output.clone_from(&self.path);
+        plan.timeout.get_or_insert(timeout);
+        let files = [
+            Some(&plan.pattern),
+            plan.goal.as_ref(),
+            plan.output.as_ref(),
+        ];
+        for file in files.into_iter().flatten().chain(&plan.via) {
+            if is_standard(file) {
+                return Err(usage(
+                    "expected a file, found -: batch has no standard streams for its designs"
+                        .into(),
+                ));
+            }
+            if is_device(file) {
+                let found = file.display();
+                return Err(usage(format!("expected a file, found the device {found}")));
+            }
+        }
+        Ok((input, plan))
+    }
+}
+
+/// Returns the name in a line that is no design otherwise.
+pub(super) fn id_of(line: &str) -> String {
+    serde_json::from_str::<Head>(line).map_or_else(|_| String::new(), |head| head.id)
+}
+
+/// Returns the message of an error in a text of one line.
+pub(super) fn in_line(error: &serde_json::Error) -> String {
+    error
+        .to_string()
+        .replace(" at line 1 column ", " at column ")
+}
+
+/// Parses options by their names on the command line, with `_` for `-`: a number or text is a value, a list stands for
+/// an option that is repeated, `true` for one without a value, and `null` or `false` for one that is not given.
+fn parse_options(options: &Map<String, Value>, writes: bool) -> Result<Plan, CliError> {
+    let mut arguments: Vec<String> = ["foldpath", "plan", "-"].map(String::from).to_vec();
+    if writes {
+        arguments.push("--output=-".into());
+    }
+    for (name, value) in options {
+        if NOT_CHOSEN.contains(&name.as_str()) {
+            return Err(CliError::Usage(format!(
+                "plan: {name}: expected an option of planning"
+            )));
+        }
+        let flag = format!("--{}", name.replace('_', "-"));
+        let with = |value: &Value| match value {
+            Value::String(text) => Ok(format!("{flag}={text}")),
+            Value::Number(number) => Ok(format!("{flag}={number}")),
+            _ => Err(CliError::Usage(format!(
+                "plan: {name}: expected a number or text, found {value}"
+            ))),
+        };
+        match value {
+            Value::Null => {}
+            Value::Bool(given) if name == "keep" => arguments.extend(given.then(|| flag.clone())),
+            Value::Array(values) => {
+                for value in values {
+                    arguments.push(with(value)?);
+                }
+            }
+            value => arguments.push(with(value)?),
+        }
+    }
+    let cli = Cli::try_parse_from(arguments).map_err(|error| {
+        let text = error.to_string();
+        // The first paragraph says what is wrong; the others are about the command line.
+        CliError::Usage(
+            text.trim_start_matches("error: ")
+                .split("\n\n")
+                .next()
+                .unwrap_or_default()
+                .into(),
+        )
+    })?;
+    match cli.command {
+        Command::Plan(plan) => {
+            let mut plan = *plan;
+            plan.report.json = true;
+            Ok(plan)
+        }
+        _ => Err(CliError::Usage("plan: expected options of planning".into())),
+    }
+}
+
+/// A family of patterns with its parameters; those that are not given are those of the command line.
+#[derive(Deserialize)]
+#[serde(tag = "family", rename_all = "kebab-case", deny_unknown_fields)]
+enum Generated {
+    Miura {
+        rows: usize,
+        cols: usize,
+        angle: Option<f64>,
+        fold: Option<f64>,
+    },
+    Waterbomb {
+        rows: usize,
+        cols: usize,
+        fold: Option<f64>,
+    },
+    Yoshimura {
+        rows: usize,
+        cols: usize,
+        angle: Option<f64>,
+        fold: Option<f64>,
+    },
+    Quad {
+        rows: Option<usize>,
+        cols: Option<usize>,
+        fold: Option<f64>,
+    },
+    SquareTwist {
+        rows: Option<usize>,
+        cols: Option<usize>,
+        angle: Option<f64>,
+        letters: Option<TwistLetters>,
+        fold: Option<f64>,
+    },
+    Resch {
+        rows: Option<usize>,
+        cols: Option<usize>,
+    },
+    Kresling {
+        rows: Option<usize>,
+        cols: Option<usize>,
+    },
+}
+
+impl Generated {
+    fn family(&self) -> Family {
+        let output = PathBuf::new;
+        let size = |rows: usize, cols: usize| Size {
+            rows,
+            cols,
+            output: output(),
+        };
+        match *self {
+            Self::Miura {
+                rows,
+                cols,
+                angle,
+                fold,
+            } => Family::Miura {
+                size: size(rows, cols),
+                angle: angle.unwrap_or(defaults::MIURA_ANGLE),
+                fold: fold.unwrap_or(defaults::MIURA_FOLD),
+            },
+            Self::Waterbomb { rows, cols, fold } => Family::Waterbomb {
+                size: size(rows, cols),
+                fold: fold.unwrap_or(defaults::WATERBOMB_FOLD),
+            },
+            Self::Yoshimura {
+                rows,
+                cols,
+                angle,
+                fold,
+            } => Family::Yoshimura {
+                size: size(rows, cols),
+                angle: angle.unwrap_or(defaults::YOSHIMURA_ANGLE),
+                fold: fold.unwrap_or(defaults::YOSHIMURA_FOLD),
+            },
+            Self::Quad { rows, cols, fold } => Family::Quad {
+                rows: rows.unwrap_or(defaults::QUAD_SIZE),
+                cols: cols.unwrap_or(defaults::QUAD_SIZE),
+                output: output(),
+                fold: fold.unwrap_or(defaults::QUAD_FOLD),
+            },
+            Self::SquareTwist {
+                rows,
+                cols,
+                angle,
+                letters,
+                fold,
+            } => Family::SquareTwist {
+                rows: rows.unwrap_or(defaults::TWIST_SIZE),
+                cols: cols.unwrap_or(defaults::TWIST_SIZE),
+                output: output(),
+                angle: angle.unwrap_or(defaults::TWIST_ANGLE),
+                letters: letters.unwrap_or_default(),
+                fold: fold.unwrap_or(defaults::TWIST_FOLD),
+            },
+            Self::Resch { rows, cols } => Family::Resch {
+                rows: rows.unwrap_or(defaults::RESCH_SIZE),
+                cols: cols.unwrap_or(defaults::RESCH_SIZE),
+                output: output(),
+            },
+            Self::Kresling { rows, cols } => Family::Kresling {
+                rows: rows.unwrap_or(defaults::KRESLING_RINGS),
+                cols: cols.unwrap_or(defaults::KRESLING_SIDES),
+                output: output(),
+            },
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Standard streams: `-` stands for stdin where a file is read, and for stdout where one is written.
+
+use std::borrow::Cow;
+use std::io::stdin;
+use std::path::{Path, PathBuf};
+
+use crate::args::Command;
+use crate::{CliError, print, say};
+use foldpath::motion::Motion;
+use foldpath::pattern::CreasePattern;
+use foldpath::read::fold::{PatternFile, parse_goal, parse_motion, read_goal, read_motion};
+use foldpath::read::{
+    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape_as,
+    read_pattern_bytes, read_shape, read_stream,
+};
+use foldpath::stream::{parse_script, read_script};
+use foldpath_firmware_sim::hinges::Trouble;
+
+/// Name of stdin in messages.
+const STDIN: &str = "<stdin>";
+
+/// Returns `true` if the name of a file stands for a standard stream.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Returns the name that messages give the file that is read.
+pub(crate) fn source(path: &Path) -> Cow<'_, str> {
+    if is_standard(path) {
+        STDIN.into()
+    } else {
+        path.to_string_lossy()
+    }
+}
+
+/// Returns the name that messages give the file that is written.
+pub(crate) fn shown(path: &Path) -> Cow<'_, str> {
+    if is_standard(path) {
+        "<stdout>".into()
+    } else {
+        path.to_string_lossy()
+    }
+}
+
+/// Returns `true` if the name of a file in a message stands for stdin.
+pub(crate) fn is_stdin(path: &Path) -> bool {
+    path.as_os_str() == STDIN
+}
+
+/// Returns the name on the command line of a file in a message.
+pub(crate) fn argument(path: &Path) -> &Path {
+    if is_stdin(path) { Path::new("-") } else { path }
+}
+
+/// A file that is read, or stdin, which can be read only once.
+pub(crate) struct Input {
+    /// Name for messages.
+    pub(crate) name: PathBuf,
+    /// The bytes of stdin with their format; `None` for a file.
+    piped: Option<(Vec<u8>, Format)>,
+}
+
+impl Input {
+    /// Names a file, or reads stdin.
+    ///
+    /// # Errors
+    /// If stdin cannot be read or is too large.
+    pub(crate) fn of(path: &Path) -> Result<Self, CliError> {
+        if !is_standard(path) {
+            return Ok(Self::of_file(path));
+        }
+        let name = PathBuf::from(STDIN);
+        let piped = Some(read_stream(&name, stdin().lock())?);
+        Ok(Self { name, piped })
+    }
+
+    /// Names a file.
+    pub(crate) fn of_file(path: &Path) -> Self {
+        let name = path.to_path_buf();
+        Self { name, piped: None }
+    }
+
+    /// Takes the bytes of a FOLD file that was never written.
+    pub(crate) fn of_bytes(name: &str, bytes: Vec<u8>) -> Self {
+        let name = PathBuf::from(name);
+        Self {
+            name,
+            piped: Some((bytes, Format::Fold)),
+        }
+    }
+
+    /// Returns an error about this input, with the text if it cannot be read again.
+    fn wrong(&self, error: FileError) -> CliError {
+        match &self.piped {
+            None => error.into(),
+            Some((bytes, _)) => {
+                let text = String::from_utf8_lossy(bytes);
+                let text = text.trim_start_matches('\u{feff}').to_string();
+                let error = Box::new(error);
+                CliError::Piped { error, text }
+            }
+        }
+    }
+
+    /// Returns the bytes of a crease pattern.
+    pub(crate) fn pattern_bytes(&self) -> Result<Cow<'_, [u8]>, CliError> {
+        match &self.piped {
+            Some((bytes, _)) => Ok(bytes.into()),
+            None => Ok(read_pattern_bytes(&self.name)?.into()),
+        }
+    }
+
+    /// Parses a crease pattern from the bytes of this input.
+    pub(crate) fn pattern(
+        &self,
+        bytes: &[u8],
+        options: &ReadOptions,
+    ) -> Result<PatternFile, CliError> {
+        let format = self.piped.as_ref().map(|(_, format)| *format);
+        let options = ReadOptions {
+            format,
+            ..options.clone()
+        };
+        parse_pattern_with(&self.name, bytes, &options).map_err(|error| self.wrong(error))
+    }
+
+    /// Reads a motion.
+    pub(crate) fn motion(&self) -> Result<Motion, CliError> {
+        let motion = match &self.piped {
+            Some((bytes, _)) => parse_motion(&self.name, bytes),
+            None => read_motion(&self.name),
+        };
+        motion.map_err(|error| self.wrong(error))
+    }
+
+    /// Reads the goal angles (radians) of the creases of a pattern.
+    pub(crate) fn goal(&self, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, CliError> {
+        let goal = match &self.piped {
+            Some((bytes, _)) => parse_goal(&self.name, bytes, pattern),
+            None => read_goal(&self.name, pattern),
+        };
+        goal.map_err(|error| self.wrong(error))
+    }
+
+    /// Reads a folded shape.
+    pub(crate) fn shape(&self, frame: Option<usize>) -> Result<ShapeFile, CliError> {
+        let shape = match &self.piped {
+            Some((bytes, format)) => parse_shape_as(*format, &self.name, bytes, frame),
+            None => read_shape(&self.name, frame),
+        };
+        shape.map_err(|error| self.wrong(error))
+    }
+
+    /// Reads a script of disturbances of hinges.
+    pub(crate) fn script(&self, hinges: usize) -> Result<Vec<(u64, Trouble)>, CliError> {
+        let script = match &self.piped {
+            Some((bytes, _)) => parse_script(&self.name, &String::from_utf8_lossy(bytes), hinges),
+            None => read_script(&self.name, hinges),
+        };
+        script.map_err(|error| self.wrong(error))
+    }
+
+    /// Reads all bytes, as of a file of any format.
+    pub(crate) fn bytes(self) -> Result<Vec<u8>, CliError> {
+        match self.piped {
+            Some((bytes, _)) => Ok(bytes),
+            None => std::fs::read(&self.name).map_err(|source| {
+                let path = self.name;
+                FileError::Io { path, source }.into()
+            }),
+        }
+    }
+}
+
+/// Prints a summary: on stdout, or on stderr if stdout gets the file that the command writes.
+pub(crate) fn print_summary(
+    output: Option<&Path>,
+    quiet: bool,
+    text: &str,
+) -> Result<(), CliError> {
+    match output {
+        Some(output) if is_standard(output) => {
+            if !quiet {
+                say(&anstream::adapter::strip_str(text.trim_end()).to_string());
+            }
+            Ok(())
+        }
+        _ => print(text),
+    }
+}
+
+/// Checks that stdin is read once at most, and that stdout gets one thing.
+///
+/// # Errors
+/// If two options name stdin, or stdout would get a file and the object of `--json`.
+pub(crate) fn check_use(command: &Command) -> Result<(), CliError> {
+    let (inputs, outputs) = files(command);
+    let standard = |files: Vec<(&'static str, &Path)>| -> Vec<&'static str> {
+        let standard = files.into_iter().filter(|(_, path)| is_standard(path));
+        standard.map(|(option, _)| option).collect()
+    };
+    if let [first, second, ..] = standard(inputs)[..] {
+        return Err(CliError::Usage(format!(
+            "{first} and {second}: expected one at most to be -, as stdin can be read only once"
+        )));
+    }
+    if let (Some(option), true) = (standard(outputs).first(), command.prints_json()) {
+        return Err(CliError::Usage(format!(
+            "{option}: expected a file, as --json writes its answer to stdout"
+        )));
+    }
+    Ok(())
+}
+
+/// Options with the files that they name.
+type Files<'a> = Vec<(&'static str, &'a Path)>;
+
+/// Returns the files that a command reads, and those that it writes.
+fn files(command: &Command) -> (Files<'_>, Files<'_>) {
+    fn some<'a>(
+        option: &'static str,
+        file: &'a Option<PathBuf>,
+    ) -> Option<(&'static str, &'a Path)> {
+        file.as_deref().map(|file| (option, file))
+    }
+    match command {
+        Command::Generate(args) => (vec![], vec![("-o", args.family.output())]),
+        // A process that plans for another has the streams for itself.
+        Command::Batch(args) if args.worker => (vec![], vec![]),
+        Command::Batch(args) => (vec![("DESIGNS", &args.designs)], vec![("-o", &args.output)]),
+        Command::Info(args) => (vec![("PATTERN", &args.pattern)], vec![]),
+        Command::Plan(args) => {
+            let via = args.via.iter().map(|via| ("--via", via.as_path()));
+            let inputs = [("PATTERN", args.pattern.as_path())].into_iter();
+            let inputs = inputs.chain(some("--goal", &args.goal)).chain(via);
+            (
+                inputs.collect(),
+                some("-o", &args.output).into_iter().collect(),
+            )
+        }
+        Command::Check(args) => (vec![("PATH", &args.path)], vec![]),
+        Command::Unfold(args) => (vec![("SHAPE", &args.shape)], vec![("-o", &args.output)]),
+        Command::View(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
+        Command::Plot(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
+        Command::Export(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
+        Command::Stream(args) => {
+            let inputs = [("PATH", args.path.as_path())].into_iter();
+            let inputs = inputs
+                .chain(some("--script", &args.script))
+                .chain(some("--sheet", &args.sheet));
+            (
+                inputs.collect(),
+                some("--log", &args.log).into_iter().collect(),
+            )
+        }
+        Command::Completions(_) | Command::Man(_) => (vec![], vec![]),
+    }
+}

@@ -1,0 +1,224 @@
+//! Finds the pairs of pieces that may come near each other over an interval, from the boxes of clusters.
+
+use core::time::Duration;
+
+use super::{Hinge, IntervalBroadPhase};
+use crate::collision::hierarchy::Hierarchy;
+use crate::pattern::FaceId;
+use crate::util::parallel;
+
+/// Number of pairs of pieces that are tested as one task.
+const PAIRS_PER_TASK: u64 = 4096;
+/// Largest number of tasks in a round, which bounds the memory that their results take.
+const MAX_TASKS: usize = 256;
+/// About the time that such a task takes.
+const TIME_PER_TASK: Duration = Duration::from_micros(40);
+/// About the time that the search for near pairs takes for each cluster of a sheet.
+const TIME_PER_CLUSTER: Duration = Duration::from_nanos(500);
+
+impl IntervalBroadPhase {
+    /// Finds the pairs of pieces whose boxes are no farther apart than `touching`, or nearer than a distance: at first
+    /// `within`, then the value that `take` returned last. After the first interval, pieces of one panel are no pairs,
+    /// because their distance stays. Calls `test`, and then `take` with what `test` returned, unless that is `None`.
+    ///
+    /// `take` is called for the same pairs in the same order with any number of threads. `test` may run on several threads
+    /// at once, and for more pairs than `take`: they are found before the distance has become small enough to leave them
+    /// out.
+    pub(in crate::collision) fn near<T: Send>(
+        &mut self,
+        hierarchy: &Hierarchy,
+        [touching, mut within]: [f64; 2],
+        test: impl Fn(&Self, [u32; 2]) -> Option<T> + Sync,
+        mut take: impl FnMut(&Self, [u32; 2], T) -> f64,
+    ) {
+        let mut open = core::mem::take(&mut self.open);
+        open.clear();
+        open.extend(hierarchy.roots.iter().rev().map(|&root| [root, root]));
+        if !parallel::is_shared(self.boxes.len(), TIME_PER_CLUSTER) {
+            while let Some((pair, _)) = self.next(hierarchy, &mut open, [touching, within], 1) {
+                if let Some(tested) = test(self, pair) {
+                    within = take(self, pair, tested);
+                }
+            }
+            self.open = open;
+            return;
+        }
+        // Rounds grow, because at first no distance is known that keeps them small.
+        let mut round = 1;
+        while !open.is_empty() {
+            let clusters = core::iter::from_fn(|| {
+                self.next(hierarchy, &mut open, [touching, within], PAIRS_PER_TASK)
+            });
+            let clusters: Vec<_> = clusters.take(round).collect();
+            let near = parallel::map_with(
+                &clusters,
+                TIME_PER_TASK,
+                Vec::new,
+                |open: &mut Vec<_>, &(clusters, _)| {
+                    open.push(clusters);
+                    let pairs =
+                        core::iter::from_fn(|| self.next(hierarchy, open, [touching, within], 1));
+                    let tested = pairs.filter_map(|(pair, gap)| {
+                        test(self, pair).map(|tested| (pair, gap, tested))
+                    });
+                    tested.collect::<Vec<_>>()
+                },
+            );
+            // The distance has become smaller since. Boxes of clusters contain those of their parts, so that the pairs
+            // left are those found one after the other.
+            for (pair, gap, tested) in near.into_iter().flatten() {
+                if !is_far(gap, [touching, within]) {
+                    within = take(self, pair, tested);
+                }
+            }
+            round = (2 * round).min(MAX_TASKS);
+        }
+        self.open = open;
+    }
+
+    /// Returns `true` after the first interval if all pieces of two clusters are on one panel.
+    #[inline]
+    fn is_panel(&self, a: u32, b: u32) -> bool {
+        let is_same = |panel| self.panels[b as usize] == Some(panel);
+        self.from > 0 && self.panels[a as usize].is_some_and(is_same)
+    }
+
+    /// Takes pairs of clusters from `open` and splits them, up to one that contains no more than `pairs` pairs of pieces
+    /// and whose boxes are no farther apart than `touching` or nearer than `within`. Returns that pair with the distance
+    /// of its boxes. For the same order of pairs, all of its pairs have to be taken before the next.
+    #[inline]
+    fn next(
+        &self,
+        hierarchy: &Hierarchy,
+        open: &mut Vec<[u32; 2]>,
+        [touching, within]: [f64; 2],
+        pairs: u64,
+    ) -> Option<([u32; 2], f64)> {
+        while let Some([a, b]) = open.pop() {
+            let gap = if a == b { 0.0 } else { self.gap(a, b) };
+            if is_far(gap, [touching, within]) || self.is_panel(a, b) {
+                continue;
+            }
+            let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
+            let few = u64::from(first.pieces) * u64::from(second.pieces) <= pairs;
+            if a == b {
+                match first.children {
+                    Some(_) if few => return Some(([a, b], gap)),
+                    Some([left, right]) => {
+                        open.extend([[left, right], [left, left], [right, right]]);
+                    }
+                    None => {}
+                }
+                continue;
+            }
+            if few {
+                return Some(([a, b], gap));
+            }
+            // Splits the larger cluster. If the larger one is a single piece, so is the other.
+            let (larger, other) = if first.pieces >= second.pieces {
+                (first, b)
+            } else {
+                (second, a)
+            };
+            let parts = larger.children.into_iter().flatten();
+            open.extend(parts.map(|part| [part, other]));
+        }
+        None
+    }
+}
+
+/// Returns `true` if boxes with this distance are farther apart than `touching` and no nearer than `within`.
+fn is_far(gap: f64, [touching, within]: [f64; 2]) -> bool {
+    gap > touching && gap >= within
+}
+
+/// Returns for each cluster its panel, named by one of the panel's faces, if all of its pieces are on one panel: no
+/// crease is between them along the tree, so that they keep their places relative to each other.
+pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> Vec<Option<FaceId>> {
+    let mut of_faces: Vec<FaceId> = (0..faces).map(FaceId::new).collect();
+    for hinge in hinges.iter().filter(|hinge| hinge.member.is_none()) {
+        of_faces[hinge.step.face.index()] = of_faces[hinge.step.parent.index()];
+    }
+    let mut panels: Vec<Option<FaceId>> = Vec::with_capacity(hierarchy.nodes.len());
+    for node in &hierarchy.nodes {
+        // Children come before their cluster.
+        panels.push(match node.children {
+            None => Some(of_faces[node.face.index()]),
+            Some(children) => {
+                let [a, b] = children.map(|child| panels[child as usize]);
+                a.filter(|_| a == b)
+            }
+        });
+    }
+    panels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::motion::Motion;
+    use crate::collision::pieces::Pieces;
+    use crate::folding::SpanningTree;
+    use crate::generate::Miura;
+    use crate::pattern::CreasePattern;
+    use crate::symmetry::CreaseGroups;
+    use foldpath_core::Curve;
+
+    /// The distance shrinks while pairs are taken, so that pairs found in advance have to be left out.
+    #[test]
+    fn pairs_and_their_order_do_not_depend_on_the_number_of_threads() {
+        let miura = Miura {
+            rows: 40,
+            columns: 40,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
+        let groups = CreaseGroups::trivial(&pattern);
+        let tree = SpanningTree::from_central_face(&pattern);
+        let segments = [0.0, 1.0].map(|part| {
+            let curves = (0..groups.len()).map(|k| {
+                let turn = 0.002 * (k % 7) as f64;
+                Curve::Angle([0.0, 0.3, 0.9, 1.0].map(|s| (part + s) * turn))
+            });
+            curves.collect::<Vec<_>>()
+        });
+        let motion = Motion::new(&segments, groups.len());
+        let pieces = Pieces::new(&pattern);
+        let hierarchy = Hierarchy::new(&pieces);
+        let found = |threads: usize| {
+            let members = groups.memberships();
+            let mut broad_phase =
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+            broad_phase.begin(&motion, &pieces);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().unwrap().install(|| {
+                let mut found = Vec::new();
+                for _ in 0..2 {
+                    assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
+                    assert_eq!(
+                        parallel::is_shared(broad_phase.boxes.len(), TIME_PER_CLUSTER),
+                        threads > 1
+                    );
+                    let mut within = f64::INFINITY;
+                    let parted = |broad_phase: &IntervalBroadPhase, pair: [u32; 2]| {
+                        let counts = !pieces.meet(pair[0], pair[1]);
+                        counts.then(|| broad_phase.parted(&pieces, pair, 1e-9))
+                    };
+                    broad_phase.near(&hierarchy, [1e-9, within], parted, |_, pair, apart| {
+                        // Shrinks within rounds, too.
+                        within = (within - 1e-3).clamp(0.7, 3.0);
+                        found.push((pair, apart));
+                        within
+                    });
+                }
+                found
+            })
+        };
+        let one = found(1);
+        assert!(one.len() > 2_000 && one.iter().any(|(_, apart)| apart.is_some()));
+        for threads in [2, 3] {
+            assert!(found(threads) == one, "{threads}");
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Writes a path as a `trajectory_msgs/JointTrajectory` of ROS in YAML.
+//!
+//! ROS's joint trajectory controller joins points with positions and velocities by the cubic with these positions and
+//! velocities at its ends, and points without velocities by straight lines. A motion of kind `hermite` or `linear` is
+//! therefore followed as it was certified. Motions of other kinds are resampled so densely that the cubics stay near
+//! them. The times of a message are whole nanoseconds.
+//!
+//! Source: the documentation of `joint_trajectory_controller`, "Trajectory Representation"; the message definitions
+//! `trajectory_msgs/JointTrajectory` and `builtin_interfaces/Duration`.
+
+use core::fmt::Write;
+use std::path::Path;
+
+use foldpath_core::{Curve, Interpolation, Node};
+
+use crate::motion::{Motion, interpolation_name};
+use crate::read::FileError;
+
+/// Largest distance of the cubics from a motion that has to be resampled, radians, unless that takes more than
+/// [`MAX_PARTS`].
+const TOLERANCE_RAD: f64 = 1e-6;
+/// Largest number of cubics for one segment of the motion.
+const MAX_PARTS: u32 = 1 << 10;
+/// Number of places of a cubic at which its distance from the motion is measured.
+const PROBES: u32 = 16;
+/// Nanoseconds of a second.
+const NANOSECONDS: f64 = 1e9;
+
+/// A trajectory of all hinges, each a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointTrajectory {
+    /// Names of the joints: `crease_I` with the number I of the edge, in the order of the edges.
+    pub joints: Vec<String>,
+    /// Points from start to end.
+    pub points: Vec<Point>,
+    /// Largest distance of a joint from the motion at the same time, radians, measured at 16 places of each cubic; 0 for
+    /// motions that are not resampled.
+    pub resampling_error: f64,
+    /// Bound on what rounding the times to nanoseconds moves a joint by, radians.
+    pub rounding_error: f64,
+    /// Kind of the motion.
+    kind: Interpolation,
+    title: String,
+}
+
+/// A point of a trajectory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Nanoseconds since the start.
+    pub time: u64,
+    /// Fold angle of each joint, radians, valley positive.
+    pub positions: Vec<f64>,
+    /// Rate of each joint, radians per second; empty if the controller is to move on straight lines.
+    pub velocities: Vec<f64>,
+}
+
+/// Angle and rate of each group at a place of the motion, and the time in seconds.
+struct Sample {
+    time: f64,
+    nodes: Vec<Node<f64>>,
+}
+
+impl JointTrajectory {
+    /// Makes the trajectory of a motion.
+    ///
+    /// # Errors
+    /// If two knots are at the same nanosecond.
+    pub fn of(motion: &Motion, file: &Path) -> Result<Self, FileError> {
+        let (samples, resampling_error) = samples(motion);
+        let start = samples.first().map_or(0.0, |sample| sample.time);
+        let creases = motion.pattern.creases();
+        let joints = creases.iter().map(|edge| format!("crease_{edge}"));
+        let points = samples.iter().map(|sample| {
+            let of_crease = |number: fn(&Node<f64>) -> f64| -> Vec<f64> {
+                let members = motion.memberships().into_iter();
+                let numbers = members
+                    .map(|member| member.apply(number(&sample.nodes[member.group.index()])) + 0.0);
+                numbers.collect()
+            };
+            Point {
+                time: nanoseconds(sample.time - start),
+                positions: of_crease(|node| node.angle),
+                velocities: if motion.uses_rates() {
+                    of_crease(|node| node.rate)
+                } else {
+                    Vec::new()
+                },
+            }
+        });
+        let points: Vec<Point> = points.collect();
+        if let Some(at) = points
+            .windows(2)
+            .position(|pair| pair[0].time >= pair[1].time)
+        {
+            return Err(FileError::Expected {
+                path: file.to_path_buf(),
+                place: "foldpath:time".into(),
+                expected: "knots that are at least a nanosecond apart".into(),
+                found: format!("two after {} s", samples[at].time),
+            });
+        }
+        Ok(Self {
+            joints: joints.collect(),
+            points,
+            resampling_error,
+            rounding_error: fastest(motion) * 0.5 / NANOSECONDS,
+            kind: motion.interpolation,
+            title: motion.title.clone(),
+        })
+    }
+
+    /// Returns the YAML of the message.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "# trajectory_msgs/JointTrajectory of {}\n\
+             # Fold angles in radians, valley positive. Kind of the motion: {}.\n\
+             # Resampling moves a joint by {:.1e} radians at most (measured), times in whole nanoseconds by {:.1e}.\n\
+             header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: ''\njoint_names:\n",
+            self.title.escape_debug(),
+            interpolation_name(self.kind),
+            self.resampling_error,
+            self.rounding_error,
+        );
+        // Writing to memory cannot fail.
+        for joint in &self.joints {
+            let _complete = writeln!(text, "- {joint}");
+        }
+        text += "points:\n";
+        for point in &self.points {
+            let _complete = writeln!(text, "- positions: [{}]", list(&point.positions));
+            let _complete = writeln!(text, "  velocities: [{}]", list(&point.velocities));
+            let second = 1_000_000_000;
+            let (sec, nanosec) = (point.time / second, point.time % second);
+            let _complete = writeln!(
+                text,
+                "  time_from_start: {{sec: {sec}, nanosec: {nanosec}}}"
+            );
+        }
+        text
+    }
+}
+
+/// Formats numbers for YAML, in which a number with an exponent but without a point would be a text.
+fn list(numbers: &[f64]) -> String {
+    let numbers = numbers.iter().map(|number| {
+        let text = number.to_string();
+        if text.contains('.') {
+            text
+        } else {
+            text + ".0"
+        }
+    });
+    numbers.collect::<Vec<_>>().join(", ")
+}
+
+/// Returns a time in whole nanoseconds.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a negative time is 0, and one beyond 500 years the largest number"
+)]
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * NANOSECONDS).round() as u64
+}
+
+/// Returns the largest speed of a hinge at the knots and at places between them, radians per second.
+fn fastest(motion: &Motion) -> f64 {
+    let mut most = 0.0_f64;
+    for (segment, pair) in motion.knots.windows(2).enumerate() {
+        let span = pair[1].time - pair[0].time;
+        for curve in motion.curves(segment) {
+            for probe in 0..=PROBES {
+                let [rate, _] = curve.derivatives(f64::from(probe) / f64::from(PROBES));
+                most = most.max((rate / span).abs());
+            }
+        }
+    }
+    most
+}
+
+/// Returns the points of the trajectory, and by how much the cubics between them are off the motion, radians.
+fn samples(motion: &Motion) -> (Vec<Sample>, f64) {
+    let groups = motion.groups();
+    let at_knot = |knot: usize| Sample {
+        time: motion.knots[knot].time,
+        nodes: (0..)
+            .take(groups)
+            .map(|group| motion.knots[knot].node(foldpath_core::GroupId(group)))
+            .collect(),
+    };
+    let exact = matches!(
+        motion.interpolation,
+        Interpolation::Hermite | Interpolation::Linear
+    );
+    let mut samples = Vec::new();
+    let mut error = 0.0_f64;
+    for segment in 0..motion.segments() {
+        samples.push(at_knot(segment));
+        if exact {
+            continue;
+        }
+        let curves: Vec<Curve<f64>> = motion.curves(segment).collect();
+        let [from, to] = [segment, segment + 1].map(|knot| motion.knots[knot].time);
+        let mut parts = 1;
+        let mut off = distance(&curves, parts);
+        while off > TOLERANCE_RAD && parts < MAX_PARTS {
+            parts *= 2;
+            off = distance(&curves, parts);
+        }
+        error = error.max(off);
+        for part in 1..parts {
+            let s = f64::from(part) / f64::from(parts);
+            samples.push(Sample {
+                time: from + s * (to - from),
+                nodes: curves
+                    .iter()
+                    .map(|curve| node(curve, s, to - from))
+                    .collect(),
+            });
+        }
+    }
+    samples.extend(motion.knots.len().checked_sub(1).map(at_knot));
+    (samples, error)
+}
+
+/// Returns angle and rate of a curve at `s`, 0 to 1, of a segment of `span` seconds.
+fn node(curve: &Curve<f64>, s: f64, span: f64) -> Node<f64> {
+    let [rate, _] = curve.derivatives(s);
+    Node {
+        angle: curve.angle(s),
+        rate: rate / span,
+        weight: [1.0, 0.0],
+    }
+}
+
+/// Returns the largest distance of these curves from the cubics that replace them in so many equal parts, radians.
+fn distance(curves: &[Curve<f64>], parts: u32) -> f64 {
+    let mut most = 0.0_f64;
+    let width = 1.0 / f64::from(parts);
+    for curve in curves {
+        for part in 0..parts {
+            let start = f64::from(part) * width;
+            let ends = [start, start + width].map(|s| node(curve, s, 1.0));
+            let cubic = Curve::between(Interpolation::Hermite, width, ends[0], ends[1]);
+            for probe in 1..PROBES {
+                let s = f64::from(probe) / f64::from(PROBES);
+                most = most.max((cubic.angle(s) - curve.angle(start + s * width)).abs());
+            }
+        }
+    }
+    most
+}

@@ -1,0 +1,217 @@
+//! Panels of a sheet with the tree of hinges that joins them, and their meshes.
+
+use core::fmt::Write;
+
+use nalgebra::Vector2;
+
+use crate::folding::SpanningTree;
+use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+use crate::util::union_find::UnionFind;
+
+/// A crease between two panels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Joint {
+    pub(super) edge: EdgeId,
+    pub(super) parent: usize,
+    pub(super) child: usize,
+    /// An end of the crease.
+    pub(super) pivot: VertexId,
+    /// Unit direction about which a positive fold angle turns the child.
+    pub(super) axis: Vector2<f64>,
+}
+
+/// Sets of faces that are joined by edges that stay flat, and the creases between them.
+pub(super) struct Panels {
+    /// Panel of each face.
+    of_face: Vec<usize>,
+    /// Faces of each panel; the first names it.
+    faces: Vec<Vec<FaceId>>,
+    /// Panels, each after its parent and with its descendants next to it, with the joint that carries it.
+    order: Vec<(usize, Option<Joint>)>,
+    /// Creases off the tree.
+    loops: Vec<Joint>,
+}
+
+impl Panels {
+    /// Finds the panels. The tree that joins them has the hinges `first`, as far as these make no loop, and otherwise
+    /// those of [`SpanningTree::from_central_face`] as far as possible; its root is the panel of the central face.
+    pub(super) fn of(pattern: &CreasePattern, first: &[EdgeId]) -> Self {
+        let tree = SpanningTree::from_central_face(pattern);
+        let edges = || (0..pattern.edges().len()).map(EdgeId::new);
+        let still = edges().filter(|&edge| pattern.edge(edge).crease.is_none());
+        let steps = tree
+            .steps()
+            .iter()
+            .chain(tree.loops())
+            .map(|step| step.edge);
+        let mut sets = UnionFind::new(pattern.faces().len());
+        let mut join = |edge: EdgeId| {
+            let faces = pattern.edge(edge).inner_faces();
+            faces.is_some_and(|faces| sets.join(faces.map(|face| face.index())))
+        };
+        for edge in still {
+            join(edge);
+        }
+        let mut in_tree = vec![false; pattern.edges().len()];
+        let mut panels = Self::of_sets(pattern);
+        for edge in first.iter().copied().chain(steps) {
+            in_tree[edge.index()] |= pattern.edge(edge).crease.is_some() && join(edge);
+        }
+        let roots: Vec<usize> = tree
+            .roots()
+            .iter()
+            .map(|root| panels.of_face[root.index()])
+            .collect();
+        panels.grow(pattern, &in_tree, &roots);
+        panels
+    }
+
+    /// Groups the faces into panels, which are numbered by their first faces.
+    fn of_sets(pattern: &CreasePattern) -> Self {
+        let mut sets = UnionFind::new(pattern.faces().len());
+        for edge in pattern.edges().iter().filter(|edge| edge.crease.is_none()) {
+            if let Some(faces) = edge.inner_faces() {
+                sets.join_to_smaller(faces.map(|face| face.index()));
+            }
+        }
+        let mut faces: Vec<Vec<FaceId>> = Vec::new();
+        let mut of_face: Vec<usize> = Vec::with_capacity(pattern.faces().len());
+        for (face, first) in sets.representatives().into_iter().enumerate() {
+            let panel = if first == face {
+                faces.len()
+            } else {
+                of_face[first]
+            };
+            if first == face {
+                faces.push(Vec::new());
+            }
+            faces[panel].push(FaceId::new(face));
+            of_face.push(panel);
+        }
+        Self {
+            of_face,
+            faces,
+            order: Vec::new(),
+            loops: Vec::new(),
+        }
+    }
+
+    /// Orders the panels from the roots outwards along the edges of the tree, depth first, and finds the loops.
+    fn grow(&mut self, pattern: &CreasePattern, in_tree: &[bool], roots: &[usize]) {
+        let joint = |edge: EdgeId, parent: usize, child: FaceId| {
+            let ends = pattern.edge(edge).ends;
+            // A positive turn about the edge's direction lifts its left side.
+            let start = ends[usize::from(pattern.edge(edge).faces[0] != Some(child))];
+            Joint {
+                edge,
+                parent,
+                child: self.of_face[child.index()],
+                pivot: start,
+                axis: pattern.direction(edge, start),
+            }
+        };
+        let mut around: Vec<Vec<Joint>> = vec![Vec::new(); self.faces.len()];
+        let mut loops = Vec::new();
+        for &edge in pattern.creases() {
+            let Some([a, b]) = pattern.edge(edge).inner_faces() else {
+                continue;
+            };
+            let [of_a, of_b] = [a, b].map(|face| self.of_face[face.index()]);
+            if in_tree[edge.index()] {
+                around[of_a].push(joint(edge, of_a, b));
+                around[of_b].push(joint(edge, of_b, a));
+            } else {
+                loops.push(joint(edge, of_a, b));
+            }
+        }
+        let mut done = vec![false; self.faces.len()];
+        for &root in roots {
+            let mut open = vec![(root, None)];
+            while let Some((panel, joint)) = open.pop() {
+                if core::mem::replace(&mut done[panel], true) {
+                    continue;
+                }
+                self.order.push((panel, joint));
+                let onwards = around[panel].iter().rev().filter(|next| !done[next.child]);
+                open.extend(onwards.map(|next| (next.child, Some(*next))));
+            }
+        }
+        self.loops = loops;
+    }
+
+    /// Number of panels.
+    pub(super) fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Returns the panel of a face.
+    pub(super) fn of_face(&self, face: FaceId) -> usize {
+        self.of_face[face.index()]
+    }
+
+    /// Returns the name of a panel, `panel_F` with its first face F.
+    pub(super) fn name(&self, panel: usize) -> String {
+        format!("panel_{}", self.faces[panel][0])
+    }
+
+    /// Returns the panels, each after its parent and with its descendants next to it, with the joint that carries it.
+    pub(super) fn order(&self) -> &[(usize, Option<Joint>)] {
+        &self.order
+    }
+
+    /// Returns the joints of the tree in the order of the panels.
+    pub(super) fn joints(&self) -> impl Iterator<Item = &Joint> {
+        self.order.iter().filter_map(|(_, joint)| joint.as_ref())
+    }
+
+    /// Returns the creases off the tree.
+    pub(super) fn loops(&self) -> &[Joint] {
+        &self.loops
+    }
+
+    /// Returns a panel as a closed mesh in Wavefront OBJ: a slab from `half` below the flat sheet to `half` above.
+    pub(super) fn mesh(&self, pattern: &CreasePattern, panel: usize, half: f64) -> String {
+        let faces = &self.faces[panel];
+        let mut corners: Vec<VertexId> = faces
+            .iter()
+            .flat_map(|face| &pattern.faces()[face.index()])
+            .copied()
+            .collect();
+        corners.sort_unstable();
+        corners.dedup();
+        // Positions in the file are counted from 1, and those of the lower side follow those of the upper side.
+        let upper = |vertex: VertexId| corners.binary_search(&vertex).unwrap_or_default() + 1;
+        let lower = |vertex: VertexId| upper(vertex) + corners.len();
+        let mut text = String::new();
+        // Writing to memory cannot fail.
+        for z in [half, -half] {
+            for corner in &corners {
+                let at = pattern.vertices()[corner.index()];
+                let _complete = writeln!(text, "v {} {} {z}", at.x, at.y);
+            }
+        }
+        for face in faces {
+            for &[a, b, c] in &pattern.triangles()[face.index()] {
+                let _complete = writeln!(text, "f {} {} {}", upper(a), upper(b), upper(c));
+                let _complete = writeln!(text, "f {} {} {}", lower(c), lower(b), lower(a));
+            }
+            let ring = &pattern.faces()[face.index()];
+            let next = ring.iter().cycle().skip(1);
+            for (&a, &b) in ring.iter().zip(next) {
+                if self.is_rim(pattern, panel, [a, b]) {
+                    let _complete = writeln!(text, "f {} {} {}", upper(a), lower(a), lower(b));
+                    let _complete = writeln!(text, "f {} {} {}", upper(a), lower(b), upper(b));
+                }
+            }
+        }
+        text
+    }
+
+    /// Returns `true` if the side of a face of the panel is a side of the panel, not one between two of its faces.
+    fn is_rim(&self, pattern: &CreasePattern, panel: usize, ends: [VertexId; 2]) -> bool {
+        let mut edges = pattern.stars()[ends[0].index()].iter();
+        let edge = edges.find(|edge| pattern.edge(**edge).other_end(ends[0]) == ends[1]);
+        let faces = edge.and_then(|edge| pattern.edge(*edge).inner_faces());
+        faces.is_none_or(|faces| faces.iter().any(|face| self.of_face(*face) != panel))
+    }
+}

@@ -1,0 +1,101 @@
+//! Formats of files, told by the ending of a name or by content.
+
+use std::path::Path;
+
+use super::{BYTE_ORDER_MARK, cp, fold, obj, opx, stl, svg};
+
+/// Format of a file that is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// FOLD, which is JSON.
+    #[default]
+    Fold,
+    /// SVG drawing.
+    Svg,
+    /// CP drawing: a line of text for each line of the drawing.
+    Cp,
+    /// Drawing of ORIPA, which is XML.
+    Opx,
+    /// Wavefront OBJ.
+    Obj,
+    /// STL, as text or binary.
+    Stl,
+}
+
+/// Number of bytes at the beginning of an XML document within which ORIPA's names are looked for.
+const XML_HEAD: usize = 4096;
+/// First words of lines in an OBJ file.
+const OBJ_WORDS: [&str; 9] = ["v", "vt", "vn", "f", "l", "o", "g", "mtllib", "usemtl"];
+
+impl Format {
+    /// Returns the format that the ending of a name says: `.svg`, `.cp`, `.opx`, `.obj` or `.stl`; every other ending
+    /// stands for FOLD.
+    #[must_use]
+    pub fn of_name(path: &Path) -> Self {
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        match ending.to_ascii_lowercase().as_str() {
+            "svg" => Self::Svg,
+            "cp" => Self::Cp,
+            "opx" => Self::Opx,
+            "obj" => Self::Obj,
+            "stl" => Self::Stl,
+            _ => Self::Fold,
+        }
+    }
+
+    /// Returns the format that bytes without a name seem to have:
+    ///
+    /// 1. STL, if their number fits the count of triangles of a binary STL file, or if the first word is `solid`;
+    /// 2. OPX, if they begin with `<` and ORIPA's or Java's names follow within 4096 bytes; else SVG, if they begin with
+    ///    `<`;
+    /// 3. OBJ, if the first line that is neither empty nor a comment with `#` begins with a word of OBJ such as `v`;
+    /// 4. CP, if this line begins with a number;
+    /// 5. FOLD otherwise.
+    #[must_use]
+    pub fn of_content(bytes: &[u8]) -> Self {
+        if stl::is_binary(bytes) {
+            return Self::Stl;
+        }
+        let head = &bytes[..bytes.len().min(XML_HEAD)];
+        let text = String::from_utf8_lossy(head);
+        let text = text.trim_start_matches(BYTE_ORDER_MARK).trim_start();
+        if text.starts_with('<') {
+            let is_opx = text.contains("oripa") || text.contains("<java");
+            return if is_opx { Self::Opx } else { Self::Svg };
+        }
+        let mut lines = text.lines().map(str::trim);
+        let line = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
+        match line.and_then(|line| line.split_whitespace().next()) {
+            Some("solid") => Self::Stl,
+            Some(word) if OBJ_WORDS.contains(&word) => Self::Obj,
+            Some(word) if word.parse::<f64>().is_ok() => Self::Cp,
+            _ => Self::Fold,
+        }
+    }
+
+    /// Returns the name of the format.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fold => "FOLD",
+            Self::Svg => "SVG",
+            Self::Cp => "CP",
+            Self::Opx => "OPX",
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+        }
+    }
+
+    /// Returns the largest size of a file of this format, bytes.
+    #[must_use]
+    pub fn largest_file(self) -> u64 {
+        match self {
+            Self::Fold => fold::LARGEST_FILE,
+            Self::Svg => svg::LARGEST_FILE,
+            Self::Cp => cp::LARGEST_FILE,
+            Self::Opx => opx::LARGEST_FILE,
+            Self::Obj => obj::LARGEST_FILE,
+            Self::Stl => stl::LARGEST_FILE,
+        }
+    }
+}
