@@ -5,6 +5,8 @@
 //! makes the check exact. For half angles, angles and rates are also bounded between these places. Closure is checked
 //! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
 
+use core::ops::Range;
+
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +115,16 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     before: Option<&Setpoint<T, GROUPS>>,
     next: &Setpoint<T, GROUPS>,
 ) -> Result<(), Refusal> {
+    check_places(sheet, before, next)?;
+    check_bounds(sheet, before, next, 0..u16::MAX).map(|_| ())
+}
+
+/// Checks all of [`check`] but the bounds on the closure of homogeneous half angles.
+pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: Option<&Setpoint<T, GROUPS>>,
+    next: &Setpoint<T, GROUPS>,
+) -> Result<(), Refusal> {
     if next.nodes.len() != sheet.limits.len() || sheet.stars.unknowns() != sheet.limits.len() {
         return Err(Refusal::Groups);
     }
@@ -151,27 +163,32 @@ pub fn check<T: Scalar, const GROUPS: usize>(
         keeps(group, &curve, span, size, limits)?;
         *half = curve.half_angle(T::HALF);
     }
-    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)?;
-    if sheet.interpolation == Interpolation::Homogeneous {
-        stays_closed(sheet, before, next, span).map_err(Refusal::OpenBetween)?;
-    }
-    Ok(())
+    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
 }
 
-/// Returns the first star whose bound on the segment is not closed as an error.
-fn stays_closed<T: Scalar, const GROUPS: usize>(
+/// Checks that the essential vertices of these numbers stay closed on a segment of homogeneous half angles. Returns
+/// `true` if no vertex is left behind them, or if the segment needs no bounds.
+pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
-    before: &Setpoint<T, GROUPS>,
+    before: Option<&Setpoint<T, GROUPS>>,
     next: &Setpoint<T, GROUPS>,
-    span: T,
-) -> Result<(), u16> {
+    some: Range<u16>,
+) -> Result<bool, Refusal> {
+    let Some(before) = before.filter(|_| sheet.interpolation == Interpolation::Homogeneous) else {
+        return Ok(true);
+    };
+    let span = next.time - before.time;
     let pair = |group: usize| {
         let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
         pair(&Curve::between(sheet.interpolation, span, *from, *to))
     };
-    let closes = |star| segment_bounds::stays_closed(star, pair, sheet.closure);
-    let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
-    first.map_or(Ok(()), |(star, _)| Err(star))
+    let mut stars = groups(sheet.stars.iter()).skip(some.start.into());
+    for (number, star) in stars.by_ref().take(some.len()) {
+        if !segment_bounds::stays_closed(star, pair, sheet.closure) {
+            return Err(Refusal::OpenBetween(number));
+        }
+    }
+    Ok(stars.next().is_none())
 }
 
 /// Returns the cubics of a curve of half angles.

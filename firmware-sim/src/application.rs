@@ -26,6 +26,9 @@ pub trait Board {
     /// Commands a hinge of this group and sign its angle, radians; `None` while it is not known where the hinge stands,
     /// so that it must not move. Returns the measured angle, radians, if there is one.
     fn drive(&mut self, hinge: u32, membership: Membership, angle: Option<f32>) -> Option<f32>;
+    /// Returns `true` if the drives have held the hinges from the last tick before a reset until now, so that they stand
+    /// where the record says. Called once at the start. Drives that lose their power or their pulses in a reset have not.
+    fn held(&mut self) -> bool;
     /// Bytes of each of the two records that a reset leaves as they are. [`retained::size`] are needed.
     const RECORD: usize;
     /// Writes bytes from byte `at` on into record 0 or 1.
@@ -100,9 +103,17 @@ where
             self.due = now.max(self.due + TICK);
             self.tick(now);
         }
+        self.device.work();
         self.receive(now);
         self.device.poll(now);
         self.send();
+    }
+
+    /// Returns `true` if [`step`](Self::step) has work left, so that the board should call it again without waiting for an
+    /// interrupt.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.device.is_busy()
     }
 
     /// Restores the angles and the place that the records hold. Not done in `new`, which would then build the
@@ -110,7 +121,8 @@ where
     #[inline(never)]
     fn restore(&mut self) {
         if let Some(kept) = latest(&mut self.board) {
-            self.device.restore(&kept);
+            let held = self.board.held();
+            self.device.restore(&kept, held);
         }
     }
 
@@ -154,6 +166,9 @@ where
     fn receive(&mut self, now: u64) {
         for _ in 0..BURST {
             let mut byte = [0];
+            if self.device.is_busy() {
+                return;
+            }
             let ready = matches!(self.line.read_ready(), Ok(true));
             if !ready || !matches!(self.line.read(&mut byte), Ok(1)) {
                 return;

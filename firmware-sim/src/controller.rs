@@ -3,12 +3,13 @@
 //! On a board [`Application`](crate::application::Application) [restores](Controller::restore) what a reset has left,
 //! hands over received bytes ([`Controller::byte`]), calls [`Controller::tick`] at a steady pace, powers and
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
-//! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
+//! [takes](Controller::take) bytes for the line. A setpoint whose check takes more
+//! than one round is gone on with by [`Controller::work`]. Times are microseconds on the controller's clock.
 
 use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
-use foldpath_core::wire::message::{Capacity, Command, ToHost};
+use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
 use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupLimits, Membership};
@@ -134,11 +135,13 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// Restores what a record holds: the angles that were commanded last with their place, the stop line, and a fault.
-    pub fn restore(&mut self, record: &Record<GROUPS>) {
-        if !record.angles().is_empty() {
-            let _ = self.loader.follower.stand(record.angles(), record.place);
-        }
+    /// Restores what a record holds: the place on the path, the stop line, a fault, and the angles that were commanded
+    /// last, if the drives have `held` the hinges since then. Otherwise the hinges may have moved, and it is not known
+    /// where they stand.
+    pub fn restore(&mut self, record: &Record<GROUPS>, held: bool) {
+        let angles = if held { record.angles() } else { &[] };
+        let follower = &mut self.loader.follower;
+        let _ = follower.stand(angles, record.place, record.astray);
         (self.loader.path, self.loader.on) = (record.path, record.sheet);
         if record.stopped {
             self.loader.follower.hold(Reason::StopLine);
@@ -155,6 +158,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         (record.starts, record.count) = (starts, count);
         record.stopped = self.loader.follower.is_stopped();
         record.fault = self.loader.follower.fault();
+        record.astray = self.loader.follower.is_astray();
         record.place = self.loader.follower.position();
         (record.path, record.sheet) = (self.loader.path, self.loader.on);
         record.stand(self.loader.follower.angles());
@@ -196,10 +200,14 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         &self.loader.sheet
     }
 
-    /// Takes a byte that came at `now`, microseconds.
+    /// Takes a byte that came at `now`, microseconds. A setpoint that is being checked is checked to its end before, which
+    /// may take long: hand over bytes while the controller is not [busy](Self::is_busy).
     // Not inlined, nor are `poll` and the function `take`: one function that does everything is a third longer.
     #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
+        while self.is_busy() {
+            self.work();
+        }
         let Self {
             loader,
             receiver,
@@ -219,18 +227,9 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             return;
         };
         loader.follower.heard(now);
-        let Settings {
-            limits,
-            closure,
-            closed,
-            ..
-        } = self.settings;
         match event {
             Event::Alive => {}
-            Event::Item(item) => match loader.take(item, limits, closure, closed) {
-                Ok(()) => receiver.took(),
-                Err(refusal) => receiver.refuse(refusal),
-            },
+            Event::Item(item) => settle(receiver, loader.take(item, &self.settings)),
             Event::Command(command) => {
                 // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
                 // `Resume` counts.
@@ -242,6 +241,21 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 };
                 receiver.answer(answer);
             }
+        }
+    }
+
+    /// Returns `true` while a setpoint is checked that takes more than one round; see [`work`](Self::work).
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.loader.checks
+    }
+
+    /// Goes on to check a setpoint, if one is checked: bounds the closure of one more essential vertex. To be called once
+    /// in each round of the main loop, so that no setpoint delays a tick.
+    pub fn work(&mut self) {
+        if self.is_busy() {
+            let checked = self.loader.check_on();
+            settle(&mut self.receiver, checked);
         }
     }
 
@@ -327,6 +341,15 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             }
             self.snapshot.sent();
         }
+    }
+}
+
+/// Tells whether an item was taken, if that is known.
+fn settle(receiver: &mut Receiver, taken: Result<bool, ItemRefusal>) {
+    match taken {
+        Ok(true) => receiver.took(),
+        Ok(false) => {}
+        Err(refusal) => receiver.refuse(refusal),
     }
 }
 

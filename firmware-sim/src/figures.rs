@@ -176,7 +176,7 @@ fn stream(
     let mut answers = cobs::Deframer::<256>::default();
     let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-    let (mut ticks, mut setpoints) = ((0, 0), (0, 0));
+    let (mut ticks, mut setpoints, mut told) = ((0, 0), (0, 0), false);
     let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));
     for now in (1..=3000).map(|tick| 1000 * tick) {
         let room = device.follower().room();
@@ -211,11 +211,7 @@ fn stream(
         }
         let full = device.follower().state() == State::Ready && device.follower().room() == 0;
         if full {
-            sender.command(if device.follower().is_known() {
-                Command::Start
-            } else {
-                Command::Stand
-            });
+            told |= sender.command(if told { Command::Start } else { Command::Stand });
         }
         if ticks.1 == TICKS {
             let mean = |(sum, count): (u32, u32)| sum.checked_div(count).ok_or(Failure::Stream);

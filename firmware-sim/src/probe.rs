@@ -259,7 +259,7 @@ fn stream(
     let mut answers = Deframer::<{ controller::FRAME }>::default();
     let mut device = Controller::<GROUPS, 1, 16, 8>::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-    let mut now = 0;
+    let (mut now, mut told) = (0, false);
     for tick in 0_u32.. {
         now += 1000;
         if let Some(frame) = sender.poll(now, &items, &mut scratch, &mut buffer) {
@@ -274,11 +274,7 @@ fn stream(
         }
         let state = device.follower().state();
         if state == State::Ready && device.follower().room() == 0 {
-            sender.command(if device.follower().is_known() {
-                Command::Start
-            } else {
-                Command::Stand
-            });
+            told |= sender.command(if told { Command::Start } else { Command::Stand });
         }
         let (angles, rates) = (device.follower().angles(), device.follower().rates());
         if tick.is_multiple_of(16) && state == State::Running {

@@ -24,6 +24,8 @@ pub struct Record<const GROUPS: usize> {
     pub count: u32,
     /// `true` if the stop line holds the motion.
     pub stopped: bool,
+    /// `true` if the groups stand beside the path, because an approach has not ended.
+    pub astray: bool,
     /// Failure of the motion, if it has failed.
     pub fault: Option<Fault>,
     /// Position on the path.
@@ -43,6 +45,7 @@ impl<const GROUPS: usize> Default for Record<GROUPS> {
             starts: 0,
             count: 0,
             stopped: false,
+            astray: false,
             fault: None,
             place: FollowerPosition::default(),
             path: 0,
@@ -84,7 +87,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
         let numbers = [
             self.starts,
             self.count,
-            self.stopped.into(),
+            u32::from(self.stopped) | u32::from(self.astray) << 1,
             fault,
             of,
             self.place.knot,
@@ -119,7 +122,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
         let [
             starts,
             count,
-            stopped,
+            flags,
             fault,
             of,
             knot,
@@ -140,7 +143,8 @@ impl<const GROUPS: usize> Record<GROUPS> {
         let mut record = Self {
             starts: number(starts),
             count: number(count),
-            stopped: number(stopped) != 0,
+            stopped: number(flags) & 1 != 0,
+            astray: number(flags) & 2 != 0,
             fault: match number(fault) {
                 0 => None,
                 1 => Some(Fault::Stalled(number(of))),
@@ -254,6 +258,7 @@ mod tests {
                 starts: 3,
                 count: 9,
                 stopped,
+                astray: fault.is_none() != stopped,
                 fault,
                 path: 17,
                 sheet: u32::MAX,

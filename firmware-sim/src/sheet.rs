@@ -9,6 +9,8 @@ use foldpath_core::wire::path;
 use foldpath_core::{GroupLimits, Interpolation, Membership, Spoke, StarsView, checksum_on};
 use heapless::Vec;
 
+use crate::controller::Settings;
+
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
@@ -19,24 +21,19 @@ pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> 
     driven: Vec<u16, HINGES>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
-    /// Checksum of the pieces that tell this sheet from others: hinges and spokes.
+    /// Checksum of what tells this sheet from others: its counts, hinges and spokes.
     sum: u32,
     /// `true` once the sheet is driven.
     adopted: bool,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS, HINGES, SPOKES> {
-    /// Begins a new sheet, which may ask for a closure residual of at most `closure`, and which needs essential vertices
-    /// if `closed`.
+    /// Begins a new sheet.
     ///
     /// # Errors
-    /// If there is no room, if the sheet asks for a larger residual, or if it lacks vertices.
-    pub fn begin(
-        &mut self,
-        head: SheetHead,
-        closure: f32,
-        closed: bool,
-    ) -> Result<(), ItemRefusal> {
+    /// If there is no room, if the sheet asks for a larger closure residual than the settings allow, or if it lacks
+    /// essential vertices although they ask for some.
+    pub fn begin(&mut self, head: SheetHead, settings: &Settings) -> Result<(), ItemRefusal> {
         self.clear();
         let SheetHead {
             groups,
@@ -48,20 +45,22 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         if fits.iter().any(|&(count, room)| usize::from(count) > room) {
             return Err(ItemRefusal::Room);
         }
-        if !(0.0..=closure).contains(&head.closure) {
+        if !(0.0..=settings.closure).contains(&head.closure) {
             return Err(ItemRefusal::Closure);
         }
-        if closed && spokes == 0 {
+        if settings.closed && spokes == 0 {
             return Err(ItemRefusal::Stars);
         }
         self.head = Some(head);
-        self.sum = groups.into();
+        for count in [groups, hinges, spokes] {
+            self.sum = checksum_on(self.sum, &count.to_le_bytes());
+        }
         Ok(())
     }
 
     /// Forgets the sheet that is received. The hinges of the sheet that is driven stay.
     pub fn clear(&mut self) {
-        self.head = None;
+        (self.head, self.sum) = (None, 0);
         self.limits.clear();
         self.hinges.clear();
         self.spokes.clear();
@@ -70,16 +69,12 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     }
 
     /// Takes up the sheet that was received, if it is complete: its limits are narrowed by those of the board for each
-    /// hinge, and its hinges are driven from now on. Returns `true` if the sheet was not driven before. Cost: some ten
-    /// operations for each hinge, once.
+    /// hinge, and its hinges are driven from now on. Cost: some ten operations for each hinge.
     ///
     /// # Errors
     /// If the sheet is not complete, if the limits of the board are not sound, or if they leave nothing of the limits of
     /// a group.
-    pub fn adopt(&mut self, board: fn(u32) -> GroupLimits) -> Result<bool, ItemRefusal> {
-        if self.adopted {
-            return Ok(false);
-        }
+    pub fn adopt(&mut self, board: fn(u32) -> GroupLimits) -> Result<(), ItemRefusal> {
         self.view().ok_or(ItemRefusal::Incomplete)?;
         for (hinge, code) in (0..).zip(&self.hinges) {
             let Membership { group, negative } = path::hinge(*code);
@@ -95,7 +90,13 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         self.driven.clear();
         let _ = self.driven.extend_from_slice(&self.hinges);
         self.adopted = true;
-        Ok(true)
+        Ok(())
+    }
+
+    /// Returns `true` if the hinges of the sheet that was received are driven.
+    #[must_use]
+    pub fn is_adopted(&self) -> bool {
+        self.adopted
     }
 
     /// Returns a number that tells the sheet that was received from others: a checksum that is not 0.

@@ -11,16 +11,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Some(membership.apply(*angle))
     }
 
-    /// Takes the measured angle of a hinge, radians. Hinges may be measured at any pace, in the order of their numbers
-    /// and then from the first one again. The farthest from its command in this round or the last counts. While it is
-    /// not known where the groups stand, the measured angles tell it.
+    /// Takes the measured angle of a hinge, radians. Hinges may be measured at any pace and in any order. A hinge that
+    /// lags counts until it is measured again. While it is not known where the groups stand, the measured angles tell it.
     pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
-        if let Some(commanded) = self.hinge(membership) {
-            self.lag.note(hinge, (commanded - angle).abs());
-        } else if self.state == State::Ready && !self.stands {
-            let group = membership.group.index();
-            self.survey.measure(group, membership.apply(angle));
-        }
+        let mut member = Some(membership).into_iter();
+        self.drive_from(hinge, &mut member, |_, _, _| Some(angle));
     }
 
     /// Calls `drive` for each of these hinges, numbered from 0, with its number, its group and sign, and its commanded
@@ -29,27 +24,34 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     pub fn drive(
         &mut self,
         hinges: impl Iterator<Item = Membership>,
+        drive: impl FnMut(u32, Membership, Option<T>) -> Option<T>,
+    ) {
+        self.drive_from(0, hinges, drive);
+    }
+
+    fn drive_from(
+        &mut self,
+        first: u32,
+        hinges: impl Iterator<Item = Membership>,
         mut drive: impl FnMut(u32, Membership, Option<T>) -> Option<T>,
     ) {
-        let hinges = (0..).zip(hinges);
-        if !self.stands {
-            for (hinge, membership) in hinges {
-                if let Some(angle) = drive(hinge, membership, None) {
-                    self.measure(hinge, membership, angle);
-                }
+        let surveys = self.state == State::Ready && !self.stands;
+        let groups = if self.stands { self.groups } else { 0 };
+        let angles = self.angles.get(..groups).unwrap_or(&[]);
+        for (hinge, membership) in (first..).zip(hinges) {
+            let group = membership.group.index();
+            let command = angles.get(group).map(|angle| membership.apply(*angle));
+            let Some(angle) = drive(hinge, membership, command) else {
+                continue;
+            };
+            if let Some(command) = command {
+                let distance = (command - angle).abs();
+                self.lag.note(hinge, distance, self.options.lag);
+            } else if surveys {
+                let angle = membership.apply(angle);
+                self.survey
+                    .measure(group, angle, self.now, self.options.fresh);
             }
-            return;
         }
-        self.lag.begin();
-        let angles = self.angles.get(..self.groups).unwrap_or(&[]);
-        for (hinge, membership) in hinges {
-            if let Some(angle) = angles.get(membership.group.index()) {
-                let command = membership.apply(*angle);
-                if let Some(angle) = drive(hinge, membership, Some(command)) {
-                    self.lag.note_next(hinge, (command - angle).abs());
-                }
-            }
-        }
-        self.lag.end();
     }
 }

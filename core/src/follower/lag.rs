@@ -2,21 +2,25 @@
 
 use crate::Scalar;
 
-/// The hinge that was measured farthest from its command, radians; the default if no hinge was off its command.
+/// Number of lagging hinges that are remembered.
+const REMEMBERED: usize = 4;
+
+/// A hinge and its distance from its command when it was last measured, radians; 0 for no hinge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lag<T> {
     pub(super) hinge: u32,
     pub(super) distance: T,
 }
 
-/// The farthest hinge of the round of measurements that is under way, and that of the round before until it is measured
-/// again. Both count, so that a sensor that fails now and then hides no hinge that is stuck.
+/// The hinges that were farthest from their commands when they were last measured.
+///
+/// A hinge is remembered until it is measured again, at whatever pace. So neither a sensor that fails now and then nor
+/// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LagWatch<T> {
-    round: Lag<T>,
-    before: Lag<T>,
-    /// One more than the hinge that was measured last; a round ends when the numbers of the hinges no longer rise.
-    next: u32,
+    worst: [Lag<T>; REMEMBERED],
+    /// `true` if a hinge is remembered.
+    any: bool,
     /// Time for which a hinge was stuck, less the time for which none was, microseconds.
     stuck: u64,
 }
@@ -24,48 +28,43 @@ pub(super) struct LagWatch<T> {
 impl<T: Scalar> LagWatch<T> {
     /// Returns the farthest hinge.
     pub(super) fn farthest(&self) -> Lag<T> {
-        // Hinges below `next` were measured again in this round.
-        if self.before.hinge >= self.next && self.before.distance > self.round.distance {
-            self.before
-        } else {
-            self.round
-        }
+        let farther = |a: Lag<T>, b: &Lag<T>| if b.distance > a.distance { *b } else { a };
+        self.worst.iter().fold(Lag::default(), farther)
     }
 
-    /// Begins a round of measurements.
-    pub(super) fn begin(&mut self) {
-        self.before = core::mem::take(&mut self.round);
-        self.next = 0;
-    }
-
-    /// Notes the distance of a hinge from its command, radians. A distance that is no number counts as the largest.
-    /// Begins a round if the number of the hinge is not larger than the one before.
-    pub(super) fn note(&mut self, hinge: u32, distance: T) {
-        if hinge < self.next {
-            self.begin();
-        }
-        self.next = hinge.saturating_add(1);
-        self.note_next(hinge, distance);
-    }
-
-    /// Notes a distance in a round that was begun, of which [`end`](Self::end) follows.
+    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. A distance that is no
+    /// number counts as the largest.
     #[inline]
-    pub(super) fn note_next(&mut self, hinge: u32, distance: T) {
+    pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
         // False for a NaN.
-        let near = distance <= self.round.distance;
-        if !near {
-            let distance = if distance.is_finite() {
-                distance
-            } else {
-                T::MAX
-            };
-            self.round = Lag { hinge, distance };
+        let near = distance <= lag;
+        if !near || self.any {
+            self.remember(hinge, if near { T::zero() } else { distance });
         }
     }
 
-    /// Ends a round in which all hinges were measured.
-    pub(super) fn end(&mut self) {
-        self.next = u32::MAX;
+    /// Remembers a hinge in its own place, or else in that of the nearest hinge, if it is farther; 0 forgets it.
+    #[inline(never)]
+    fn remember(&mut self, hinge: u32, distance: T) {
+        let distance = if distance.is_finite() {
+            distance
+        } else {
+            T::MAX
+        };
+        let mine = |place: &&mut Lag<T>| place.hinge == hinge && place.distance > T::zero();
+        if let Some(place) = self.worst.iter_mut().find(mine) {
+            place.distance = distance;
+        } else {
+            let nearer = |a: &Lag<T>, b: &Lag<T>| a.distance.partial_cmp(&b.distance);
+            let nearest = self
+                .worst
+                .iter_mut()
+                .min_by(|a, b| nearer(a, b).unwrap_or(core::cmp::Ordering::Equal));
+            if let Some(place) = nearest.filter(|place| distance > place.distance) {
+                *place = Lag { hinge, distance };
+            }
+        }
+        self.any = self.farthest().distance > T::zero();
     }
 
     /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less

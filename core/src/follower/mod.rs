@@ -20,18 +20,21 @@
 //!
 //! No motion starts from an unknown place. A new follower does not know where the groups stand. It is told
 //! ([`stand`](Follower::stand), [`confirm`](Follower::confirm)), or it takes the [measured](Follower::measure) angles of
-//! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly.
+//! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly, and
+//! comes to rest there before the path begins. Until then nothing is commanded.
 
 mod approach;
 mod hinges;
+mod intake;
 mod lag;
+mod motion;
 mod queue;
 mod start;
 mod state;
 mod survey;
 
 use crate::Scalar;
-use crate::acceptance::{self, Refusal, Setpoint, SheetView};
+use crate::acceptance::{Setpoint, SheetView};
 use crate::path_clock::PathClock;
 
 use approach::Approach;
@@ -39,10 +42,6 @@ use lag::{Lag, LagWatch};
 use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
-
-/// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
-/// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
-const MIN_LAGGING_RATE: f64 = 0.1;
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
 #[derive(Clone, Debug)]
@@ -65,13 +64,19 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
 
     approach: Approach<T, GROUPS>,
     queue: Queue<T, GROUPS, KNOTS>,
+    /// Setpoint that is being checked, and the number of vertices that are known to stay closed on the way to it.
+    pending: Option<(Setpoint<T, GROUPS>, u16)>,
     next: u32,
     ended: bool,
 
     groups: usize,
-    /// `stands`: `true` if it is known that the groups stand at `angles`. `stood`: position of those angles on the path
-    /// that was left. `survey`: what was measured while it is not known.
+    /// `stands`: `true` if it is known that the groups stand at `angles`. `told`: `true` if somebody has said that they
+    /// stand where the path begins. `survey`: what was measured while it is not known.
     stands: bool,
+    told: bool,
+    /// `begun`: `true` if the angles are those of the position in the queue. Otherwise they are those of the position
+    /// `stood`, on the path before.
+    begun: bool,
     stood: FollowerPosition<T>,
     /// `true` if the groups stand beside the path, because an approach was broken off.
     astray: bool,
@@ -100,10 +105,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             lag: LagWatch::default(),
             approach: Approach::none(),
             queue: Queue::new(),
+            pending: None,
             next: 0,
             ended: false,
             groups: 0,
             stands: false,
+            told: false,
+            begun: false,
             stood: FollowerPosition::default(),
             astray: false,
             survey: Survey::new(),
@@ -129,11 +137,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             (_, State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
                 Reason::Lag(hinge)
             }
-            (_, State::Running, Reason::None) if self.approach.left() > T::zero() => {
-                Reason::Approach
-            }
+            (_, State::Running, Reason::None) if self.is_approaching() => Reason::Approach,
             (_, State::Holding, Reason::None)
-                if self.left() > T::zero() && self.ahead() <= T::zero() =>
+                if self.ahead() <= T::zero()
+                    && (self.left() > T::zero() || self.is_approaching()) =>
             {
                 Reason::Lease
             }
@@ -160,6 +167,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.approach.left() > T::zero()
     }
 
+    /// Returns `true` if the groups stand beside the path, because an approach has not ended.
+    #[must_use]
+    pub fn is_astray(&self) -> bool {
+        self.astray || self.is_approaching()
+    }
+
     /// Returns `true` if it is known where the groups stand.
     #[must_use]
     pub fn is_known(&self) -> bool {
@@ -175,10 +188,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Returns the position of the commanded angles: on this path, or on the path before if this one has not begun.
     #[must_use]
     pub fn position(&self) -> FollowerPosition<T> {
-        match self.state {
-            State::Idle | State::Ready => self.stood,
-            _ => self.queue.position().unwrap_or(self.stood),
-        }
+        let here = self.queue.position().filter(|_| self.begun);
+        here.unwrap_or(self.stood)
     }
 
     /// Returns the number of the setpoint that is expected next.
@@ -257,9 +268,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if groups == 0 || groups > GROUPS {
             return Err(Denial::Groups);
         }
-        if self.groups != groups {
-            self.forget()?;
-        }
+        self.stands &= self.groups == groups;
         (self.groups, self.survey) = (groups, Survey::new());
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
@@ -279,46 +288,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.clock.rate() > T::zero() || self.state == State::Running {
             return Err(Denial::Moving);
         }
-        self.stood = self.position();
-        self.astray |= self.approach.left() > T::zero();
+        (self.stood, self.astray) = (self.position(), self.is_astray());
+        (self.begun, self.told) = (false, false);
         self.approach = Approach::none();
         self.queue.clear();
+        self.pending = None;
         self.ended = false;
         self.still();
         self.state = State::Idle;
         Ok(())
-    }
-
-    /// Queues a setpoint. An invalid setpoint holds the motion.
-    ///
-    /// Cost: that of [`acceptance::check`].
-    ///
-    /// # Errors
-    /// The reason why the setpoint is not followed; nothing but the hold has changed then.
-    pub fn accept(
-        &mut self,
-        sheet: &SheetView<'_, T>,
-        setpoint: Setpoint<T, GROUPS>,
-    ) -> Result<(), Refusal> {
-        if !matches!(self.state, State::Ready | State::Running | State::Holding) {
-            return Err(Refusal::State);
-        }
-        if self.room() == 0 {
-            return Err(Refusal::Full);
-        }
-        let in_order = setpoint.number == self.next && !self.ended;
-        let checked = if in_order {
-            acceptance::check(sheet, self.queue.setpoints().back(), &setpoint)
-        } else {
-            Err(Refusal::Sequence(self.next))
-        };
-        if let Err(refusal) = checked {
-            self.hold(Reason::Refused(refusal));
-            return Err(refusal);
-        }
-        self.next = self.next.wrapping_add(1);
-        self.ended = setpoint.last;
-        self.queue.push(setpoint)
     }
 
     /// Slows down along the path and holds until asked to resume.
@@ -384,120 +362,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     pub fn fail(&mut self, fault: Fault) {
         self.clock.halt();
         self.still();
+        self.pending = None;
         (self.state, self.fault) = (State::Faulted, Some(fault));
     }
 
     /// Notes that the host was heard at `now`, microseconds.
     pub fn heard(&mut self, now: u64) {
         self.heard = self.heard.max(now);
-    }
-
-    /// Moves on to `now`, microseconds. Time that has already passed does not pass again. If a group would move farther
-    /// than its speed allows, its command stays, and the motion fails.
-    ///
-    /// Cost: a cubic and its derivative for each group; when a knot is passed, also the curves of the next segment.
-    pub fn tick(&mut self, now: u64) {
-        let passed = now.saturating_sub(self.now);
-        let passed = u32::try_from(passed).unwrap_or(u32::MAX);
-        self.now = self.now.max(now);
-        if !self.is_under_way() {
-            return;
-        }
-        let passed = passed.min(self.options.longest_tick);
-        self.watch(passed);
-        if !self.is_under_way() {
-            return;
-        }
-        let dt = T::whole(passed) * T::lit(1e-6);
-        let goal = self.goal();
-        let step = self.clock.tick(dt, goal, self.ahead());
-        self.move_by(step, dt);
-        self.settle(goal);
-    }
-
-    /// Moves by `step` seconds of the path, in `dt` seconds of the world.
-    fn move_by(&mut self, step: T, dt: T) {
-        let approaches = self.approach.left() > T::zero();
-        let step = if approaches {
-            self.approach.advance(step)
-        } else {
-            step
-        };
-        self.queue.advance(step);
-        let mut angles = self.queue.angles(self.angles);
-        let clock = self.clock.rate();
-        let mut rates = self.queue.rates(clock);
-        if self.approach.left() > T::zero() {
-            self.approach.offset(&mut angles);
-            rates = self.approach.rates(clock);
-        }
-        if let Some(group) = self.queue.leap(&self.angles, &angles, dt) {
-            self.fail(Fault::Leap(group));
-        } else {
-            (self.angles, self.rates) = (angles, rates);
-        }
-    }
-
-    /// Returns the seconds of path time, approach included, for which the motion may go on.
-    fn ahead(&self) -> T {
-        let left = self.left();
-        let leased = self.lease.map_or(left, |lease| {
-            left.min((lease - self.queue.time()).max(T::zero()))
-        });
-        self.approach.left() + leased
-    }
-
-    /// Checks for a silent host and for a stalled hinge, after `passed` microseconds.
-    fn watch(&mut self, passed: u32) {
-        let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
-        if silent && !self.is_held() {
-            self.hold(Reason::Silence);
-        }
-        if self.is_held() {
-            self.lag.restart();
-            return;
-        }
-        let Lag { hinge, distance } = self.lag.farthest();
-        let stuck = self.lag.pass(distance >= self.options.most_lag, passed);
-        if stuck >= u64::from(self.options.stall) {
-            self.fail(Fault::Stalled(hinge));
-        }
-    }
-
-    /// Returns the rate that the clock should have, from 0 to 1.
-    fn goal(&self) -> T {
-        let Options { lag, most_lag, .. } = self.options;
-        let distance = self.lag.farthest().distance;
-        if self.is_held() || distance >= most_lag {
-            T::zero()
-        } else if distance > lag {
-            let part = (distance - lag) / (most_lag - lag);
-            T::one() - (T::one() - T::lit(MIN_LAGGING_RATE)) * part
-        } else {
-            T::one()
-        }
-    }
-
-    /// Commands rates of 0.
-    fn still(&mut self) {
-        self.rates = [T::zero(); GROUPS];
-    }
-
-    /// Sets the state after a tick with this goal of the rate.
-    fn settle(&mut self, goal: T) {
-        if self.fault.is_some() {
-            return;
-        }
-        let rests = self.clock.rate() <= T::zero();
-        let dry = self.ahead() <= T::zero();
-        let arrived = self.left() <= T::zero() && self.approach.left() <= T::zero();
-        self.state = if self.ended && arrived {
-            self.clock.halt();
-            State::Done
-        } else if self.is_held() || rests && (dry || goal <= T::zero()) {
-            State::Holding
-        } else {
-            State::Running
-        };
     }
 }

@@ -7,33 +7,39 @@ use crate::follower::{Denial, Follower, FollowerPosition, Options, State};
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Tells the follower where the groups stand (radians), as commanded before a reset, and at which position on their
-    /// path.
+    /// path; no angles if only the position is known. `astray` is what [`is_astray`](Self::is_astray) was.
     ///
     /// # Errors
     /// If not idle, or if there are too many groups.
-    pub fn stand(&mut self, angles: &[T], position: FollowerPosition<T>) -> Result<(), Denial> {
+    pub fn stand(
+        &mut self,
+        angles: &[T],
+        position: FollowerPosition<T>,
+        astray: bool,
+    ) -> Result<(), Denial> {
         if self.state != State::Idle {
             return Err(Denial::State);
         }
         let mine = self.angles.get_mut(..angles.len());
         mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
-        self.groups = angles.len();
-        (self.stands, self.stood, self.astray) = (true, position, false);
+        (self.groups, self.stands) = (angles.len(), !angles.is_empty());
+        (self.stood, self.astray) = (position, astray);
         Ok(())
     }
 
-    /// Takes somebody's word that the groups stand where the path begins.
+    /// Takes somebody's word that the groups stand where the path begins. It counts for this path. Nothing is commanded
+    /// before the motion [starts](Self::start): groups of which hinges were measured then start from there.
     ///
     /// # Errors
-    /// If not ready, if it is known where they stand, or if the path does not begin at its first setpoints.
-    #[inline(never)]
+    /// If not ready, if held or stopped, if it is known where the groups stand, if the path does not begin at its first
+    /// setpoints, or if a hinge was measured farther from there than `reach`.
     pub fn confirm(&mut self) -> Result<(), Denial> {
-        if self.state != State::Ready || self.stands {
+        if self.stands {
             return Err(Denial::State);
         }
-        self.angles = self.beginning()?;
-        self.stood = self.queue.position().unwrap_or_default();
-        (self.stands, self.astray) = (true, false);
+        let begin = self.ready()?;
+        self.survey.near(begin, self.groups, self.options.reach)?;
+        self.told = true;
         Ok(())
     }
 
@@ -46,37 +52,39 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.state != State::Ready {
             self.unload()?;
         }
-        self.stands = false;
+        (self.stands, self.told, self.astray) = (false, false, false);
         (self.stood, self.survey) = (FollowerPosition::default(), Survey::new());
         Ok(())
     }
 
-    /// Returns the angles at which the path begins.
+    /// Returns the angles at which the path begins, if the motion may start as far as the state is concerned. Forgets
+    /// measurements that are too old.
     #[inline(never)]
-    fn beginning(&self) -> Result<[T; GROUPS], Denial> {
-        if self.queue.setpoints().is_empty() {
-            return Err(Denial::Empty);
-        }
-        if !self.queue.begins() {
-            return Err(Denial::Place);
-        }
-        Ok(self.queue.angles(self.angles))
-    }
-
-    /// Starts the motion: a slow approach to the beginning of the path, and then the path.
-    ///
-    /// # Errors
-    /// If not ready, if held or stopped, if no setpoint is queued, if it is not known where the groups stand, or if they
-    /// stand elsewhere.
-    #[inline(never)]
-    pub fn start(&mut self) -> Result<(), Denial> {
+    fn ready(&mut self) -> Result<[T; GROUPS], Denial> {
         if self.state != State::Ready {
             return Err(Denial::State);
         }
         if self.line || self.is_held() {
             return Err(Denial::Held);
         }
-        let begin = self.beginning()?;
+        if self.queue.setpoints().is_empty() {
+            return Err(Denial::Empty);
+        }
+        if !self.queue.begins() {
+            return Err(Denial::Place);
+        }
+        self.survey.age(self.now, self.options.fresh);
+        Ok(self.queue.angles(self.angles))
+    }
+
+    /// Starts the motion: a slow approach to the beginning of the path, where it comes to rest, and then the path.
+    ///
+    /// # Errors
+    /// If not ready, if held or stopped, if no setpoint is queued, if it is not known where the groups stand, or if they
+    /// stand elsewhere.
+    #[inline(never)]
+    pub fn start(&mut self) -> Result<(), Denial> {
+        let begin = self.ready()?;
         let Options {
             jump,
             reach,
@@ -86,6 +94,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         } = self.options;
         let (stand, reach) = if self.stands {
             (self.angles, if self.astray { reach } else { jump })
+        } else if self.told {
+            (self.survey.near(begin, self.groups, reach)?, reach)
         } else {
             // The next start needs new measurements.
             let survey = core::mem::replace(&mut self.survey, Survey::new());
@@ -99,7 +109,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let speeds = self.queue.speeds().map(|speed| speed.min(approach));
         self.approach.begin(&stand, &begin, self.groups, speeds);
-        (self.angles, self.stands, self.astray) = (stand, true, false);
+        (self.angles, self.stands) = (stand, true);
+        (self.begun, self.told, self.astray) = (true, false, false);
         self.still();
         self.heard = self.now;
         self.lag = LagWatch::default();

@@ -117,6 +117,9 @@ pub struct Options<T> {
     pub reach: T,
     /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
     pub spread: T,
+    /// Time for which measured angles tell where the groups stand, microseconds. All hinges have to be measured within
+    /// it.
+    pub fresh: u32,
     /// Speed at which the groups approach the beginning of a path, radians per second.
     pub approach: T,
 }
@@ -136,6 +139,7 @@ impl<T: Scalar> Default for Options<T> {
             jump: T::lit(0.01),
             reach: T::lit(0.1),
             spread: T::lit(0.05),
+            fresh: 1_000_000,
             approach: T::lit(0.1),
         }
     }

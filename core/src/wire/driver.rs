@@ -195,7 +195,7 @@ impl<'a> Driver<'a> {
         if self.stopping {
             let held = !matches!(
                 report.reason,
-                Reason::None | Reason::Underrun | Reason::Lag(_)
+                Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach | Reason::Lease
             );
             // A controller that is ready may have a start on its way to it.
             let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);

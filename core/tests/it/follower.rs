@@ -415,9 +415,10 @@ fn the_stop_line_is_heard_in_every_state() {
     idle.load(&sheet.view(), FollowerPosition::default())
         .unwrap();
     idle.accept(&sheet.view(), setpoint(0)).unwrap();
-    idle.confirm().unwrap();
+    assert_eq!(idle.confirm(), Err(Denial::Held));
     assert_eq!(idle.start(), Err(Denial::Held));
     idle.resume().unwrap();
+    idle.confirm().unwrap();
     assert_eq!((idle.state(), idle.start()), (State::Ready, Ok(())));
     let mut done = Run::<f32>::started();
     done.until(State::Done);
@@ -756,7 +757,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         let (place, angles) = (run.follower.position(), run.follower.angles().to_vec());
         let mut again = Run::<f32>::started();
         again.follower = Follower::new(Options::default());
-        again.follower.stand(&angles, place).unwrap();
+        again.follower.stand(&angles, place, false).unwrap();
         assert_eq!(again.follower.position(), place);
         again.follower.load(&again.sheet.view(), place).unwrap();
         again.feed();
@@ -766,7 +767,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
 
         let mut elsewhere = Miura::<f32>::new(Options::default());
         elsewhere
-            .stand(&[angles[0], angles[1] + 0.02], place)
+            .stand(&[angles[0], angles[1] + 0.02], place, false)
             .unwrap();
         elsewhere.load(&run.sheet.view(), place).unwrap();
         for number in place.knot..KNOTS.min(place.knot + 2) {
@@ -799,7 +800,7 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
         let begin = setpoint::<f64>(0).nodes[0].angle;
         run.follower = Follower::new(Options::default());
         run.follower
-            .stand(&[begin, nowhere], FollowerPosition::default())
+            .stand(&[begin, nowhere], FollowerPosition::default(), false)
             .unwrap();
         run.follower
             .load(&run.sheet.view(), FollowerPosition::default())

@@ -177,10 +177,13 @@ fn an_operator_tells_where_the_sheet_stands_and_may_take_it_back() {
     assert_eq!(run.follower.confirm(), Err(Denial::State));
     run.load(0.5);
     run.follower.confirm().unwrap();
+    // Nothing is commanded before the start.
+    run.still();
+    assert!(run.follower.angles().is_empty() && !run.follower.is_known());
+    run.follower.start().unwrap();
     assert_eq!(run.follower.angles(), [0.5; 11]);
     // The word of somebody does not overrule a command.
     assert_eq!(run.follower.confirm(), Err(Denial::State));
-    run.follower.start().unwrap();
     assert_eq!(run.follower.forget(), Err(Denial::Moving));
     run.until(State::Done);
     run.load(0.5);
@@ -200,7 +203,7 @@ fn an_operator_tells_where_the_sheet_stands_and_may_take_it_back() {
 fn another_sheet_stands_at_an_unknown_place() {
     let mut follower = Box::new(Follower::<f32, 94, 4>::new(Options::default()));
     follower
-        .stand(&[1.0; 2], FollowerPosition::default())
+        .stand(&[1.0; 2], FollowerPosition::default(), false)
         .unwrap();
     let limits = [LIMITS; 94];
     let sheet = SheetView {
@@ -343,5 +346,193 @@ fn a_lease_bounds_the_path_time() {
         }
         run.follower.lease(None);
         run.until(State::Done);
+    }
+}
+
+/// Somebody's word moves nothing by itself, does not pass a latched stop or hold, and is refused if a hinge was measured
+/// elsewhere. Hinges that were measured nearby start from where they were measured.
+#[test]
+fn a_word_is_no_start() {
+    let mut run = Run::<11>::new();
+    run.follower.stop(true);
+    run.load(0.5);
+    assert_eq!(run.follower.confirm(), Err(Denial::Held));
+    run.follower.stop(false);
+    assert_eq!(run.follower.confirm(), Err(Denial::Held));
+    run.follower.resume().unwrap();
+    run.follower.hold(Reason::Asked);
+    assert_eq!(run.follower.confirm(), Err(Denial::Held));
+    run.follower.resume().unwrap();
+    for wrong in [0.5 + 0.11, 0.5 - 0.11, f32::NAN] {
+        run.measure(|hinge| if hinge == 7 { wrong } else { 0.5 });
+        assert_eq!(run.follower.confirm(), Err(Denial::Jump(7)));
+        // Old measurements are forgotten.
+        (0..1100).for_each(|_| run.still());
+    }
+    run.measure(|hinge| if hinge % 11 == 7 { 0.44 } else { 0.5 });
+    run.follower.confirm().unwrap();
+    assert!(run.follower.angles().is_empty());
+    // The stop line comes between the word and the start.
+    run.follower.stop(true);
+    run.follower.stop(false);
+    assert_eq!(run.follower.start(), Err(Denial::Held));
+    run.follower.resume().unwrap();
+    run.follower.start().unwrap();
+    let angles = run.follower.angles();
+    assert!((angles[7] - 0.44).abs() < 1e-6 && (angles[6] - 0.5).abs() < 1e-6);
+    run.until(State::Done);
+}
+
+/// The word counts for the path for which it was given.
+#[test]
+fn a_word_does_not_outlive_its_path() {
+    let mut run = Run::<2>::new();
+    run.load(0.5);
+    run.follower.confirm().unwrap();
+    run.load(0.0);
+    assert_eq!(run.follower.start(), Err(Denial::Unknown(0)));
+    run.follower.confirm().unwrap();
+    run.follower.forget().unwrap();
+    assert_eq!(run.follower.start(), Err(Denial::Unknown(0)));
+}
+
+/// The sheet is moved by hand after it was measured, and measured no more.
+#[test]
+fn old_measurements_tell_nothing() {
+    let mut run = Run::<11>::new();
+    run.load(0.5);
+    run.measure(|_| 0.5);
+    (0..1100).for_each(|_| run.still());
+    assert_eq!(run.follower.start(), Err(Denial::Unknown(0)));
+    // A sheet that was moved an hour ago stands at one angle now.
+    run.measure(|_| 1.5);
+    (0..1100).for_each(|_| run.still());
+    run.measure(|_| 0.5);
+    assert_eq!(run.follower.start(), Ok(()));
+}
+
+/// The path begins from rest: the clock has come to rest at the end of the approach.
+#[test]
+fn a_path_begins_from_rest_behind_its_approach() {
+    for off in [0.09_f32, -0.05, 0.02, 0.001] {
+        let mut run = Run::<2>::new();
+        run.load(0.5);
+        run.measure(|_| 0.5 + off);
+        run.follower.start().unwrap();
+        while run.follower.is_approaching() {
+            run.tick();
+            assert!(run.now < 10_000_000);
+        }
+        let begun = run.follower.rate();
+        assert!(begun <= 5e-3, "{off}: {begun}");
+        let mut before = 0.0;
+        for _ in 0..200 {
+            let moved = run.tick();
+            // Speeds up by 4 a second, from rest. Each of the four angles below 1 rad is rounded by 6e-8 rad.
+            assert!(moved - before <= 4.1e-6 + 2.4e-7, "{off}: {before} {moved}");
+            before = moved;
+        }
+        run.until(State::Done);
+    }
+}
+
+/// An approach waits as well for the bound from outside.
+#[test]
+fn a_lease_holds_an_approach() {
+    let mut run = Run::<2>::new();
+    run.load(0.5);
+    run.measure(|_| 0.45);
+    run.follower.lease(Some(0.0));
+    run.follower.start().unwrap();
+    (0..300).for_each(|_| run.still());
+    assert_eq!(
+        (run.follower.state(), run.follower.reason()),
+        (State::Holding, Reason::Lease)
+    );
+    run.follower.lease(Some(0.1));
+    (0..3000).for_each(|_| _ = run.tick());
+    assert!((run.follower.angles()[0] - 0.6).abs() < 1e-5);
+    assert_eq!(run.follower.reason(), Reason::Lease);
+}
+
+/// A controller is reset in the middle of an approach, and goes on from there.
+#[test]
+fn an_approach_goes_on_behind_a_reset() {
+    let mut run = Run::<2>::new();
+    run.load(0.5);
+    run.measure(|_| 0.42);
+    run.follower.start().unwrap();
+    (0..300).for_each(|_| _ = run.tick());
+    let (angles, place) = (run.follower.angles().to_vec(), run.follower.position());
+    assert!(run.follower.is_astray());
+    let mut again = Run::<2>::new();
+    again.follower.stand(&angles, place, true).unwrap();
+    again.load(0.5);
+    again.follower.start().unwrap();
+    assert_eq!(again.follower.angles(), angles);
+    again.until(State::Done);
+    assert!(!again.follower.is_astray());
+}
+
+/// The position that is told is that of the angles that are commanded, whatever fails.
+#[test]
+fn the_position_is_that_of_the_angles() {
+    let mut run = Run::<2>::new();
+    let stood = FollowerPosition {
+        knot: 3,
+        into: 0.05,
+    };
+    run.follower.stand(&[0.35; 2], stood, false).unwrap();
+    run.load(0.0);
+    // The path has not begun.
+    run.follower.fail(Fault::Stalled(1));
+    assert_eq!(run.follower.position(), stood);
+    run.follower.clear().unwrap();
+    assert_eq!(run.follower.position(), stood);
+
+    let mut run = Run::<2>::new();
+    run.load(0.0);
+    run.follower.confirm().unwrap();
+    run.follower.start().unwrap();
+    (0..700).for_each(|_| _ = run.tick());
+    let (place, angle) = (run.follower.position(), run.follower.angles()[0]);
+    run.follower.limit_speeds(|_| 1e-3);
+    run.still();
+    assert_eq!(run.follower.reason(), Reason::Fault(Fault::Leap(0)));
+    assert_eq!(run.follower.position(), place);
+    run.follower.clear().unwrap();
+    assert_eq!(run.follower.position(), place);
+    assert!((place.knot as f32 * 0.1 + place.into - angle).abs() < 1e-5);
+}
+
+/// A board measures each hinge in one tick of several. The hinge that lags counts in all of them.
+#[test]
+fn ticks_without_a_measurement_hide_no_stuck_hinge() {
+    for period in [2, 3, 10, 50] {
+        for stuck in 0..6 {
+            let mut run = Run::<2>::new();
+            run.load(0.0);
+            run.follower.confirm().unwrap();
+            run.follower.start().unwrap();
+            while run.follower.state() != State::Faulted {
+                run.tick();
+                let turn = u32::try_from(run.now / TICK).unwrap();
+                let members = (0..6).map(|hinge| Membership {
+                    group: GroupId(hinge % 2),
+                    negative: false,
+                });
+                run.follower.drive(members, |hinge, _, command| {
+                    let command = command.unwrap();
+                    let angle = if hinge == stuck {
+                        command.min(0.3)
+                    } else {
+                        command
+                    };
+                    ((turn + hinge) % period == 0).then_some(angle)
+                });
+                assert!(run.now < 4_000_000, "{:?}", run.follower.reason());
+            }
+            assert_eq!(run.follower.reason(), Reason::Fault(Fault::Stalled(stuck)));
+        }
     }
 }

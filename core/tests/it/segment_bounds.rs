@@ -118,3 +118,73 @@ fn whatever_is_accepted_keeps_its_limits_everywhere() {
     // The test is worth something: it accepts motions that come near their limits.
     assert!(accepted > 500 && refused > 500 && nearest.iter().all(|part| *part > 0.9));
 }
+
+/// A follower checks the vertices of a segment a few at a time; a setpoint is queued once all are checked, with the same
+/// verdict as at once.
+#[test]
+fn vertices_are_checked_in_parts() {
+    use foldpath_core::follower::{Follower, FollowerPosition, Options};
+    let one: Stars<f64> = miura(60.0, false, false);
+    let spokes = one.view().iter().next().unwrap().spokes.repeat(7);
+    let ends: Vec<u32> = (1..=7).map(|star| 4 * star).collect();
+    let limits = limits(f64::INFINITY);
+    let sheet = SheetView {
+        interpolation: KIND,
+        limits: &limits,
+        stars: foldpath_core::StarsView::new(&spokes, &ends, 2).unwrap(),
+        closure: 1e-2,
+    };
+    let closed = setpoint(1, 5.0, 0.3, [1.0, 0.0]);
+    // It jumps between the places at which every setpoint is looked at.
+    let open = setpoint(1, 5.0, 2.4, [1e-8, 0.0]);
+    for (next, weight, is_closed) in [(closed, [1.0, 0.0], true), (open, [1.0, -0.6], false)] {
+        let mut whole = Follower::<f64, 2, 4>::new(Options::default());
+        whole.load(&sheet, FollowerPosition::default()).unwrap();
+        whole.accept(&sheet, setpoint(0, 0.0, 0.2, weight)).unwrap();
+        let mut parts = whole.clone();
+        let expected = whole.accept(&sheet, next.clone());
+        assert_eq!(expected.is_ok(), is_closed);
+        parts.offer(&sheet, next).unwrap();
+        let mut rounds = 0;
+        let found = loop {
+            assert!(parts.is_checking() && parts.room() == 3);
+            rounds += 1;
+            match parts.check_on(&sheet, 2) {
+                Ok(false) => {}
+                Ok(true) => break Ok(()),
+                Err(refusal) => break Err(refusal),
+            }
+        };
+        assert_eq!(found, expected);
+        assert_eq!((parts.room(), parts.is_checking()), (whole.room(), false));
+        assert_eq!(rounds, if expected.is_ok() { 4 } else { 1 });
+        assert_eq!(parts.check_on(&sheet, 2), Err(Refusal::State));
+    }
+}
+
+/// A path is dropped while its setpoint is checked: the setpoint is not queued.
+#[test]
+fn a_path_that_is_dropped_takes_its_unchecked_setpoint_along() {
+    use foldpath_core::follower::{Fault, Follower, FollowerPosition, Options};
+    let (stars, limits) = (miura(60.0, false, false), limits(10.0));
+    let sheet = SheetView {
+        interpolation: KIND,
+        limits: &limits,
+        stars: Stars::<f64>::view(&stars),
+        closure: 1e-4,
+    };
+    for fails in [false, true] {
+        let mut follower = Follower::<f64, 2, 4>::new(Options::default());
+        follower.load(&sheet, FollowerPosition::default()).unwrap();
+        follower
+            .offer(&sheet, setpoint(0, 0.0, 0.2, [1.0, 0.0]))
+            .unwrap();
+        if fails {
+            follower.fail(Fault::Stalled(0));
+        } else {
+            follower.unload().unwrap();
+        }
+        assert_eq!(follower.check_on(&sheet, 9), Err(Refusal::State));
+        assert_eq!(follower.room(), 4);
+    }
+}

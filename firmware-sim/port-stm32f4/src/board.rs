@@ -185,6 +185,11 @@ impl Board for Nucleo {
         Some((f32::from(reading) - ZERO) / READING)
     }
 
+    /// The servos have no pulses in a reset, and are limp without them. Their potentiometers tell where they stand.
+    fn held(&mut self) -> bool {
+        false
+    }
+
     const RECORD: usize = retained::size(GROUPS);
 
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {

@@ -439,7 +439,7 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
 fn reset(world: &mut World<'_>) {
     let record = world.device.record(1, 1);
     world.device = Device::new(settings(1 << 40));
-    world.device.restore(&record);
+    world.device.restore(&record, true);
 }
 
 /// Drives that are a little faster than the path asks for.

@@ -2,6 +2,7 @@
 
 mod faults;
 mod fuzz;
+mod loading;
 mod path;
 mod power_on;
 mod refusals;

@@ -46,7 +46,10 @@ pub(crate) fn settings(nonce: u64) -> Settings {
 pub(crate) fn flat(settings: Settings) -> Device {
     let mut device = Device::new(settings);
     let place = FollowerPosition::default();
-    device.follower_mut().stand(&[0.0; 2], place).unwrap();
+    device
+        .follower_mut()
+        .stand(&[0.0; 2], place, false)
+        .unwrap();
     device
 }
 

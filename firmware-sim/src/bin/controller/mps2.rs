@@ -221,6 +221,11 @@ impl Board for Mps2 {
         Some(PLANT.drive(hinge, membership, angle, now))
     }
 
+    /// The emulated drives hold where they are, in a reset as well.
+    fn held(&mut self) -> bool {
+        true
+    }
+
     const RECORD: usize = retained::size(GROUPS);
 
     #[inline(never)]
@@ -295,6 +300,9 @@ fn main() -> ! {
     loop {
         if let Memory::Some(controller) = MEMORY {
             controller.step();
+            if controller.is_busy() {
+                continue;
+            }
         }
         // A pending interrupt ends the wait although interrupts are masked here; its handler runs behind this closure.
         cortex_m::interrupt::free(|_| {

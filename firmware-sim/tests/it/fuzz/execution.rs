@@ -154,7 +154,9 @@ impl Execution<'_> {
         if self.one_in(2) {
             let (angles, place) = ([0.0; 4], FollowerPosition::default());
             let follower = self.subject.device.follower_mut();
-            follower.stand(&angles[..self.groups], place).unwrap();
+            follower
+                .stand(&angles[..self.groups], place, false)
+                .unwrap();
         }
         if !self.one_in(16) {
             self.hello(VERSION, SCHEMA);

@@ -214,6 +214,7 @@ impl<'a> Subject<'a> {
         if started {
             assert!(!self.drawn);
             self.executes();
+            self.begins(&before);
         }
         let known = [before, after].map(|look| look.angles != [None; 4]);
         let command = match frame.message {
@@ -221,8 +222,8 @@ impl<'a> Subject<'a> {
             _ => None,
         };
         match known {
-            // It is measured, or an operator tells it.
-            [false, true] => assert!(matches!(command, Some(0 | 5)), "{frame:?}"),
+            // It is measured, or an operator has told it; the start takes it up.
+            [false, true] => assert!(command == Some(0) && started, "{frame:?}"),
             // An operator takes it back, or a setpoint is the first of another sheet.
             [true, false] => {
                 let other = matches!(frame.message, Message::Setpoint(_));
@@ -317,6 +318,20 @@ impl<'a> Subject<'a> {
         let most = most + if dry || from < 0.01 { 1e-3 } else { 1e-5 };
         assert!((to - from).abs() <= most, "{from} to {to}");
         assert!(!dry || to <= 1e-3, "{to} with nothing left");
+    }
+
+    /// Checks that a start moves nothing: groups that had a command keep it, and all stand near the beginning of the path.
+    fn begins(&self, before: &Look) {
+        let place = self.device.follower().position();
+        for (group, angle) in self.device.follower().angles().iter().enumerate() {
+            if let Some(before) = before.angles[group] {
+                assert_eq!(angle.to_bits(), before);
+            }
+            if let Some(begin) = self.sent(place, group) {
+                let off = (begin - f64::from(*angle)).abs();
+                assert!(off <= 0.1 + 1e-6 * (1.0 + begin.abs()), "{angle} {begin}");
+            }
+        }
     }
 
     /// Checks that the commanded angles are the ones that were sent, and within their limits.
@@ -488,7 +503,7 @@ impl<'a> Subject<'a> {
         let record = self.device.record(self.boots, self.boots);
         self.boots += 1;
         self.device = Device::new(settings(u64::from(self.boots) << 40));
-        self.device.restore(&record);
+        self.device.restore(&record, true);
         (self.answers, self.items) = (Deframer::default(), Stream::default());
         self.enter(0);
         self.taken.clear();

@@ -599,7 +599,10 @@ fn flat() -> Device {
     };
     let mut device = Device::new(Settings::new(1, limits));
     let place = FollowerPosition::default();
-    device.follower_mut().stand(&[0.0; 2], place).unwrap();
+    device
+        .follower_mut()
+        .stand(&[0.0; 2], place, false)
+        .unwrap();
     device
 }
 
