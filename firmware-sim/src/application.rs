@@ -103,7 +103,6 @@ where
             self.due = now.max(self.due + TICK);
             self.tick(now);
         }
-        self.device.work();
         self.receive(now);
         self.device.poll(now);
         self.send();

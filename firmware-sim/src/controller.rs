@@ -3,8 +3,7 @@
 //! On a board [`Application`](crate::application::Application) [restores](Controller::restore) what a reset has left,
 //! hands over received bytes ([`Controller::byte`]), calls [`Controller::tick`] at a steady pace, powers and
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
-//! [takes](Controller::take) bytes for the line. A setpoint whose check takes more
-//! than one round is gone on with by [`Controller::work`]. Times are microseconds on the controller's clock.
+//! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
@@ -244,15 +243,15 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
     }
 
-    /// Returns `true` while a setpoint is checked that takes more than one round; see [`work`](Self::work).
+    /// Returns `true` while a setpoint is checked that takes more than one round; each [`poll`](Self::poll) goes on with
+    /// it.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.loader.checks
     }
 
-    /// Goes on to check a setpoint, if one is checked: bounds the closure of one more essential vertex. To be called once
-    /// in each round of the main loop, so that no setpoint delays a tick.
-    pub fn work(&mut self) {
+    /// Goes on to check a setpoint, if one is checked.
+    fn work(&mut self) {
         if self.is_busy() {
             let checked = self.loader.check_on();
             settle(&mut self.receiver, checked);
@@ -280,9 +279,11 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         follower.drive(sheet.hinges(), drive);
     }
 
-    /// Puts all answers due at `now`, microseconds, on the line, as far as there is room.
+    /// Puts all answers due at `now`, microseconds, on the line, as far as there is room. If a setpoint is being checked,
+    /// it bounds the closure of one more essential vertex before, so that no setpoint delays a tick.
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
+        self.work();
         let follower = &self.loader.follower;
         let (state, reason) = (follower.state(), follower.reason());
         let room = follower.room();

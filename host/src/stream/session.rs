@@ -277,7 +277,7 @@ impl Session<'_> {
         }
         if let Some(drawn) = self.quit {
             let report = self.driver.sender().report();
-            let stands = report.is_none_or(|report| report.reason == Reason::StopLine);
+            let stands = report.is_none_or(|report| report.stopped);
             let reason = match drawn {
                 None => "left at once; the controller holds when it hears nothing",
                 Some(_) if stands => "stopped at once by the stop line",
@@ -306,7 +306,8 @@ impl Session<'_> {
         let (state, reason) = (report.state, report.reason);
         let recovers = self.resume && !self.driver.is_started();
         if state == State::Faulted {
-            return (!recovers).then(|| (Outcome::Faulted, words::reason(reason)));
+            let words = || words::failed(reason, report.stopped);
+            return (!recovers).then(|| (Outcome::Faulted, words()));
         }
         let rests = match state {
             State::Running => false,
@@ -327,8 +328,8 @@ impl Session<'_> {
             return Some((Outcome::Held, words));
         }
         let refuses = sender.answer() == Some(Err(Denial::Held));
-        if reason == Reason::StopLine && (!recovers || refuses) {
-            return Some((Outcome::Held, words::reason(reason)));
+        if report.stopped && (!recovers || refuses) {
+            return Some((Outcome::Held, words::reason(Reason::StopLine)));
         }
         if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {
             let reason = "stopped; --resume goes on from where the sheet stands";

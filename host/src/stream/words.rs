@@ -28,6 +28,16 @@ pub(super) fn reason(reason: Reason) -> String {
     }
 }
 
+/// Explains why a motion has failed, and that the stop line holds it as well if it is `stopped`.
+pub(super) fn failed(why: Reason, stopped: bool) -> String {
+    let stop = if stopped {
+        ". The stop line holds the motion as well and has to be let go"
+    } else {
+        ""
+    };
+    reason(why) + stop
+}
+
 /// Explains why a command is not carried out.
 pub(super) fn denial(denial: Denial) -> String {
     match denial {

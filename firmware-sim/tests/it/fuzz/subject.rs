@@ -152,6 +152,9 @@ impl<'a> Subject<'a> {
         let looks = frame.is_some() || self.now.is_multiple_of(8);
         let before = looks.then(|| self.look());
         self.device.byte(byte, self.now);
+        while self.device.is_busy() {
+            self.device.poll(self.now);
+        }
         match frame {
             Some(Ok(frame)) => self.obeyed(before.unwrap(), frame),
             // Bytes that are no frame change nothing.

@@ -14,7 +14,7 @@ use crate::common::folder;
 use crate::session;
 use foldpath::stream::{Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{self, Follower, FollowerPosition, State};
+use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
 use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
@@ -642,16 +642,55 @@ impl Served {
     }
 }
 
+/// A fault does not hide that the stop line holds as well; once the fault is cleared, the stop line is what is told.
+#[test]
+fn a_stop_line_behind_a_fault_is_told() {
+    let folder = small();
+    let (port, _, thread) = served(
+        2,
+        |_| false,
+        |device| {
+            device.follower_mut().fail(Fault::Stalled(3));
+            device.stop(true);
+        },
+    );
+    let stream = format!("stream path.traj --to tcp:{port} --json");
+    let json = folder.run(&stream).with_status(1).json();
+    assert_eq!(json["outcome"], "faulted", "{json}");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("hinge 3") && reason.contains("stop line"),
+        "{reason}"
+    );
+    let json = folder
+        .run(&format!("{stream} --resume"))
+        .with_status(1)
+        .json();
+    assert_eq!(json["outcome"], "held", "{json}");
+    assert!(
+        json["reason"]
+            .as_str()
+            .unwrap()
+            .starts_with("the stop line")
+    );
+    thread.join().unwrap();
+}
+
 fn is_pause(error: &io::Error) -> bool {
     use ErrorKind::{TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut)
 }
 
-/// Starts a controller that serves `hosts` hosts, one after the other, at a port.
-fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
+/// Starts a controller, prepared by `prepare`, that serves `hosts` hosts, one after the other, at a port.
+fn served(
+    hosts: usize,
+    until: fn(&Device) -> bool,
+    prepare: fn(&mut Device),
+) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
     let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = listener.local_addr().unwrap().port();
     let mut served = Served::new();
+    prepare(&mut served.device);
     let knot = Arc::clone(&served.knot);
     let thread = thread::spawn(move || {
         for stream in listener.incoming().take(hosts) {
@@ -669,7 +708,7 @@ fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, Joi
 fn a_controller_behind_tcp_is_stopped_by_ctrl_c_and_goes_on() {
     let folder = small();
     let bytes = std::fs::read(folder.path("path.traj")).unwrap();
-    let (port, knot, thread) = served(2, |_| false);
+    let (port, knot, thread) = served(2, |_| false, |_| {});
     let stream = format!("stream path.traj --to tcp:{port} --json --log");
     let mut host = folder.command(&format!("{stream} first.csv"));
     let host = host
@@ -755,7 +794,7 @@ fn a_controller_behind_a_serial_device_is_done_with_faults_too() {
 #[test]
 fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
     let folder = small();
-    let (port, _, thread) = served(1, |device| device.follower().position().knot >= 1);
+    let (port, _, thread) = served(1, |device| device.follower().position().knot >= 1, |_| {});
     let stream = format!("stream path.traj --to tcp:{port} --json");
     let json = folder.run(&stream).with_status(1).json();
     assert_eq!(json["outcome"], "no_device", "{json}");
