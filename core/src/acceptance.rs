@@ -8,10 +8,11 @@
 use core::ops::Range;
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::bernstein::differences;
 use crate::curve::Flaw;
+use crate::numbers::Numbers;
 use crate::segment_bounds::{self, Pair};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
@@ -49,7 +50,7 @@ pub struct Setpoint<T, const GROUPS: usize> {
 }
 
 /// Reason why a setpoint is not followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Refusal {
     /// Nothing is being followed: there is no sheet, or the motion is done or has failed.
     State,
@@ -78,6 +79,33 @@ pub enum Refusal {
     /// This essential vertex does not close in the middle of the segment, or, with homogeneous half angles, anywhere on
     /// it.
     OpenBetween(u16),
+}
+
+impl Refusal {
+    /// Returns what is encoded.
+    pub(crate) fn numbers(self) -> Numbers {
+        match self {
+            Self::State => Numbers::variant(0),
+            Self::Full => Numbers::variant(1),
+            Self::Sequence(next) => Numbers::of(2, next),
+            Self::Groups => Numbers::variant(3),
+            Self::NotFinite(group) => Numbers::of(4, group),
+            Self::HalfTurn(group) => Numbers::of(5, group),
+            Self::Weight(group) => Numbers::of(6, group),
+            Self::Order => Numbers::variant(7),
+            Self::Range(group) => Numbers::of(8, group),
+            Self::Speed(group) => Numbers::of(9, group),
+            Self::Acceleration(group) => Numbers::of(10, group),
+            Self::Open(star) => Numbers::of(11, star),
+            Self::OpenBetween(star) => Numbers::of(12, star),
+        }
+    }
+}
+
+impl Serialize for Refusal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }
 
 impl core::fmt::Display for Refusal {
@@ -141,7 +169,7 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
             Some(Flaw::HalfTurn) => return Err(Refusal::HalfTurn(group)),
             Some(Flaw::Weight) => return Err(Refusal::Weight(group)),
             None if !limits.allow(node.angle) => return Err(Refusal::Range(group)),
-            None => *half = HalfAngle::of(node.angle),
+            None => *half = segment_bounds::half_angle(node.angle),
         }
     }
     closes(sheet, &half_angles).map_err(Refusal::Open)?;

@@ -119,6 +119,7 @@ mod ldl;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 mod limits;
+mod numbers;
 mod objective;
 pub mod path_clock;
 pub mod project;

@@ -12,7 +12,7 @@
 //! convolution of their coefficients, and ratios of coefficients are as before.
 
 use crate::bernstein::{differences, restrict};
-use crate::{Scalar, StarView};
+use crate::{HalfAngle, Scalar, StarView};
 
 /// Number of halvings after which a part of a segment is no longer halved: 32 parts at most.
 const MAX_HALVINGS: u32 = 5;
@@ -61,7 +61,7 @@ pub(crate) fn slack<T: Scalar>() -> T {
 /// multiplications for each of at most 63 parts, of which an ordinary segment has one to three.
 #[inline(never)]
 pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> bool {
-    everywhere(|part| {
+    everywhere(&mut |part: [T; 2]| {
         let Pair { cos, sin } = pair.restrict(part);
         let [from, to] = part;
         let most = speed * slack() * (to - from) + noise;
@@ -90,17 +90,22 @@ pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> boo
     let slack = T::lit(RANGE_SLACK_RAD);
     // Half angles between two limits of at most a quarter turn are a convex cone, so that coefficients in the cone bound
     // the curve.
-    let low = (lower - slack).max(-T::PI) * T::HALF;
-    let high = (upper + slack).min(T::PI) * T::HALF;
-    let (low, high) = (low.sin_cos(), high.sin_cos());
-    everywhere(|part| {
+    let low = half_angle((lower - slack).max(-T::PI));
+    let high = half_angle((upper + slack).min(T::PI));
+    everywhere(&mut |part: [T; 2]| {
         let Pair { cos, sin } = pair.restrict(part);
         cos.iter().zip(&sin).all(|(c, n)| {
             let noise = T::lit(8.0) * T::EPSILON * (c.abs() + n.abs());
-            let above = *n * low.1 - *c * low.0 >= -noise;
-            above && *n * high.1 - *c * high.0 <= noise
+            let above = *n * low.cos - *c * low.sin >= -noise;
+            above && *n * high.cos - *c * high.sin <= noise
         })
     })
+}
+
+/// Returns cosine and sine of half a fold angle, radians.
+#[inline(never)]
+pub(crate) fn half_angle<T: Scalar>(angle: T) -> HalfAngle<T> {
+    HalfAngle::of(angle)
 }
 
 /// Returns `true` if the closure residual of a star is everywhere at most `bound`, within [`slack`] and rounding.
@@ -123,7 +128,7 @@ pub(crate) fn stays_closed<T: Scalar>(
         // On a short part each factor |c| + |n| is at most √2 times the length of (c, n).
         most *= T::TWO.sqrt();
     }
-    everywhere(|part| {
+    everywhere(&mut |part: [T; 2]| {
         // Quaternions (w, x, y, z) and the sum of the sizes of all terms of each, from which rounding follows.
         let mut product = [[T::zero(); 5]; 3 * MAX_SPOKES + 1];
         if let Some(first) = product.first_mut() {
@@ -190,7 +195,9 @@ fn across<T: Scalar>(
 
 /// Returns `true` if `holds` is true for parts `[from, to]` that cover the segment. A part for which it is not true is
 /// halved, at most [`MAX_HALVINGS`] times.
-fn everywhere<T: Scalar>(mut holds: impl FnMut([T; 2]) -> bool) -> bool {
+// Not generic over the condition, so that an image has the loop once.
+#[inline(never)]
+fn everywhere<T: Scalar>(holds: &mut dyn FnMut([T; 2]) -> bool) -> bool {
     // The part number `index` of 2^`halvings` parts, from 0.
     let (mut index, mut halvings, mut length) = (0_u32, 0, T::one());
     loop {

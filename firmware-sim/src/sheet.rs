@@ -181,6 +181,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         self.head.ok_or(ItemRefusal::Incomplete)
     }
 
+    // Not inlined, so that an image has the check of all spokes once.
+    #[inline(never)]
     fn stars(&self) -> Option<StarsView<'_, f32>> {
         let groups = self.head?.groups;
         StarsView::new(&self.spokes, &self.ends, groups.into())

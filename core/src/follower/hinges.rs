@@ -38,6 +38,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let surveys = self.state == State::Ready && !self.stands;
         let groups = if self.stands { self.groups } else { 0 };
         let angles = self.angles.get(..groups).unwrap_or(&[]);
+        let (lag, mut unremarkable) = (self.options.lag, self.lag.unremarkable(self.options.lag));
         for (hinge, membership) in (first..).zip(hinges) {
             let group = membership.group.index();
             let command = angles.get(group).map(|angle| membership.apply(*angle));
@@ -46,7 +47,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             };
             if let Some(command) = command {
                 let distance = (command - angle).abs();
-                self.lag.note(hinge, distance, self.options.lag);
+                // False for a NaN.
+                let near = distance <= unremarkable;
+                if !near {
+                    self.lag.note(hinge, distance, lag);
+                    unremarkable = self.lag.unremarkable(lag);
+                }
             } else if surveys {
                 let angle = membership.apply(angle);
                 self.survey

@@ -74,11 +74,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
                 return Err(self.refuse(refusal));
             }
         }
-        if let Some((setpoint, _)) = self.pending.take() {
-            self.next = self.next.wrapping_add(1);
-            self.ended = setpoint.last;
-            self.queue.push(setpoint)?;
-        }
+        // Not taken, which would move it by way of the stack.
+        let setpoint = setpoint.clone();
+        self.pending = None;
+        self.next = self.next.wrapping_add(1);
+        self.ended = setpoint.last;
+        self.queue.push(setpoint)?;
         Ok(true)
     }
 

@@ -27,26 +27,36 @@ pub(super) struct LagWatch<T> {
 
 impl<T: Scalar> LagWatch<T> {
     /// Returns the farthest hinge.
+    #[inline]
     pub(super) fn farthest(&self) -> Lag<T> {
+        if self.any {
+            self.find_farthest()
+        } else {
+            Lag::default()
+        }
+    }
+
+    #[inline(never)]
+    fn find_farthest(&self) -> Lag<T> {
         let farther = |a: Lag<T>, b: &Lag<T>| if b.distance > a.distance { *b } else { a };
         self.worst.iter().fold(Lag::default(), farther)
     }
 
-    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. A distance that is no
-    /// number counts as the largest.
+    /// Returns the largest distance of a hinge from its command (radians) that need not be [noted](Self::note), if hinges
+    /// farther than `lag` lag: below 0 while a hinge is remembered.
     #[inline]
-    pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
-        // False for a NaN.
-        let near = distance <= lag;
-        if !near || self.any {
-            self.remember(hinge, if near { T::zero() } else { distance });
-        }
+    pub(super) fn unremarkable(&self, lag: T) -> T {
+        if self.any { -T::one() } else { lag }
     }
 
-    /// Remembers a hinge in its own place, or else in that of the nearest hinge, if it is farther; 0 forgets it.
+    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. A distance that is no
+    /// number counts as the largest. The hinge is remembered in its own place, or else in that of the nearest hinge, if it
+    /// is farther. A hinge that does not lag is forgotten.
     #[inline(never)]
-    fn remember(&mut self, hinge: u32, distance: T) {
-        let distance = if distance.is_finite() {
+    pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
+        let distance = if distance <= lag {
+            T::zero()
+        } else if distance.is_finite() {
             distance
         } else {
             T::MAX
@@ -64,7 +74,7 @@ impl<T: Scalar> LagWatch<T> {
                 *place = Lag { hinge, distance };
             }
         }
-        self.any = self.farthest().distance > T::zero();
+        self.any = self.find_farthest().distance > T::zero();
     }
 
     /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less

@@ -1,13 +1,14 @@
 //! The states of a follower, the reasons for slowing or holding, its options, and its answers to commands.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Scalar;
 use crate::acceptance::Refusal;
+use crate::numbers::{Numbers, long};
 use crate::path_clock::ClockLimits;
 
 /// State of a follower.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum State {
     /// There is no path.
     #[default]
@@ -24,8 +25,27 @@ pub enum State {
     Faulted,
 }
 
+impl State {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Idle => Numbers::variant(0),
+            Self::Ready => Numbers::variant(1),
+            Self::Running => Numbers::variant(2),
+            Self::Holding => Numbers::variant(3),
+            Self::Done => Numbers::variant(4),
+            Self::Faulted => Numbers::variant(5),
+        }
+    }
+}
+
+impl Serialize for State {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
 /// Failure that ends a motion. It stays until it is [cleared](crate::follower::Follower::clear).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Fault {
     /// This hinge did not follow its command.
     Stalled(u32),
@@ -33,8 +53,23 @@ pub enum Fault {
     Leap(u16),
 }
 
+impl Fault {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Stalled(hinge) => Numbers::of(0, hinge),
+            Self::Leap(group) => Numbers::of(1, group),
+        }
+    }
+}
+
+impl Serialize for Fault {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
 /// Reason why a follower does not run at full speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum Reason {
     /// Nothing slows or holds the motion.
     #[default]
@@ -61,8 +96,32 @@ pub enum Reason {
     Lease,
 }
 
+impl Reason {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::None => Numbers::variant(0),
+            Self::Asked => Numbers::variant(1),
+            Self::Underrun => Numbers::variant(2),
+            Self::Silence => Numbers::variant(3),
+            Self::Lag(hinge) => Numbers::of(4, hinge),
+            Self::StopLine => Numbers::variant(5),
+            Self::Session => Numbers::variant(6),
+            Self::Refused(refusal) => Numbers::around(7, refusal.numbers()),
+            Self::Fault(fault) => Numbers::around(8, fault.numbers()),
+            Self::Approach => Numbers::variant(9),
+            Self::Lease => Numbers::variant(10),
+        }
+    }
+}
+
+impl Serialize for Reason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
 /// Reason why a command is not carried out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Denial {
     /// The command is not allowed in this state.
     State,
@@ -84,10 +143,34 @@ pub enum Denial {
     Spread(u16),
 }
 
+impl Denial {
+    /// Returns what is encoded.
+    pub(crate) fn numbers(self) -> Numbers {
+        match self {
+            Self::State => Numbers::variant(0),
+            Self::Moving => Numbers::variant(1),
+            Self::Groups => Numbers::variant(2),
+            Self::Empty => Numbers::variant(3),
+            Self::Place => Numbers::variant(4),
+            Self::Jump(group) => Numbers::of(5, group),
+            Self::Held => Numbers::variant(6),
+            Self::Unknown(group) => Numbers::of(7, group),
+            Self::Spread(group) => Numbers::of(8, group),
+        }
+    }
+}
+
+impl Serialize for Denial {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
 /// A position on a path; the protocol calls it a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FollowerPosition<T> {
     /// Number of the last knot at or before the position.
+    #[serde(with = "long")]
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,

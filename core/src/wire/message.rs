@@ -3,11 +3,12 @@
 //! [`ToDevice::Hello`] and [`ToHost::Mismatch`] keep their encoding in all versions, so that two ends that do not
 //! understand each other can at least say so.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Interpolation;
 use crate::acceptance::Refusal;
 use crate::follower::{Denial, FollowerPosition, Reason, State};
+use crate::numbers::{Numbers, long, short, wide};
 
 /// Version of the protocol.
 pub const VERSION: u16 = 2;
@@ -21,15 +22,19 @@ pub enum ToDevice<'a> {
     /// Asks for a session, in session 0.
     Hello {
         /// [`VERSION`] of the host.
+        #[serde(with = "short")]
         version: u16,
         /// [`SCHEMA`] of the host.
+        #[serde(with = "long")]
         schema: u32,
         /// Number that the host has not used before.
+        #[serde(with = "long")]
         id: u32,
     },
     /// One of the numbered items, which come through once each and in order.
     Item {
         /// Number of the item, modulo 2¹⁶, from 0.
+        #[serde(with = "short")]
         sequence: u16,
         /// The item.
         #[serde(borrow)]
@@ -72,14 +77,18 @@ pub struct SheetHead {
     /// Kind of motion between setpoints.
     pub interpolation: Interpolation,
     /// Number of groups.
+    #[serde(with = "short")]
     pub groups: u16,
     /// Number of hinges.
+    #[serde(with = "short")]
     pub hinges: u16,
     /// Number of spokes of all essential vertices.
+    #[serde(with = "short")]
     pub spokes: u16,
     /// Largest closure residual of a commanded configuration.
     pub closure: f32,
     /// Number that tells this path from others: a checksum of its numbers that is not 0.
+    #[serde(with = "long")]
     pub path: u32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
     pub place: FollowerPosition<f32>,
@@ -89,6 +98,7 @@ pub struct SheetHead {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SetpointBytes<'a> {
     /// Number of the knot in its path.
+    #[serde(with = "long")]
     pub number: u32,
     /// Seconds since the start of the path.
     pub time: f32,
@@ -122,12 +132,16 @@ pub enum Command {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capacity {
     /// Number of groups.
+    #[serde(with = "short")]
     pub groups: u16,
     /// Number of hinges.
+    #[serde(with = "short")]
     pub hinges: u16,
     /// Number of spokes of all essential vertices.
+    #[serde(with = "short")]
     pub spokes: u16,
     /// Number of setpoints in the queue.
+    #[serde(with = "short")]
     pub knots: u16,
 }
 
@@ -137,19 +151,25 @@ pub enum ToHost<'a> {
     /// Told in session 0 that the controller speaks another version.
     Mismatch {
         /// Id of the host that asked.
+        #[serde(with = "long")]
         id: u32,
         /// [`VERSION`] of the controller.
+        #[serde(with = "short")]
         version: u16,
         /// [`SCHEMA`] of the controller.
+        #[serde(with = "long")]
         schema: u32,
     },
     /// Offers a session, which begins with the first frame in it. Sent in session 0.
     Welcome {
         /// Id of the host that asked.
+        #[serde(with = "long")]
         id: u32,
         /// Number of the session.
+        #[serde(with = "long")]
         session: u32,
         /// Number that the controller has not used in any run before.
+        #[serde(with = "wide")]
         nonce: u64,
         /// Room of the controller.
         capacity: Capacity,
@@ -161,6 +181,7 @@ pub enum ToHost<'a> {
     /// Commanded state and angles at a moment, in pieces if there are many groups. May be lost.
     Telemetry {
         /// Microseconds on the controller's clock.
+        #[serde(with = "wide")]
         time: u64,
         /// State of the follower.
         state: State,
@@ -169,6 +190,7 @@ pub enum ToHost<'a> {
         /// Position on the path.
         place: FollowerPosition<f32>,
         /// Number of the first group of this piece.
+        #[serde(with = "short")]
         first: u16,
         /// Commanded angles of groups, 4 bytes each, little endian; none while it is not known where they stand.
         angles: &'a [u8],
@@ -179,8 +201,10 @@ pub enum ToHost<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Number of the item that is expected next: all items before it have come.
+    #[serde(with = "short")]
     pub next: u16,
     /// Number of the first item for which there is no room yet.
+    #[serde(with = "short")]
     pub limit: u16,
     /// Number of frames of the session that have come, modulo 2⁸.
     pub heard: u8,
@@ -199,6 +223,7 @@ pub struct Report {
     /// Position of the follower on the path.
     pub place: FollowerPosition<f32>,
     /// Number of the path on which the place is, see [`SheetHead::path`]; 0 if there was none.
+    #[serde(with = "long")]
     pub path: u32,
     /// `true` if it is known where the sheet stands.
     pub known: bool,
@@ -207,7 +232,7 @@ pub struct Report {
 }
 
 /// Reason why an item is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ItemRefusal {
     /// The setpoint is not valid.
     Setpoint(Refusal),
@@ -228,4 +253,26 @@ pub enum ItemRefusal {
     Stars,
     /// The closure residual asked for is no number, or more than the controller allows.
     Closure,
+}
+
+impl ItemRefusal {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Setpoint(refusal) => Numbers::around(0, refusal.numbers()),
+            Self::Path(denial) => Numbers::around(1, denial.numbers()),
+            Self::Room => Numbers::variant(2),
+            Self::Pieces => Numbers::variant(3),
+            Self::Incomplete => Numbers::variant(4),
+            Self::Limits(group) => Numbers::of(5, group),
+            Self::Hinge(hinge) => Numbers::of(6, hinge),
+            Self::Stars => Numbers::variant(7),
+            Self::Closure => Numbers::variant(8),
+        }
+    }
+}
+
+impl Serialize for ItemRefusal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }

@@ -61,13 +61,15 @@ pub fn hinge_bits(groups: u16) -> NonZero<usize> {
 
 /// Decodes hinge codes of `bits` bits each, the lowest bits first. Bits left over in the last byte are dropped.
 pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u16> {
-    let bit = move |place: usize| {
-        let byte = bytes.get(place / 8).copied().unwrap_or(0);
-        u16::from(byte >> (place % 8) & 1)
-    };
     let code = move |hinge: usize| {
         let first = hinge * bits.get();
-        (0..bits.get()).fold(0, |code, k| code | bit(first + k) << k)
+        // A code of at most 17 bits begins anywhere in the first of three bytes.
+        let word = (0..3).fold(0, |word, k| {
+            let byte = bytes.get(first / 8 + k).copied().unwrap_or(0);
+            word | u32::from(byte) << (8 * k)
+        });
+        let [low, high, ..] = (word >> (first % 8) & !(u32::MAX << bits.get())).to_le_bytes();
+        u16::from_le_bytes([low, high])
     };
     (0..8 * bytes.len() / bits).map(code)
 }

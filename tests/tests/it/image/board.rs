@@ -14,7 +14,7 @@ use super::image;
 /// Names of the emulator's sockets: the line to the host, the stop line, the test bench, and the monitor.
 const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
 /// First address above the stack.
-const STACK_TOP: u32 = 0x2000_4000;
+const STACK_TOP: u32 = 0x2000_6000;
 /// First address above the guard, which is 1 KiB long.
 const GUARD_END: u32 = 0x2000_0400;
 
