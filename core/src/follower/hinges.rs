@@ -37,27 +37,31 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     ) {
         let surveys = self.state == State::Ready && !self.stands;
         let groups = if self.stands { self.groups } else { 0 };
-        let angles = self.angles.get(..groups).unwrap_or(&[]);
+        // The smaller number spares a comparison for each hinge, as does a count beside the loop.
+        let angles = self.angles.get(..groups.min(GROUPS)).unwrap_or(&[]);
         let (lag, mut unremarkable) = (self.options.lag, self.lag.unremarkable(self.options.lag));
-        for (hinge, membership) in (first..).zip(hinges) {
+        let mut hinge = first;
+        for membership in hinges {
             let group = membership.group.index();
             let command = angles.get(group).map(|angle| membership.apply(*angle));
-            let Some(angle) = drive(hinge, membership, command) else {
-                continue;
-            };
-            if let Some(command) = command {
-                let distance = (command - angle).abs();
-                // False for a NaN.
-                let near = distance <= unremarkable;
-                if !near {
-                    self.lag.note(hinge, distance, lag);
-                    unremarkable = self.lag.unremarkable(lag);
+            match (drive(hinge, membership, command), command) {
+                (Some(angle), Some(command)) => {
+                    let distance = (command - angle).abs();
+                    // False for a NaN.
+                    let near = distance <= unremarkable;
+                    if !near {
+                        self.lag.note(hinge, distance, lag);
+                        unremarkable = self.lag.unremarkable(lag);
+                    }
                 }
-            } else if surveys {
-                let angle = membership.apply(angle);
-                self.survey
-                    .measure(group, angle, self.now, self.options.fresh);
+                (Some(angle), None) if surveys => {
+                    let angle = membership.apply(angle);
+                    self.survey
+                        .measure(group, angle, self.now, self.options.fresh);
+                }
+                _ => {}
             }
+            hinge = hinge.wrapping_add(1);
         }
     }
 }
