@@ -143,6 +143,7 @@ impl Board {
     /// Moves everything on the stack of a frozen board down, as if calls went deep, to `left` bytes above the guard,
     /// and lets its time go on.
     pub(crate) fn deepen_stack(&mut self, left: u32) {
+        const PART: usize = 1024;
         let mut debugger = self.debugger();
         let old = u32::from_str_radix(&debugger.ask("pd"), 16)
             .unwrap()
@@ -153,7 +154,11 @@ impl Board {
         let new = GUARD_END + left / 8 * 8 + old % 8;
         assert!(new + size <= old);
         let bytes = debugger.ask(&format!("m{old:x},{size:x}"));
-        debugger.tell(&format!("M{new:x},{size:x}:{bytes}"));
+        // The emulator takes orders of at most 4 kB.
+        for (part, digits) in (0..).zip(bytes.as_bytes().chunks(2 * PART)) {
+            let (at, digits) = (new as usize + part * PART, str::from_utf8(digits).unwrap());
+            debugger.tell(&format!("M{at:x},{:x}:{digits}", digits.len() / 2));
+        }
         debugger.tell(&format!("Pd={:08x}", new.swap_bytes()));
         debugger.tell("D");
     }
