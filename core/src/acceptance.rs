@@ -11,7 +11,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::bernstein::differences;
-use crate::curve::Flaw;
+use crate::curve::{Flaw, half_angle};
 use crate::numbers::Numbers;
 use crate::segment_bounds::{self, Pair};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
@@ -169,7 +169,7 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
             Some(Flaw::HalfTurn) => return Err(Refusal::HalfTurn(group)),
             Some(Flaw::Weight) => return Err(Refusal::Weight(group)),
             None if !limits.allow(node.angle) => return Err(Refusal::Range(group)),
-            None => *half = segment_bounds::half_angle(node.angle),
+            None => *half = half_angle(node.angle),
         }
     }
     closes(sheet, &half_angles).map_err(Refusal::Open)?;

@@ -12,7 +12,8 @@
 //! convolution of their coefficients, and ratios of coefficients are as before.
 
 use crate::bernstein::{differences, restrict};
-use crate::{HalfAngle, Scalar, StarView};
+use crate::curve::half_angle;
+use crate::{Scalar, StarView};
 
 /// Number of halvings after which a part of a segment is no longer halved: 32 parts at most.
 const MAX_HALVINGS: u32 = 5;
@@ -100,12 +101,6 @@ pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> boo
             above && *n * high.cos - *c * high.sin <= noise
         })
     })
-}
-
-/// Returns cosine and sine of half a fold angle, radians.
-#[inline(never)]
-pub(crate) fn half_angle<T: Scalar>(angle: T) -> HalfAngle<T> {
-    HalfAngle::of(angle)
 }
 
 /// Returns `true` if the closure residual of a star is everywhere at most `bound`, within [`slack`] and rounding.

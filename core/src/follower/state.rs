@@ -201,7 +201,7 @@ pub struct Options<T> {
     /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
     pub spread: T,
     /// Time for which measured angles tell where the groups stand, microseconds. All hinges have to be measured within
-    /// it.
+    /// half of it.
     pub fresh: u32,
     /// Speed at which the groups approach the beginning of a path, radians per second.
     pub approach: T,

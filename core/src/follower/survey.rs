@@ -3,33 +3,38 @@
 use crate::Scalar;
 use crate::follower::Denial;
 
-/// Smallest and largest measured angle of each group since the survey began, radians.
+/// Smallest and largest measured angle of each group, radians: since the survey began, and in the time before.
 ///
 /// A group stands in the middle of its range, which is the angle whose largest distance from a measured angle is the
-/// smallest. If the range is wider than the measurements may err, the group has no one angle. A survey begins anew when
-/// it is too old, because a sheet without commands may be moved by hand.
+/// smallest. If the range is wider than the measurements may err, the group has no one angle. Old measurements are
+/// forgotten, because a sheet without commands may be moved by hand; the newer half stays, so that a board may take its
+/// time to measure all hinges.
 #[derive(Clone, Debug)]
 pub(super) struct Survey<T, const GROUPS: usize> {
-    ranges: [[T; 2]; GROUPS],
-    /// Time of the first measurement, microseconds; `None` if there is none.
+    ranges: [Ranges<T, GROUPS>; 2],
+    /// Time of the first measurement of the newer ranges, microseconds; `None` if nothing was measured.
     begun: Option<u64>,
 }
+
+type Ranges<T, const GROUPS: usize> = [[T; 2]; GROUPS];
 
 impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     // The range of a group that was not measured is empty.
     pub(super) fn new() -> Self {
         Self {
-            ranges: [[T::MAX, -T::MAX]; GROUPS],
+            ranges: [[[T::MAX, -T::MAX]; GROUPS]; 2],
             begun: None,
         }
     }
 
-    /// Takes the angle of a group that was measured at `now`, radians, and forgets all measurements if the first is older
-    /// than `fresh` microseconds. An angle that is no number makes the range as wide as can be.
+    /// Takes the angle of a group that was measured at `now`, radians. An angle that is no number makes the range as wide
+    /// as can be. For `fresh`, see [`age`](Self::age).
+    #[inline(never)]
     pub(super) fn measure(&mut self, group: usize, angle: T, now: u64, fresh: u32) {
         self.age(now, fresh);
         self.begun.get_or_insert(now);
-        let Some([low, high]) = self.ranges.get_mut(group) else {
+        let [newer, _] = &mut self.ranges;
+        let Some([low, high]) = newer.get_mut(group) else {
             return;
         };
         if angle.is_finite() {
@@ -39,12 +44,28 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         }
     }
 
-    /// Forgets all measurements if the first is older than `fresh` microseconds.
+    /// Forgets measurements that are older than `fresh` microseconds, and none that is younger than half of it.
+    #[inline(never)]
     pub(super) fn age(&mut self, now: u64, fresh: u32) {
-        let old = |begun: u64| now.saturating_sub(begun) > fresh.into();
-        if self.begun.is_some_and(old) {
-            *self = Self::new();
+        let age = self.begun.map_or(0, |begun| now.saturating_sub(begun));
+        let fresh = u64::from(fresh);
+        if age <= fresh / 2 {
+            return;
         }
+        let [newer, older] = &mut self.ranges;
+        for (older, newer) in older.iter_mut().zip(newer) {
+            let empty = [T::MAX, -T::MAX];
+            let range = core::mem::replace(newer, empty);
+            *older = if age <= fresh { range } else { empty };
+        }
+        self.begun = None;
+    }
+
+    /// Returns the range of each group over both times.
+    fn both(&self) -> impl Iterator<Item = [T; 2]> {
+        let [newer, older] = &self.ranges;
+        let pairs = newer.iter().zip(older);
+        pairs.map(|([low, high], [lower, higher])| [low.min(*lower), high.max(*higher)])
     }
 
     /// Returns the angles of the first `groups` groups, each the middle of its range.
@@ -53,15 +74,15 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     /// If a group was not measured, or if its range is wider than `spread`.
     pub(super) fn angles(&self, groups: usize, spread: T) -> Result<[T; GROUPS], Denial> {
         let mut angles = [T::zero(); GROUPS];
-        let places = angles.iter_mut().zip(&self.ranges).take(groups);
+        let places = angles.iter_mut().zip(self.both()).take(groups);
         for (group, (angle, [low, high])) in (0..=u16::MAX).zip(places) {
             if low > high {
                 return Err(Denial::Unknown(group));
             }
-            if *high * T::HALF - *low * T::HALF > spread * T::HALF {
+            if high * T::HALF - low * T::HALF > spread * T::HALF {
                 return Err(Denial::Spread(group));
             }
-            *angle = *low + (*high - *low) * T::HALF;
+            *angle = low + (high - low) * T::HALF;
         }
         Ok(angles)
     }
@@ -71,23 +92,24 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     ///
     /// # Errors
     /// If a group was measured farther than `reach` from what was told.
+    #[inline(never)]
     pub(super) fn near(
         &self,
         mut told: [T; GROUPS],
         groups: usize,
         reach: T,
     ) -> Result<[T; GROUPS], Denial> {
-        let places = told.iter_mut().zip(&self.ranges).take(groups);
+        let places = told.iter_mut().zip(self.both()).take(groups);
         for (group, (angle, [low, high])) in (0..=u16::MAX).zip(places) {
             if low > high {
                 continue;
             }
             // A told angle that is no number is far from every other.
-            let near = *high - *angle <= reach && *angle - *low <= reach;
+            let near = high - *angle <= reach && *angle - low <= reach;
             if !near {
                 return Err(Denial::Jump(group));
             }
-            *angle = *low + (*high - *low) * T::HALF;
+            *angle = low + (high - low) * T::HALF;
         }
         Ok(told)
     }

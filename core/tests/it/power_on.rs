@@ -536,3 +536,28 @@ fn ticks_without_a_measurement_hide_no_stuck_hinge() {
         }
     }
 }
+
+/// A board measures each hinge once in half a second. All of its measurements count at every time, so that a wrong word is
+/// always refused and a start needs no luck.
+#[test]
+fn a_board_may_take_its_time_to_measure() {
+    for wrong in [false, true] {
+        let mut run = Run::<11>::new();
+        run.load(0.5);
+        for tick in 0..3000_u32 {
+            let member = Membership {
+                group: GroupId(tick / 40 % 11),
+                negative: false,
+            };
+            let angle = if wrong { 1.5 } else { 0.5 };
+            run.follower.measure(tick / 40 % 11, member, angle);
+            run.still();
+            if tick > 500 {
+                let mut copy = run.follower.clone();
+                let expected = if wrong { Err(Denial::Jump(0)) } else { Ok(()) };
+                assert_eq!(copy.confirm(), expected, "{tick}");
+                assert_eq!(copy.start(), expected, "{tick}");
+            }
+        }
+    }
+}

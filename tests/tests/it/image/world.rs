@@ -91,6 +91,8 @@ pub(crate) struct World<'a> {
     pub(crate) sights: u64,
     /// Number of frames of the board that are no message.
     pub(crate) garbled: u64,
+    /// `true` until the next frame begins, after a reset that may have cut off the one before.
+    cut: bool,
     /// Longest silence of the board, microseconds of its own time.
     pub(crate) hole: u64,
     /// `true` while nobody reads what the board says.
@@ -117,6 +119,7 @@ impl<'a> World<'a> {
             sight: None,
             sights: 0,
             garbled: 0,
+            cut: false,
             hole: 0,
             deaf: false,
             fold,
@@ -196,6 +199,10 @@ impl<'a> World<'a> {
 
     fn hear(&mut self, piece: &[u8]) {
         for byte in piece {
+            if self.cut {
+                self.cut = *byte != 0;
+                continue;
+            }
             let Some(frame) = self.ear.push(*byte) else {
                 continue;
             };
@@ -335,7 +342,8 @@ impl<'a> World<'a> {
     /// Forgets everything from before a reset: the frame that was cut off, and the clock, which has begun anew.
     pub(crate) fn forget(&mut self) {
         self.incoming.clear();
-        self.garbled = 0;
+        // What comes next may be the rest of a frame of which the beginning was forgotten.
+        (self.garbled, self.cut) = (0, true);
         self.ear.push(0);
         (self.report, self.sight) = (None, None);
     }
