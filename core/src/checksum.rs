@@ -3,9 +3,13 @@
 /// Polynomial of the checksum, with its bits reversed.
 const POLYNOMIAL: u32 = 0xedb8_8320;
 
-/// What each value of a byte adds to the checksum.
+/// The checksum that each value of a byte leaves behind it.
 static TABLE: [u32; 256] = table();
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, with a place for each byte"
+)]
 const fn table() -> [u32; 256] {
     let mut rest = [0; 256];
     let mut byte = 0;

@@ -1,8 +1,10 @@
 //! Tests of core through its public interface, with one module for each subject.
 
+mod alike;
 mod closure;
 mod conjugate_gradients;
 mod follower;
+mod holds;
 mod hole;
 mod motions;
 mod nonsense;

@@ -85,7 +85,7 @@ fn sheets_are_told_apart_by_their_counts() {
     assert_eq!(talk.knot(&path, 0, |_, _| {}), None);
     assert!(!talk.device.follower().is_known());
     assert_eq!(talk.report.unwrap().path, 0);
-    // The same sheet again is the same.
+    // The sheet of before is recognised.
     let mut talk = folded(&path);
     talk.sheet(&path);
     assert_eq!(talk.knot(&path, 0, |_, _| {}), None);

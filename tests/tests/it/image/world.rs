@@ -342,7 +342,7 @@ impl<'a> World<'a> {
     /// Forgets everything from before a reset: the frame that was cut off, and the clock, which has begun anew.
     pub(crate) fn forget(&mut self) {
         self.incoming.clear();
-        // What comes next may be the rest of a frame of which the beginning was forgotten.
+        // The next bytes may be the rest of a frame whose beginning was forgotten.
         (self.garbled, self.cut) = (0, true);
         self.ear.push(0);
         (self.report, self.sight) = (None, None);
