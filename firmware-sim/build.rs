@@ -12,6 +12,7 @@ fn main() {
     fs::copy("memory.x", out.join("memory.x")).expect("OUT_DIR is writable");
     // The names of a device's interrupts, of which the boards here have none.
     fs::write(out.join("device.x"), "").expect("OUT_DIR is writable");
-    println!("cargo::rustc-link-search={}", out.display());
+    // For the images of this package alone: a search path would reach the images of other packages that use the library.
+    println!("cargo::rustc-link-arg-bins=-L{}", out.display());
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
 }

@@ -35,7 +35,7 @@ struct Machine {
 }
 
 impl Machine {
-    /// Checks the path and starts to move. The sheet has to stand at the first knot.
+    /// Checks the path and starts to move. The sheet has to stand at the first knot: nothing measures it here.
     fn start() -> Result<Self, &'static str> {
         let trajectory = TrajectoryView::new(
             path::INTERPOLATION,
@@ -61,7 +61,8 @@ impl Machine {
         let loaded = machine.follower.load(&machine.sheet, begin);
         loaded.map_err(|_| "the sheet has too many groups")?;
         machine.feed();
-        let started = machine.follower.start();
+        let confirmed = machine.follower.confirm();
+        let started = confirmed.and_then(|()| machine.follower.start());
         started.map_err(|_| "the first knot was refused, or the sheet stands elsewhere")?;
         Ok(machine)
     }

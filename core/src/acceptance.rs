@@ -1,15 +1,19 @@
 //! Checks of a setpoint before a controller follows it: is it valid, within limits, and closed?
 //!
-//! A setpoint and the segment that leads to it are checked once, when they arrive, so that a tick has nothing left to
-//! check. Angles, rates and accelerations are checked at nine places of the segment. For cubics of the angle they are
-//! also checked where they are largest, which makes the check exact. Closure is checked at the setpoint and at the
-//! segment's middle.
+//! A setpoint and the segment that leads to it are checked once, when they arrive. Angles, rates and accelerations are
+//! checked at nine places of the segment. For cubics of the angle they are also checked where they are largest, which
+//! makes the check exact. For half angles, angles and rates are also bounded between these places. Closure is checked
+//! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
+
+use core::ops::Range;
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::bernstein::differences;
-use crate::curve::Flaw;
+use crate::curve::{Flaw, half_angle};
+use crate::numbers::Numbers;
+use crate::segment_bounds::{self, Pair};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
@@ -46,7 +50,7 @@ pub struct Setpoint<T, const GROUPS: usize> {
 }
 
 /// Reason why a setpoint is not followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Refusal {
     /// Nothing is being followed: there is no sheet, or the motion is done or has failed.
     State,
@@ -72,8 +76,36 @@ pub enum Refusal {
     Acceleration(u16),
     /// This essential vertex does not close at the setpoint.
     Open(u16),
-    /// This essential vertex does not close in the middle of the segment.
+    /// This essential vertex does not close in the middle of the segment, or, with homogeneous half angles, anywhere on
+    /// it.
     OpenBetween(u16),
+}
+
+impl Refusal {
+    /// Returns what is encoded.
+    pub(crate) fn numbers(self) -> Numbers {
+        match self {
+            Self::State => Numbers::variant(0),
+            Self::Full => Numbers::variant(1),
+            Self::Sequence(next) => Numbers::of(2, next),
+            Self::Groups => Numbers::variant(3),
+            Self::NotFinite(group) => Numbers::of(4, group),
+            Self::HalfTurn(group) => Numbers::of(5, group),
+            Self::Weight(group) => Numbers::of(6, group),
+            Self::Order => Numbers::variant(7),
+            Self::Range(group) => Numbers::of(8, group),
+            Self::Speed(group) => Numbers::of(9, group),
+            Self::Acceleration(group) => Numbers::of(10, group),
+            Self::Open(star) => Numbers::of(11, star),
+            Self::OpenBetween(star) => Numbers::of(12, star),
+        }
+    }
+}
+
+impl Serialize for Refusal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }
 
 impl core::fmt::Display for Refusal {
@@ -100,12 +132,23 @@ impl core::error::Error for Refusal {}
 
 /// Checks `next` as the setpoint behind `before`, if there is one. Does not check the setpoint's number.
 ///
-/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice.
+/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice. Half angles
+/// cost more: a few hundred multiplications for each group and, if they are homogeneous, some thousands for each star.
 ///
 /// # Errors
 /// The first defect, in this order: of its numbers and their order in time, of the limits, of closure at the setpoint,
 /// of the segment.
 pub fn check<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: Option<&Setpoint<T, GROUPS>>,
+    next: &Setpoint<T, GROUPS>,
+) -> Result<(), Refusal> {
+    check_places(sheet, before, next)?;
+    check_bounds(sheet, before, next, 0..u16::MAX).map(|_| ())
+}
+
+/// Checks all of [`check`] but the bounds on the closure of homogeneous half angles.
+pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
     next: &Setpoint<T, GROUPS>,
@@ -126,7 +169,7 @@ pub fn check<T: Scalar, const GROUPS: usize>(
             Some(Flaw::HalfTurn) => return Err(Refusal::HalfTurn(group)),
             Some(Flaw::Weight) => return Err(Refusal::Weight(group)),
             None if !limits.allow(node.angle) => return Err(Refusal::Range(group)),
-            None => *half = HalfAngle::of(node.angle),
+            None => *half = half_angle(node.angle),
         }
     }
     closes(sheet, &half_angles).map_err(Refusal::Open)?;
@@ -151,6 +194,39 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
 }
 
+/// Checks that the essential vertices of these numbers stay closed on a segment of homogeneous half angles. Returns
+/// `true` if no vertex is left behind them, or if the segment needs no bounds.
+pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: Option<&Setpoint<T, GROUPS>>,
+    next: &Setpoint<T, GROUPS>,
+    some: Range<u16>,
+) -> Result<bool, Refusal> {
+    let Some(before) = before.filter(|_| sheet.interpolation == Interpolation::Homogeneous) else {
+        return Ok(true);
+    };
+    let span = next.time - before.time;
+    let pair = |group: usize| {
+        let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
+        pair(&Curve::between(sheet.interpolation, span, *from, *to))
+    };
+    let mut stars = groups(sheet.stars.iter()).skip(some.start.into());
+    for (number, star) in stars.by_ref().take(some.len()) {
+        if !segment_bounds::stays_closed(star, pair, sheet.closure) {
+            return Err(Refusal::OpenBetween(number));
+        }
+    }
+    Ok(stars.next().is_none())
+}
+
+/// Returns the cubics of a curve of half angles.
+fn pair<T: Scalar>(curve: &Curve<T>) -> Option<Pair<T>> {
+    match *curve {
+        Curve::Angle(_) => None,
+        Curve::HalfAngle { cos, sin } => Some(Pair { cos, sin }),
+    }
+}
+
 /// Pairs each item with the number of its group (or star).
 fn groups<I: Iterator>(items: I) -> impl Iterator<Item = (u16, I::Item)> {
     (0..=u16::MAX).zip(items)
@@ -165,6 +241,7 @@ fn pairs<'a, T: Scalar, const GROUPS: usize>(
 }
 
 /// Returns the first star that does not close as an error.
+#[inline(never)]
 fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
     let closes = |star| closure::closes(star, half_angles, sheet.closure);
     let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
@@ -194,11 +271,23 @@ fn keeps<T: Scalar>(
     };
     let step = T::one() / T::whole(INTERVALS);
     let places = (0..=INTERVALS).map(|k| T::whole(k) * step);
-    places.chain(extremes(curve)).try_for_each(keeps)
+    places.chain(extremes(curve)).try_for_each(keeps)?;
+    let Some(pair) = pair(curve) else {
+        return Ok(());
+    };
+    if !segment_bounds::stays_within(&pair, limits.lower, limits.upper) {
+        return Err(Refusal::Range(group));
+    }
+    let speed = limits.speed * span;
+    if speed.is_finite() && !segment_bounds::turns_slowly(&pair, speed, noise) {
+        return Err(Refusal::Speed(group));
+    }
+    Ok(())
 }
 
 /// Returns the parameters within a segment at which a cubic of the angle turns back (two) and at which its rate is
 /// largest; 0 stands for none.
+#[inline(never)]
 fn extremes<T: Scalar>(curve: &Curve<T>) -> [T; 3] {
     let Curve::Angle(angle) = curve else {
         return [T::zero(); 3];

@@ -1,13 +1,51 @@
 //! The checksum of files and frames, CRC-32 ISO-HDLC: was a byte changed on the way?
 
-use crc::{CRC_32_ISO_HDLC, Crc};
+/// Polynomial of the checksum, with its bits reversed.
+const POLYNOMIAL: u32 = 0xedb8_8320;
 
-pub(crate) static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// The checksum that each value of a byte leaves behind it.
+static TABLE: [u32; 256] = table();
 
-/// Returns the CRC-32 ISO-HDLC of some bytes. Cost: proportional to their number.
-// Not inlined, so that an image has it once: its loop runs over as many bytes as a file has.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, with a place for each byte"
+)]
+const fn table() -> [u32; 256] {
+    let mut rest = [0; 256];
+    let mut byte = 0;
+    while byte < 256_u32 {
+        let (mut value, mut bit) = (byte, 0);
+        while bit < 8 {
+            let odd = value & 1 == 1;
+            value >>= 1;
+            if odd {
+                value ^= POLYNOMIAL;
+            }
+            bit += 1;
+        }
+        rest[byte as usize] = value;
+        byte += 1;
+    }
+    rest
+}
+
+/// Returns the CRC-32 ISO-HDLC of some bytes and more bytes behind them, given the CRC-32 `before` of the bytes before
+/// them; 0 stands for no bytes before. Cost: proportional to the number of bytes.
+// Not inlined, so that an image has it once.
 #[inline(never)]
 #[must_use]
+pub fn checksum_on(before: u32, bytes: &[u8]) -> u32 {
+    let mut sum = !before;
+    for byte in bytes {
+        let [low, ..] = (sum ^ u32::from(*byte)).to_le_bytes();
+        // Every byte has its place in the table.
+        sum = sum >> 8 ^ TABLE.get(usize::from(low)).copied().unwrap_or(0);
+    }
+    !sum
+}
+
+/// Returns the CRC-32 ISO-HDLC of some bytes. Cost: proportional to their number.
+#[must_use]
 pub fn checksum(bytes: &[u8]) -> u32 {
-    CHECKSUM.checksum(bytes)
+    checksum_on(0, bytes)
 }

@@ -174,16 +174,25 @@ impl<T: Scalar> Curve<T> {
     }
 }
 
+/// Returns cosine and sine of half a fold angle, radians.
+// Not inlined, so that an image has sine and cosine fewer times.
+#[inline(never)]
+pub(crate) fn half_angle<T: Scalar>(angle: T) -> HalfAngle<T> {
+    HalfAngle::of(angle)
+}
+
 /// Returns the tangent of half an angle and the rate of that tangent.
+#[inline(never)]
 fn tangent<T: Scalar>(angle: T, rate: T) -> [T; 2] {
-    let HalfAngle { cos, sin } = HalfAngle::of(angle);
+    let HalfAngle { cos, sin } = half_angle(angle);
     let tangent = sin / cos;
     [tangent, rate * T::HALF * (T::one() + tangent * tangent)]
 }
 
 /// Returns value and rate of c, then of n, of a homogeneous half angle.
+#[inline(never)]
 fn homogeneous<T: Scalar>(node: Node<T>) -> [[T; 2]; 2] {
-    let HalfAngle { cos, sin } = HalfAngle::of(node.angle);
+    let HalfAngle { cos, sin } = half_angle(node.angle);
     let ([weight, grow], turn) = (node.weight, node.rate * T::HALF);
     [
         [weight * cos, grow * cos - weight * turn * sin],

@@ -96,6 +96,7 @@
 //!   sparse quadratic programming", in: Reliable numerical computation.
 //! - **Farin2002**: G. Farin, "Curves and surfaces for CAGD", 5th edition, Morgan Kaufmann.
 //! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
+//! - **RFC6298**: V. Paxson et al., "Computing TCP's retransmission timer", 2011.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
@@ -118,19 +119,21 @@ mod ldl;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 mod limits;
+mod numbers;
 mod objective;
 pub mod path_clock;
 pub mod project;
 mod rotation;
 pub mod sampling;
 mod scalar;
+mod segment_bounds;
 mod sine;
 mod star;
 pub mod trajectory;
 pub mod trajectory_file;
 pub mod wire;
 
-pub use checksum::checksum;
+pub use checksum::{checksum, checksum_on};
 pub use curve::{Curve, Interpolation, Node};
 pub use dense::DenseNormalEquations;
 pub use dual::DualNormalEquations;

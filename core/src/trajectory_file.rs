@@ -19,11 +19,10 @@
 
 use core::fmt;
 
-use crate::checksum::CHECKSUM;
+use crate::checksum::{checksum, checksum_on};
 use crate::curve::{Curve, Flaw, Interpolation, Node};
 use crate::trajectory::{Parts, Trajectory, TrajectoryError, TrajectoryView};
 use crate::{GroupLimits, Membership, Spoke, StarsView};
-use crc::Digest;
 
 /// First bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
@@ -127,10 +126,7 @@ pub fn write(
     if !is_residual(closure) {
         return Err(FileError::Closure);
     }
-    let mut out = Writer {
-        sink,
-        digest: CHECKSUM.digest(),
-    };
+    let mut out = Writer { sink, sum: 0 };
     out.bytes(&MAGIC);
     out.bytes(&[VERSION]);
     out.count(trajectory.interpolation() as usize);
@@ -161,7 +157,7 @@ pub fn write(
             }
         }
     }
-    let checksum = out.digest.finalize().to_le_bytes();
+    let checksum = out.sum.to_le_bytes();
     (out.sink)(&checksum);
     Ok(())
 }
@@ -201,12 +197,13 @@ fn check_to_write(
 /// Writes values in postcard's encoding and computes their checksum.
 struct Writer<S> {
     sink: S,
-    digest: Digest<'static, u32>,
+    /// Checksum of all bytes so far.
+    sum: u32,
 }
 
 impl<S: FnMut(&[u8])> Writer<S> {
     fn bytes(&mut self, bytes: &[u8]) {
-        self.digest.update(bytes);
+        self.sum = checksum_on(self.sum, bytes);
         (self.sink)(bytes);
     }
 
@@ -296,11 +293,11 @@ impl<'a> TrajectoryFile<'a> {
         };
         file.records = cursor.floats(knots, file.record())?;
         let body = bytes.get(..cursor.at).unwrap_or(&[]);
-        let checksum = u32::from_le_bytes(cursor.array()?);
+        let sum = u32::from_le_bytes(cursor.array()?);
         if cursor.at < bytes.len() {
             return Err(FileError::Trailing(cursor.at));
         }
-        if CHECKSUM.checksum(body) != checksum {
+        if checksum(body) != sum {
             return Err(FileError::Checksum);
         }
         file.check()?;

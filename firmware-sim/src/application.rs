@@ -5,13 +5,9 @@
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
-use foldpath_core::follower::Reason;
 
-use crate::controller::{Controller, Settings};
-use crate::kept::Kept;
-
-/// Bytes of a record that the board keeps over a reset.
-pub const RECORD: usize = 64;
+use crate::controller::{Condition, Controller, Settings};
+use crate::retained::{self, Bytes, HEAD, Record};
 
 /// Microseconds between two ticks.
 pub const TICK: u64 = 1000;
@@ -24,13 +20,21 @@ pub trait Board {
     fn now(&mut self) -> u64;
     /// Returns `true` if the stop line is drawn, or was drawn since the last call.
     fn stop(&mut self) -> bool;
-    /// Commands a hinge of this group and sign its angle, radians. Returns the measured angle, radians, if there is
-    /// one.
-    fn drive(&mut self, hinge: u32, membership: Membership, angle: f32) -> Option<f32>;
-    /// Writes one of two records that a reset leaves as they are.
-    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]);
-    /// Reads one of the two records, whatever its memory held at the start.
-    fn kept(&mut self, record: usize) -> [u8; RECORD];
+    /// Holds the power of the drives, or lets them rest. Called once a tick before the hinges are driven, in every
+    /// state: before the first sheet, after a reset and in a fault as well.
+    fn power(&mut self, condition: &Condition);
+    /// Commands a hinge of this group and sign its angle, radians; `None` while it is not known where the hinge stands,
+    /// so that it must not move. Returns the measured angle, radians, if there is one.
+    fn drive(&mut self, hinge: u32, membership: Membership, angle: Option<f32>) -> Option<f32>;
+    /// Returns `true` if the drives have held the hinges from the last tick before a reset until now, so that they stand
+    /// where the record says. Called once at the start. Drives that lose their power or their pulses in a reset have not.
+    fn held(&mut self) -> bool;
+    /// Bytes of each of the two records that a reset leaves as they are. [`retained::size`] are needed.
+    const RECORD: usize;
+    /// Writes bytes from byte `at` on into record 0 or 1.
+    fn keep(&mut self, record: usize, at: usize, bytes: &[u8]);
+    /// Reads bytes from byte `at` on of record 0 or 1, whatever its memory held at the start.
+    fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]);
     /// Keeps the watchdog from resetting the board for a while longer.
     fn feed(&mut self);
 }
@@ -62,19 +66,26 @@ where
     L: Read + ReadReady + Write + WriteReady,
 {
     /// Creates a controller that stands where it was before a reset, if that was kept. If the stop line held the
-    /// motion, it still does.
+    /// motion or the motion had failed, that is still so. Does not compile if the board's records are too small.
     // Inlined, as are the constructors that it calls: otherwise the controller is built on the stack and moved from
     // there.
     #[inline(always)]
     #[must_use]
     pub fn new(mut board: B, line: L, settings: Settings) -> Self {
-        let kept = latest(&mut board);
+        const {
+            assert!(
+                B::RECORD >= retained::size(GROUPS),
+                "a record has no room for the angles of all groups"
+            );
+        }
+        let kept = latest::<GROUPS>(&mut board);
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
-        let boot = settings.boot.wrapping_add(starts << 16);
+        // A warm reset may leave the board's own number as it was.
+        let nonce = settings.nonce.wrapping_add(u64::from(starts) << 32);
         Self {
             board,
             line,
-            device: Controller::new(Settings { boot, ..settings }),
+            device: Controller::new(Settings { nonce, ..settings }),
             starts,
             records: kept.map_or(0, |kept| kept.count),
             due: 0,
@@ -97,28 +108,29 @@ where
         self.send();
     }
 
+    /// Returns `true` if [`step`](Self::step) has work left, so that the board should call it again without waiting for an
+    /// interrupt.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.device.is_busy()
+    }
+
     /// Restores the angles and the place that the records hold. Not done in `new`, which would then build the
     /// controller on the stack and move it.
     #[inline(never)]
     fn restore(&mut self) {
-        let Some(kept) = latest(&mut self.board) else {
-            return;
-        };
-        let follower = self.device.follower_mut();
-        if !kept.angles().is_empty() {
-            let _ = follower.stand(kept.angles(), kept.place);
-        }
-        if kept.stopped {
-            follower.hold(Reason::StopLine);
+        if let Some(kept) = latest(&mut self.board) {
+            let held = self.board.held();
+            self.device.restore(&kept, held);
         }
     }
 
     /// Reads the stop line. A stop is kept in a record before the host is told, because a reset may come in between.
     fn watch(&mut self) {
         let drawn = self.board.stop();
-        let before = self.device.follower().reason();
+        let before = self.device.follower().is_stopped();
         self.device.stop(drawn);
-        if self.device.follower().reason() != before {
+        if self.device.follower().is_stopped() != before {
             self.keep();
         }
     }
@@ -129,6 +141,7 @@ where
     #[inline(never)]
     fn tick(&mut self, now: u64) {
         self.device.tick(now);
+        self.board.power(&self.device.condition());
         self.device
             .drive(|hinge, membership, angle| self.board.drive(hinge, membership, angle));
         self.keep();
@@ -138,20 +151,23 @@ where
     /// Keeps the commanded angles in the older of the two records.
     #[inline(never)]
     fn keep(&mut self) {
-        let follower = self.device.follower();
         self.records = self.records.wrapping_add(1);
-        let Some(mut kept) = Kept::new(self.starts, self.records, follower.angles()) else {
-            return;
-        };
-        kept.stopped = follower.reason() == Reason::StopLine;
-        kept.place = follower.position();
+        let kept = self.device.record(self.starts, self.records);
+        let mut bytes: Bytes<GROUPS> = ([0; HEAD], [[0; 4]; GROUPS]);
+        let groups = kept.seal(&mut bytes);
         let record = usize::from(self.records % 2 == 1);
-        self.board.keep(record, &kept.seal());
+        let (head, angles) = bytes;
+        self.board.keep(record, 0, &head);
+        let angles = angles.get(..groups).unwrap_or(&[]);
+        self.board.keep(record, HEAD, angles.as_flattened());
     }
 
     fn receive(&mut self, now: u64) {
         for _ in 0..BURST {
             let mut byte = [0];
+            if self.device.is_busy() {
+                return;
+            }
             let ready = matches!(self.line.read_ready(), Ok(true));
             if !ready || !matches!(self.line.read(&mut byte), Ok(1)) {
                 return;
@@ -173,6 +189,13 @@ where
 
 /// Returns the newest record.
 #[inline(never)]
-fn latest(board: &mut impl Board) -> Option<Kept> {
-    Kept::latest(&[board.kept(0), board.kept(1)])
+fn latest<const GROUPS: usize>(board: &mut impl Board) -> Option<Record<GROUPS>> {
+    let mut bytes: Bytes<GROUPS> = ([0; HEAD], [[0; 4]; GROUPS]);
+    let [a, b] = [0, 1].map(|record| {
+        let (head, angles) = &mut bytes;
+        board.kept(record, 0, head);
+        board.kept(record, HEAD, angles.as_flattened_mut());
+        Record::open(&bytes)
+    });
+    Record::latest(a, b)
 }

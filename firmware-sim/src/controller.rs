@@ -1,20 +1,20 @@
 //! The controller without its board: bytes of the line and ticks of the clock go in, angles and bytes come out.
 //!
-//! On a board [`Application`](crate::application::Application) hands over received bytes ([`Controller::byte`]), calls
-//! [`Controller::tick`] at a steady pace, drives the hinges, calls [`Controller::poll`] and [takes](Controller::take)
-//! bytes for the line. Times are microseconds on the controller's clock.
+//! On a board [`Application`](crate::application::Application) [restores](Controller::restore) what a reset has left,
+//! hands over received bytes ([`Controller::byte`]), calls [`Controller::tick`] at a steady pace, powers and
+//! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
+//! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
-use foldpath_core::acceptance::{Refusal, Setpoint};
-use foldpath_core::follower::{Denial, Follower, Options, Reason, State};
+use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
-use foldpath_core::wire::message::{Command, Item, ItemRefusal, SetpointBytes, ToHost};
-use foldpath_core::wire::path;
-use foldpath_core::wire::receiver::{Event, Receiver, Status};
+use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
+use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::transmit::Ring;
-use foldpath_core::{Interpolation, Membership};
-use heapless::Vec;
+use foldpath_core::{GroupLimits, Membership};
 
+use crate::loader::Loader;
+use crate::retained::Record;
 use crate::sheet::Sheet;
 
 /// Length of the longest frame, bytes.
@@ -22,10 +22,12 @@ pub const FRAME: usize = 256;
 /// Largest number of bytes that wait for the line.
 pub const WAITING: usize = 512;
 /// Bytes of the ring that telemetry leaves free for answers: four reports.
-const RESERVE: usize = 4 * cobs::longest(56);
+const RESERVE: usize = 4 * cobs::longest(64);
+/// Largest number of groups in a message of telemetry.
+const TOLD: usize = 48;
 
 /// Options of a [`Controller`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Options of the follower.
     pub follower: Options<f32>,
@@ -33,19 +35,49 @@ pub struct Settings {
     pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
-    /// Number that tells the sessions of this run from those of other runs: a count of resets or a random number.
-    pub boot: u32,
+    /// Number that tells this run from all other runs of the controller: a random number of the hardware, or a count in
+    /// memory that keeps it without power. With a number that comes again, bytes that somebody recorded move the sheet.
+    pub nonce: u64,
+    /// Returns the limits of a hinge, with the sign of the hinge itself. No message widens them.
+    pub limits: fn(hinge: u32) -> GroupLimits,
+    /// `true` to refuse sheets without essential vertices. Only a sheet without inner vertices has none.
+    pub closed: bool,
+    /// Number of the controller on its line; 0 if it is the only one.
+    pub node: u8,
 }
 
-impl Default for Settings {
-    fn default() -> Self {
+impl Settings {
+    /// Returns the usual options of a board with this nonce and these limits.
+    #[must_use]
+    pub fn new(nonce: u64, limits: fn(hinge: u32) -> GroupLimits) -> Self {
         Self {
             follower: Options::default(),
             closure: 1e-3,
             telemetry: 20_000,
-            boot: 0,
+            nonce,
+            limits,
+            closed: true,
+            node: 0,
         }
     }
+}
+
+/// State of a controller for whatever powers its drives: to hold them, or to let them rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Condition {
+    /// State of the follower.
+    pub state: State,
+    /// Reason why the follower does not run at full speed.
+    pub reason: Reason,
+    /// `true` if the stop line holds the motion.
+    pub stopped: bool,
+    /// Failure of the motion, if it has failed.
+    pub fault: Option<Fault>,
+    /// `true` if it is known where the sheet stands.
+    pub known: bool,
+    /// Number of hinges that [`Controller::drive`] commands now. 0 before the first sheet, after a reset until a host has
+    /// sent the sheet again, and while it is not known where the sheet stands.
+    pub commanded: usize,
 }
 
 /// A controller for at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices, with a queue of
@@ -58,18 +90,16 @@ pub struct Controller<
     const KNOTS: usize,
 > {
     settings: Settings,
-    sheet: Sheet<GROUPS, HINGES, SPOKES>,
-    follower: Follower<f32, GROUPS, KNOTS>,
+    loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
     receiver: Receiver,
     deframer: Deframer<FRAME>,
     ring: Ring<WAITING>,
-    /// `true` if the path is that of the open session.
-    loaded: bool,
     /// `true` if the stop line was drawn since a command was last answered.
     drawn: bool,
-    /// State, reason and room that the host was last told.
-    told: Option<(State, Reason, usize)>,
+    /// State, reason and room that the host was last told, and whether the stop line holds.
+    told: Option<(State, Reason, usize, bool)>,
     telemetry: u64,
+    snapshot: Snapshot<GROUPS>,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
@@ -80,45 +110,105 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     #[inline(always)]
     #[must_use]
     pub fn new(settings: Settings) -> Self {
+        let count = |room: usize| u16::try_from(room).unwrap_or(u16::MAX);
+        let identity = Identity {
+            node: settings.node,
+            nonce: settings.nonce,
+            capacity: Capacity {
+                groups: count(GROUPS),
+                hinges: count(HINGES),
+                spokes: count(SPOKES),
+                knots: count(KNOTS),
+            },
+        };
         Self {
             settings,
-            sheet: Sheet::default(),
-            follower: Follower::new(settings.follower),
-            receiver: Receiver::new(settings.boot),
+            loader: Loader::new(Follower::new(settings.follower)),
+            receiver: Receiver::new(identity),
             deframer: Deframer::default(),
             ring: Ring::default(),
-            loaded: false,
             drawn: false,
             told: None,
             telemetry: 0,
+            snapshot: Snapshot::none(),
+        }
+    }
+
+    /// Restores what a record holds: the place on the path, the stop line, a fault, and the angles that were commanded
+    /// last, if the drives have `held` the hinges since then. Otherwise the hinges may have moved, and it is not known
+    /// where they stand.
+    pub fn restore(&mut self, record: &Record<GROUPS>, held: bool) {
+        let angles = if held { record.angles() } else { &[] };
+        let follower = &mut self.loader.follower;
+        let _ = follower.stand(angles, record.place, record.astray);
+        (self.loader.path, self.loader.on) = (record.path, record.sheet);
+        if record.stopped {
+            self.loader.follower.hold(Reason::StopLine);
+        }
+        if let Some(fault) = record.fault {
+            self.loader.follower.fail(fault);
+        }
+    }
+
+    /// Returns what is to be kept over a reset, as record number `count` after this number of `starts`.
+    #[must_use]
+    pub fn record(&self, starts: u32, count: u32) -> Record<GROUPS> {
+        let mut record = Record::default();
+        (record.starts, record.count) = (starts, count);
+        record.stopped = self.loader.follower.is_stopped();
+        record.fault = self.loader.follower.fault();
+        record.astray = self.loader.follower.is_astray();
+        record.place = self.loader.follower.position();
+        (record.path, record.sheet) = (self.loader.path, self.loader.on);
+        record.stand(self.loader.follower.angles());
+        record
+    }
+
+    /// Returns the state of the controller for whatever powers its drives; to be called once a tick.
+    #[must_use]
+    pub fn condition(&self) -> Condition {
+        let known = self.loader.follower.is_known();
+        Condition {
+            state: self.loader.follower.state(),
+            reason: self.loader.follower.reason(),
+            stopped: self.loader.follower.is_stopped(),
+            fault: self.loader.follower.fault(),
+            known,
+            commanded: if known {
+                self.loader.sheet.hinges().count()
+            } else {
+                0
+            },
         }
     }
 
     /// Returns the follower, which has the commanded angles.
     #[must_use]
     pub fn follower(&self) -> &Follower<f32, GROUPS, KNOTS> {
-        &self.follower
+        &self.loader.follower
     }
 
     /// Returns the follower, to tell it where the hinges are.
     pub fn follower_mut(&mut self) -> &mut Follower<f32, GROUPS, KNOTS> {
-        &mut self.follower
+        &mut self.loader.follower
     }
 
     /// Returns the sheet, which has group and sign of each hinge.
     #[must_use]
     pub fn sheet(&self) -> &Sheet<GROUPS, HINGES, SPOKES> {
-        &self.sheet
+        &self.loader.sheet
     }
 
-    /// Takes a byte that came at `now`, microseconds.
+    /// Takes a byte that came at `now`, microseconds. A setpoint that is being checked is checked to its end before, which
+    /// may take long: hand over bytes while the controller is not [busy](Self::is_busy).
     // Not inlined, nor are `poll` and the function `take`: one function that does everything is a third longer.
     #[inline(never)]
     pub fn byte(&mut self, byte: u8, now: u64) {
-        let room = self.room();
+        while self.is_busy() {
+            self.work();
+        }
         let Self {
-            sheet,
-            follower,
+            loader,
             receiver,
             deframer,
             ..
@@ -126,35 +216,19 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         let Some(frame) = deframer.push(byte) else {
             return;
         };
-        let event = receiver.receive(frame, room);
+        let event = receiver.receive(frame, loader.room());
         if receiver.opened() {
-            self.loaded = false;
-            if follower.is_under_way() {
-                follower.hold(Reason::Session);
-            }
+            loader.enter();
+            // A host that comes later learns of the stop line from its first report.
+            self.drawn = false;
         }
         let Some(event) = event else {
             return;
         };
-        follower.heard(now);
+        loader.follower.heard(now);
         match event {
             Event::Alive => {}
-            Event::Item(item) => {
-                // A sheet that an earlier session has left is no base for items of this session.
-                let founded = self.loaded || matches!(item, Item::Sheet(_));
-                let taken = if founded {
-                    take(item, sheet, follower, self.settings.closure)
-                } else {
-                    Err(ItemRefusal::Incomplete)
-                };
-                match taken {
-                    Ok(()) => {
-                        self.loaded = true;
-                        receiver.took();
-                    }
-                    Err(refusal) => receiver.refuse(refusal),
-                }
-            }
+            Event::Item(item) => settle(receiver, loader.take(item, &self.settings)),
             Event::Command(command) => {
                 // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
                 // `Resume` counts.
@@ -162,57 +236,75 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 let answer = if unaware {
                     Err(Denial::Held)
                 } else {
-                    obey(command, follower, self.loaded)
+                    loader.obey(command)
                 };
                 receiver.answer(answer);
-                let leaves = matches!(command, Command::Unload | Command::Clear);
-                if leaves && answer.is_ok() {
-                    sheet.clear();
-                }
             }
+        }
+    }
+
+    /// Returns `true` while a setpoint is checked that takes more than one round; each [`poll`](Self::poll) goes on with
+    /// it.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.loader.checks
+    }
+
+    /// Goes on to check a setpoint, if one is checked.
+    fn work(&mut self) {
+        if self.is_busy() {
+            let checked = self.loader.check_on();
+            settle(&mut self.receiver, checked);
         }
     }
 
     /// Sets the level of the stop line.
     pub fn stop(&mut self, drawn: bool) {
         self.drawn |= drawn;
-        self.follower.stop(drawn);
+        self.loader.follower.stop(drawn);
     }
 
     /// Moves the follower on to `now`, microseconds.
     pub fn tick(&mut self, now: u64) {
-        self.follower.tick(now);
+        self.loader.follower.tick(now);
     }
 
-    /// Calls `drive` for each hinge with its number, its group and sign, and its commanded angle (radians). `drive`
-    /// returns the measured angle, radians, if there is one. Cost: a multiplication and a comparison for each hinge.
-    pub fn drive(&mut self, mut drive: impl FnMut(u32, Membership, f32) -> Option<f32>) {
-        for (hinge, membership) in (0..).zip(self.sheet.hinges()) {
-            let Some(angle) = self.follower.hinge(membership) else {
-                continue;
-            };
-            if let Some(measured) = drive(hinge, membership, angle) {
-                self.follower.measure(hinge, membership, measured);
-            }
-        }
+    /// Calls `drive` for each hinge with its number, its group and sign, and its commanded angle (radians), or `None`
+    /// while it is not known where the sheet stands. `drive` returns the measured angle, radians, if there is one. Cost:
+    /// a multiplication and a comparison for each hinge.
+    pub fn drive(&mut self, drive: impl FnMut(u32, Membership, Option<f32>) -> Option<f32>) {
+        let Loader {
+            sheet, follower, ..
+        } = &mut self.loader;
+        follower.drive(sheet.hinges(), drive);
     }
 
-    /// Puts all answers due at `now`, microseconds, on the line, as far as there is room.
+    /// Puts all answers due at `now`, microseconds, on the line, as far as there is room. If a setpoint is being checked,
+    /// it bounds the closure of one more essential vertex before, so that no setpoint delays a tick.
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
-        let (state, reason) = (self.follower.state(), self.follower.reason());
-        let room = self.follower.room();
-        let news = self.told.is_none_or(|(old_state, old_reason, old_room)| {
-            (state, reason) != (old_state, old_reason) || room >= old_room + KNOTS.div_ceil(4)
-        });
+        self.work();
+        let follower = &self.loader.follower;
+        let (state, reason) = (follower.state(), follower.reason());
+        let room = follower.room();
+        let stopped = follower.is_stopped();
+        let news = self
+            .told
+            .is_none_or(|(old_state, old_reason, old_room, old_stop)| {
+                (state, reason, stopped) != (old_state, old_reason, old_stop)
+                    || room >= old_room + KNOTS.div_ceil(4)
+            });
         if news {
             self.receiver.announce();
         }
         let status = Status {
             state,
             reason,
-            place: self.follower.position(),
-            room: self.room(),
+            place: follower.position(),
+            path: self.loader.path,
+            known: follower.is_known(),
+            stopped,
+            room: self.loader.room(),
         };
         let mut buffer = [0; FRAME];
         while let Some(frame) = self.receiver.poll(&status, &mut buffer) {
@@ -220,11 +312,9 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 return;
             }
             self.receiver.sent();
-            self.told = Some((state, reason, room));
+            self.told = Some((state, reason, room, stopped));
         }
-        let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
-        if let Some(session) = self.receiver.session().filter(|_| due) {
-            self.telemetry = now;
+        if let Some(session) = self.receiver.session() {
             self.tell(session, now, &mut buffer);
         }
     }
@@ -234,110 +324,92 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         self.ring.take()
     }
 
-    /// Sends telemetry, if there is room for it.
+    /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
+    /// its time is dropped.
     fn tell(&mut self, session: u32, now: u64, buffer: &mut [u8]) {
-        let mut angles = [[0; 4]; GROUPS];
-        let mut groups = 0;
-        for (bytes, angle) in angles.iter_mut().zip(self.follower.angles()) {
-            *bytes = angle.to_le_bytes();
-            groups += 1;
-        }
-        let message = ToHost::Telemetry {
-            time: now,
-            state: self.follower.state(),
-            rate: self.follower.rate(),
-            place: self.follower.position(),
-            angles: angles.get(..groups).unwrap_or(&[]).as_flattened(),
-        };
-        if let Some(frame) = frame::seal(session, &message, buffer) {
-            self.ring.add(frame, RESERVE);
-        }
-    }
-
-    /// Returns the number of items for which there is room. There is none while the sheet moves on the path of another
-    /// host.
-    fn room(&self) -> u16 {
-        let room = if self.loaded
-            && (self.follower.is_under_way() || self.follower.state() == State::Ready)
-        {
-            self.follower.room()
-        } else if self.follower.rate() > 0.0 {
-            0
-        } else {
-            KNOTS
-        };
-        u16::try_from(room).unwrap_or(u16::MAX)
-    }
-}
-
-/// Carries out a command. The path of another session does not go on.
-fn obey<const GROUPS: usize, const KNOTS: usize>(
-    command: Command,
-    follower: &mut Follower<f32, GROUPS, KNOTS>,
-    loaded: bool,
-) -> Result<(), Denial> {
-    match command {
-        Command::Start if !loaded => Err(Denial::State),
-        Command::Start => follower.start(),
-        Command::Hold => {
-            follower.hold(Reason::Asked);
-            Ok(())
-        }
-        Command::Resume if !loaded && follower.is_under_way() => Err(Denial::State),
-        Command::Resume => follower.resume(),
-        Command::Unload => follower.unload(),
-        Command::Clear => follower.clear(),
-    }
-}
-
-/// Takes an item.
-#[inline(never)]
-fn take<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>(
-    item: Item<'_>,
-    sheet: &mut Sheet<GROUPS, HINGES, SPOKES>,
-    follower: &mut Follower<f32, GROUPS, KNOTS>,
-    closure: f32,
-) -> Result<(), ItemRefusal> {
-    match item {
-        Item::Sheet(head) => {
-            follower.unload().map_err(ItemRefusal::Path)?;
-            sheet.begin(head, closure)
-        }
-        Item::Limits(bytes) => sheet.add_limits(bytes),
-        Item::Hinges(bytes) => sheet.add_hinges(bytes),
-        Item::Spokes(bytes) => sheet.add_spokes(bytes),
-        Item::Setpoint(bytes) => {
-            let (view, head) = sheet.view().ok_or(ItemRefusal::Incomplete)?;
-            if follower.state() == State::Idle {
-                follower
-                    .load(&view, head.place)
-                    .map_err(ItemRefusal::Path)?;
+        let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
+        if self.snapshot.sent.is_none() && due {
+            self.telemetry = now;
+            // On a slow line, answers would otherwise wait behind telemetry that nobody needs any more.
+            if self.ring.is_empty() {
+                self.snapshot.take(&self.loader.follower, now);
             }
-            let setpoint = setpoint(&bytes, view.interpolation);
-            let Some(setpoint) = setpoint else {
-                follower.hold(Reason::Refused(Refusal::Groups));
-                return Err(ItemRefusal::Setpoint(Refusal::Groups));
-            };
-            let accepted = follower.accept(&view, setpoint);
-            accepted.map_err(ItemRefusal::Setpoint)
+        }
+        while let Some(message) = self.snapshot.message() {
+            let frame = frame::seal_for(self.settings.node, session, &message, buffer);
+            if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE)) {
+                return;
+            }
+            self.snapshot.sent();
         }
     }
 }
 
-/// Decodes a setpoint; `None` if it has too many groups, or if a group is cut off.
-fn setpoint<const GROUPS: usize>(
-    bytes: &SetpointBytes<'_>,
-    interpolation: Interpolation,
-) -> Option<Setpoint<f32, GROUPS>> {
-    let mut nodes = Vec::new();
-    for node in path::nodes(interpolation, bytes.nodes) {
-        nodes.push(node).ok()?;
+/// Tells whether an item was taken, if that is known.
+fn settle(receiver: &mut Receiver, taken: Result<bool, ItemRefusal>) {
+    match taken {
+        Ok(true) => receiver.took(),
+        Ok(false) => {}
+        Err(refusal) => receiver.refuse(refusal),
     }
-    let whole = nodes.len() * 4 * interpolation.width() == bytes.nodes.len();
-    whole.then_some(Setpoint {
-        number: bytes.number,
-        time: bytes.time,
-        last: bytes.last,
-        nodes,
-    })
+}
+
+/// Telemetry that is being sent, in pieces.
+#[derive(Clone, Copy, Debug)]
+struct Snapshot<const GROUPS: usize> {
+    time: u64,
+    state: State,
+    rate: f32,
+    place: FollowerPosition<f32>,
+    angles: [[u8; 4]; GROUPS],
+    groups: usize,
+    /// Number of groups that were sent; `None` if all were.
+    sent: Option<usize>,
+}
+
+impl<const GROUPS: usize> Snapshot<GROUPS> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self {
+            time: 0,
+            state: State::Idle,
+            rate: 0.0,
+            place: FollowerPosition::default(),
+            angles: [[0; 4]; GROUPS],
+            groups: 0,
+            sent: None,
+        }
+    }
+
+    /// Takes the state of a follower.
+    fn take<const KNOTS: usize>(&mut self, follower: &Follower<f32, GROUPS, KNOTS>, now: u64) {
+        (self.time, self.state) = (now, follower.state());
+        (self.rate, self.place) = (follower.rate(), follower.position());
+        self.groups = 0;
+        for (bytes, angle) in self.angles.iter_mut().zip(follower.angles()) {
+            *bytes = angle.to_le_bytes();
+            self.groups += 1;
+        }
+        self.sent = Some(0);
+    }
+
+    /// Returns the next piece, if there is one.
+    fn message(&self) -> Option<ToHost<'_>> {
+        let sent = self.sent?;
+        let end = self.groups.min(sent + TOLD);
+        Some(ToHost::Telemetry {
+            time: self.time,
+            state: self.state,
+            rate: self.rate,
+            place: self.place,
+            first: u16::try_from(sent).ok()?,
+            angles: self.angles.get(sent..end)?.as_flattened(),
+        })
+    }
+
+    /// Notes that the piece is on its way.
+    fn sent(&mut self) {
+        let next = self.sent.map(|sent| sent + TOLD);
+        self.sent = next.filter(|next| *next < self.groups);
+    }
 }

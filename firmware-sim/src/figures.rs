@@ -20,6 +20,7 @@ use nalgebra::Vector3;
 
 use crate::controller::{Controller, Settings};
 use crate::probe::{self, ANY, Failure, MIURA, OPEN, WATERBOMB};
+use crate::retained::{self, HEAD};
 
 /// Number of ticks over which a mean is taken.
 const TICKS: u32 = 256;
@@ -73,8 +74,11 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         (64, "tick-of-64-hinges"),
         (HINGES, "tick-of-1104-hinges"),
     ] {
-        let [tick, setpoint] = stream(&mut meter, stars, path.view(), hinges)?;
+        let [tick, record, setpoint] = stream(&mut meter, stars, path.view(), hinges)?;
         tell(what, tick)?;
+        if hinges == HINGES {
+            tell("record-of-2-groups", record)?;
+        }
         if hinges == HINGES {
             tell("setpoint-from-its-frame-to-the-answer", setpoint)?;
         }
@@ -147,14 +151,16 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     cost.checked_div(steps).ok_or(Failure::Open)
 }
 
-/// Measures a tick that drives this number of `hinges`, and the reception, check and answer of a setpoint; returns the
-/// mean of each.
+/// Measures a tick that drives this number of `hinges`, the record that the tick keeps, and the reception, check and
+/// answer of a setpoint; returns the mean of each.
+// Not inlined, so that the stack of one thing at a time is in use.
+#[inline(never)]
 fn stream(
     meter: &mut Meter<impl FnMut() -> u32>,
     stars: StarsView<'_, f32>,
     path: TrajectoryView<'_, f32>,
     hinges: usize,
-) -> Result<[u32; 2], Failure> {
+) -> Result<[u32; 3], Failure> {
     let hinges = MEMBERSHIPS.get(..hinges).ok_or(Failure::Size)?;
     let limits = [ANY; 2];
     let items = PathItems::new(
@@ -168,17 +174,20 @@ fn stream(
     let items = items.ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, Options::default());
     let mut answers = cobs::Deframer::<256>::default();
-    let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::default());
+    let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-    let (mut ticks, mut setpoints) = ((0, 0), (0, 0));
+    let (mut ticks, mut setpoints, mut told) = ((0, 0), (0, 0), false);
+    let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));
     for now in (1..=3000).map(|tick| 1000 * tick) {
         let room = device.follower().room();
         let cost = meter.measure(|| {
             device.tick(now);
-            device.drive(|_, _, angle| Some(angle));
+            device.drive(|_, _, angle| angle);
         });
         if device.follower().state() == State::Running {
             ticks = (ticks.0 + cost, ticks.1 + 1);
+            let cost = meter.measure(|| device.record(1, ticks.1).seal(&mut record));
+            records = (records.0 + cost, records.1 + 1);
         }
         let frame = sender.poll(now, &items, &mut scratch, &mut buffer);
         let mut bytes = heapless::Vec::<u8, 300>::new();
@@ -201,12 +210,12 @@ fn stream(
             }
         }
         let full = device.follower().state() == State::Ready && device.follower().room() == 0;
-        if full && sender.answer().is_none() {
-            sender.command(Command::Start);
+        if full {
+            told |= sender.command(if told { Command::Start } else { Command::Stand });
         }
         if ticks.1 == TICKS {
             let mean = |(sum, count): (u32, u32)| sum.checked_div(count).ok_or(Failure::Stream);
-            return Ok([mean(ticks)?, mean(setpoints)?]);
+            return Ok([mean(ticks)?, mean(records)?, mean(setpoints)?]);
         }
     }
     Err(Failure::Stream)

@@ -90,6 +90,16 @@ impl<R: Rng> Hinges<R> {
         }
     }
 
+    /// Puts all hinges at these angles of the groups, radians. A hinge whose group has no angle stays.
+    pub fn stand(&mut self, groups: &[f32]) {
+        for hinge in &mut self.hinges {
+            if let Some(angle) = groups.get(hinge.membership.group.index()) {
+                hinge.angle = hinge.membership.apply(*angle).into();
+                (hinge.motor, hinge.rate) = (hinge.angle, 0.0);
+            }
+        }
+    }
+
     /// Applies a trouble. A hinge that does not exist is ignored.
     pub fn befall(&mut self, trouble: Trouble) {
         let mut at = |hinge: usize, happens: &dyn Fn(&mut Hinge)| {

@@ -15,7 +15,8 @@ pub mod fifo;
 pub mod figures;
 #[cfg(not(target_os = "none"))]
 pub mod hinges;
-mod kept;
+mod loader;
 pub mod plant;
 pub mod probe;
+pub mod retained;
 pub mod sheet;

@@ -115,6 +115,18 @@ impl<const GROUPS: usize> Plant<GROUPS> {
         }
     }
 
+    /// Returns the angle of a hinge without a command, radians; `None` before the first fault, when no hinge has an angle
+    /// of its own.
+    #[must_use]
+    pub fn measure(&self, hinge: u32, membership: Membership) -> Option<f32> {
+        let tested = self.tested.load(Relaxed) != 0;
+        let odd = self.odd_one.load(Relaxed) == hinge.wrapping_add(1);
+        let group = self.groups.get(membership.group.index());
+        let drive = if odd { Some(&self.odd) } else { group };
+        let bits = drive.filter(|_| tested)?.angle.load(Relaxed);
+        (bits != 0).then(|| membership.apply(f32::from_bits(bits)))
+    }
+
     /// Turns a hinge towards its command at `now`, microseconds; returns its angle. Both angles are in radians.
     #[inline]
     pub fn drive(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> f32 {

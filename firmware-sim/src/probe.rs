@@ -19,7 +19,7 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-use crate::controller::{self, Controller};
+use crate::controller::{self, Controller, Settings};
 
 /// Number of steps of a walk.
 pub const STEPS: u16 = 25;
@@ -140,6 +140,8 @@ pub(crate) const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 ///
 /// # Errors
 /// If a configuration does not close, or the output fails.
+// Not inlined, so that its stack is free for whatever runs behind it.
+#[inline(never)]
 pub fn run(out: &mut impl Write) -> Result<(), Failure> {
     for fold in [MIURA, WATERBOMB] {
         let stars = StarsView::new(fold.spokes, fold.ends, fold.rates.len());
@@ -255,9 +257,9 @@ fn stream(
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
     let mut answers = Deframer::<{ controller::FRAME }>::default();
-    let mut device = Controller::<GROUPS, 1, 16, 8>::new(controller::Settings::default());
+    let mut device = Controller::<GROUPS, 1, 16, 8>::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-    let mut now = 0;
+    let (mut now, mut told) = (0, false);
     for tick in 0_u32.. {
         now += 1000;
         if let Some(frame) = sender.poll(now, &items, &mut scratch, &mut buffer) {
@@ -271,8 +273,8 @@ fn stream(
             }
         }
         let state = device.follower().state();
-        if state == State::Ready && device.follower().room() == 0 && sender.answer().is_none() {
-            sender.command(Command::Start);
+        if state == State::Ready && device.follower().room() == 0 {
+            told |= sender.command(if told { Command::Start } else { Command::Stand });
         }
         let (angles, rates) = (device.follower().angles(), device.follower().rates());
         if tick.is_multiple_of(16) && state == State::Running {

@@ -1,28 +1,39 @@
 //! The sheet as the host describes it, received piece by piece.
+//!
+//! The hinges of the sheet before stay until the new sheet is complete and its first setpoint has come, so that somebody
+//! owns every drive at every time.
 
 use foldpath_core::acceptance::SheetView;
 use foldpath_core::wire::message::{ItemRefusal, SheetHead};
 use foldpath_core::wire::path;
-use foldpath_core::{GroupLimits, Membership, Spoke, StarsView};
+use foldpath_core::{GroupLimits, Interpolation, Membership, Spoke, StarsView, checksum_on};
 use heapless::Vec;
+
+use crate::controller::Settings;
 
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
     head: Option<SheetHead>,
     limits: Vec<GroupLimits, GROUPS>,
-    /// Code of each hinge, see [`path::hinge`].
+    /// Code of each hinge, see [`path::hinge`]: of the sheet that is received, and of the sheet that is driven.
     hinges: Vec<u16, HINGES>,
+    driven: Vec<u16, HINGES>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
+    /// Checksum of what tells this sheet from others: its counts, hinges and spokes.
+    sum: u32,
+    /// `true` once the sheet is driven.
+    adopted: bool,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS, HINGES, SPOKES> {
-    /// Begins a new sheet, which may ask for a closure residual of at most `closure`.
+    /// Begins a new sheet.
     ///
     /// # Errors
-    /// If there is no room, or if the sheet asks for a larger residual.
-    pub fn begin(&mut self, head: SheetHead, closure: f32) -> Result<(), ItemRefusal> {
+    /// If there is no room, if the sheet asks for a larger closure residual than the settings allow, or if it lacks
+    /// essential vertices although they ask for some.
+    pub fn begin(&mut self, head: SheetHead, settings: &Settings) -> Result<(), ItemRefusal> {
         self.clear();
         let SheetHead {
             groups,
@@ -34,20 +45,64 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         if fits.iter().any(|&(count, room)| usize::from(count) > room) {
             return Err(ItemRefusal::Room);
         }
-        if !(0.0..=closure).contains(&head.closure) {
+        if !(0.0..=settings.closure).contains(&head.closure) {
             return Err(ItemRefusal::Closure);
         }
+        if settings.closed && spokes == 0 {
+            return Err(ItemRefusal::Stars);
+        }
         self.head = Some(head);
+        for count in [groups, hinges, spokes] {
+            self.sum = checksum_on(self.sum, &count.to_le_bytes());
+        }
         Ok(())
     }
 
-    /// Forgets the sheet.
+    /// Forgets the sheet that is received. The hinges of the sheet that is driven stay.
     pub fn clear(&mut self) {
-        self.head = None;
+        (self.head, self.sum) = (None, 0);
         self.limits.clear();
         self.hinges.clear();
         self.spokes.clear();
         self.ends.clear();
+        self.adopted = false;
+    }
+
+    /// Takes up the sheet that was received, if it is complete: its limits are narrowed by those of the board for each
+    /// hinge, and its hinges are driven from now on. Cost: some ten operations for each hinge.
+    ///
+    /// # Errors
+    /// If the sheet is not complete, if the limits of the board are not sound, or if they leave nothing of the limits of
+    /// a group.
+    pub fn adopt(&mut self, board: fn(u32) -> GroupLimits) -> Result<(), ItemRefusal> {
+        self.view().ok_or(ItemRefusal::Incomplete)?;
+        for (hinge, code) in (0..).zip(&self.hinges) {
+            let Membership { group, negative } = path::hinge(*code);
+            let board = board(hinge);
+            if let Some(limits) = self.limits.get_mut(group.index()) {
+                *limits = narrowed(*limits, board, negative);
+                if !(board.are_sound() && limits.are_sound()) {
+                    return Err(ItemRefusal::Limits(number(group.index())));
+                }
+            }
+        }
+        // Not `clone_from`, which would build another copy on the stack.
+        self.driven.clear();
+        let _ = self.driven.extend_from_slice(&self.hinges);
+        self.adopted = true;
+        Ok(())
+    }
+
+    /// Returns `true` if the hinges of the sheet that was received are driven.
+    #[must_use]
+    pub fn is_adopted(&self) -> bool {
+        self.adopted
+    }
+
+    /// Returns a number that tells the sheet that was received from others: a checksum that is not 0.
+    #[must_use]
+    pub fn identity(&self) -> u32 {
+        self.sum.max(1)
     }
 
     /// Adds the next limits. Either all limits of a piece are taken or none, as with all pieces.
@@ -84,6 +139,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
                 return Err(ItemRefusal::Hinge(hinge));
             }
         }
+        self.sum = checksum_on(self.sum, bytes);
         push(&mut self.hinges, codes())
     }
 
@@ -107,13 +163,26 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
             self.ends.truncate(before.1);
             return Err(ItemRefusal::Stars);
         }
+        self.sum = checksum_on(self.sum, bytes);
         Ok(())
+    }
+
+    /// Returns the kind of motion between setpoints.
+    pub(crate) fn interpolation(&self) -> Interpolation {
+        self.head.map(|head| head.interpolation).unwrap_or_default()
+    }
+
+    /// Returns the number that tells the path on this sheet from others; 0 without a sheet.
+    pub(crate) fn path(&self) -> u32 {
+        self.head.map_or(0, |head| head.path)
     }
 
     fn head(&self) -> Result<SheetHead, ItemRefusal> {
         self.head.ok_or(ItemRefusal::Incomplete)
     }
 
+    // Not inlined, so that an image has the check of all spokes once.
+    #[inline(never)]
     fn stars(&self) -> Option<StarsView<'_, f32>> {
         let groups = self.head?.groups;
         StarsView::new(&self.spokes, &self.ends, groups.into())
@@ -134,9 +203,24 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         complete.then_some((view, head))
     }
 
-    /// Iterates over group and sign of each hinge.
+    /// Iterates over group and sign of each hinge that is driven.
     pub fn hinges(&self) -> impl Iterator<Item = Membership> {
-        self.hinges.iter().map(|code| path::hinge(*code))
+        self.driven.iter().map(|code| path::hinge(*code))
+    }
+}
+
+/// Returns limits that a group keeps and that one of its hinges keeps, which turns the opposite way if `negative`.
+fn narrowed(group: GroupLimits, hinge: GroupLimits, negative: bool) -> GroupLimits {
+    let (lower, upper) = if negative {
+        (-hinge.upper, -hinge.lower)
+    } else {
+        (hinge.lower, hinge.upper)
+    };
+    GroupLimits {
+        lower: group.lower.max(lower),
+        upper: group.upper.min(upper),
+        speed: group.speed.min(hinge.speed),
+        acceleration: group.acceleration.min(hinge.acceleration),
     }
 }
 

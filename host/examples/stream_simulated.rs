@@ -57,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let options = Options {
         resume: false,
+        at_start: false,
         id: 1,
     };
     let summary = stream::run(&mut Sim::new(), &path, options, &mut watcher)?;

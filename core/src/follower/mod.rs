@@ -12,57 +12,75 @@
 //! | [Running](State::Running) | the clock runs, or is slowed by a hinge | the path's end, whatever holds it, a stalled hinge |
 //! | [Holding](State::Holding) | braking, or at rest on the path; [`reason`](Follower::reason) says why | [`resume`](Follower::resume), or what it waits for |
 //! | [Done](State::Done) | at the last setpoint of the path | [`load`](Follower::load) |
-//! | [Faulted](State::Faulted) | a hinge stalled | [`clear`](Follower::clear) |
+//! | [Faulted](State::Faulted) | a [`Fault`] | [`clear`](Follower::clear) |
 //!
-//! An empty queue and a lagging hinge hold the motion only while they last. Every other reason holds the motion until
-//! [`resume`](Follower::resume), whatever else happens in between.
+//! An empty queue, a lagging hinge and a reached [lease](Follower::lease) hold the motion only while they last. Every
+//! other reason holds the motion until [`resume`](Follower::resume), whatever else happens in between. The stop line and
+//! a fault are two latches: neither hides nor releases the other.
+//!
+//! No motion starts from an unknown place. A new follower does not know where the groups stand. It is told
+//! ([`stand`](Follower::stand), [`confirm`](Follower::confirm)), or it takes the [measured](Follower::measure) angles of
+//! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly, and
+//! comes to rest there before the path begins. Until then nothing is commanded.
 
+mod approach;
+mod hinges;
+mod intake;
+mod lag;
+mod motion;
 mod queue;
+mod start;
 mod state;
+mod survey;
 
-use crate::acceptance::{self, Refusal, Setpoint, SheetView};
+use crate::Scalar;
+use crate::acceptance::{Setpoint, SheetView};
 use crate::path_clock::PathClock;
-use crate::{Membership, Scalar};
 
+use approach::Approach;
+use lag::{Lag, LagWatch};
 use queue::Queue;
-pub use state::{Denial, FollowerPosition, Options, Reason, State};
-
-/// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
-/// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
-const MIN_LAGGING_RATE: f64 = 0.1;
-
-/// The hinge that was last measured farthest from its command, radians; the default if no hinge was off its command.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lag<T> {
-    hinge: u32,
-    distance: T,
-}
+pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
+use survey::Survey;
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
 #[derive(Clone, Debug)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     options: Options<T>,
     state: State,
-    /// Reason that holds the motion until [`resume`](Follower::resume).
+    /// Reason other than the stop line that holds the motion until [`resume`](Follower::resume).
     latch: Reason,
-    /// `true` while the stop line is drawn.
+    /// `line`: `true` while the stop line is drawn. `stopped`: `true` from then on until [`resume`](Follower::resume).
     line: bool,
+    stopped: bool,
+    /// Failure, if the state is [`State::Faulted`].
+    fault: Option<Fault>,
     clock: PathClock<T>,
+    /// Largest path time, seconds, if there is a bound.
+    lease: Option<T>,
     now: u64,
     heard: u64,
-    lag: Lag<T>,
-    /// Time since which a hinge has lagged by at least `most_lag`, microseconds.
-    lagging: Option<u64>,
+    lag: LagWatch<T>,
 
+    approach: Approach<T, GROUPS>,
     queue: Queue<T, GROUPS, KNOTS>,
+    /// Setpoint that is being checked, and the number of vertices that are known to stay closed on the way to it.
+    pending: Option<(Setpoint<T, GROUPS>, u16)>,
     next: u32,
     ended: bool,
 
     groups: usize,
-    /// `stands`: `true` if `angles` have been commanded or measured. `stood`: position of those angles on the path that
-    /// was left.
+    /// `stands`: `true` if it is known that the groups stand at `angles`. `told`: `true` if somebody has said that they
+    /// stand where the path begins. `survey`: what was measured while it is not known.
     stands: bool,
+    told: bool,
+    /// `begun`: `true` if the angles are those of the position in the queue. Otherwise they are those of the position
+    /// `stood`, on the path before.
+    begun: bool,
     stood: FollowerPosition<T>,
+    /// `true` if the groups stand beside the path, because an approach was broken off.
+    astray: bool,
+    survey: Survey<T, GROUPS>,
     angles: [T; GROUPS],
     rates: [T; GROUPS],
 }
@@ -78,17 +96,25 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             state: State::Idle,
             latch: Reason::None,
             line: false,
+            stopped: false,
+            fault: None,
             clock: PathClock::new(options.clock),
+            lease: None,
             now: 0,
             heard: 0,
-            lag: Lag::default(),
-            lagging: None,
+            lag: LagWatch::default(),
+            approach: Approach::none(),
             queue: Queue::new(),
+            pending: None,
             next: 0,
             ended: false,
             groups: 0,
             stands: false,
+            told: false,
+            begun: false,
             stood: FollowerPosition::default(),
+            astray: false,
+            survey: Survey::new(),
             angles: [T::zero(); GROUPS],
             rates: [T::zero(); GROUPS],
         }
@@ -100,18 +126,57 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.state
     }
 
-    /// Returns the reason that holds or slows the motion.
+    /// Returns the reason that holds or slows the motion. A fault comes before the stop line, and the stop line before
+    /// all others; see also [`fault`](Self::fault) and [`is_stopped`](Self::is_stopped).
     #[must_use]
     pub fn reason(&self) -> Reason {
-        let Lag { hinge, distance } = self.lag;
-        match (self.state, self.latch) {
-            (State::Faulted, _) => Reason::Stalled(hinge),
-            (State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
+        let Lag { hinge, distance } = self.lag.farthest();
+        match (self.fault, self.state, self.latch) {
+            (Some(fault), ..) => Reason::Fault(fault),
+            _ if self.stopped => Reason::StopLine,
+            (_, State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
                 Reason::Lag(hinge)
             }
-            (State::Holding, Reason::None) => Reason::Underrun,
-            (_, latch) => latch,
+            (_, State::Running, Reason::None) if self.is_approaching() => Reason::Approach,
+            (_, State::Holding, Reason::None)
+                if self.ahead() <= T::zero()
+                    && (self.left() > T::zero() || self.is_approaching()) =>
+            {
+                Reason::Lease
+            }
+            (_, State::Holding, Reason::None) => Reason::Underrun,
+            (_, _, latch) => latch,
         }
+    }
+
+    /// Returns the failure, if the state is [`State::Faulted`].
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// Returns `true` if the stop line is drawn, or was drawn and nobody has asked to resume since.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Returns `true` until the groups have reached the beginning of a path that was started.
+    #[must_use]
+    pub fn is_approaching(&self) -> bool {
+        self.approach.left() > T::zero()
+    }
+
+    /// Returns `true` if the groups stand beside the path, because an approach has not ended.
+    #[must_use]
+    pub fn is_astray(&self) -> bool {
+        self.astray || self.is_approaching()
+    }
+
+    /// Returns `true` if it is known where the groups stand.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.stands
     }
 
     /// Returns the rate of the path clock, seconds of the path in a second, from 0 to 1.
@@ -123,16 +188,20 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Returns the position of the commanded angles: on this path, or on the path before if this one has not begun.
     #[must_use]
     pub fn position(&self) -> FollowerPosition<T> {
-        match self.state {
-            State::Idle | State::Ready => self.stood,
-            _ => self.queue.position().unwrap_or(self.stood),
-        }
+        let here = self.queue.position().filter(|_| self.begun);
+        here.unwrap_or(self.stood)
     }
 
     /// Returns the number of the setpoint that is expected next.
     #[must_use]
     pub fn next(&self) -> u32 {
         self.next
+    }
+
+    /// Returns the number of groups of the path, or of the path before if there is none.
+    #[must_use]
+    pub fn groups(&self) -> usize {
+        self.groups
     }
 
     /// Returns the number of setpoints for which there is room.
@@ -170,35 +239,25 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         values.get(..groups).unwrap_or(&[])
     }
 
-    /// Returns the commanded angle of a hinge, radians.
-    #[must_use]
-    pub fn hinge(&self, membership: Membership) -> Option<T> {
-        let angle = self.angles().get(membership.group.index())?;
-        Some(membership.apply(*angle))
+    /// Returns `true` if the stop line or another reason holds the motion until [`resume`](Self::resume).
+    fn is_held(&self) -> bool {
+        self.stopped || self.latch != Reason::None
     }
 
-    /// Tells the follower where the groups stand (radians), as measured or as commanded before a reset, and at which
-    /// position on their path.
-    ///
-    /// # Errors
-    /// If not idle, or if there are too many groups.
-    pub fn stand(&mut self, angles: &[T], position: FollowerPosition<T>) -> Result<(), Denial> {
-        if self.state != State::Idle {
-            return Err(Denial::State);
-        }
-        let mine = self.angles.get_mut(..angles.len());
-        mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
-        self.groups = angles.len();
-        (self.stands, self.stood) = (true, position);
-        Ok(())
+    /// Bounds the path time from outside: the motion comes to rest there, and goes on when the bound has grown. `None`
+    /// removes the bound. A bound that shrinks below the braking distance stops the motion at once, but never moves it
+    /// back.
+    pub fn lease(&mut self, seconds: Option<T>) {
+        self.lease = seconds;
     }
 
     /// Takes up a new path on this sheet, from its beginning or from a position on it. Drops the path before.
     ///
-    /// The setpoints come next, from the knot of the position on.
+    /// The setpoints come next, from the knot of the position on. If the sheet has another number of groups than the
+    /// sheet before, it is not known where they stand.
     ///
     /// # Errors
-    /// While moving, in a fault, or if the sheet has too many groups or other groups than those that stand.
+    /// While moving, in a fault, or if the sheet has no group or too many.
     pub fn load(
         &mut self,
         sheet: &SheetView<'_, T>,
@@ -206,11 +265,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     ) -> Result<(), Denial> {
         self.unload()?;
         let groups = sheet.limits.len();
-        let others = self.stands && self.groups != groups;
-        if groups == 0 || groups > GROUPS || others {
+        if groups == 0 || groups > GROUPS {
             return Err(Denial::Groups);
         }
-        self.groups = groups;
+        self.stands &= self.groups == groups;
+        (self.groups, self.survey) = (groups, Survey::new());
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
         self.state = State::Ready;
@@ -221,6 +280,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     ///
     /// # Errors
     /// While moving, or in a fault.
+    #[inline(never)]
     pub fn unload(&mut self) -> Result<(), Denial> {
         if self.state == State::Faulted {
             return Err(Denial::State);
@@ -228,83 +288,23 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.clock.rate() > T::zero() || self.state == State::Running {
             return Err(Denial::Moving);
         }
-        self.stood = self.position();
+        (self.stood, self.astray) = (self.position(), self.is_astray());
+        (self.begun, self.told) = (false, false);
+        self.approach = Approach::none();
         self.queue.clear();
+        self.pending = None;
         self.ended = false;
         self.still();
         self.state = State::Idle;
         Ok(())
     }
 
-    /// Queues a setpoint. An invalid setpoint holds the motion.
-    ///
-    /// Cost: that of [`acceptance::check`].
-    ///
-    /// # Errors
-    /// The reason why the setpoint is not followed; nothing but the hold has changed then.
-    pub fn accept(
-        &mut self,
-        sheet: &SheetView<'_, T>,
-        setpoint: Setpoint<T, GROUPS>,
-    ) -> Result<(), Refusal> {
-        if !matches!(self.state, State::Ready | State::Running | State::Holding) {
-            return Err(Refusal::State);
-        }
-        if self.room() == 0 {
-            return Err(Refusal::Full);
-        }
-        let in_order = setpoint.number == self.next && !self.ended;
-        let checked = if in_order {
-            acceptance::check(sheet, self.queue.setpoints().back(), &setpoint)
-        } else {
-            Err(Refusal::Sequence(self.next))
-        };
-        if let Err(refusal) = checked {
-            self.hold(Reason::Refused(refusal));
-            return Err(refusal);
-        }
-        self.next = self.next.wrapping_add(1);
-        self.ended = setpoint.last;
-        self.queue.push(setpoint)
-    }
-
-    /// Starts the motion.
-    ///
-    /// # Errors
-    /// If not ready, if held or stopped, if no setpoint is queued, or if the hinges stand elsewhere.
-    pub fn start(&mut self) -> Result<(), Denial> {
-        if self.state != State::Ready {
-            return Err(Denial::State);
-        }
-        if self.line || self.latch != Reason::None {
-            return Err(Denial::Held);
-        }
-        if self.queue.setpoints().is_empty() {
-            return Err(Denial::Empty);
-        }
-        if !self.queue.begins() {
-            return Err(Denial::Place);
-        }
-        let begin = self.queue.angles(self.angles);
-        // The comparison is false for a NaN, so that a group at no number is denied.
-        let near = |(from, to): (&T, &T)| (*from - *to).abs() <= self.options.jump;
-        let mut groups = (0..=u16::MAX).zip(self.angles().iter().zip(&begin));
-        if let Some((group, _)) = groups.find(|(_, ends)| !near(*ends)) {
-            return Err(Denial::Jump(group));
-        }
-        self.angles = begin;
-        self.still();
-        self.stands = true;
-        self.heard = self.now;
-        (self.lag, self.lagging) = (Lag::default(), None);
-        self.state = State::Running;
-        Ok(())
-    }
-
     /// Slows down along the path and holds until asked to resume.
     pub fn hold(&mut self, reason: Reason) {
-        // The first reason is kept; only the stop line replaces it.
-        if self.latch == Reason::None || reason == Reason::StopLine {
+        // The first reason is kept, beside the stop line.
+        if reason == Reason::StopLine {
+            self.stopped = true;
+        } else if self.latch == Reason::None {
             self.latch = reason;
         }
         if self.state == State::Running {
@@ -323,6 +323,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
+    /// Lowers the largest speed of each group to that of `speed`, radians per second, until another path is loaded. A
+    /// tick that would exceed it is a [fault](Fault::Leap).
+    pub fn limit_speeds(&mut self, speed: impl Fn(usize) -> T) {
+        self.queue.limit_speeds(speed);
+    }
+
     /// Lets the motion go on from its position.
     ///
     /// # Errors
@@ -331,7 +337,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.line {
             return Err(Denial::Held);
         }
-        self.latch = Reason::None;
+        (self.latch, self.stopped) = (Reason::None, false);
         self.heard = self.now;
         if self.state == State::Holding {
             self.state = State::Running;
@@ -347,109 +353,21 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.state != State::Faulted {
             return Err(Denial::State);
         }
-        self.state = State::Holding;
-        (self.lag, self.lagging) = (Lag::default(), None);
+        (self.state, self.fault) = (State::Holding, None);
+        self.lag = LagWatch::default();
         self.unload()
+    }
+
+    /// Stops at once because of a failure, in any state. Nothing moves until the failure is [cleared](Self::clear).
+    pub fn fail(&mut self, fault: Fault) {
+        self.clock.halt();
+        self.still();
+        self.pending = None;
+        (self.state, self.fault) = (State::Faulted, Some(fault));
     }
 
     /// Notes that the host was heard at `now`, microseconds.
     pub fn heard(&mut self, now: u64) {
         self.heard = self.heard.max(now);
-    }
-
-    /// Takes the measured angle of a hinge, radians. Hinges may be measured in any order and at any pace; the one
-    /// farthest from its command counts until it is measured again.
-    pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
-        let Some(commanded) = self.hinge(membership) else {
-            return;
-        };
-        let distance = (commanded - angle).abs();
-        if distance <= self.lag.distance && hinge != self.lag.hinge {
-            return;
-        }
-        // In a fault the hinge that stalled is kept.
-        if self.state != State::Faulted {
-            let distance = if distance.is_finite() {
-                distance
-            } else {
-                T::MAX
-            };
-            self.lag = Lag { hinge, distance };
-        }
-    }
-
-    /// Moves on to `now`, microseconds. Time that has already passed does not pass again.
-    ///
-    /// Cost: a cubic and its derivative for each group; when a knot is passed, also the curves of the next segment.
-    pub fn tick(&mut self, now: u64) {
-        let passed = now.saturating_sub(self.now);
-        let passed = u32::try_from(passed).unwrap_or(u32::MAX);
-        self.now = self.now.max(now);
-        if !self.is_under_way() {
-            return;
-        }
-        self.watch();
-        if !self.is_under_way() {
-            return;
-        }
-        let dt = T::whole(passed.min(self.options.longest_tick)) * T::lit(1e-6);
-        let goal = self.goal();
-        let step = self.clock.tick(dt, goal, self.left());
-        self.queue.advance(step);
-        self.angles = self.queue.angles(self.angles);
-        self.rates = self.queue.rates(self.clock.rate());
-        self.settle(goal);
-    }
-
-    /// Checks for a silent host and for a stalled hinge.
-    fn watch(&mut self) {
-        let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
-        if silent && self.latch == Reason::None {
-            self.hold(Reason::Silence);
-        }
-        let stuck = self.lag.distance >= self.options.most_lag;
-        if !stuck || self.latch != Reason::None {
-            self.lagging = None;
-            return;
-        }
-        let since = *self.lagging.get_or_insert(self.now);
-        if self.now.saturating_sub(since) >= u64::from(self.options.stall) {
-            self.clock.halt();
-            self.still();
-            self.state = State::Faulted;
-        }
-    }
-
-    /// Returns the rate that the clock should have, from 0 to 1.
-    fn goal(&self) -> T {
-        let Options { lag, most_lag, .. } = self.options;
-        let distance = self.lag.distance;
-        if self.latch != Reason::None || distance >= most_lag {
-            T::zero()
-        } else if distance > lag {
-            let part = (distance - lag) / (most_lag - lag);
-            T::one() - (T::one() - T::lit(MIN_LAGGING_RATE)) * part
-        } else {
-            T::one()
-        }
-    }
-
-    /// Commands rates of 0.
-    fn still(&mut self) {
-        self.rates = [T::zero(); GROUPS];
-    }
-
-    /// Sets the state after a tick with this goal of the rate.
-    fn settle(&mut self, goal: T) {
-        let rests = self.clock.rate() <= T::zero();
-        let dry = self.left() <= T::zero();
-        self.state = if self.ended && dry {
-            self.clock.halt();
-            State::Done
-        } else if self.latch != Reason::None || rests && (dry || goal <= T::zero()) {
-            State::Holding
-        } else {
-            State::Running
-        };
     }
 }

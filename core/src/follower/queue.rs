@@ -4,7 +4,10 @@ use heapless::Deque;
 
 use crate::acceptance::{Refusal, Setpoint, SheetView};
 use crate::follower::FollowerPosition;
-use crate::{Curve, Interpolation, Scalar};
+use crate::{Curve, Interpolation, Scalar, segment_bounds};
+
+/// Rounding error of a commanded angle, in precisions (ε) of 1 and the range of its limits.
+const COMMAND_EPSILONS: f64 = 64.0;
 
 /// Setpoints of the path; the position lies on the segment behind the first one.
 #[derive(Clone, Debug)]
@@ -80,6 +83,41 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
             knot: first.number,
             into: self.into,
         })
+    }
+
+    /// Returns the path time at the position, seconds; 0 if there is no setpoint.
+    pub(super) fn time(&self) -> T {
+        self.setpoints
+            .front()
+            .map_or(T::zero(), |first| first.time + self.into)
+    }
+
+    /// Returns the largest speed of each group, radians per second.
+    pub(super) fn speeds(&self) -> impl Iterator<Item = T> {
+        self.bounds.iter().map(|[.., speed]| *speed)
+    }
+
+    /// Lowers the largest speed of each group to that of `speed`, radians per second.
+    pub(super) fn limit_speeds(&mut self, speed: impl Fn(usize) -> T) {
+        for (group, [.., most]) in self.bounds.iter_mut().enumerate() {
+            *most = most.min(speed(group));
+        }
+    }
+
+    /// Returns the first group that would move farther than its speed allows in `dt` seconds, rounding aside.
+    pub(super) fn leap(&self, from: &[T; GROUPS], to: &[T; GROUPS], dt: T) -> Option<u16> {
+        let dt = dt * segment_bounds::slack();
+        let ends = from.iter().zip(to).zip(&self.bounds).take(self.groups);
+        let leaps = |(from, to): (&T, &T), [lower, upper, speed]: &[T; 3]| {
+            let noise = T::lit(COMMAND_EPSILONS) * T::EPSILON * (T::one() + (*upper - *lower));
+            // The comparison is false for a NaN, which is a leap as well.
+            let near = (*to - *from).abs() <= *speed * dt + noise;
+            !near
+        };
+        let mut groups = (0..=u16::MAX).zip(ends);
+        groups
+            .find(|(_, (ends, bounds))| leaps(*ends, bounds))
+            .map(|(group, _)| group)
     }
 
     /// Returns the seconds from the position to the last setpoint, at most the largest number.

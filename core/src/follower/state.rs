@@ -1,13 +1,14 @@
 //! The states of a follower, the reasons for slowing or holding, its options, and its answers to commands.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Scalar;
 use crate::acceptance::Refusal;
+use crate::numbers::{Numbers, long};
 use crate::path_clock::ClockLimits;
 
 /// State of a follower.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum State {
     /// There is no path.
     #[default]
@@ -20,12 +21,55 @@ pub enum State {
     Holding,
     /// At the end of the path.
     Done,
-    /// A hinge has stalled; nothing moves.
+    /// Something failed, see [`Fault`]; nothing moves.
     Faulted,
 }
 
+impl State {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Idle => Numbers::variant(0),
+            Self::Ready => Numbers::variant(1),
+            Self::Running => Numbers::variant(2),
+            Self::Holding => Numbers::variant(3),
+            Self::Done => Numbers::variant(4),
+            Self::Faulted => Numbers::variant(5),
+        }
+    }
+}
+
+impl Serialize for State {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
+/// Failure that ends a motion. It stays until it is [cleared](crate::follower::Follower::clear).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Fault {
+    /// This hinge did not follow its command.
+    Stalled(u32),
+    /// The next command of this group would have been farther away than its largest speed allows.
+    Leap(u16),
+}
+
+impl Fault {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Stalled(hinge) => Numbers::of(0, hinge),
+            Self::Leap(group) => Numbers::of(1, group),
+        }
+    }
+}
+
+impl Serialize for Fault {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
+}
+
 /// Reason why a follower does not run at full speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum Reason {
     /// Nothing slows or holds the motion.
     #[default]
@@ -44,18 +88,46 @@ pub enum Reason {
     Session,
     /// A setpoint was refused.
     Refused(Refusal),
-    /// This hinge has stalled.
-    Stalled(u32),
+    /// The motion has failed.
+    Fault(Fault),
+    /// The groups slowly approach the beginning of the path.
+    Approach,
+    /// The path time has reached the bound that was set from outside.
+    Lease,
+}
+
+impl Reason {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::None => Numbers::variant(0),
+            Self::Asked => Numbers::variant(1),
+            Self::Underrun => Numbers::variant(2),
+            Self::Silence => Numbers::variant(3),
+            Self::Lag(hinge) => Numbers::of(4, hinge),
+            Self::StopLine => Numbers::variant(5),
+            Self::Session => Numbers::variant(6),
+            Self::Refused(refusal) => Numbers::around(7, refusal.numbers()),
+            Self::Fault(fault) => Numbers::around(8, fault.numbers()),
+            Self::Approach => Numbers::variant(9),
+            Self::Lease => Numbers::variant(10),
+        }
+    }
+}
+
+impl Serialize for Reason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }
 
 /// Reason why a command is not carried out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Denial {
     /// The command is not allowed in this state.
     State,
     /// The sheet is moving.
     Moving,
-    /// The sheet has more groups than there is room for, no group, or other groups than those that stand.
+    /// The sheet has no group, or more groups than there is room for.
     Groups,
     /// No setpoint is queued.
     Empty,
@@ -65,12 +137,40 @@ pub enum Denial {
     Jump(u16),
     /// The stop line is drawn, or something held the motion and nobody has asked to resume since.
     Held,
+    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it.
+    Unknown(u16),
+    /// The measured angles of this group's hinges differ too much to be one angle.
+    Spread(u16),
+}
+
+impl Denial {
+    /// Returns what is encoded.
+    pub(crate) fn numbers(self) -> Numbers {
+        match self {
+            Self::State => Numbers::variant(0),
+            Self::Moving => Numbers::variant(1),
+            Self::Groups => Numbers::variant(2),
+            Self::Empty => Numbers::variant(3),
+            Self::Place => Numbers::variant(4),
+            Self::Jump(group) => Numbers::of(5, group),
+            Self::Held => Numbers::variant(6),
+            Self::Unknown(group) => Numbers::of(7, group),
+            Self::Spread(group) => Numbers::of(8, group),
+        }
+    }
+}
+
+impl Serialize for Denial {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }
 
 /// A position on a path; the protocol calls it a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FollowerPosition<T> {
     /// Number of the last knot at or before the position.
+    #[serde(with = "long")]
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,
@@ -93,8 +193,18 @@ pub struct Options<T> {
     pub most_lag: T,
     /// Time for which a hinge may lag by `most_lag` before the motion fails.
     pub stall: u32,
-    /// Largest distance of a group from the beginning of a path at which the path may start, radians.
+    /// Largest distance of a group from the beginning of a path at which the path may start, radians, if the angle was
+    /// commanded before.
     pub jump: T,
+    /// Largest such distance if the angle was measured, or if an approach was broken off, radians.
+    pub reach: T,
+    /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
+    pub spread: T,
+    /// Time for which measured angles tell where the groups stand, microseconds. All hinges have to be measured within
+    /// half of it.
+    pub fresh: u32,
+    /// Speed at which the groups approach the beginning of a path, radians per second.
+    pub approach: T,
 }
 
 impl<T: Scalar> Default for Options<T> {
@@ -110,6 +220,10 @@ impl<T: Scalar> Default for Options<T> {
             most_lag: T::lit(0.15),
             stall: 1_000_000,
             jump: T::lit(0.01),
+            reach: T::lit(0.1),
+            spread: T::lit(0.05),
+            fresh: 1_000_000,
+            approach: T::lit(0.1),
         }
     }
 }

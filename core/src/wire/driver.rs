@@ -55,6 +55,8 @@ pub struct Driver<'a> {
     astray: Option<FollowerPosition<f32>>,
     started: bool,
     stopping: bool,
+    /// `true` until the operator's word was passed on that the sheet stands where the path begins.
+    confirms: bool,
     asked: Option<u64>,
 }
 
@@ -71,7 +73,17 @@ impl<'a> Driver<'a> {
             astray: None,
             started: false,
             stopping: false,
+            confirms: false,
             asked: None,
+        }
+    }
+
+    /// Passes on the operator's word that the sheet stands where the path begins, whatever the controller knows.
+    #[must_use]
+    pub fn confirming(self) -> Self {
+        Self {
+            confirms: true,
+            ..self
         }
     }
 
@@ -85,7 +97,8 @@ impl<'a> Driver<'a> {
     #[must_use]
     pub fn setpoints(&self) -> u64 {
         let head = self.begun.head().unwrap_or(u64::MAX);
-        self.sender.acknowledged().saturating_sub(head)
+        let items = self.sender.acknowledged().saturating_sub(head);
+        items / self.path.pieces() as u64
     }
 
     /// Returns the number of the knot that was sent first.
@@ -145,6 +158,7 @@ impl<'a> Driver<'a> {
             if let Some(command) = command.filter(|_| !self.asked.is_some_and(wait))
                 && self.sender.command(command)
             {
+                self.confirms &= command != Command::Stand;
                 self.asked = Some(now);
             }
         }
@@ -158,11 +172,15 @@ impl<'a> Driver<'a> {
         if self.begun.0.is_some() || !rests || self.stopping {
             return;
         }
-        let place = match self.persistence {
-            Persistence::None => FollowerPosition::default(),
-            Persistence::Resume | Persistence::Always => report.place,
+        // A controller that was on no path yet begins as well at the start.
+        let begins = self.persistence == Persistence::None || self.confirms || report.path == 0;
+        let place = if begins {
+            FollowerPosition::default()
+        } else {
+            report.place
         };
-        self.begun.0 = self.path.at(place);
+        let mine = begins || report.path == self.path.identity();
+        self.begun.0 = self.path.at(place).filter(|_| mine);
         self.astray = self.begun.0.is_none().then_some(place);
     }
 
@@ -177,7 +195,7 @@ impl<'a> Driver<'a> {
         if self.stopping {
             let held = !matches!(
                 report.reason,
-                Reason::None | Reason::Underrun | Reason::Lag(_)
+                Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach | Reason::Lease
             );
             // A controller that is ready may have a start on its way to it.
             let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
@@ -202,9 +220,12 @@ impl<'a> Driver<'a> {
         // The controller's queue is as full as it can be.
         let full = self.is_sent() || report.limit == report.next;
         if resumes {
-            Some(Command::Resume)
-        } else {
-            (report.state == State::Ready && full).then_some(Command::Start)
+            return Some(Command::Resume);
         }
+        (report.state == State::Ready && full).then_some(match (self.confirms, report.known) {
+            (true, true) => Command::Forget,
+            (true, false) => Command::Stand,
+            (false, _) => Command::Start,
+        })
     }
 }

@@ -1,31 +1,109 @@
-//! Frames: the session, a message as postcard encodes it, and the CRC-32 of both.
+//! Frames: the node, the session, a message as postcard encodes it, and the CRC-32 of all.
 
+use postcard::{Deserializer, Error, de_flavors, ser_flavors};
 use serde::{Deserialize, Serialize};
 
 use crate::checksum::checksum;
 
 /// Number of bytes of a frame besides its message.
-pub const OVERHEAD: usize = 8;
+pub const OVERHEAD: usize = 9;
 
-/// Writes a frame into `buffer` and returns it; `None` if there is no room.
+/// Writes a frame for the only controller of a line, node 0, into `buffer` and returns it; `None` if there is no room.
 pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-    let (head, body) = buffer.split_first_chunk_mut::<4>()?;
-    *head = session.to_le_bytes();
-    let message = postcard::to_slice(message, body).ok()?.len();
-    let (covered, rest) = buffer.split_at_mut_checked(4 + message)?;
+    seal_for(0, session, message, buffer)
+}
+
+/// Writes a frame from or for the controller `node` into `buffer` and returns it; `None` if there is no room.
+pub fn seal_for<'b>(
+    node: u8,
+    session: u32,
+    message: &impl Serialize,
+    buffer: &'b mut [u8],
+) -> Option<&'b [u8]> {
+    let (head, body) = buffer.split_first_chunk_mut::<5>()?;
+    let [a, b, c, d] = session.to_le_bytes();
+    *head = [node, a, b, c, d];
+    let bytes = Written { body, length: 0 };
+    let message = postcard::serialize_with_flavor(message, bytes).ok()?;
+    let (covered, rest) = buffer.split_at_mut_checked(5 + message)?;
     *rest.first_chunk_mut::<4>()? = checksum(covered).to_le_bytes();
     buffer.get(..message + OVERHEAD)
 }
 
-/// Returns session and message of a frame; `None` if the checksum differs, or if the bytes are not those of exactly one
-/// message.
+/// Returns session and message of a frame of node 0; see [`open_for`].
 pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
+    open_for(0, frame)
+}
+
+/// Returns session and message of a frame of `node`; `None` if the frame is that of another node, if the checksum
+/// differs, or if the bytes are not those of exactly one message.
+pub fn open_for<'b, M: Deserialize<'b>>(node: u8, frame: &'b [u8]) -> Option<(u32, M)> {
     let (covered, sum) = frame.split_last_chunk::<4>()?;
-    if checksum(covered).to_le_bytes() != *sum {
+    let ([to, session @ ..], body) = covered.split_first_chunk::<5>()?;
+    if *to != node || checksum(covered).to_le_bytes() != *sum {
         return None;
     }
-    let (session, body) = covered.split_first_chunk::<4>()?;
-    let (message, rest) = postcard::take_from_bytes(body).ok()?;
+    let mut bytes = Deserializer::from_flavor(Unread(body));
+    let message = M::deserialize(&mut bytes).ok()?;
+    let rest = bytes.finalize().ok()?;
     rest.is_empty()
         .then_some((u32::from_le_bytes(*session), message))
+}
+
+/// The bytes of a message that is encoded. Its functions are not inlined, nor are those of [`Unread`]: inlined once for
+/// each field of each message, they would be a tenth of a controller's image.
+struct Written<'b> {
+    body: &'b mut [u8],
+    length: usize,
+}
+
+impl ser_flavors::Flavor for Written<'_> {
+    type Output = usize;
+
+    #[inline(never)]
+    fn try_push(&mut self, byte: u8) -> Result<(), Error> {
+        let place = self.body.get_mut(self.length);
+        *place.ok_or(Error::SerializeBufferFull)? = byte;
+        self.length += 1;
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn try_extend(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        bytes.iter().try_for_each(|byte| self.try_push(*byte))
+    }
+
+    fn finalize(self) -> Result<usize, Error> {
+        Ok(self.length)
+    }
+}
+
+/// The bytes of a message that are not decoded yet.
+struct Unread<'b>(&'b [u8]);
+
+impl<'b> de_flavors::Flavor<'b> for Unread<'b> {
+    type Remainder = &'b [u8];
+    type Source = &'b [u8];
+
+    #[inline(never)]
+    fn pop(&mut self) -> Result<u8, Error> {
+        let (byte, rest) = self
+            .0
+            .split_first()
+            .ok_or(Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(*byte)
+    }
+
+    #[inline]
+    fn try_take_n(&mut self, count: usize) -> Result<&'b [u8], Error> {
+        let parts = self.0.split_at_checked(count);
+        let (taken, rest) = parts.ok_or(Error::DeserializeUnexpectedEnd)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn finalize(self) -> Result<&'b [u8], Error> {
+        Ok(self.0)
+    }
 }

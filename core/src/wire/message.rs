@@ -3,17 +3,18 @@
 //! [`ToDevice::Hello`] and [`ToHost::Mismatch`] keep their encoding in all versions, so that two ends that do not
 //! understand each other can at least say so.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Interpolation;
 use crate::acceptance::Refusal;
 use crate::follower::{Denial, FollowerPosition, Reason, State};
+use crate::numbers::{Numbers, long, short, wide};
 
 /// Version of the protocol.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x1f42_b7e1;
+pub const SCHEMA: u32 = 0x0df5_9e56;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,15 +22,19 @@ pub enum ToDevice<'a> {
     /// Asks for a session, in session 0.
     Hello {
         /// [`VERSION`] of the host.
+        #[serde(with = "short")]
         version: u16,
         /// [`SCHEMA`] of the host.
+        #[serde(with = "long")]
         schema: u32,
         /// Number that the host has not used before.
+        #[serde(with = "long")]
         id: u32,
     },
     /// One of the numbered items, which come through once each and in order.
     Item {
         /// Number of the item, modulo 2¹⁶, from 0.
+        #[serde(with = "short")]
         sequence: u16,
         /// The item.
         #[serde(borrow)]
@@ -59,8 +64,11 @@ pub enum Item<'a> {
     /// The next spokes of the sheet's essential vertices, 10 bytes each: four times the group, 2 more if the spoke is
     /// the last of its vertex, 1 more if it turns the opposite way; then the two numbers of its direction.
     Spokes(#[serde(borrow)] &'a [u8]),
-    /// A knot of the path.
+    /// A knot of the path, or the last piece of one.
     Setpoint(#[serde(borrow)] SetpointBytes<'a>),
+    /// Numbers of the next groups of a knot that does not fit into one item, of
+    /// [`NODES_BYTES`](crate::wire::path::NODES_BYTES). The setpoint with the rest of the groups follows.
+    Nodes(#[serde(borrow)] &'a [u8]),
 }
 
 /// Numbers of groups, hinges and spokes of a sheet, and the place on its path at which to begin.
@@ -69,13 +77,19 @@ pub struct SheetHead {
     /// Kind of motion between setpoints.
     pub interpolation: Interpolation,
     /// Number of groups.
+    #[serde(with = "short")]
     pub groups: u16,
     /// Number of hinges.
+    #[serde(with = "short")]
     pub hinges: u16,
     /// Number of spokes of all essential vertices.
+    #[serde(with = "short")]
     pub spokes: u16,
     /// Largest closure residual of a commanded configuration.
     pub closure: f32,
+    /// Number that tells this path from others: a checksum of its numbers that is not 0.
+    #[serde(with = "long")]
+    pub path: u32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
     pub place: FollowerPosition<f32>,
 }
@@ -84,6 +98,7 @@ pub struct SheetHead {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SetpointBytes<'a> {
     /// Number of the knot in its path.
+    #[serde(with = "long")]
     pub number: u32,
     /// Seconds since the start of the path.
     pub time: f32,
@@ -107,6 +122,27 @@ pub enum Command {
     Unload,
     /// Leave a fault behind.
     Clear,
+    /// Take the operator's word that the sheet stands where the path begins.
+    Stand,
+    /// Forget where the sheet stands.
+    Forget,
+}
+
+/// The largest numbers for which a controller has room.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Capacity {
+    /// Number of groups.
+    #[serde(with = "short")]
+    pub groups: u16,
+    /// Number of hinges.
+    #[serde(with = "short")]
+    pub hinges: u16,
+    /// Number of spokes of all essential vertices.
+    #[serde(with = "short")]
+    pub spokes: u16,
+    /// Number of setpoints in the queue.
+    #[serde(with = "short")]
+    pub knots: u16,
 }
 
 /// A message from the controller.
@@ -115,26 +151,37 @@ pub enum ToHost<'a> {
     /// Told in session 0 that the controller speaks another version.
     Mismatch {
         /// Id of the host that asked.
+        #[serde(with = "long")]
         id: u32,
         /// [`VERSION`] of the controller.
+        #[serde(with = "short")]
         version: u16,
         /// [`SCHEMA`] of the controller.
+        #[serde(with = "long")]
         schema: u32,
     },
     /// Offers a session, which begins with the first frame in it. Sent in session 0.
     Welcome {
         /// Id of the host that asked.
+        #[serde(with = "long")]
         id: u32,
         /// Number of the session.
+        #[serde(with = "long")]
         session: u32,
+        /// Number that the controller has not used in any run before.
+        #[serde(with = "wide")]
+        nonce: u64,
+        /// Room of the controller.
+        capacity: Capacity,
     },
     /// The session of this frame is not the open one.
     Unknown,
     /// State of the session and of the follower.
     Report(Report),
-    /// Commanded state and angles at a moment. May be lost.
+    /// Commanded state and angles at a moment, in pieces if there are many groups. May be lost.
     Telemetry {
         /// Microseconds on the controller's clock.
+        #[serde(with = "wide")]
         time: u64,
         /// State of the follower.
         state: State,
@@ -142,7 +189,10 @@ pub enum ToHost<'a> {
         rate: f32,
         /// Position on the path.
         place: FollowerPosition<f32>,
-        /// Commanded angle of each group, 4 bytes each, little endian.
+        /// Number of the first group of this piece.
+        #[serde(with = "short")]
+        first: u16,
+        /// Commanded angles of groups, 4 bytes each, little endian; none while it is not known where they stand.
         angles: &'a [u8],
     },
 }
@@ -151,8 +201,10 @@ pub enum ToHost<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Number of the item that is expected next: all items before it have come.
+    #[serde(with = "short")]
     pub next: u16,
     /// Number of the first item for which there is no room yet.
+    #[serde(with = "short")]
     pub limit: u16,
     /// Number of frames of the session that have come, modulo 2⁸.
     pub heard: u8,
@@ -170,10 +222,17 @@ pub struct Report {
     pub reason: Reason,
     /// Position of the follower on the path.
     pub place: FollowerPosition<f32>,
+    /// Number of the path on which the place is, see [`SheetHead::path`]; 0 if there was none.
+    #[serde(with = "long")]
+    pub path: u32,
+    /// `true` if it is known where the sheet stands.
+    pub known: bool,
+    /// `true` if the stop line holds the motion, whatever the reason says.
+    pub stopped: bool,
 }
 
 /// Reason why an item is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ItemRefusal {
     /// The setpoint is not valid.
     Setpoint(Refusal),
@@ -185,12 +244,35 @@ pub enum ItemRefusal {
     Pieces,
     /// The sheet is not complete.
     Incomplete,
-    /// The limits of this group are no range, or are not above 0.
+    /// The limits of this group are no range, are not above 0, or leave nothing of those of the board.
     Limits(u16),
     /// This hinge follows a group that the sheet does not have.
     Hinge(u16),
-    /// The essential vertices are not valid: a group or a direction is wrong, or the last spoke does not end a vertex.
+    /// The essential vertices are not valid: a group or a direction is wrong, the last spoke does not end a vertex, or
+    /// there is none although the board asks for one.
     Stars,
     /// The closure residual asked for is no number, or more than the controller allows.
     Closure,
+}
+
+impl ItemRefusal {
+    fn numbers(self) -> Numbers {
+        match self {
+            Self::Setpoint(refusal) => Numbers::around(0, refusal.numbers()),
+            Self::Path(denial) => Numbers::around(1, denial.numbers()),
+            Self::Room => Numbers::variant(2),
+            Self::Pieces => Numbers::variant(3),
+            Self::Incomplete => Numbers::variant(4),
+            Self::Limits(group) => Numbers::of(5, group),
+            Self::Hinge(hinge) => Numbers::of(6, hinge),
+            Self::Stars => Numbers::variant(7),
+            Self::Closure => Numbers::variant(8),
+        }
+    }
+}
+
+impl Serialize for ItemRefusal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.numbers().serialize(serializer)
+    }
 }

@@ -6,7 +6,9 @@ use crate::follower::FollowerPosition;
 use crate::trajectory::TrajectoryView;
 use crate::wire::message::{Item, SetpointBytes, SheetHead};
 use crate::wire::sender::Source;
-use crate::{GroupLimits, Interpolation, Membership, Node, Spoke, StarsView};
+use crate::{
+    GroupLimits, Interpolation, Membership, Node, Spoke, StarView, StarsView, checksum_on,
+};
 
 /// Number of bytes of the limits of a group and of a spoke.
 const LIMITS_BYTES: usize = 16;
@@ -15,6 +17,17 @@ const SPOKE_BYTES: usize = 10;
 const MAX_LIMITS_BYTES: usize = 8 * LIMITS_BYTES;
 const MAX_HINGES_BYTES: usize = 128;
 const MAX_SPOKES_BYTES: usize = 12 * SPOKE_BYTES;
+
+/// Largest number of bytes of the groups of a setpoint in an item: 26 groups, or 13 with weights. All items of a
+/// setpoint but the last have as many.
+pub const NODES_BYTES: usize = 208;
+
+/// Returns the number of items of a setpoint of `groups` groups: at least 1.
+#[must_use]
+pub fn pieces(interpolation: Interpolation, groups: usize) -> usize {
+    let bytes = 4 * interpolation.width() * groups;
+    bytes.div_ceil(NODES_BYTES).max(1)
+}
 
 /// Decodes the groups of a setpoint.
 pub fn nodes(interpolation: Interpolation, bytes: &[u8]) -> impl Iterator<Item = Node<f32>> {
@@ -48,13 +61,15 @@ pub fn hinge_bits(groups: u16) -> NonZero<usize> {
 
 /// Decodes hinge codes of `bits` bits each, the lowest bits first. Bits left over in the last byte are dropped.
 pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u16> {
-    let bit = move |place: usize| {
-        let byte = bytes.get(place / 8).copied().unwrap_or(0);
-        u16::from(byte >> (place % 8) & 1)
-    };
     let code = move |hinge: usize| {
         let first = hinge * bits.get();
-        (0..bits.get()).fold(0, |code, k| code | bit(first + k) << k)
+        // A code of at most 17 bits begins anywhere in the first of three bytes.
+        let word = (0..3).fold(0, |word, k| {
+            let byte = bytes.get(first / 8 + k).copied().unwrap_or(0);
+            word | u32::from(byte) << (8 * k)
+        });
+        let [low, high, ..] = (word >> (first % 8) & !(u32::MAX << bits.get())).to_le_bytes();
+        u16::from_le_bytes([low, high])
     };
     (0..8 * bytes.len() / bits).map(code)
 }
@@ -113,16 +128,52 @@ impl<'a> PathItems<'a> {
             hinges: small(hinges.len())?,
             spokes: small(spokes)?,
             closure,
+            path: 0,
             place,
         };
-        sound.then_some(Self {
+        let mut items = Self {
             head,
             limits,
             hinges,
             stars,
             path,
             first,
-        })
+        };
+        if !sound {
+            return None;
+        }
+        items.head.path = items.checksum().max(1);
+        Some(items)
+    }
+
+    /// Returns the checksum of all numbers of the path and its sheet, the limits aside.
+    fn checksum(&self) -> u32 {
+        let mut sum = u32::from(self.head.interpolation as u8);
+        let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
+        self.hinge_bytes().for_each(|byte| add(&[byte]));
+        for (code, spoke) in self.stars.iter().flat_map(StarView::codes) {
+            add(&code.to_le_bytes());
+            spoke.direction.iter().for_each(|x| add(&x.to_le_bytes()));
+        }
+        for knot in (0..self.path.len()).filter_map(|knot| self.path.knot(knot)) {
+            add(&knot.time.to_le_bytes());
+            let numbers = knot.angles.iter().chain(knot.rates);
+            let numbers = numbers.chain(knot.weights.as_flattened());
+            numbers.for_each(|number| add(&number.to_le_bytes()));
+        }
+        sum
+    }
+
+    /// Returns the number that tells this path from others, see [`SheetHead::path`].
+    #[must_use]
+    pub fn identity(&self) -> u32 {
+        self.head.path
+    }
+
+    /// Returns the number of items of a setpoint.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        pieces(self.head.interpolation, self.path.groups())
     }
 
     /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
@@ -178,7 +229,7 @@ impl<'a> PathItems<'a> {
     /// Returns the number of items.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.head() + self.path.len() - self.first
+        self.head() + (self.path.len() - self.first) * self.pieces()
     }
 
     /// Returns `false`: there is at least the sheet.
@@ -188,7 +239,8 @@ impl<'a> PathItems<'a> {
     }
 
     fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        let number = self.first.checked_add(index)?;
+        let (setpoint, piece) = (index / self.pieces(), index % self.pieces());
+        let number = self.first.checked_add(setpoint)?;
         let knot = self.path.knot(number)?;
         let mut weights = knot.weights.iter();
         let groups = knot.angles.iter().zip(knot.rates);
@@ -198,11 +250,19 @@ impl<'a> PathItems<'a> {
                 .into_iter()
                 .take(self.head.interpolation.width())
         });
+        let bytes = part(
+            numbers.flat_map(f32::to_le_bytes),
+            (piece * NODES_BYTES, NODES_BYTES),
+            scratch,
+        )?;
+        if piece + 1 < self.pieces() {
+            return Some(Item::Nodes(bytes));
+        }
         Some(Item::Setpoint(SetpointBytes {
             number: u32::try_from(number).ok()?,
             time: knot.time,
             last: number + 1 == self.path.len(),
-            nodes: fill(scratch, numbers.flat_map(f32::to_le_bytes))?,
+            nodes: bytes,
         }))
     }
 

@@ -5,8 +5,13 @@
 
 use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::wire::frame;
-use crate::wire::message::{Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION};
+use crate::wire::message::{
+    Capacity, Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION,
+};
 use crate::wire::sequence::ahead;
+
+/// Factor that spreads the bits of a nonce: 2⁶⁴ over the golden ratio, made odd.
+const MIX: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Content of a frame that the controller has to act on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +33,26 @@ pub struct Status {
     pub reason: Reason,
     /// Position of the follower on the path.
     pub place: FollowerPosition<f32>,
+    /// Number of the path on which the position is; 0 if there was none.
+    pub path: u32,
+    /// `true` if it is known where the sheet stands.
+    pub known: bool,
+    /// `true` if the stop line holds the motion.
+    pub stopped: bool,
     /// Number of items for which there is room.
     pub room: u16,
+}
+
+/// The controller as it presents itself to hosts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity {
+    /// Number of the controller on its line; 0 if it is the only one.
+    pub node: u8,
+    /// Number that tells this run of the controller from all its other runs, so that frames of other runs do nothing: a
+    /// random number of the hardware, or a count in memory that keeps it without power.
+    pub nonce: u64,
+    /// Room of the controller.
+    pub capacity: Capacity,
 }
 
 /// A host, and the session that was offered to it or is open.
@@ -51,6 +74,7 @@ struct Due {
 /// The state machine of the controller's end.
 #[derive(Clone, Debug)]
 pub struct Receiver {
+    identity: Identity,
     greetings: u32,
     offered: Option<Peer>,
     open: Option<Peer>,
@@ -73,12 +97,14 @@ enum Gap {
 }
 
 impl Receiver {
-    /// Creates a receiver without a session. `boot` tells the sessions of this run of the controller from those of
-    /// other runs: a count of resets or a random number.
+    /// Creates a receiver without a session.
     #[must_use]
-    pub fn new(boot: u32) -> Self {
+    pub fn new(identity: Identity) -> Self {
+        // Every bit of the nonce changes the upper half of the product.
+        let [.., a, b, c, d] = identity.nonce.wrapping_mul(MIX).to_le_bytes();
         Self {
-            greetings: boot,
+            identity,
+            greetings: u32::from_le_bytes([a, b, c, d]),
             offered: None,
             open: None,
             opened: false,
@@ -105,7 +131,7 @@ impl Receiver {
 
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
-        let (session, message) = frame::open(bytes)?;
+        let (session, message) = frame::open_for(self.identity.node, bytes)?;
         if let ToDevice::Hello {
             version,
             schema,
@@ -175,7 +201,8 @@ impl Receiver {
             return None;
         };
         let (greetings, due) = (self.greetings, self.due);
-        *self = Self::new(greetings);
+        *self = Self::new(self.identity);
+        self.greetings = greetings;
         (self.open, self.opened) = (Some(peer), true);
         self.due = Due {
             report: true,
@@ -225,6 +252,11 @@ impl Receiver {
 
     /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent).
     pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+        let Identity {
+            node,
+            nonce,
+            capacity,
+        } = self.identity;
         if let Some(id) = self.due.mismatch {
             let (version, schema) = (VERSION, SCHEMA);
             let message = ToHost::Mismatch {
@@ -232,14 +264,20 @@ impl Receiver {
                 version,
                 schema,
             };
-            frame::seal(0, &message, buffer)
+            frame::seal_for(node, 0, &message, buffer)
         } else if let Some(Peer { id, session }) = self.due.welcome {
-            frame::seal(0, &ToHost::Welcome { id, session }, buffer)
+            let message = ToHost::Welcome {
+                id,
+                session,
+                nonce,
+                capacity,
+            };
+            frame::seal_for(node, 0, &message, buffer)
         } else if let Some(session) = self.due.unknown {
-            frame::seal(session, &ToHost::Unknown, buffer)
+            frame::seal_for(node, session, &ToHost::Unknown, buffer)
         } else if let Some(peer) = self.open.filter(|_| self.due.report) {
             let message = ToHost::Report(self.report(status));
-            frame::seal(peer.session, &message, buffer)
+            frame::seal_for(node, peer.session, &message, buffer)
         } else {
             None
         }
@@ -270,6 +308,9 @@ impl Receiver {
             state: status.state,
             reason: status.reason,
             place: status.place,
+            path: status.path,
+            known: status.known,
+            stopped: status.stopped,
         }
     }
 }

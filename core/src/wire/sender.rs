@@ -2,11 +2,12 @@
 //!
 //! Go-back-N with cumulative acknowledgement: lost items are sent again from the first one that has not come, when the
 //! controller tells a gap (once) or has told nothing new for a while. The sender does not keep items, but asks a
-//! [`Source`] for them again.
+//! [`Source`] for them again. The time after which something is sent again follows the measured round trips, as in
+//! [RFC6298](crate#references): the smoothed time plus four times its mean deviation, doubled with each repetition.
 
 use crate::follower::Denial;
 use crate::wire::frame;
-use crate::wire::message::{Command, Item, Report, SCHEMA, ToDevice, ToHost, VERSION};
+use crate::wire::message::{Capacity, Command, Item, Report, SCHEMA, ToDevice, ToHost, VERSION};
 use crate::wire::sequence::wrapped;
 
 /// The items that are to be sent.
@@ -19,8 +20,13 @@ pub trait Source {
 /// Options of a [`Sender`]. Times are microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Time after which items and frames without an answer are sent again.
+    /// Number of the controller on its line; 0 if it is the only one.
+    pub node: u8,
+    /// Shortest time after which items and frames without an answer are sent again. The measured round trips make it
+    /// longer.
     pub retry: u64,
+    /// Longest time after which they are sent again.
+    pub max_retry: u64,
     /// Longest time between two frames, if the last frame was answered.
     pub alive: u64,
     /// Silence of the controller after which the host gives up.
@@ -30,7 +36,9 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            node: 0,
             retry: 30_000,
+            max_retry: 500_000,
             alive: 200_000,
             silence: 5_000_000,
         }
@@ -73,6 +81,45 @@ struct Pending {
     sent: Option<u64>,
 }
 
+/// The measured round trips, microseconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct RoundTrips {
+    /// Smoothed time (`mean`) and mean deviation from it, if a time was measured.
+    measured: Option<(u64, u64)>,
+    /// Number of repetitions since the controller was heard.
+    repeated: u32,
+    /// Item that is timed, and the time when it was sent. An item that was sent again is not timed, because its answer may
+    /// be that to either frame (Karn's algorithm).
+    timed: Option<(u64, u64)>,
+}
+
+impl RoundTrips {
+    fn measure(&mut self, time: u64) {
+        self.repeated = 0;
+        self.measured = Some(match self.measured {
+            None => (time, time / 2),
+            Some((mean, deviation)) => (
+                (7 * mean + time) / 8,
+                (3 * deviation + mean.abs_diff(time)) / 4,
+            ),
+        });
+    }
+
+    /// Notes that something is sent again.
+    fn repeat(&mut self) {
+        (self.repeated, self.timed) = (self.repeated.saturating_add(1), None);
+    }
+
+    /// Returns the time after which something is sent again.
+    fn retry(&self, options: &Options) -> u64 {
+        let time = self
+            .measured
+            .map_or(0, |(mean, deviation)| mean + 4 * deviation);
+        let doubled = time.max(options.retry) << self.repeated.min(16);
+        doubled.min(options.max_retry.max(options.retry))
+    }
+}
+
 /// The state machine of the host's end of the line.
 #[derive(Clone, Debug)]
 pub struct Sender {
@@ -89,6 +136,9 @@ pub struct Sender {
     /// Item from which the last gap was sent again.
     rewound: Option<u64>,
     repeated: u64,
+    trips: RoundTrips,
+    /// Time of the first greeting, microseconds.
+    greeted: Option<u64>,
     /// Time when the controller last took an item, or when the oldest item under way was sent, microseconds.
     progress: u64,
     sent: Option<u64>,
@@ -99,6 +149,7 @@ pub struct Sender {
     pending: Option<Pending>,
     answer: Option<Result<(), Denial>>,
     report: Option<Report>,
+    capacity: Option<Capacity>,
 }
 
 impl Sender {
@@ -116,6 +167,8 @@ impl Sender {
             limit: 0,
             rewound: None,
             repeated: 0,
+            trips: RoundTrips::default(),
+            greeted: None,
             progress: 0,
             sent: None,
             answered: false,
@@ -124,6 +177,7 @@ impl Sender {
             pending: None,
             answer: None,
             report: None,
+            capacity: None,
         }
     }
 
@@ -149,6 +203,12 @@ impl Sender {
     #[must_use]
     pub fn report(&self) -> Option<&Report> {
         self.report.as_ref()
+    }
+
+    /// Returns the room of the controller; `None` until it has offered a session.
+    #[must_use]
+    pub fn capacity(&self) -> Option<Capacity> {
+        self.capacity
     }
 
     /// Asks for a command; returns `false` while the command before has not been answered.
@@ -195,7 +255,7 @@ impl Sender {
         }
         let (session, message) = self.message(now, source, scratch)?;
         (self.sent, self.answered) = (Some(now), false);
-        frame::seal(session, &message, buffer)
+        frame::seal_for(self.options.node, session, &message, buffer)
     }
 
     /// Returns the message to send at `now`, and its session.
@@ -205,7 +265,7 @@ impl Sender {
         source: &impl Source,
         scratch: &'s mut [u8],
     ) -> Option<(u32, ToDevice<'s>)> {
-        let Options { retry, alive, .. } = self.options;
+        let (retry, alive) = (self.trips.retry(&self.options), self.options.alive);
         let since = |then: Option<u64>| then.map_or(u64::MAX, |then| now.saturating_sub(then));
         if self.phase == Phase::Greeting {
             let hello = ToDevice::Hello {
@@ -213,12 +273,20 @@ impl Sender {
                 schema: SCHEMA,
                 id: self.id,
             };
-            return (since(self.sent) >= retry).then_some((0, hello));
+            let due = since(self.sent) >= retry;
+            if due && self.greeted.is_some() {
+                self.trips.repeat();
+            }
+            self.greeted = self.greeted.or(Some(now).filter(|_| due));
+            return due.then_some((0, hello));
         }
         let number = self.number;
         if let (Phase::Open, Some(pending)) = (self.phase, &mut self.pending)
             && since(pending.sent) >= retry
         {
+            if pending.sent.is_some() {
+                self.trips.repeat();
+            }
             pending.sent = Some(now);
             let command = pending.command;
             return Some((self.session, ToDevice::Command { number, command }));
@@ -231,7 +299,8 @@ impl Sender {
         let pace = if self.phase == Phase::Open && self.answered {
             alive
         } else {
-            retry
+            // The controller holds if it hears nothing for a while, and a short frame costs little.
+            retry.min(alive / 4)
         };
         (since(self.sent) >= pace).then_some((self.session, ToDevice::Alive))
     }
@@ -243,8 +312,9 @@ impl Sender {
         source: &impl Source,
         scratch: &'s mut [u8],
     ) -> Option<(u16, Item<'s>)> {
-        let late = now.saturating_sub(self.progress) >= self.options.retry;
+        let late = now.saturating_sub(self.progress) >= self.trips.retry(&self.options);
         if late && self.next > self.acked {
+            self.trips.repeat();
             self.next = self.acked;
         }
         let refused = self.report.is_some_and(|report| report.refused.is_some());
@@ -256,7 +326,11 @@ impl Sender {
         if self.next == self.acked {
             self.progress = now;
         }
-        self.repeated += u64::from(self.next < self.highest);
+        let repeats = self.next < self.highest;
+        self.repeated += u64::from(repeats);
+        if !repeats && self.trips.timed.is_none() {
+            self.trips.timed = Some((self.next, now));
+        }
         self.next += 1;
         self.highest = self.highest.max(self.next);
         Some((sequence, item))
@@ -264,7 +338,7 @@ impl Sender {
 
     /// Takes a frame that came at `now`, microseconds; returns the message if it is for this host.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], now: u64) -> Option<ToHost<'b>> {
-        let (session, message) = frame::open(bytes)?;
+        let (session, message) = frame::open_for(self.options.node, bytes)?;
         match message {
             ToHost::Mismatch {
                 id,
@@ -275,10 +349,19 @@ impl Sender {
                 mine.then_some(())?;
                 self.phase = Phase::Failed(Failure::Version { version, schema });
             }
-            ToHost::Welcome { id, session: offer } => {
+            ToHost::Welcome {
+                id,
+                session: offer,
+                capacity,
+                ..
+            } => {
                 let mine = session == 0 && id == self.id && self.phase == Phase::Greeting;
                 mine.then_some(())?;
                 (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
+                self.capacity = Some(capacity);
+                if let Some(greeted) = self.greeted.filter(|_| self.trips.repeated == 0) {
+                    self.trips.measure(now.saturating_sub(greeted));
+                }
             }
             _ if session != self.session || self.phase == Phase::Greeting => return None,
             ToHost::Unknown => match self.phase {
@@ -300,12 +383,20 @@ impl Sender {
         if came > self.highest - self.acked {
             return None;
         }
+        // Before the first round trip was measured, only longer times can tell how long it takes.
+        if self.trips.measured.is_some() {
+            self.trips.repeated = 0;
+        }
         self.answered |= self.report.is_none_or(|last| last.heard != report.heard);
         if self.phase == Phase::Offered {
             self.phase = Phase::Open;
         }
         if came > 0 {
             self.acked += came;
+            if let Some((_, sent)) = self.trips.timed.filter(|(item, _)| *item < self.acked) {
+                self.trips.timed = None;
+                self.trips.measure(now.saturating_sub(sent));
+            }
             self.next = self.next.max(self.acked);
             self.progress = now;
         }
@@ -314,6 +405,7 @@ impl Sender {
         if report.gap && self.next > self.acked && self.rewound != Some(self.acked) {
             self.rewound = Some(self.acked);
             self.next = self.acked;
+            self.trips.timed = None;
         }
         if report.command == self.number && self.pending.is_some() {
             (self.pending, self.answer) = (None, Some(report.denied.map_or(Ok(()), Err)));

@@ -4,7 +4,7 @@
 use core::f64::consts::PI;
 
 use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
-use foldpath_core::follower::{Denial, Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::path_clock::ClockLimits;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::{
@@ -132,6 +132,7 @@ impl<T: Scalar> Run<T> {
             .load(&run.sheet.view(), FollowerPosition::default())
             .unwrap();
         run.feed();
+        run.follower.confirm().unwrap();
         run
     }
 
@@ -414,8 +415,10 @@ fn the_stop_line_is_heard_in_every_state() {
     idle.load(&sheet.view(), FollowerPosition::default())
         .unwrap();
     idle.accept(&sheet.view(), setpoint(0)).unwrap();
+    assert_eq!(idle.confirm(), Err(Denial::Held));
     assert_eq!(idle.start(), Err(Denial::Held));
     idle.resume().unwrap();
+    idle.confirm().unwrap();
     assert_eq!((idle.state(), idle.start()), (State::Ready, Ok(())));
     let mut done = Run::<f32>::started();
     done.until(State::Done);
@@ -475,7 +478,7 @@ fn a_slow_hinge_slows_all_and_a_stalled_one_is_named() {
     lagging(&mut run, 1.0, 0.8);
     assert_eq!(
         (run.follower.state(), run.follower.reason()),
-        (State::Faulted, Reason::Stalled(7))
+        (State::Faulted, Reason::Fault(Fault::Stalled(7)))
     );
     let command = run.follower.angles()[1];
     let options = Options::<f32>::default();
@@ -518,21 +521,29 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
         (run.follower.state(), run.follower.reason()),
         (State::Running, Reason::None)
     );
-    // The hinge lags several times, each time for less than the time after which a lag is a fault.
+    // The hinge lags several times, each time for less than the time after which a lag is a fault, and follows for as
+    // long.
     for _ in 0..3 {
         run.follower.measure(2, member, command - 0.5);
         run.ticks(600);
         assert_eq!(run.follower.reason(), Reason::Lag(2));
         let command = run.follower.hinge(member).unwrap();
         run.follower.measure(2, member, command);
+        let free = run.follower.clone();
         run.ticks(2);
+        assert_eq!(run.follower.reason(), Reason::None);
+        // Nobody measures the hinge while the command moves on.
+        run.follower = free;
+        run.follower.hold(Reason::Asked);
+        run.ticks(2);
+        run.follower.resume().unwrap();
     }
     assert_eq!(run.follower.state(), State::Running);
     run.follower.measure(5, member, f32::NAN);
     run.ticks(1001);
     assert_eq!(
         (run.follower.state(), run.follower.reason()),
-        (State::Faulted, Reason::Stalled(5))
+        (State::Faulted, Reason::Fault(Fault::Stalled(5)))
     );
 }
 
@@ -746,7 +757,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         let (place, angles) = (run.follower.position(), run.follower.angles().to_vec());
         let mut again = Run::<f32>::started();
         again.follower = Follower::new(Options::default());
-        again.follower.stand(&angles, place).unwrap();
+        again.follower.stand(&angles, place, false).unwrap();
         assert_eq!(again.follower.position(), place);
         again.follower.load(&again.sheet.view(), place).unwrap();
         again.feed();
@@ -756,7 +767,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
 
         let mut elsewhere = Miura::<f32>::new(Options::default());
         elsewhere
-            .stand(&[angles[0], angles[1] + 0.02], place)
+            .stand(&[angles[0], angles[1] + 0.02], place, false)
             .unwrap();
         elsewhere.load(&run.sheet.view(), place).unwrap();
         for number in place.knot..KNOTS.min(place.knot + 2) {
@@ -789,7 +800,7 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
         let begin = setpoint::<f64>(0).nodes[0].angle;
         run.follower = Follower::new(Options::default());
         run.follower
-            .stand(&[begin, nowhere], FollowerPosition::default())
+            .stand(&[begin, nowhere], FollowerPosition::default(), false)
             .unwrap();
         run.follower
             .load(&run.sheet.view(), FollowerPosition::default())
@@ -890,6 +901,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
         };
         follower.accept(&view, next).unwrap();
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     let mut worst = 0.0_f64;
     for now in 1..3000 {
@@ -971,6 +983,7 @@ fn a_long_segment_takes_its_time() {
         };
         follower.accept(&sheet, setpoint).unwrap();
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     for now in 1..=10_000 {
         follower.heard(now * TICK);
@@ -1007,6 +1020,7 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
         };
         follower.accept(&sheet, setpoint).unwrap();
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     for now in 1..=1000 {
         follower.heard(now * TICK);
@@ -1048,6 +1062,7 @@ fn rounding_leaves_no_limit() {
             };
             follower.accept(&sheet, still).unwrap();
         }
+        follower.confirm().unwrap();
         follower.start().unwrap();
         for now in 1..100 {
             follower.tick(now * TICK);

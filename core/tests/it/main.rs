@@ -1,17 +1,21 @@
 //! Tests of core through its public interface, with one module for each subject.
 
+mod alike;
 mod closure;
 mod conjugate_gradients;
 mod follower;
+mod holds;
 mod hole;
 mod motions;
 mod nonsense;
 mod normal_equations;
 mod objective;
 mod path_clock;
+mod power_on;
 mod project;
 mod rotation;
 mod sampling;
+mod segment_bounds;
 mod solvers;
 mod star;
 mod trajectory;

@@ -4,15 +4,16 @@ use core::num::NonZero;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foldpath_core::acceptance::Refusal;
-use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
+use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
-    Command, Item, ItemRefusal, Report, SCHEMA, SetpointBytes, SheetHead, ToDevice, ToHost, VERSION,
+    Capacity, Command, Item, ItemRefusal, Report, SCHEMA, SetpointBytes, SheetHead, ToDevice,
+    ToHost, VERSION,
 };
 use foldpath_core::wire::path::{self, PathItems};
-use foldpath_core::wire::receiver::{Event, Receiver, Status};
+use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership};
@@ -134,6 +135,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         hinges: 1104,
         spokes: 4,
         closure: 0.001,
+        path: 7,
         place,
     };
     let setpoint = SetpointBytes {
@@ -153,7 +155,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             item,
         })
     };
-    let (version, schema, id) = (1, 0x1234_5678, 5);
+    let (version, schema, id) = (2, 0x1234_5678, 5);
     let report = Report {
         next: 300,
         limit: 316,
@@ -165,12 +167,16 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         state: State::Holding,
         reason: Reason::StopLine,
         place,
+        path: 7,
+        known: true,
+        stopped: true,
     };
     let telemetry = ToHost::Telemetry {
         time: 1_000_000,
         state: State::Running,
         rate: 0.5,
         place,
+        first: 48,
         angles: &[0, 0, 128, 63],
     };
     let plain = Report {
@@ -185,11 +191,11 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 schema,
                 id,
             }),
-            "Hello: version 1, schema 12345678, id 5",
+            "Hello: version 2, schema 12345678, id 5",
         ),
         (
             item(Item::Sheet(head)),
-            "Item 300, Sheet: Hermite, 2 groups, 1104 hinges, 4 spokes, closure 0.001, begins 0.5 s behind knot 200",
+            "Item 300, Sheet: Hermite, 2 groups, 1104 hinges, 4 spokes, closure 0.001, path 7, begins 0.5 s behind knot 200",
         ),
         (
             item(Item::Limits(&limits)),
@@ -208,6 +214,10 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             "Item 300, Setpoint: 300, at 2 s, the last, 8 bytes: angle 1, rate 0",
         ),
         (
+            item(Item::Nodes(setpoint.nodes)),
+            "Item 300, Nodes: 8 bytes: angle 1, rate 0",
+        ),
+        (
             bytes(ToDevice::Command {
                 number: 2,
                 command: Command::Hold,
@@ -221,16 +231,26 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 version,
                 schema,
             }),
-            "Mismatch: id 5, version 1, schema 12345678",
+            "Mismatch: id 5, version 2, schema 12345678",
         ),
         (
-            bytes(ToHost::Welcome { id, session: 6 }),
-            "Welcome: id 5, session 6",
+            bytes(ToHost::Welcome {
+                id,
+                session: 6,
+                nonce: 300,
+                capacity: Capacity {
+                    groups: 2,
+                    hinges: 1104,
+                    spokes: 16,
+                    knots: 64,
+                },
+            }),
+            "Welcome: id 5, session 6, nonce 300, room for 2 groups, 1104 hinges, 16 spokes, 64 setpoints",
         ),
         (bytes(ToHost::Unknown), "Unknown"),
         (
             bytes(ToHost::Report(plain)),
-            "Report: next 300, limit 316, 7 frames have come, a gap, nothing refused, command 2 carried out, Holding, StopLine, 0.5 s behind knot 200",
+            "Report: next 300, limit 316, 7 frames have come, a gap, nothing refused, command 2 carried out, Holding, StopLine, 0.5 s behind knot 200, of path 7, which is known, and stopped",
         ),
         (
             bytes(ToHost::Report(report)),
@@ -238,7 +258,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (
             bytes(telemetry),
-            "Telemetry: at 1 s, Running, rate 0.5, 0.5 s behind knot 200, 4 bytes: angle 1",
+            "Telemetry: at 1 s, Running, rate 0.5, 0.5 s behind knot 200, from group 48 on 4 bytes: angle 1",
         ),
         (bytes(Interpolation::Linear), "interpolation Linear"),
         (bytes(Interpolation::Hermite), "Hermite"),
@@ -249,6 +269,8 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Command::Resume), "Resume"),
         (bytes(Command::Unload), "Unload"),
         (bytes(Command::Clear), "Clear"),
+        (bytes(Command::Stand), "Stand"),
+        (bytes(Command::Forget), "Forget"),
         (bytes(State::Idle), "state Idle"),
         (bytes(State::Ready), "Ready"),
         (bytes(State::Running), "Running"),
@@ -266,7 +288,14 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             bytes(Reason::Refused(Refusal::Order)),
             "Refused, of a setpoint: Order",
         ),
-        (bytes(Reason::Stalled(300)), "Stalled hinge 300"),
+        (
+            bytes(Reason::Fault(Fault::Stalled(300))),
+            "Fault: Stalled hinge 300",
+        ),
+        (bytes(Reason::Approach), "Approach"),
+        (bytes(Reason::Lease), "Lease"),
+        (bytes(Fault::Stalled(300)), "fault Stalled: hinge 300"),
+        (bytes(Fault::Leap(1)), "Leap of group 1"),
         (bytes(Denial::State), "denial State"),
         (bytes(Denial::Moving), "Moving"),
         (bytes(Denial::Groups), "Groups"),
@@ -274,6 +303,8 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Denial::Place), "Place"),
         (bytes(Denial::Jump(1)), "Jump of group 1"),
         (bytes(Denial::Held), "Held"),
+        (bytes(Denial::Unknown(1)), "Unknown: group 1"),
+        (bytes(Denial::Spread(1)), "Spread of group 1"),
         (
             bytes(ItemRefusal::Setpoint(Refusal::Order)),
             "item refused, Setpoint: Order",
@@ -353,6 +384,14 @@ fn the_protocols_frame_is_on_the_line_as_it_is() {
     assert_eq!(hex(&bytes), hex(&stuffed(frame)));
 }
 
+/// Returns a controller of this nonce.
+fn numbered(nonce: u64) -> Identity {
+    Identity {
+        nonce,
+        ..Identity::default()
+    }
+}
+
 /// A source of `u64` items; each item holds its own number.
 struct Numbers(u64);
 
@@ -390,7 +429,7 @@ impl Ends {
         Self {
             now: 0,
             sender: Sender::new(5, Options::default()),
-            receiver: Receiver::new(0),
+            receiver: Receiver::new(numbered(0)),
             source: Numbers(items),
             room,
             came: Vec::new(),
@@ -439,6 +478,9 @@ impl Ends {
             reason: Reason::None,
             place: FollowerPosition::default(),
             room: self.room,
+            path: 0,
+            known: true,
+            stopped: false,
         };
         let mut buffer = [0; 128];
         let frame = self.receiver.poll(&status, &mut buffer).map(<[u8]>::to_vec);
@@ -682,7 +724,7 @@ fn no_two_hosts_share_a_session() {
 #[test]
 fn a_host_whose_session_is_over_is_told() {
     let mut ends = Ends::open(20, 5);
-    ends.receiver = Receiver::new(1);
+    ends.receiver = Receiver::new(numbered(1));
     let frame = ends.said().unwrap();
     ends.hear(&frame);
     assert!(ends.came.is_empty());
@@ -718,7 +760,7 @@ fn a_ring_takes_whole_frames_and_keeps_its_reserve() {
 #[test]
 fn random_bytes_are_neither_frames_nor_panics() {
     let mut rng = Random::new(92);
-    let mut receiver = Receiver::new(0);
+    let mut receiver = Receiver::new(numbered(0));
     let mut sender = Sender::new(5, Options::default());
     let mut deframer = Deframer::<64>::default();
     let mut buffer = [0; 64];
@@ -748,6 +790,9 @@ fn random_bytes_are_neither_frames_nor_panics() {
             reason: Reason::None,
             place: FollowerPosition::default(),
             room: 5,
+            path: 0,
+            known: true,
+            stopped: false,
         };
         if receiver.poll(&status, &mut buffer).is_some() {
             receiver.sent();
@@ -839,6 +884,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
             Item::Spokes(bytes) => {
                 came_spokes.extend(bytes.as_chunks().0.iter().map(|b| path::spoke(*b)));
             }
+            Item::Nodes(_) => panic!("two groups fit into one item"),
             Item::Setpoint(setpoint) => {
                 assert_eq!(setpoint.last, index + 1 == items.len() as u64);
                 for node in path::nodes(Interpolation::Hermite, setpoint.nodes) {

@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | line to the host, 460,800 baud | USART2 on PA2 and PA3, which the board's debugger passes on over USB |
-//! | stop line, drawn while low | PC13, the blue button |
+//! | stop line, drawn while high: a contact to ground that opens, or a wire that breaks | PC1 |
 //! | servos, 1 to 2 ms every 20 ms | TIM3 on PA6, PA7, PB0 and PB1 |
 //! | positions, from the servos' potentiometers | ADC1 on PA0, PA1, PA4 and PC0 |
 //! | clock | TIM5, in microseconds |
@@ -22,13 +22,14 @@ use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
-use foldpath_core::Membership;
-use foldpath_firmware_sim::application::{Application, Board, RECORD};
-use foldpath_firmware_sim::controller::Settings;
+use foldpath_core::{GroupLimits, Membership};
+use foldpath_firmware_sim::application::{Application, Board};
+use foldpath_firmware_sim::controller::{Condition, Settings};
 use foldpath_firmware_sim::fifo::Fifo;
+use foldpath_firmware_sim::retained;
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
-use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC13};
+use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC1};
 use stm32f4xx_hal::pac::{self, ADC1, TIM3, TIM5, USART2, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -36,8 +37,19 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::timer::{CounterUs, PwmChannel};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Room for two groups and four hinges. The essential vertices of a Miura fold have four spokes.
-type Controller = Application<Nucleo, Line, 2, 4, 4, 16>;
+/// Number of groups for which there is room: a single vertex of a Miura fold, planned without symmetry, has three.
+const GROUPS: usize = 4;
+
+/// Room for four hinges, each of which may be a group. The vertex of a Miura fold has four spokes.
+type Controller = Application<Nucleo, Line, GROUPS, 4, 4, 16>;
+
+/// Limits of every hinge: a quarter turn each way, at the speed of a small servo.
+const LIMITS: GroupLimits = GroupLimits {
+    lower: -PI / 2.0,
+    upper: PI / 2.0,
+    speed: 5.0,
+    acceleration: f32::INFINITY,
+};
 
 /// Pulse of a servo at angle 0 (`MIDDLE`) and its growth for each radian (`RADIAN`), microseconds. A servo turns a
 /// quarter turn each way.
@@ -58,7 +70,8 @@ static RECEIVER: Mutex<RefCell<Option<Rx<USART2>>>> = Mutex::new(RefCell::new(No
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
-static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
+static RECORDS: [[AtomicU8; Nucleo::RECORD]; 2] =
+    [const { [const { AtomicU8::new(0) }; Nucleo::RECORD] }; 2];
 
 #[interrupt]
 fn USART2() {
@@ -118,7 +131,7 @@ struct Nucleo {
     clock: CounterUs<TIM5>,
     count: u32,
     micros: u64,
-    button: PC13<Input>,
+    stop: PC1<Input>,
     servos: (
         PwmChannel<TIM3, 0>,
         PwmChannel<TIM3, 1>,
@@ -139,28 +152,32 @@ impl Board for Nucleo {
     }
 
     fn stop(&mut self) -> bool {
-        self.button.is_low()
+        self.stop.is_high()
     }
 
-    fn drive(&mut self, hinge: u32, _: Membership, angle: f32) -> Option<f32> {
+    /// A servo without pulses is limp, and one with pulses holds. Pulses begin with the first command and stay from then
+    /// on, in a fault as well. After a reset there are none until a host has sent the sheet again.
+    fn power(&mut self, _: &Condition) {}
+
+    fn drive(&mut self, hinge: u32, _: Membership, angle: Option<f32>) -> Option<f32> {
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // The read waits for the conversion, which takes 5 microseconds.
         let reading = match hinge {
             0 => {
-                servos.0.set_duty(pulse(angle));
+                angle.inspect(|angle| servos.0.set_duty(pulse(*angle)));
                 converter.convert(&pots.0, time)
             }
             1 => {
-                servos.1.set_duty(pulse(angle));
+                angle.inspect(|angle| servos.1.set_duty(pulse(*angle)));
                 converter.convert(&pots.1, time)
             }
             2 => {
-                servos.2.set_duty(pulse(angle));
+                angle.inspect(|angle| servos.2.set_duty(pulse(*angle)));
                 converter.convert(&pots.2, time)
             }
             3 => {
-                servos.3.set_duty(pulse(angle));
+                angle.inspect(|angle| servos.3.set_duty(pulse(*angle)));
                 converter.convert(&pots.3, time)
             }
             _ => return None,
@@ -168,25 +185,42 @@ impl Board for Nucleo {
         Some((f32::from(reading) - ZERO) / READING)
     }
 
-    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]) {
-        for (place, byte) in RECORDS.get(record).into_iter().flatten().zip(bytes) {
+    /// The servos have no pulses in a reset, and are limp without them. Their potentiometers tell where they stand.
+    fn held(&mut self) -> bool {
+        false
+    }
+
+    const RECORD: usize = retained::size(GROUPS);
+
+    fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
+        let record = RECORDS.get(record).and_then(|record| record.get(at..));
+        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
             place.store(*byte, Ordering::Relaxed);
         }
     }
 
-    fn kept(&mut self, record: usize) -> [u8; RECORD] {
-        let mut bytes = [0; RECORD];
-        for (byte, place) in bytes
-            .iter_mut()
-            .zip(RECORDS.get(record).into_iter().flatten())
-        {
+    fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
+        let record = RECORDS.get(record).and_then(|record| record.get(at..));
+        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
             *byte = place.load(Ordering::Relaxed);
         }
-        bytes
     }
 
     fn feed(&mut self) {
         self.watchdog.feed();
+    }
+}
+
+impl Nucleo {
+    /// Returns a number that differs from start to start: this part has no random numbers but the noise in the lowest
+    /// bits of its converter, of which each reading adds less than a bit.
+    fn nonce(&mut self) -> u64 {
+        (0..1024).fold(0, |nonce: u64, _| {
+            let reading = self
+                .converter
+                .convert(&self.potentiometers.0, SampleTime::Cycles_3);
+            (nonce.rotate_left(7) ^ u64::from(reading)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        })
     }
 }
 
@@ -239,7 +273,7 @@ fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
         clock,
         count: 0,
         micros: 0,
-        button: c.pc13.into_pull_up_input(),
+        stop: c.pc1.into_pull_up_input(),
         servos,
         converter: Adc::new(device.ADC1, true, AdcConfig::default(), &mut rcc),
         potentiometers: (
@@ -256,8 +290,9 @@ fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
 #[entry]
 fn main() -> ! {
     static mut CONTROLLER: Option<Controller> = None;
-    if let Some((nucleo, line)) = pac::Peripherals::take().and_then(start) {
-        let controller = CONTROLLER.insert(Application::new(nucleo, line, Settings::default()));
+    if let Some((mut nucleo, line)) = pac::Peripherals::take().and_then(start) {
+        let settings = Settings::new(nucleo.nonce(), |_| LIMITS);
+        let controller = CONTROLLER.insert(Application::new(nucleo, line, settings));
         // SAFETY: nothing relies on this interrupt being masked.
         unsafe { NVIC::unmask(pac::Interrupt::USART2) };
         loop {

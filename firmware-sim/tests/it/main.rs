@@ -2,6 +2,11 @@
 
 mod faults;
 mod fuzz;
+mod loading;
+mod machine;
 mod path;
+mod power_on;
 mod refusals;
+mod resets;
+mod stops;
 mod world;

@@ -6,7 +6,7 @@ use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
-use foldpath_firmware_sim::controller::Controller;
+use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_test_support::Random;
 use foldpath_test_support::stars::{Stars, foldability_error, miura};
 use rand_core::Rng;
@@ -25,6 +25,34 @@ pub(crate) const LIMITS: GroupLimits = GroupLimits {
 /// Largest residual that a commanded configuration may have: the residual of the cubics between knots, and rounding in
 /// `f32`.
 pub(crate) const CLOSURE: f32 = 2e-6;
+/// Limits of the board, which are wider than those of the path.
+pub(crate) const BOARD: GroupLimits = GroupLimits {
+    lower: -3.2,
+    upper: 3.2,
+    speed: 20.0,
+    acceleration: f32::INFINITY,
+};
+
+/// Returns the options of a board on which any sheet may hang.
+pub(crate) fn settings(nonce: u64) -> Settings {
+    Settings {
+        closed: false,
+        ..Settings::new(nonce, |_| BOARD)
+    }
+}
+
+/// Returns a controller that is told that both groups stand at 0, where the path begins.
+#[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer begins elsewhere"))]
+pub(crate) fn flat(settings: Settings) -> Device {
+    let mut device = Device::new(settings);
+    let place = FollowerPosition::default();
+    device
+        .follower_mut()
+        .stand(&[0.0; 2], place, false)
+        .unwrap();
+    device
+}
+
 /// A controller with room for this path.
 pub(crate) type Device = Controller<4, 64, 32, 16>;
 

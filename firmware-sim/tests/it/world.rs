@@ -6,12 +6,11 @@ use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 use foldpath_core::{GroupId, Spoke, StarsView};
-use foldpath_firmware_sim::controller::Settings;
 use foldpath_firmware_sim::faults::{Faults, Line};
 use foldpath_firmware_sim::hinges::Hinges;
 use foldpath_test_support::Random;
 
-use crate::path::{CLOSURE, Device, LIMITS, Path, vertex};
+use crate::path::{CLOSURE, Device, LIMITS, Path, flat, settings, vertex};
 
 /// Microseconds of a step of the world; four steps are a tick.
 const INSTANT: u64 = 250;
@@ -120,7 +119,7 @@ impl<'a> World<'a> {
             hosts: vec![Host::new(path, 1000 + u32::try_from(seed).unwrap() * 7)],
             up: Line::new(faults, rng(2 * seed)),
             down: Line::new(faults, rng(2 * seed + 1)),
-            device: Device::new(Settings::default()),
+            device: flat(settings(seed)),
             drains: true,
             path,
             max_closure: 0.0,
@@ -202,8 +201,10 @@ impl<'a> World<'a> {
         self.ticks += 1;
         let follower = self.device.follower();
         let reason = follower.reason();
-        if !matches!(reason, Reason::None | Reason::Underrun | Reason::Lag(_))
-            && self.held.last() != Some(&reason)
+        if !matches!(
+            reason,
+            Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach
+        ) && self.held.last() != Some(&reason)
         {
             self.held.push(reason);
         }

@@ -232,6 +232,13 @@ Examples:
     },
 }
 
+/// Places at which an operator may say that a sheet stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum At {
+    /// The beginning of the path
+    Start,
+}
+
 impl Family {
     /// Returns the family with its parameters.
     pub(crate) fn family(&self) -> generate::Family {
@@ -864,6 +871,12 @@ pub(crate) struct Stream {
     /// Continue from the present position of the sheet, also after a stop or a fault
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Say where the sheet stands, whatever the controller knows or measures
+    ///
+    /// A controller that was just switched on does not know where the sheet stands. It measures the hinges if it can, and
+    /// starts only near the beginning of the path. Otherwise somebody has to look and say so.
+    #[arg(long, value_enum, value_name = "PLACE", conflicts_with = "resume")]
+    pub(crate) at: Option<At>,
     /// Faults to add to the line, such as drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     ///
     /// Each number is a fraction of the frames, from 0 to 1: drop of those that get lost, flip of those of which one

@@ -9,7 +9,7 @@ use foldpath_core::follower::State;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use crate::args::{Drives, LineFaults, Stream, Target};
+use crate::args::{At, Drives, LineFaults, Stream, Target};
 use crate::link::{Emulator, Wire, default_image};
 use crate::output::write_whole_with;
 use crate::progress::{self, PACE, PATIENCE};
@@ -169,8 +169,11 @@ fn logged(
     let _default = ctrlc::set_handler(move || {
         count.fetch_add(1, Ordering::Relaxed);
     });
+    // Before the first command, the hinges of the emulated board are nowhere.
+    let emulated = matches!(args.to, Target::Qemu);
     let options = Options {
         resume: args.resume,
+        at_start: emulated || args.at == Some(At::Start),
         id,
     };
     let mut follow = |log: &mut dyn Write| {

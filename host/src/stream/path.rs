@@ -11,9 +11,6 @@ use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, Stars
 use crate::read::FileError;
 use crate::symmetry::largest_star_residual;
 
-/// Largest size in bytes of a setpoint's numbers: a frame of 256 bytes holds 25 other bytes.
-const WIDEST: usize = 256 - 25;
-
 /// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
 pub struct StreamPath {
@@ -41,7 +38,7 @@ impl StreamPath {
         let path = file.to_path_buf();
         let traj =
             TrajectoryFile::read(bytes).map_err(|source| FileError::Trajectory { path, source })?;
-        let (groups, width) = (traj.groups(), traj.interpolation().width());
+        let groups = traj.groups();
         let places = (0..traj.len()).flat_map(|k| (0..groups).map(move |g| (k, g)));
         let nodes: Vec<_> = places.filter_map(|(k, g)| traj.node(k, g)).collect();
         let weighted = traj.interpolation() == Interpolation::Homogeneous;
@@ -60,14 +57,13 @@ impl StreamPath {
             ends: ends.map(|(end, _)| end).collect(),
             closure: traj.closure(),
         };
-        let most = WIDEST / (4 * width);
-        if groups > most || this.items().is_none() {
+        if this.items().is_none() {
             return Err(FileError::Expected {
                 path: file.to_path_buf(),
                 place: "path".into(),
-                expected: format!(
-                    "knots of 1 to {most} crease groups, at most 16384 hinges and as many spokes"
-                ),
+                expected:
+                    "knots of 1 to 16384 crease groups, at most as many hinges and as many spokes"
+                        .into(),
                 found: format!(
                     "{} knots of {groups} groups, {} hinges, {} spokes",
                     this.times.len(),

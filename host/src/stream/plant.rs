@@ -34,11 +34,14 @@ struct FoldedSheet {
 }
 
 impl Plant {
-    /// Makes the hinges of a path, flat at first. The noise of their drives is drawn from `seed`, and `script` has the
+    /// Makes the hinges of a path, which stand where the path begins. The noise of their drives is drawn from `seed`, and `script` has the
     /// disturbances with their times in microseconds.
     #[must_use]
     pub fn new(path: &StreamPath, drive: Drive, seed: u64, script: Vec<(u64, Trouble)>) -> Self {
-        let hinges = Hinges::new(path.hinges(), drive, Pcg64::new(u128::from(seed), 2));
+        let mut hinges = Hinges::new(path.hinges(), drive, Pcg64::new(u128::from(seed), 2));
+        if let Some(knot) = path.view().and_then(|view| view.knot(0)) {
+            hinges.stand(knot.angles);
+        }
         Self {
             hinges,
             script: script.into(),

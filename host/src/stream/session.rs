@@ -13,11 +13,17 @@ use super::{Link, StreamPath, words};
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
 const PATIENCE: u64 = 1_000_000;
 
+/// Largest number of bytes that are read before the watcher is asked and frames are sent again. A controller on a fast
+/// line sends fewer in a millisecond; a peer that floods the line is no controller.
+const MAX_BYTES: usize = 4096;
+
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// `true` to begin where the sheet stands, even after a stop line or a fault, instead of at the start of the path.
     pub resume: bool,
+    /// `true` to pass on the operator's word that the sheet stands where the path begins, whatever the controller knows.
+    pub at_start: bool,
     /// Number of the session, different from that of any session with this controller before.
     pub id: u32,
 }
@@ -130,13 +136,18 @@ pub fn run(
     } else {
         Persistence::None
     };
-    let driver = Driver::new(items, persistence, options.id, sender::Options::default());
+    let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
+    if options.at_start {
+        driver = driver.confirming();
+    }
     let mut session = Session {
         driver,
         path,
         resume: options.resume,
         wish: Wish::Run,
         last: None,
+        telemetry: None,
+        unknown: None,
         bytes: 0,
         closure: 0.0,
         quit: None,
@@ -145,8 +156,9 @@ pub fn run(
     let end = loop {
         let looked = session.look(watcher.wish(), link);
         let mut broken = looked.err();
+        let mut left = MAX_BYTES;
         while broken.is_none()
-            && let Some(heard) = session.hear(link)
+            && let Some(heard) = session.hear(link, &mut left)
         {
             match heard {
                 Ok(telemetry) => watcher.telemetry(&telemetry)?,
@@ -173,6 +185,10 @@ struct Session<'a> {
     wish: Wish,
     /// State and rate in the last telemetry.
     last: Option<(State, f32)>,
+    /// Telemetry of which pieces are missing.
+    telemetry: Option<Telemetry>,
+    /// Time since which the controller has not known where the sheet stands, although the path should start.
+    unknown: Option<u64>,
     bytes: u64,
     closure: f64,
     /// `Some` once the watcher quits; inside, the time at which the stop line was drawn, if the host can draw it.
@@ -207,9 +223,10 @@ impl Session<'_> {
         link.wait()
     }
 
-    /// Reads bytes until the next telemetry, or until no byte is left.
-    fn hear(&mut self, link: &mut impl Link) -> Option<io::Result<Telemetry>> {
+    /// Reads bytes until the next telemetry, or until no byte is there; at most as many as are `left` in this round.
+    fn hear(&mut self, link: &mut impl Link, left: &mut usize) -> Option<io::Result<Telemetry>> {
         loop {
+            *left = left.checked_sub(1)?;
             let byte = match link.read() {
                 Ok(byte) => byte?,
                 Err(error) => return Some(Err(error)),
@@ -220,33 +237,47 @@ impl Session<'_> {
                 state,
                 rate,
                 place,
-                angles,
+                first,
+                angles: piece,
             }) = message
             else {
                 continue;
             };
-            let (angles, _) = angles.as_chunks::<4>();
-            let angles: Vec<f32> = angles.iter().copied().map(f32::from_le_bytes).collect();
             self.last = Some((state, rate));
-            self.closure = self.closure.max(self.path.residual(&angles));
-            return Some(Ok(Telemetry {
+            // Pieces of one moment follow each other; without the first one they are dropped.
+            let mut angles = match self.telemetry.take() {
+                Some(begun) if first > 0 && begun.time == time => begun.angles,
+                _ => Vec::new(),
+            };
+            if angles.len() != usize::from(first) {
+                continue;
+            }
+            let (piece, _) = piece.as_chunks::<4>();
+            angles.extend(piece.iter().copied().map(f32::from_le_bytes));
+            let whole = angles.is_empty() || angles.len() >= self.path.groups();
+            let telemetry = Telemetry {
                 time,
                 state,
                 rate,
                 place,
                 angles,
-            }));
+            };
+            if whole {
+                self.closure = self.closure.max(self.path.residual(&telemetry.angles));
+                return Some(Ok(telemetry));
+            }
+            self.telemetry = Some(telemetry);
         }
     }
 
     /// Returns the outcome and its reason, if the session has ended.
-    fn end(&self, now: u64) -> Option<(Outcome, Option<String>)> {
+    fn end(&mut self, now: u64) -> Option<(Outcome, Option<String>)> {
         if let Phase::Failed(failure) = self.driver.sender().phase() {
             return Some((Outcome::NoDevice, Some(words::failure(failure))));
         }
         if let Some(drawn) = self.quit {
             let report = self.driver.sender().report();
-            let stands = report.is_none_or(|report| report.reason == Reason::StopLine);
+            let stands = report.is_none_or(|report| report.stopped);
             let reason = match drawn {
                 None => "left at once; the controller holds when it hears nothing",
                 Some(_) if stands => "stopped at once by the stop line",
@@ -261,12 +292,12 @@ impl Session<'_> {
         if self.driver.is_done() && self.last.is_some_and(|(state, _)| state == State::Done) {
             return Some((Outcome::Done, None));
         }
-        let end = self.obstacle()?;
+        let end = self.obstacle(now)?;
         Some((end.0, Some(end.1)))
     }
 
     /// Returns the outcome and its reason if the motion cannot go on, once the sheet is at rest.
-    fn obstacle(&self) -> Option<(Outcome, String)> {
+    fn obstacle(&mut self, now: u64) -> Option<(Outcome, String)> {
         let sender = self.driver.sender();
         let Some(report) = sender.report() else {
             let gone = self.wish == Wish::Stop;
@@ -275,7 +306,8 @@ impl Session<'_> {
         let (state, reason) = (report.state, report.reason);
         let recovers = self.resume && !self.driver.is_started();
         if state == State::Faulted {
-            return (!recovers).then(|| (Outcome::Faulted, words::reason(reason)));
+            let words = || words::failed(reason, report.stopped);
+            return (!recovers).then(|| (Outcome::Faulted, words()));
         }
         let rests = match state {
             State::Running => false,
@@ -292,21 +324,28 @@ impl Session<'_> {
             return Some((Outcome::Held, reason));
         }
         if let Some(refused) = report.refused {
-            return Some((Outcome::Held, words::refusal(refused, self.knot())));
+            let words = words::refusal(refused, self.knot(), sender.capacity());
+            return Some((Outcome::Held, words));
         }
         let refuses = sender.answer() == Some(Err(Denial::Held));
-        if reason == Reason::StopLine && (!recovers || refuses) {
-            return Some((Outcome::Held, words::reason(reason)));
+        if report.stopped && (!recovers || refuses) {
+            return Some((Outcome::Held, words::reason(Reason::StopLine)));
         }
         if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {
             let reason = "stopped; --resume goes on from where the sheet stands";
             return Some((Outcome::Stopped, reason.into()));
         }
-        match sender.answer() {
-            Some(Err(why @ (Denial::Jump(_) | Denial::Place | Denial::Empty)))
-                if state == State::Ready =>
-            {
+        let Some(Err(why)) = sender.answer().filter(|_| state == State::Ready) else {
+            return None;
+        };
+        match why {
+            Denial::Jump(_) | Denial::Place | Denial::Empty => {
                 Some((Outcome::Held, words::denial(why)))
+            }
+            // The controller may need a while to measure all hinges.
+            Denial::Unknown(_) | Denial::Spread(_) => {
+                let since = *self.unknown.get_or_insert(now);
+                (now > since + PATIENCE).then(|| (Outcome::Held, words::denial(why)))
             }
             _ => None,
         }

@@ -2,15 +2,25 @@
 
 use std::io;
 
+use foldpath_core::GroupLimits;
+use foldpath_core::follower::State;
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
 use rand_pcg::Pcg64;
 
 use super::{Link, Plant};
 
-/// The controller with room for 32 groups, more than a frame holds; for as many hinges as the protocol counts; for the
-/// spokes of a thousand vertices of degree 4; and for 64 setpoints.
-type Device = Controller<32, 16_384, 4096, 64>;
+/// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
+/// vertices of degree 4, and for 64 setpoints.
+type Device = Controller<256, 16_384, 4096, 64>;
+
+/// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
+const LIMITS: GroupLimits = GroupLimits {
+    lower: -core::f32::consts::PI,
+    upper: core::f32::consts::PI,
+    speed: 100.0,
+    acceleration: f32::INFINITY,
+};
 
 /// Length of a step, microseconds. Four steps are a tick of the controller.
 const STEP: u64 = 250;
@@ -19,7 +29,7 @@ const STEP: u64 = 250;
 const LOOK: u64 = 20_000;
 
 /// A controller behind a serial line of 1 Mbaud with a delay of a millisecond. Without a plant its hinges are exactly
-/// at the commanded angles.
+/// at the commanded angles, and before the first command they are where the first path begins.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
@@ -44,7 +54,11 @@ impl Sim {
         };
         Self {
             now: 0,
-            device: Box::new(Device::new(Settings::default())),
+            device: Box::new(Device::new(Settings {
+                // Any sheet hangs on simulated hinges.
+                closed: false,
+                ..Settings::new(1, |_| LIMITS)
+            })),
             up: line(),
             down: line(),
             outgoing: Vec::new(),
@@ -99,6 +113,11 @@ impl Link for Sim {
         }
         if self.now.is_multiple_of(4 * STEP) {
             self.device.tick(self.now);
+            let waits = self.device.follower().state() == State::Ready;
+            if self.plant.is_none() && waits && !self.device.follower().is_known() {
+                // Denied until the first setpoints have come.
+                let _ = self.device.follower_mut().confirm();
+            }
             if let Some(plant) = &mut self.plant {
                 plant.turn(self.now, self.device.follower_mut());
                 if self.now.is_multiple_of(LOOK) {

@@ -1,7 +1,7 @@
 //! Describes the reasons, denials and failures of a controller in sentences.
 
-use foldpath_core::follower::{Denial, Reason};
-use foldpath_core::wire::message::{ItemRefusal, SCHEMA, VERSION};
+use foldpath_core::follower::{Denial, Fault, Reason};
+use foldpath_core::wire::message::{Capacity, ItemRefusal, SCHEMA, VERSION};
 use foldpath_core::wire::sender::Failure;
 
 /// Explains why a motion does not run.
@@ -17,10 +17,25 @@ pub(super) fn reason(reason: Reason) -> String {
         }
         Reason::Session => "another host came".into(),
         Reason::Refused(refusal) => format!("a setpoint was refused: {refusal}"),
-        Reason::Stalled(hinge) => {
+        Reason::Fault(Fault::Stalled(hinge)) => {
             format!("hinge {hinge} has stalled; --resume goes on once it is free")
         }
+        Reason::Fault(Fault::Leap(group)) => format!(
+            "group {group} would have moved farther in a tick than it may; --resume goes on from where it stands"
+        ),
+        Reason::Approach => "the groups approach the beginning of the path".into(),
+        Reason::Lease => "the path time has reached its bound".into(),
     }
+}
+
+/// Explains why a motion has failed, and that the stop line holds it as well if it is `stopped`.
+pub(super) fn failed(why: Reason, stopped: bool) -> String {
+    let stop = if stopped {
+        ". The stop line holds the motion as well and has to be let go"
+    } else {
+        ""
+    };
+    reason(why) + stop
 }
 
 /// Explains why a command is not carried out.
@@ -35,24 +50,46 @@ pub(super) fn denial(denial: Denial) -> String {
             "group {group} stands elsewhere than the path begins; --resume begins where it stands"
         ),
         Denial::Held => "something holds the motion".into(),
+        Denial::Unknown(group) => format!(
+            "the controller does not know where group {group} stands, and measures none of its hinges; --at start says \
+             that the sheet stands where the path begins"
+        ),
+        Denial::Spread(group) => format!(
+            "the hinges of group {group} are measured at different angles; --at start says that the sheet stands where \
+             the path begins"
+        ),
     }
 }
 
-/// Explains why an item of the path was refused; `knot` is the number of the knot that the controller expected next.
-pub(super) fn refusal(refusal: ItemRefusal, knot: u64) -> String {
+/// Explains why an item of the path was refused; `knot` is the number of the knot that the controller expected next, and
+/// `room` is that of the controller.
+pub(super) fn refusal(refusal: ItemRefusal, knot: u64, room: Option<Capacity>) -> String {
     match refusal {
         ItemRefusal::Setpoint(refusal) => format!("knot {knot} was refused: {refusal}"),
         ItemRefusal::Path(why) => format!("the path was refused: {}", denial(why)),
         ItemRefusal::Room => {
-            "the sheet was refused: more groups, hinges or spokes than the controller has room for"
-                .into()
+            let Capacity {
+                groups,
+                hinges,
+                spokes,
+                ..
+            } = room.unwrap_or_default();
+            format!(
+                "the sheet was refused: the controller has room for {groups} groups, {hinges} hinges and {spokes} spokes"
+            )
         }
         ItemRefusal::Pieces | ItemRefusal::Incomplete => {
             "the sheet was refused: its pieces do not fit together".into()
         }
-        ItemRefusal::Limits(group) => format!("the limits of group {group} were refused"),
+        ItemRefusal::Limits(group) => {
+            format!(
+                "the limits of group {group} were refused: the board's own limits leave nothing of them"
+            )
+        }
         ItemRefusal::Hinge(hinge) => format!("hinge {hinge} was refused: it has no group"),
-        ItemRefusal::Stars => "the essential vertices were refused: they are not sound".into(),
+        ItemRefusal::Stars => {
+            "the essential vertices were refused: they are not sound, or there is none".into()
+        }
         ItemRefusal::Closure => {
             "the sheet was refused: its path is open by more than the controller allows".into()
         }

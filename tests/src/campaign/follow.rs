@@ -52,7 +52,9 @@ pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
             }
             next += 1;
         }
-        if follower.state() == State::Ready && follower.start().is_err() {
+        if follower.state() == State::Ready
+            && follower.confirm().and_then(|()| follower.start()).is_err()
+        {
             return Ok(false);
         }
         now += TICK;

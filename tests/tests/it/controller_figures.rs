@@ -14,7 +14,7 @@ use foldpath_firmware_sim::faults::Faults;
 const PACE: u64 = 25_000_000;
 /// Address of the stack, its size in bytes, and the word with which it is painted.
 const STACK: usize = 0x2000_0000;
-const STACK_SIZE: usize = 16 * 1024;
+const STACK_SIZE: usize = 24 * 1024;
 const PAINT: u32 = 0xcccc_cccc;
 
 /// The flash and RAM that a real part has to offer.
@@ -24,7 +24,7 @@ fn the_image_is_small() {
     let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
     let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
     println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
-    assert!((1..=32 * 1024).contains(&flash));
+    assert!((1..=40 * 1024).contains(&flash));
     assert!((1..=8 * 1024).contains(&ram));
 }
 
@@ -46,6 +46,7 @@ fn work_is_done_in_time() {
     assert!((58 * 10..=58 * 25).contains(&(some - few)));
     assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
     assert!(all <= PACE / 1000);
+    assert!((100..=600).contains(&cost("record-of-2-groups")));
     let frames = PACE / cost("setpoint-from-its-frame-to-the-answer");
     println!("| setpoints received, checked and answered at 25 MHz | {frames} a second |");
     assert!(frames >= 2000);

@@ -8,7 +8,7 @@ use std::thread;
 use crate::image::path::Fold;
 use crate::image::world::{Sight, World, moment, rng, stuffed};
 use crate::image::{address, image, turn};
-use foldpath_core::follower::{Reason, State};
+use foldpath_core::follower::{Fault, Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::driver::Persistence;
 use foldpath_core::wire::frame;
@@ -189,7 +189,7 @@ fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
         let hinge = u32::try_from(rng.next_u64() % 1104).unwrap();
         world.run_into(100_000 + rng.next_u64() % 1_000_000);
         world.board.bench(&format!("{hinge}k"));
-        world.until(|world| reason(world) == Reason::Stalled(hinge));
+        world.until(|world| reason(world) == Reason::Fault(Fault::Stalled(hinge)));
         let time = world.time();
         world.until(|world| world.time() > time);
         let stalled = rests(&world, State::Faulted);
@@ -197,14 +197,24 @@ fn a_stalled_hinge_ends_in_a_fault_that_names_it() {
         let later = rests(&world, State::Faulted);
         assert_eq!((later.place, later.angles), (stalled.place, stalled.angles));
         assert!(world.host().reasons.contains(&Reason::Lag(hinge)));
-        assert!(world.host().reasons.contains(&Reason::Stalled(hinge)));
+        assert!(
+            world
+                .host()
+                .reasons
+                .contains(&Reason::Fault(Fault::Stalled(hinge)))
+        );
         assert_eq!(world.failure(0), None);
         // The hinge is freed and turns to the angle of the others.
         world.board.bench("f");
         world.hosts[0].awake = false;
         world.greet(Persistence::Always);
         world.finish();
-        assert!(world.host().reasons.contains(&Reason::Stalled(hinge)));
+        assert!(
+            world
+                .host()
+                .reasons
+                .contains(&Reason::Fault(Fault::Stalled(hinge)))
+        );
     });
 }
 

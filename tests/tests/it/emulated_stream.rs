@@ -8,7 +8,7 @@ use crate::image::{image, turn};
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
 use foldpath::read::fold::read_motion;
-use foldpath::stream::{Faulty, Link, Outcome, StreamPath, Summary, Telemetry, Wish};
+use foldpath::stream::{Faulty, Link, Options, Outcome, StreamPath, Summary, Telemetry, Wish};
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -36,7 +36,14 @@ fn session(
     wish: &dyn Fn(&[Telemetry]) -> Wish,
 ) -> (Summary, Vec<Telemetry>) {
     let path = StreamPath::read(bytes, Path::new("path.traj")).unwrap();
-    let (summary, heard) = session::session(link, &path, host, wish);
+    // In its first session an emulated board does not know where its hinges are.
+    let (id, resume) = host;
+    let options = Options {
+        resume,
+        at_start: id == 1,
+        id,
+    };
+    let (summary, heard) = session::session(link, &path, options, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
     for told in heard.iter().filter(|told| !told.angles.is_empty()) {
         let knot = told.place.knot as usize;

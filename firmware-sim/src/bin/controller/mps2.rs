@@ -17,14 +17,29 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
-use foldpath_core::Membership;
-use foldpath_firmware_sim::application::{Application, Board, RECORD};
-use foldpath_firmware_sim::controller::Settings;
+use foldpath_core::{GroupLimits, Membership};
+use foldpath_firmware_sim::application::{Application, Board};
+use foldpath_firmware_sim::controller::{Condition, Settings};
 use foldpath_firmware_sim::fifo::Fifo;
 use foldpath_firmware_sim::plant::Plant;
+use foldpath_firmware_sim::retained;
+
+/// Number of groups for which there is room.
+const GROUPS: usize = 2;
 
 /// Room for two groups and the hinges of a Miura fold of 24 x 24 faces.
-type Controller = Application<Mps2, Line, 2, 1104, 16, 16>;
+type Controller = Application<Mps2, Line, GROUPS, 1104, 16, 16>;
+
+/// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
+const NONCE: usize = 0x2030_0000;
+
+/// Limits of every hinge: half a turn each way, at the speed of the drives.
+const LIMITS: GroupLimits = GroupLimits {
+    lower: -core::f32::consts::PI,
+    upper: core::f32::consts::PI,
+    speed: 6.0,
+    acceleration: f32::INFINITY,
+};
 
 /// Counts of the clock in a microsecond.
 const MEGAHERTZ: u32 = 25;
@@ -71,12 +86,13 @@ static DRAWN: AtomicBool = AtomicBool::new(false);
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
-static RECORDS: [[AtomicU8; RECORD]; 2] = [const { [const { AtomicU8::new(0) }; RECORD] }; 2];
+static RECORDS: [[AtomicU8; Mps2::RECORD]; 2] =
+    [const { [const { AtomicU8::new(0) }; Mps2::RECORD] }; 2];
 
 /// The hinges, which a reset leaves as they are. The emulator's memory is 0 when it starts.
 // SAFETY: as above: any bytes are a valid plant.
 #[unsafe(link_section = ".uninit.plant")]
-static PLANT: Plant<2> = Plant::new();
+static PLANT: Plant<GROUPS> = Plant::new();
 
 /// A CMSDK UART, which holds one byte in each direction; its address.
 #[derive(Clone, Copy)]
@@ -193,29 +209,39 @@ impl Board for Mps2 {
         DRAWN.swap(false, Ordering::Relaxed)
     }
 
-    fn drive(&mut self, hinge: u32, membership: Membership, angle: f32) -> Option<f32> {
+    /// The drives of this board have no power to switch: without a command they hold where they are.
+    fn power(&mut self, _: &Condition) {}
+
+    fn drive(&mut self, hinge: u32, membership: Membership, angle: Option<f32>) -> Option<f32> {
+        let Some(angle) = angle else {
+            return PLANT.measure(hinge, membership);
+        };
         #[allow(clippy::cast_possible_truncation, reason = "differences matter")]
         let now = self.micros as u32;
         Some(PLANT.drive(hinge, membership, angle, now))
     }
 
-    fn keep(&mut self, record: usize, bytes: &[u8; RECORD]) {
-        if let Some(record) = RECORDS.get(record) {
-            for (place, byte) in record.iter().zip(bytes) {
-                place.store(*byte, Ordering::Relaxed);
-            }
+    /// The emulated drives hold where they are, in a reset as well.
+    fn held(&mut self) -> bool {
+        true
+    }
+
+    const RECORD: usize = retained::size(GROUPS);
+
+    #[inline(never)]
+    fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
+        let record = RECORDS.get(record).and_then(|record| record.get(at..));
+        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
+            place.store(*byte, Ordering::Relaxed);
         }
     }
 
     #[inline(never)]
-    fn kept(&mut self, record: usize) -> [u8; RECORD] {
-        let mut bytes = [0; RECORD];
-        if let Some(record) = RECORDS.get(record) {
-            for (byte, place) in bytes.iter_mut().zip(record) {
-                *byte = place.load(Ordering::Relaxed);
-            }
+    fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
+        let record = RECORDS.get(record).and_then(|record| record.get(at..));
+        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
+            *byte = place.load(Ordering::Relaxed);
         }
-        bytes
     }
 
     fn feed(&mut self) {
@@ -259,7 +285,13 @@ enum Memory {
 fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
     start();
-    *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, Settings::default()));
+    let nonce = u64::from(read(NONCE)) | u64::from(read(NONCE + 4)) << 32;
+    let settings = Settings {
+        // The emulated hinges hang on any sheet.
+        closed: false,
+        ..Settings::new(nonce, |_| LIMITS)
+    };
+    *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, settings));
     // The lines come last: while nothing ticks, QEMU may leave received bytes lying for a second.
     HOST.enable();
     STOP.enable();
@@ -268,6 +300,9 @@ fn main() -> ! {
     loop {
         if let Memory::Some(controller) = MEMORY {
             controller.step();
+            if controller.is_busy() {
+                continue;
+            }
         }
         // A pending interrupt ends the wait although interrupts are masked here; its handler runs behind this closure.
         cortex_m::interrupt::free(|_| {

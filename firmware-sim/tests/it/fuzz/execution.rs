@@ -150,6 +150,14 @@ impl Execution<'_> {
     }
 
     fn run(&mut self) {
+        // The board knows where the sheet stands, or an operator tells it, or nobody does.
+        if self.one_in(2) {
+            let (angles, place) = ([0.0; 4], FollowerPosition::default());
+            let follower = self.subject.device.follower_mut();
+            follower
+                .stand(&angles[..self.groups], place, false)
+                .unwrap();
+        }
         if !self.one_in(16) {
             self.hello(VERSION, SCHEMA);
             self.sheet();
@@ -157,6 +165,9 @@ impl Execution<'_> {
                 self.setpoint(false);
             }
             if !self.one_in(8) {
+                if !self.one_in(8) {
+                    self.command(5);
+                }
                 self.command(0);
                 self.steady();
             }
@@ -177,7 +188,7 @@ impl Execution<'_> {
             14 => self.noise(),
             15 => self.again(),
             16 => {
-                let command = [0, 1, 2, 2, 3, 4][self.below(6)];
+                let command = [0, 1, 2, 2, 3, 4, 5, 6][self.below(8)];
                 self.command(command);
             }
             17 => self.piece(),
@@ -204,6 +215,7 @@ impl Execution<'_> {
                 let drawn = false;
                 self.subject.stop(drawn);
                 self.command(2);
+                self.command(5);
                 self.command(0);
             }
         }
@@ -489,6 +501,8 @@ impl Execution<'_> {
             Command::Resume,
             Command::Unload,
             Command::Clear,
+            Command::Stand,
+            Command::Forget,
         ];
         let off = if !self.calm && self.one_in(16) {
             self.rng.next_u32()
@@ -515,6 +529,7 @@ impl Execution<'_> {
             hinges: u16::try_from(self.below(70)).unwrap(),
             spokes: u16::try_from(self.below(40)).unwrap(),
             closure: self.number(),
+            path: self.rng.next_u32(),
             place: self.place(0),
         };
         let item = match self.below(4) {

@@ -7,6 +7,8 @@ pub(crate) enum Message {
     Hello,
     Sheet,
     Piece,
+    /// A piece of a setpoint.
+    Nodes,
     Setpoint(Sent),
     /// Number of the command, and the command.
     Command(u8, u32),
@@ -82,7 +84,10 @@ fn frame(bytes: &[u8]) -> Option<Frame> {
     if checksum(covered).to_le_bytes() != *sum {
         return None;
     }
-    let (session, body) = covered.split_first_chunk::<4>()?;
+    let ([node, session @ ..], body) = covered.split_first_chunk::<5>()?;
+    if *node != 0 {
+        return None;
+    }
     let (sequence, message) = message(body).unwrap_or((0, Message::Nothing));
     Some(Frame {
         session: u32::from_le_bytes(*session),
@@ -101,6 +106,7 @@ fn message(mut body: &[u8]) -> Option<(u32, Message)> {
                 0 => Message::Sheet,
                 1..=3 => Message::Piece,
                 4 => Message::Setpoint(setpoint(rest)?),
+                5 => Message::Nodes,
                 _ => return None,
             };
             (sequence, item)

@@ -105,6 +105,11 @@ impl Emulator {
             command.arg(format!("socket,id=line{number},host=127.0.0.1,port={port}"));
             command.args(["-serial", &format!("chardev:line{number}")]);
         }
+        // The board's random number, at the address where it expects one.
+        let nonce = nonce();
+        command
+            .arg("-device")
+            .arg(format!("loader,addr=0x20300000,data={nonce:#x},data-len=8"));
         command.args(["-semihosting-config", "enable=on,target=native"]);
         command.arg("-kernel").arg(image);
         command.stdin(Stdio::null()).stdout(Stdio::null());
@@ -123,6 +128,14 @@ impl Emulator {
             _process: process,
         })
     }
+}
+
+/// Returns a number that other runs are unlikely to have had.
+fn nonce() -> u64 {
+    use core::hash::{BuildHasher, Hasher};
+    // The standard library keys its hashes at random.
+    let hasher = std::collections::hash_map::RandomState::new().build_hasher();
+    hasher.finish()
 }
 
 fn listen() -> io::Result<TcpListener> {

@@ -13,15 +13,18 @@ use serialport::SerialPort;
 #[derive(Debug)]
 pub struct Wire<S> {
     stream: S,
+    /// Returns the number of bytes that the system still holds back.
+    held: fn(&S) -> u32,
     start: Instant,
     outgoing: Vec<u8>,
     incoming: VecDeque<u8>,
 }
 
 impl<S> Wire<S> {
-    fn new(stream: S) -> Self {
+    fn new(stream: S, held: fn(&S) -> u32) -> Self {
         Self {
             stream,
+            held,
             start: Instant::now(),
             outgoing: Vec::new(),
             incoming: VecDeque::new(),
@@ -49,7 +52,8 @@ impl Wire<TcpStream> {
     pub(super) fn over(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_nonblocking(true)?;
-        Ok(Self::new(stream))
+        // A connection tells nothing of the bytes under way.
+        Ok(Self::new(stream, |_| 0))
     }
 }
 
@@ -60,7 +64,10 @@ impl Wire<Box<dyn SerialPort>> {
     /// If there is no such device, or the system refuses.
     pub fn open(device: &str, baud: u32) -> io::Result<Self> {
         let port = serialport::new(device, baud).timeout(Duration::ZERO);
-        Ok(Self::new(port.open()?))
+        // Frames that wait in the system would be late, and a command would wait behind them.
+        Ok(Self::new(port.open()?, |port| {
+            port.bytes_to_write().unwrap_or(0)
+        }))
     }
 }
 
@@ -90,7 +97,7 @@ impl<S: Read + Write> Link for Wire<S> {
     }
 
     fn is_free(&self) -> bool {
-        self.outgoing.is_empty()
+        self.outgoing.is_empty() && (self.held)(&self.stream) == 0
     }
 
     fn write(&mut self, frame: &[u8]) -> io::Result<()> {

@@ -21,15 +21,15 @@ impl Watcher for Ear<'_> {
     }
 }
 
-/// Runs a session. Returns its summary and its telemetry.
+/// Runs a session with these options. Returns its summary and its telemetry.
 pub(crate) fn session(
     link: &mut impl Link,
     path: &StreamPath,
-    (id, resume): (u32, bool),
+    options: Options,
     wish: &dyn Fn(&[Telemetry]) -> Wish,
 ) -> (Summary, Vec<Telemetry>) {
     let heard = Vec::new();
     let mut ear = Ear { heard, wish };
-    let summary = run(link, path, Options { resume, id }, &mut ear).unwrap();
+    let summary = run(link, path, options, &mut ear).unwrap();
     (summary, ear.heard)
 }

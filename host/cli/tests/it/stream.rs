@@ -11,17 +11,18 @@ use std::thread::{self, JoinHandle, sleep};
 use std::time::Instant;
 
 use crate::common::folder;
-use crate::session::session;
-use foldpath::stream::{Faulty, Outcome, Sim, StreamPath, Telemetry, Wish};
+use crate::session;
+use foldpath::stream::{Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{self, Follower, FollowerPosition, State};
+use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
 use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::{
-    GroupId, GroupLimits, Interpolation, Spoke, StarView, StarsView, local_foldability_matrix,
+    GroupId, GroupLimits, Interpolation, Membership, Spoke, StarView, StarsView,
+    local_foldability_matrix,
 };
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::Faults;
@@ -58,6 +59,21 @@ fn stars(file: &TrajectoryFile<'_>) -> (Vec<Spoke<f32>>, Vec<u32>) {
     (file.spokes().map(|(spoke, _)| spoke).collect(), ends)
 }
 
+/// Runs a session of this number, which goes on or not. Returns its summary and its telemetry.
+fn session(
+    link: &mut impl Link,
+    path: &StreamPath,
+    (id, resume): (u32, bool),
+    wish: &dyn Fn(&[Telemetry]) -> Wish,
+) -> (Summary, Vec<Telemetry>) {
+    let options = Options {
+        resume,
+        id,
+        ..Options::default()
+    };
+    session::session(link, path, options, wish)
+}
+
 /// Returns the angles that the follower commands at each millisecond from the start on, if it has all setpoints.
 fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
     let file = TrajectoryFile::read(bytes).unwrap();
@@ -81,6 +97,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         };
         follower.accept(&sheet, setpoint).unwrap();
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     let mut run = Vec::new();
     for tick in 1.. {
@@ -151,12 +168,14 @@ fn rows(log: &str) -> Vec<Row> {
 fn runs_as(rows: &[Row], run: &[[f32; 2]]) {
     let moving = rows
         .iter()
-        .position(|row| row.state != "Idle" && row.state != "Ready");
+        // Telemetry may come between the start and the first tick.
+        .position(|row| row.state != "Idle" && row.state != "Ready" && row.angles[0] > 0.0);
     let rows = &rows[moving.expect("something moves")..];
     let first = (0..run.len()).find(|tick| bits(&run[*tick]) == bits(&rows[0].angles));
     let first = first.unwrap_or_else(|| panic!("{:?}", rows[0]));
     for row in rows {
-        let passed = usize::try_from((row.micros - rows[0].micros) / 1000).unwrap();
+        // A tick comes at each whole millisecond, and telemetry at any time behind it.
+        let passed = usize::try_from(row.micros / 1000 - rows[0].micros / 1000).unwrap();
         let tick = (first + passed).min(run.len() - 1);
         assert_eq!(bits(&row.angles), bits(&run[tick]), "{row:?}");
     }
@@ -421,6 +440,61 @@ fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
     assert_eq!(driven(&folder, "--script free.txt")["outcome"], "done");
 }
 
+/// The setpoints of 94 groups come in four pieces, and their telemetry in two; the log has all groups.
+#[test]
+fn a_path_of_94_groups_is_streamed_whole() {
+    const GROUPS: usize = 94;
+    let folder = small();
+    let times: Vec<f32> = (0..11_u8).map(|knot| f32::from(knot) * 0.2).collect();
+    let angles: Vec<f32> = times
+        .iter()
+        .flat_map(|time| (0..GROUPS).map(move |group| time * if group < 40 { 0.5 } else { -0.25 }))
+        .collect();
+    let rates: Vec<f32> = (0..times.len())
+        .flat_map(|_| (0..GROUPS).map(|group| if group < 40 { 0.5 } else { -0.25 }))
+        .collect();
+    let kind = Interpolation::Hermite;
+    let view = TrajectoryView::new(kind, GROUPS, &times, &angles, &rates, &[]).unwrap();
+    let limits = [GroupLimits {
+        lower: -1.0,
+        upper: 1.5,
+        speed: 1.0,
+        acceleration: f32::INFINITY,
+    }; GROUPS];
+    let hinges: Vec<Membership> = (0..94_u32)
+        .map(|group| Membership {
+            group: GroupId(group),
+            negative: false,
+        })
+        .collect();
+    let stars = StarsView::new(&[], &[], GROUPS).unwrap();
+    let mut bytes = Vec::new();
+    write(view, &limits, &hinges, stars, 0.0, |more| {
+        bytes.extend_from_slice(more)
+    })
+    .unwrap();
+    std::fs::write(folder.path("wide.traj"), &bytes).unwrap();
+    let path = StreamPath::read(&bytes, Path::new("wide.traj")).unwrap();
+    let (summary, heard) = session(&mut Sim::new(), &path, (1, false), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+    assert_eq!((summary.setpoints, summary.retransmitted), (11, 0));
+    let known: Vec<_> = heard
+        .iter()
+        .filter(|told| !told.angles.is_empty())
+        .collect();
+    assert!(known.len() > 50, "{}", known.len());
+    for told in known {
+        assert_eq!(told.angles.len(), GROUPS);
+        let pairs = told.angles[..40].iter().zip(&told.angles[54..]);
+        assert!(
+            pairs.into_iter().all(|(a, b)| (a + 2.0 * b).abs() < 1e-5),
+            "{told:?}"
+        );
+    }
+    let answer = folder.done("stream wide.traj --to sim --json");
+    assert_eq!(answer.json()["outcome"], "done");
+}
+
 #[test]
 fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     let folder = small();
@@ -515,10 +589,27 @@ struct Served {
     knot: Arc<AtomicU32>,
 }
 
+/// Returns a controller that is told that both groups stand at 0, where the path begins.
+fn flat() -> Device {
+    let limits = |_| GroupLimits {
+        lower: -3.2,
+        upper: 3.2,
+        speed: 20.0,
+        acceleration: f32::INFINITY,
+    };
+    let mut device = Device::new(Settings::new(1, limits));
+    let place = FollowerPosition::default();
+    device
+        .follower_mut()
+        .stand(&[0.0; 2], place, false)
+        .unwrap();
+    device
+}
+
 impl Served {
     fn new() -> Self {
         Self {
-            device: Device::new(Settings::default()),
+            device: flat(),
             start: Instant::now(),
             knot: Arc::default(),
         }
@@ -551,16 +642,55 @@ impl Served {
     }
 }
 
+/// A fault does not hide that the stop line holds as well; once the fault is cleared, the stop line is what is told.
+#[test]
+fn a_stop_line_behind_a_fault_is_told() {
+    let folder = small();
+    let (port, _, thread) = served(
+        2,
+        |_| false,
+        |device| {
+            device.follower_mut().fail(Fault::Stalled(3));
+            device.stop(true);
+        },
+    );
+    let stream = format!("stream path.traj --to tcp:{port} --json");
+    let json = folder.run(&stream).with_status(1).json();
+    assert_eq!(json["outcome"], "faulted", "{json}");
+    let reason = json["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("hinge 3") && reason.contains("stop line"),
+        "{reason}"
+    );
+    let json = folder
+        .run(&format!("{stream} --resume"))
+        .with_status(1)
+        .json();
+    assert_eq!(json["outcome"], "held", "{json}");
+    assert!(
+        json["reason"]
+            .as_str()
+            .unwrap()
+            .starts_with("the stop line")
+    );
+    thread.join().unwrap();
+}
+
 fn is_pause(error: &io::Error) -> bool {
     use ErrorKind::{TimedOut, WouldBlock};
     matches!(error.kind(), WouldBlock | TimedOut)
 }
 
-/// Starts a controller that serves `hosts` hosts, one after the other, at a port.
-fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
+/// Starts a controller, prepared by `prepare`, that serves `hosts` hosts, one after the other, at a port.
+fn served(
+    hosts: usize,
+    until: fn(&Device) -> bool,
+    prepare: fn(&mut Device),
+) -> (u16, Arc<AtomicU32>, JoinHandle<Device>) {
     let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = listener.local_addr().unwrap().port();
     let mut served = Served::new();
+    prepare(&mut served.device);
     let knot = Arc::clone(&served.knot);
     let thread = thread::spawn(move || {
         for stream in listener.incoming().take(hosts) {
@@ -578,7 +708,7 @@ fn served(hosts: usize, until: fn(&Device) -> bool) -> (u16, Arc<AtomicU32>, Joi
 fn a_controller_behind_tcp_is_stopped_by_ctrl_c_and_goes_on() {
     let folder = small();
     let bytes = std::fs::read(folder.path("path.traj")).unwrap();
-    let (port, knot, thread) = served(2, |_| false);
+    let (port, knot, thread) = served(2, |_| false, |_| {});
     let stream = format!("stream path.traj --to tcp:{port} --json --log");
     let mut host = folder.command(&format!("{stream} first.csv"));
     let host = host
@@ -664,7 +794,7 @@ fn a_controller_behind_a_serial_device_is_done_with_faults_too() {
 #[test]
 fn a_line_that_breaks_and_one_that_is_not_there_are_no_device() {
     let folder = small();
-    let (port, _, thread) = served(1, |device| device.follower().position().knot >= 1);
+    let (port, _, thread) = served(1, |device| device.follower().position().knot >= 1, |_| {});
     let stream = format!("stream path.traj --to tcp:{port} --json");
     let json = folder.run(&stream).with_status(1).json();
     assert_eq!(json["outcome"], "no_device", "{json}");

@@ -423,6 +423,7 @@ fn followed(name: &str, interpolation: &str) -> [f32; 2] {
         let accepted = follower.accept(&sheet, setpoint);
         assert_eq!(accepted, Ok(()), "{name} {interpolation}: knot {knot}");
     }
+    follower.confirm().unwrap();
     follower.start().unwrap();
     let mut worst = 0.0_f32;
     for now in (1..60_000).map(|tick| 1000 * tick) {

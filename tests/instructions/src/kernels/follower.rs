@@ -78,6 +78,7 @@ pub(super) fn tick() -> Box<dyn FnMut()> {
         let accepted = follower.accept(&sheet, setpoint(number));
         accepted.expect("a good setpoint");
     }
+    follower.confirm().expect("ready");
     follower.start().expect("ready");
     let mut now = 0;
     Box::new(move || {

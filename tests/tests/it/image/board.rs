@@ -14,7 +14,7 @@ use super::image;
 /// Names of the emulator's sockets: the line to the host, the stop line, the test bench, and the monitor.
 const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
 /// First address above the stack.
-const STACK_TOP: u32 = 0x2000_4000;
+const STACK_TOP: u32 = 0x2000_6000;
 /// First address above the guard, which is 1 KiB long.
 const GUARD_END: u32 = 0x2000_0400;
 
@@ -51,6 +51,11 @@ impl Board {
         // byte of a line.
         command.args(["-mon", "chardev=monitor,mode=readline"]);
         command.args(["-icount", "shift=5"]);
+        // The board's random number, at the address where it expects one. It differs between test programs.
+        let nonce = 1 + u64::from(std::process::id());
+        command
+            .arg("-device")
+            .arg(format!("loader,addr=0x20300000,data={nonce:#x},data-len=8"));
         command.arg("-kernel").arg(image("foldpath-controller"));
         let mut emulator = command
             .stdin(Stdio::null())
@@ -138,6 +143,7 @@ impl Board {
     /// Moves everything on the stack of a frozen board down, as if calls went deep, to `left` bytes above the guard,
     /// and lets its time go on.
     pub(crate) fn deepen_stack(&mut self, left: u32) {
+        const PART: usize = 1024;
         let mut debugger = self.debugger();
         let old = u32::from_str_radix(&debugger.ask("pd"), 16)
             .unwrap()
@@ -148,7 +154,11 @@ impl Board {
         let new = GUARD_END + left / 8 * 8 + old % 8;
         assert!(new + size <= old);
         let bytes = debugger.ask(&format!("m{old:x},{size:x}"));
-        debugger.tell(&format!("M{new:x},{size:x}:{bytes}"));
+        // The emulator takes orders of at most 4 kB.
+        for (part, digits) in (0..).zip(bytes.as_bytes().chunks(2 * PART)) {
+            let (at, digits) = (new as usize + part * PART, str::from_utf8(digits).unwrap());
+            debugger.tell(&format!("M{at:x},{:x}:{digits}", digits.len() / 2));
+        }
         debugger.tell(&format!("Pd={:08x}", new.swap_bytes()));
         debugger.tell("D");
     }

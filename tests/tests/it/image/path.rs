@@ -140,6 +140,7 @@ impl Fold {
             };
             follower.accept(&sheet, setpoint).unwrap();
         }
+        follower.confirm().unwrap();
         follower.start().unwrap();
         [follower.angles()[0], follower.angles()[1]]
     }

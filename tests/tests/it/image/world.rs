@@ -18,6 +18,8 @@ use super::path::{CLOSURE, Fold};
 /// Options of a very patient host, because the machine may be busy, and the board's time may pass six times as fast as
 /// that of the machine.
 const PATIENT: Options = Options {
+    node: 0,
+    max_retry: 500_000,
     retry: 100_000,
     alive: 20_000,
     silence: 60_000_000,
@@ -89,6 +91,8 @@ pub(crate) struct World<'a> {
     pub(crate) sights: u64,
     /// Number of frames of the board that are no message.
     pub(crate) garbled: u64,
+    /// `true` until the next frame begins, after a reset that may have cut off the one before.
+    cut: bool,
     /// Longest silence of the board, microseconds of its own time.
     pub(crate) hole: u64,
     /// `true` while nobody reads what the board says.
@@ -115,6 +119,7 @@ impl<'a> World<'a> {
             sight: None,
             sights: 0,
             garbled: 0,
+            cut: false,
             hole: 0,
             deaf: false,
             fold,
@@ -126,11 +131,15 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Adds a host, which greets the board.
+    /// Adds a host, which greets the board. The first host says that the sheet stands where the path begins.
     pub(crate) fn greet(&mut self, persistence: Persistence) {
         let id = 1000 + 7 * u32::try_from(self.hosts.len()).unwrap();
+        let mut driver = Driver::new(self.fold.items(), persistence, id, PATIENT);
+        if self.hosts.is_empty() {
+            driver = driver.confirming();
+        }
         self.hosts.push(Host {
-            driver: Driver::new(self.fold.items(), persistence, id, PATIENT),
+            driver,
             awake: true,
             reasons: Vec::new(),
         });
@@ -190,6 +199,10 @@ impl<'a> World<'a> {
 
     fn hear(&mut self, piece: &[u8]) {
         for byte in piece {
+            if self.cut {
+                self.cut = *byte != 0;
+                continue;
+            }
             let Some(frame) = self.ear.push(*byte) else {
                 continue;
             };
@@ -209,6 +222,7 @@ impl<'a> World<'a> {
                     state,
                     rate,
                     place,
+                    first: 0,
                     angles,
                 } => {
                     let (numbers, rest) = angles.as_chunks();
@@ -328,7 +342,8 @@ impl<'a> World<'a> {
     /// Forgets everything from before a reset: the frame that was cut off, and the clock, which has begun anew.
     pub(crate) fn forget(&mut self) {
         self.incoming.clear();
-        self.garbled = 0;
+        // The next bytes may be the rest of a frame whose beginning was forgotten.
+        (self.garbled, self.cut) = (0, true);
         self.ear.push(0);
         (self.report, self.sight) = (None, None);
     }

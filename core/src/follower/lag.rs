@@ -1,0 +1,96 @@
+//! The watch over hinges that lag behind their commands.
+
+use crate::Scalar;
+
+/// Number of lagging hinges that are remembered.
+const REMEMBERED: usize = 4;
+
+/// A hinge and its distance from its command when it was last measured, radians; 0 for no hinge.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lag<T> {
+    pub(super) hinge: u32,
+    pub(super) distance: T,
+}
+
+/// The hinges that were farthest from their commands when they were last measured.
+///
+/// A hinge is remembered until it is measured again, at whatever pace. So neither a sensor that fails now and then nor
+/// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LagWatch<T> {
+    worst: [Lag<T>; REMEMBERED],
+    /// `true` if a hinge is remembered.
+    any: bool,
+    /// Time for which a hinge was stuck, less the time for which none was, microseconds.
+    stuck: u64,
+}
+
+impl<T: Scalar> LagWatch<T> {
+    /// Returns the farthest hinge.
+    #[inline]
+    pub(super) fn farthest(&self) -> Lag<T> {
+        if self.any {
+            self.find_farthest()
+        } else {
+            Lag::default()
+        }
+    }
+
+    #[inline(never)]
+    fn find_farthest(&self) -> Lag<T> {
+        let farther = |a: Lag<T>, b: &Lag<T>| if b.distance > a.distance { *b } else { a };
+        self.worst.iter().fold(Lag::default(), farther)
+    }
+
+    /// Returns the largest distance of a hinge from its command (radians) that need not be [noted](Self::note), if hinges
+    /// farther than `lag` lag: below 0 while a hinge is remembered.
+    #[inline]
+    pub(super) fn unremarkable(&self, lag: T) -> T {
+        if self.any { -T::one() } else { lag }
+    }
+
+    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. A distance that is no
+    /// number counts as the largest. The hinge is remembered in its own place, or else in that of the nearest hinge, if it
+    /// is farther. A hinge that does not lag is forgotten.
+    #[inline(never)]
+    pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
+        let distance = if distance <= lag {
+            T::zero()
+        } else if distance.is_finite() {
+            distance
+        } else {
+            T::MAX
+        };
+        let mine = |place: &&mut Lag<T>| place.hinge == hinge && place.distance > T::zero();
+        if let Some(place) = self.worst.iter_mut().find(mine) {
+            place.distance = distance;
+        } else {
+            let nearer = |a: &Lag<T>, b: &Lag<T>| a.distance.partial_cmp(&b.distance);
+            let nearest = self
+                .worst
+                .iter_mut()
+                .min_by(|a, b| nearer(a, b).unwrap_or(core::cmp::Ordering::Equal));
+            if let Some(place) = nearest.filter(|place| distance > place.distance) {
+                *place = Lag { hinge, distance };
+            }
+        }
+        self.any = self.find_farthest().distance > T::zero();
+    }
+
+    /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less
+    /// the time for which it was not.
+    pub(super) fn pass(&mut self, stuck: bool, passed: u32) -> u64 {
+        let passed = u64::from(passed);
+        self.stuck = if stuck {
+            self.stuck.saturating_add(passed)
+        } else {
+            self.stuck.saturating_sub(passed)
+        };
+        self.stuck
+    }
+
+    /// Forgets for how long a hinge was stuck.
+    pub(super) fn restart(&mut self) {
+        self.stuck = 0;
+    }
+}

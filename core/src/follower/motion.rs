@@ -1,0 +1,128 @@
+//! A tick of a follower: how far does it move, and what slows, holds or ends the motion?
+
+use crate::Scalar;
+use crate::follower::lag::Lag;
+use crate::follower::{Fault, Follower, Options, Reason, State};
+
+/// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
+/// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
+const MIN_LAGGING_RATE: f64 = 0.1;
+
+impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
+    /// Moves on to `now`, microseconds. Time that has already passed does not pass again. If a group would move farther
+    /// than its speed allows, its command stays, and the motion fails.
+    ///
+    /// Cost: a cubic and its derivative for each group; when a knot is passed, also the curves of the next segment.
+    pub fn tick(&mut self, now: u64) {
+        let passed = now.saturating_sub(self.now);
+        let passed = u32::try_from(passed).unwrap_or(u32::MAX);
+        self.now = self.now.max(now);
+        if !self.is_under_way() {
+            return;
+        }
+        let passed = passed.min(self.options.longest_tick);
+        self.watch(passed);
+        if !self.is_under_way() {
+            return;
+        }
+        let dt = T::whole(passed) * T::lit(1e-6);
+        let goal = self.goal();
+        let step = self.clock.tick(dt, goal, self.ahead());
+        self.move_by(step, dt);
+        self.settle(goal);
+    }
+
+    /// Moves by `step` seconds of the path, in `dt` seconds of the world.
+    fn move_by(&mut self, step: T, dt: T) {
+        let (before, approaches) = (self.position(), self.is_approaching());
+        let step = if approaches {
+            self.approach.advance(step)
+        } else {
+            step
+        };
+        self.queue.advance(step);
+        let mut angles = self.queue.angles(self.angles);
+        let clock = self.clock.rate();
+        let mut rates = self.queue.rates(clock);
+        if self.is_approaching() {
+            self.approach.offset(&mut angles);
+            rates = self.approach.rates(clock);
+        }
+        if let Some(group) = self.queue.leap(&self.angles, &angles, dt) {
+            // The groups stay where they were, and so does the position that is told.
+            (self.begun, self.stood) = (false, before);
+            self.astray |= approaches;
+            self.fail(Fault::Leap(group));
+        } else {
+            (self.angles, self.rates) = (angles, rates);
+        }
+    }
+
+    /// Returns the seconds of path time for which the motion may go on: up to the beginning of the path, where the
+    /// approach comes to rest, and from there up to the last setpoint and the bound from outside. The approach waits as
+    /// well until the bound lets the path begin.
+    pub(super) fn ahead(&self) -> T {
+        let leased = self.lease.map_or(T::MAX, |lease| lease - self.queue.time());
+        if !self.is_approaching() {
+            self.left().min(leased.max(T::zero()))
+        } else if leased > T::zero() {
+            self.approach.left()
+        } else {
+            T::zero()
+        }
+    }
+
+    /// Checks for a silent host and for a stalled hinge, after `passed` microseconds.
+    fn watch(&mut self, passed: u32) {
+        let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
+        if silent && !self.is_held() {
+            self.hold(Reason::Silence);
+        }
+        if self.is_held() {
+            self.lag.restart();
+            return;
+        }
+        let Lag { hinge, distance } = self.lag.farthest();
+        let stuck = self.lag.pass(distance >= self.options.most_lag, passed);
+        if stuck >= u64::from(self.options.stall) {
+            self.fail(Fault::Stalled(hinge));
+        }
+    }
+
+    /// Returns the rate that the clock should have, from 0 to 1.
+    fn goal(&self) -> T {
+        let Options { lag, most_lag, .. } = self.options;
+        let distance = self.lag.farthest().distance;
+        if self.is_held() || distance >= most_lag {
+            T::zero()
+        } else if distance > lag {
+            let part = (distance - lag) / (most_lag - lag);
+            T::one() - (T::one() - T::lit(MIN_LAGGING_RATE)) * part
+        } else {
+            T::one()
+        }
+    }
+
+    /// Commands rates of 0.
+    pub(super) fn still(&mut self) {
+        self.rates = [T::zero(); GROUPS];
+    }
+
+    /// Sets the state after a tick with this goal of the rate.
+    fn settle(&mut self, goal: T) {
+        if self.fault.is_some() {
+            return;
+        }
+        let rests = self.clock.rate() <= T::zero();
+        let dry = self.ahead() <= T::zero();
+        let arrived = self.left() <= T::zero() && !self.is_approaching();
+        self.state = if self.ended && arrived {
+            self.clock.halt();
+            State::Done
+        } else if self.is_held() || rests && (dry || goal <= T::zero()) {
+            State::Holding
+        } else {
+            State::Running
+        };
+    }
+}

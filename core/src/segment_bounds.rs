@@ -1,0 +1,237 @@
+//! Bounds on a segment of half angles, from the Bernstein coefficients of its curves: how fast does a group turn, how
+//! far, and does a vertex stay closed, everywhere on the segment?
+//!
+//! A [`Curve::HalfAngle`](crate::Curve) is a pair of cubics (c, n) proportional to (cos ρ/2, sin ρ/2). Its speed is a
+//! ratio of polynomials, ρ' = 2 (c n' - n c')/(c² + n²), and so is the tangent |v|/w of half the misclosure of a vertex
+//! whose quaternion product is (w, v). If all coefficients of a denominator are above 0, the ratio is a rational Bézier
+//! curve: it stays within the range of the ratios of the coefficients ([Farin2002](crate#references), chapter 13). If
+//! these ratios are too large, the segment is halved, and both halves are judged again. A ratio of coefficients
+//! differs from values of the curve by a multiple of the squared length of the part.
+//!
+//! The coefficients are *scaled*: each is multiplied by its binomial coefficient. A product of polynomials is then the
+//! convolution of their coefficients, and ratios of coefficients are as before.
+
+use crate::bernstein::{differences, restrict};
+use crate::curve::half_angle;
+use crate::{Scalar, StarView};
+
+/// Number of halvings after which a part of a segment is no longer halved: 32 parts at most.
+const MAX_HALVINGS: u32 = 5;
+/// Largest number of spokes of a star whose closure is bounded.
+const MAX_SPOKES: usize = 16;
+/// Part by which a bound may be above a limit that the values at nine places keep. Without it, a motion at its limit
+/// would be halved for ever.
+const SLACK: f64 = 1.0 / 16.0;
+/// Angle (radians) by which a bound may be outside the limits of a group. Commanded angles are clamped to the limits.
+const RANGE_SLACK_RAD: f64 = 1e-3;
+
+/// Coefficients of the cubics c and n of one group on a segment; the default is flat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair<T> {
+    pub(crate) cos: [T; 4],
+    pub(crate) sin: [T; 4],
+}
+
+impl<T: Scalar> Default for Pair<T> {
+    fn default() -> Self {
+        Self {
+            cos: [T::one(); 4],
+            sin: [T::zero(); 4],
+        }
+    }
+}
+
+// The functions here are not inlined, nor are they unrolled over arrays of known length: they are rarely called, and
+// would otherwise double the acceptance of a setpoint in an image.
+impl<T: Scalar> Pair<T> {
+    #[inline(never)]
+    fn restrict(&self, part: [T; 2]) -> Self {
+        Self {
+            cos: restrict(&self.cos, part),
+            sin: restrict(&self.sin, part),
+        }
+    }
+}
+
+/// Returns the largest factor by which a bound may be above its limit.
+pub(crate) fn slack<T: Scalar>() -> T {
+    T::one() + T::lit(SLACK)
+}
+
+/// Returns `true` if |ρ'| (radians by s) is at most `speed` everywhere, within [`slack`] and `noise`. Cost: about 100
+/// multiplications for each of at most 63 parts, of which an ordinary segment has one to three.
+#[inline(never)]
+pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> bool {
+    everywhere(&mut |part: [T; 2]| {
+        let Pair { cos, sin } = pair.restrict(part);
+        let [from, to] = part;
+        let most = speed * slack() * (to - from) + noise;
+        let (c, n) = (scaled(cos), scaled(sin));
+        let (dc, dn) = (slope(cos), slope(sin));
+        // c n' - n c', of degree 5, and of degree 6 after multiplication by (1 - s) + s.
+        let mut turn = [T::zero(); 6];
+        multiply(&c, &dn, T::one(), &mut turn);
+        multiply(&n, &dc, -T::one(), &mut turn);
+        let (mut raised, mut square) = ([T::zero(); 7], [T::zero(); 7]);
+        multiply(&turn, &[T::one(); 2], T::one(), &mut raised);
+        multiply(&c, &c, T::one(), &mut square);
+        multiply(&n, &n, T::one(), &mut square);
+        let mut ratios = raised.iter().zip(&square);
+        ratios.all(|(turn, square)| {
+            let sound = *square > T::zero() && square.is_finite();
+            sound && T::TWO * turn.abs() <= most * *square
+        })
+    })
+}
+
+/// Returns `true` if the fold angle is everywhere from `lower` to `upper` (radians), within a thousandth of a radian. An
+/// angle beyond half a turn is never within limits here.
+#[inline(never)]
+pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> bool {
+    let slack = T::lit(RANGE_SLACK_RAD);
+    // Half angles between two limits of at most a quarter turn are a convex cone, so that coefficients in the cone bound
+    // the curve.
+    let low = half_angle((lower - slack).max(-T::PI));
+    let high = half_angle((upper + slack).min(T::PI));
+    everywhere(&mut |part: [T; 2]| {
+        let Pair { cos, sin } = pair.restrict(part);
+        cos.iter().zip(&sin).all(|(c, n)| {
+            let noise = T::lit(8.0) * T::EPSILON * (c.abs() + n.abs());
+            let above = *n * low.cos - *c * low.sin >= -noise;
+            above && *n * high.cos - *c * high.sin <= noise
+        })
+    })
+}
+
+/// Returns `true` if the closure residual of a star is everywhere at most `bound`, within [`slack`] and rounding.
+///
+/// `pair` returns the curves of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded, and the answer is
+/// `false`. Cost: about 100 multiplications by the squared number of spokes, for each of at most 63 parts.
+#[inline(never)]
+pub(crate) fn stays_closed<T: Scalar>(
+    star: StarView<'_, T>,
+    pair: impl Fn(usize) -> Option<Pair<T>>,
+    bound: T,
+) -> bool {
+    let degree = star.spokes.len();
+    if degree > MAX_SPOKES {
+        return false;
+    }
+    let (mut noise, mut most) = (T::zero(), T::TWO);
+    for _ in star.spokes {
+        noise += T::lit(4.0) * T::EPSILON;
+        // On a short part each factor |c| + |n| is at most √2 times the length of (c, n).
+        most *= T::TWO.sqrt();
+    }
+    everywhere(&mut |part: [T; 2]| {
+        // Quaternions (w, x, y, z) and the sum of the sizes of all terms of each, from which rounding follows.
+        let mut product = [[T::zero(); 5]; 3 * MAX_SPOKES + 1];
+        if let Some(first) = product.first_mut() {
+            *first = [T::one(), T::zero(), T::zero(), T::zero(), T::one()];
+        }
+        let mut length = 1;
+        for spoke in star.spokes {
+            let Some(pair) = pair(spoke.group.index()) else {
+                return false;
+            };
+            let Pair { cos, sin } = pair.restrict(part);
+            length += 3;
+            across(
+                &mut product,
+                length,
+                [scaled(cos), scaled(sin)],
+                spoke.axis(),
+            );
+        }
+        let sign = match product.first() {
+            Some([w, ..]) if *w < T::zero() => -T::one(),
+            _ => T::one(),
+        };
+        product.iter().take(length).all(|[w, x, y, z, size]| {
+            let w = *w * sign;
+            let off = T::TWO * (*x * *x + *y * *y + *z * *z).sqrt();
+            let allowed = bound * slack() * w + noise * *size;
+            w > T::zero() && size.is_finite() && *size <= most * w && off <= allowed
+        })
+    })
+}
+
+/// Multiplies the first `length - 3` quaternions by a fold about the axis (x, y, 0), in place; the product has `length`.
+#[inline(never)]
+fn across<T: Scalar>(
+    product: &mut [[T; 5]],
+    length: usize,
+    [cos, sin]: [[T; 4]; 2],
+    [x, y]: [T; 2],
+) {
+    for k in (0..length).rev() {
+        let mut sum = [T::zero(); 5];
+        for (i, (c, n)) in cos.iter().zip(&sin).enumerate() {
+            let before = k.checked_sub(i).and_then(|before| product.get(before));
+            let Some(&[w, a, b, d, size]) = before else {
+                break;
+            };
+            let terms = [
+                w * *c - (a * x + b * y) * *n,
+                a * *c + (w * x - d * y) * *n,
+                b * *c + (w * y + d * x) * *n,
+                d * *c + (a * y - b * x) * *n,
+                size * (c.abs() + n.abs()),
+            ];
+            for (sum, term) in sum.iter_mut().zip(terms) {
+                *sum += term;
+            }
+        }
+        if let Some(place) = product.get_mut(k) {
+            *place = sum;
+        }
+    }
+}
+
+/// Returns `true` if `holds` is true for parts `[from, to]` that cover the segment. A part for which it is not true is
+/// halved, at most [`MAX_HALVINGS`] times.
+// Not generic over the condition, so that an image has the loop once.
+#[inline(never)]
+fn everywhere<T: Scalar>(holds: &mut dyn FnMut([T; 2]) -> bool) -> bool {
+    // The part number `index` of 2^`halvings` parts, from 0.
+    let (mut index, mut halvings, mut length) = (0_u32, 0, T::one());
+    loop {
+        let from = T::whole(index) * length;
+        if holds([from, from + length]) {
+            index += 1;
+            while halvings > 0 && index.is_multiple_of(2) {
+                (index, halvings, length) = (index / 2, halvings - 1, length * T::TWO);
+            }
+            if halvings == 0 {
+                return true;
+            }
+        } else if halvings == MAX_HALVINGS {
+            return false;
+        } else {
+            (index, halvings, length) = (2 * index, halvings + 1, length * T::HALF);
+        }
+    }
+}
+
+/// Returns the scaled coefficients of a cubic.
+fn scaled<T: Scalar>([a, b, c, d]: [T; 4]) -> [T; 4] {
+    let three = T::TWO + T::one();
+    [a, three * b, three * c, d]
+}
+
+/// Returns the scaled coefficients of the derivative of a cubic.
+fn slope<T: Scalar>(cubic: [T; 4]) -> [T; 3] {
+    let three = T::TWO + T::one();
+    let [a, b, c] = differences(&cubic);
+    [three * a, three * T::TWO * b, three * c]
+}
+
+/// Adds the product of two polynomials in scaled coefficients, times `factor`, to `sum`.
+#[inline(never)]
+fn multiply<T: Scalar>(a: &[T], b: &[T], factor: T, sum: &mut [T]) {
+    for (i, a) in a.iter().enumerate() {
+        for (b, sum) in b.iter().zip(sum.iter_mut().skip(i)) {
+            *sum += *a * *b * factor;
+        }
+    }
+}

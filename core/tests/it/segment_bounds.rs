@@ -1,0 +1,190 @@
+//! Does acceptance bound segments of half angles everywhere, and not only at the places that it looks at?
+
+use core::f64::consts::PI;
+
+use foldpath_core::acceptance::{self, Refusal, Setpoint, SheetView};
+use foldpath_core::{Curve, GroupLimits, HalfAngle, Interpolation, Node, StarView, closure};
+use foldpath_test_support::Random;
+use foldpath_test_support::stars::{Stars, miura};
+
+const KIND: Interpolation = Interpolation::Homogeneous;
+
+fn limits(speed: f64) -> [GroupLimits<f64>; 2] {
+    [GroupLimits {
+        lower: -PI,
+        upper: PI,
+        speed,
+        acceleration: f64::INFINITY,
+    }; 2]
+}
+
+/// Returns the angle of the minor creases of Miura's fold with sector angles of 60°.
+fn minor(major: f64) -> f64 {
+    2.0 * ((major / 2.0).tan() / 2.0).atan()
+}
+
+fn setpoint(number: u32, time: f64, major: f64, weight: [f64; 2]) -> Setpoint<f64, 2> {
+    let node = |angle| Node {
+        angle,
+        rate: 0.0,
+        weight,
+    };
+    Setpoint {
+        number,
+        time,
+        last: false,
+        nodes: [node(major), node(minor(major))].into_iter().collect(),
+    }
+}
+
+/// A weight of almost 0 makes a segment jump between the places that acceptance looks at.
+#[test]
+fn a_jump_between_the_places_is_refused() {
+    let (stars, limits) = (miura(60.0, false, false), limits(1.0));
+    let sheet = SheetView {
+        interpolation: KIND,
+        limits: &limits,
+        stars: Stars::<f64>::view(&stars),
+        closure: 1e-4,
+    };
+    let from = setpoint(0, 0.0, 0.2, [1.0, -0.6]);
+    for weight in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10] {
+        let to = setpoint(1, 5.0, 2.4, [weight, 0.0]);
+        let verdict = acceptance::check(&sheet, Some(&from), &to);
+        assert!(
+            matches!(verdict, Err(Refusal::Speed(_) | Refusal::OpenBetween(_))),
+            "{weight:e}: {verdict:?}"
+        );
+        // The vertex alone is refused as well, without a limit on the speed.
+        let free = self::limits(f64::INFINITY);
+        let sheet = SheetView {
+            limits: &free,
+            ..sheet
+        };
+        let verdict = acceptance::check(&sheet, Some(&from), &to);
+        assert_eq!(verdict, Err(Refusal::OpenBetween(0)), "{weight:e}");
+    }
+}
+
+/// Whatever is accepted keeps its speed, its range and its closure at a thousand places.
+#[test]
+fn whatever_is_accepted_keeps_its_limits_everywhere() {
+    let stars = miura::<f64>(60.0, false, false);
+    let star: StarView<'_, f64> = stars.view().iter().next().unwrap();
+    let mut rng = Random::new(84);
+    let (mut accepted, mut refused, mut nearest) = (0, 0, [0.0_f64; 2]);
+    for _ in 0..4000 {
+        let speed = 10_f64.powf(rng.uniform(-0.5, 1.0));
+        let bound = 10_f64.powf(rng.uniform(-6.0, -1.0));
+        let limits = limits(speed);
+        let sheet = SheetView {
+            interpolation: KIND,
+            limits: &limits,
+            stars: stars.view(),
+            closure: bound,
+        };
+        let weight = |rng: &mut Random| {
+            let size = 10_f64.powf(rng.uniform(-3.0, 0.5));
+            [size, size * rng.uniform(-2.0, 2.0)]
+        };
+        let (start, weights) = (rng.uniform(0.0, 2.5), [weight(&mut rng), weight(&mut rng)]);
+        let step = 10_f64.powf(rng.uniform(-3.0, 0.0));
+        let from = setpoint(0, 0.0, start, weights[0]);
+        let to = setpoint(1, rng.uniform(0.1, 2.0), start + step, weights[1]);
+        if acceptance::check(&sheet, Some(&from), &to).is_err() {
+            refused += 1;
+            continue;
+        }
+        accepted += 1;
+        let curves =
+            [0, 1].map(|group| Curve::between(KIND, to.time, from.nodes[group], to.nodes[group]));
+        for s in (0..=1000).map(|k| f64::from(k) / 1000.0) {
+            for curve in &curves {
+                let rate = curve.derivatives(s)[0].abs() / to.time;
+                nearest[0] = nearest[0].max(rate / speed);
+                assert!(curve.angle(s).abs() <= PI + 1e-3);
+            }
+            let half: [HalfAngle<f64>; 2] = [curves[0].half_angle(s), curves[1].half_angle(s)];
+            let residual = closure::residual(star, &half).norm();
+            nearest[1] = nearest[1].max(residual / (bound + 1e-9));
+        }
+    }
+    println!("{accepted} accepted, {refused} refused, nearest {nearest:?}");
+    // A bound may be a sixteenth above its limit.
+    assert!(
+        nearest.iter().all(|part| *part <= 1.0 + 1.0 / 16.0),
+        "{nearest:?}"
+    );
+    // The test is worth something: it accepts motions that come near their limits.
+    assert!(accepted > 500 && refused > 500 && nearest.iter().all(|part| *part > 0.9));
+}
+
+/// A follower checks the vertices of a segment a few at a time; a setpoint is queued once all are checked, with the same
+/// verdict as at once.
+#[test]
+fn vertices_are_checked_in_parts() {
+    use foldpath_core::follower::{Follower, FollowerPosition, Options};
+    let one: Stars<f64> = miura(60.0, false, false);
+    let spokes = one.view().iter().next().unwrap().spokes.repeat(7);
+    let ends: Vec<u32> = (1..=7).map(|star| 4 * star).collect();
+    let limits = limits(f64::INFINITY);
+    let sheet = SheetView {
+        interpolation: KIND,
+        limits: &limits,
+        stars: foldpath_core::StarsView::new(&spokes, &ends, 2).unwrap(),
+        closure: 1e-2,
+    };
+    let closed = setpoint(1, 5.0, 0.3, [1.0, 0.0]);
+    // It jumps between the places at which every setpoint is looked at.
+    let open = setpoint(1, 5.0, 2.4, [1e-8, 0.0]);
+    for (next, weight, is_closed) in [(closed, [1.0, 0.0], true), (open, [1.0, -0.6], false)] {
+        let mut whole = Follower::<f64, 2, 4>::new(Options::default());
+        whole.load(&sheet, FollowerPosition::default()).unwrap();
+        whole.accept(&sheet, setpoint(0, 0.0, 0.2, weight)).unwrap();
+        let mut parts = whole.clone();
+        let expected = whole.accept(&sheet, next.clone());
+        assert_eq!(expected.is_ok(), is_closed);
+        parts.offer(&sheet, next).unwrap();
+        let mut rounds = 0;
+        let found = loop {
+            assert!(parts.is_checking() && parts.room() == 3);
+            rounds += 1;
+            match parts.check_on(&sheet, 2) {
+                Ok(false) => {}
+                Ok(true) => break Ok(()),
+                Err(refusal) => break Err(refusal),
+            }
+        };
+        assert_eq!(found, expected);
+        assert_eq!((parts.room(), parts.is_checking()), (whole.room(), false));
+        assert_eq!(rounds, if expected.is_ok() { 4 } else { 1 });
+        assert_eq!(parts.check_on(&sheet, 2), Err(Refusal::State));
+    }
+}
+
+/// A path is dropped while its setpoint is checked: the setpoint is not queued.
+#[test]
+fn a_path_that_is_dropped_takes_its_unchecked_setpoint_along() {
+    use foldpath_core::follower::{Fault, Follower, FollowerPosition, Options};
+    let (stars, limits) = (miura(60.0, false, false), limits(10.0));
+    let sheet = SheetView {
+        interpolation: KIND,
+        limits: &limits,
+        stars: Stars::<f64>::view(&stars),
+        closure: 1e-4,
+    };
+    for fails in [false, true] {
+        let mut follower = Follower::<f64, 2, 4>::new(Options::default());
+        follower.load(&sheet, FollowerPosition::default()).unwrap();
+        follower
+            .offer(&sheet, setpoint(0, 0.0, 0.2, [1.0, 0.0]))
+            .unwrap();
+        if fails {
+            follower.fail(Fault::Stalled(0));
+        } else {
+            follower.unload().unwrap();
+        }
+        assert_eq!(follower.check_on(&sheet, 9), Err(Refusal::State));
+        assert_eq!(follower.room(), 4);
+    }
+}

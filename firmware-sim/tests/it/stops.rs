@@ -1,0 +1,87 @@
+//! What stops a motion, how fast and how far? One command prints the table of the README:
+//! `cargo nextest run --release -p foldpath-firmware-sim what_stops --no-capture`.
+
+use foldpath_core::wire::driver::{Driver, Persistence};
+
+use crate::machine::{Machine, Path, Sensor};
+
+/// Follows a path at 1 rad/s for a second, lets something happen, and prints how long and how far the hinges still move,
+/// milliseconds and milliradians. `happens` returns the host that is heard from then on.
+fn stops<'a>(
+    what: &str,
+    path: &'a Path,
+    persistence: Persistence,
+    happens: impl Fn(&mut Machine<2>, Driver<'a>) -> Option<Driver<'a>>,
+) -> (u64, f32) {
+    let mut machine = Machine::<2>::new(1);
+    let mut host = path.driver(persistence, 7).confirming();
+    while machine.command().is_none_or(|angle| angle < 0.7) {
+        machine.run(Some(&mut host), 1);
+    }
+    let begun = machine.command().unwrap();
+    let mut host = happens(&mut machine, host);
+    let (mut stood, mut last) = (begun, 0);
+    for milli in 1..=3000 {
+        machine.run(host.as_mut(), 1);
+        let Some(angle) = machine.command() else {
+            continue;
+        };
+        if angle.to_bits() != stood.to_bits() {
+            (stood, last) = (angle, milli);
+        }
+    }
+    let far = 1e3 * (stood - begun);
+    println!("| {what} | {last} ms | {far:.0} mrad |");
+    (last, far)
+}
+
+#[test]
+fn what_stops_a_motion_how_fast_and_how_far() {
+    let path = Path::new(2);
+    let none = Persistence::None;
+    // The tick that follows stops; in the millisecond before it the motion may have been under way.
+    let line = stops("the stop line", &path, none, |machine, host| {
+        machine.bench(|bench| bench.stop = true);
+        Some(host)
+    });
+    assert!(line.0 <= 1 && line.1 <= 1.1, "{line:?}");
+    let reset = stops("a reset of the board", &path, none, |machine, _| {
+        machine.reset();
+        None
+    });
+    assert_eq!(reset, (0, 0.0));
+    // The clock brakes from 1 to 0 at 4 a second: in 250 ms, on 125 ms of the path. One round and the line come on top.
+    let asked = stops("`Hold`, as by Ctrl-C", &path, none, |_, mut host| {
+        host.stop();
+        Some(host)
+    });
+    assert!(
+        (249..=253).contains(&asked.0) && (123.0..=128.0).contains(&asked.1),
+        "{asked:?}"
+    );
+    // The silence is noticed 500 ms after the last frame, which comes 50 ms before the end of the host or later.
+    let silent = stops("a host that is gone", &path, none, |_, _| None);
+    assert!(
+        (698..=753).contains(&silent.0) && (573.0..=628.0).contains(&silent.1),
+        "{silent:?}"
+    );
+    // A hinge slows the clock when it lags by 0.05 rad, and holds it from 0.15 rad on.
+    let stuck = stops(
+        "a stuck hinge, once it is stuck",
+        &path,
+        none,
+        |machine, host| {
+            let sensor: Sensor = |hinge, command, stands| {
+                let angle = command.unwrap_or(stands);
+                if hinge == 1 {
+                    angle.clamp(-0.7, 0.7)
+                } else {
+                    angle
+                }
+            };
+            machine.bench(|bench| bench.sensor = Some(sensor));
+            Some(host)
+        },
+    );
+    assert!(stuck.1 > 150.0 && stuck.1 < 150.0 + 125.0, "{stuck:?}");
+}
