@@ -17,7 +17,7 @@ def main(library: str, arguments: list[str]) -> int:
         package = Path(folder, "foldpath")
         shutil.copytree(HERE.parent / "python" / "foldpath", package, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
         shutil.copy(library, package / "_foldpath.abi3.so")
-        environment = {**os.environ, "PYTHONPATH": folder, "PYTHONDONTWRITEBYTECODE": "1"}
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([folder, str(HERE)]), "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(HERE.parent)]
         command += arguments or ["-m", "not full"]
         return subprocess.run([*command, str(HERE)], env=environment, cwd=HERE.parent).returncode

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import venv
@@ -67,15 +66,12 @@ def test_submitit_gives_the_same_bytes(given: list[dict], expected: list[str], t
     assert [line for job in jobs for line in job.result()] == expected
 
 
-def test_ray_gives_the_same_bytes(given: list[dict], expected: list[str]) -> None:
+def test_ray_gives_the_same_bytes(
+    given: list[dict], expected: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
     ray = pytest.importorskip("ray")
-    paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    ray.init(
-        num_cpus=2,
-        include_dashboard=False,
-        log_to_driver=False,
-        runtime_env={"env_vars": {"PYTHONPATH": os.pathsep.join([*paths, str(HERE / "tests")])}},
-    )
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
     try:
         work = ray.remote(plan_chunk)
         lines = ray.get([work.remote(chunk) for chunk in chunks(given, 100)])
