@@ -42,6 +42,7 @@ impl Display for TimeoutAt {
             Self::PlacingKnots => f.write_str("placing knots"),
             Self::JudgingKnot(knot) => write!(f, "judging knot {knot}"),
             Self::LookingForCrossings => f.write_str("looking for crossings"),
+            Self::LookingForOtherWays => f.write_str("looking for other ways to the goal"),
         }
     }
 }

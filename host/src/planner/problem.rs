@@ -47,6 +47,8 @@ pub(super) struct PlanningProblem<'a> {
     pub(super) errors: ErrorModel,
     /// `true` if the closed configuration nearest to the goal will do, however far from the goal it is.
     pub(super) goes_near: bool,
+    /// `true` if the straight way to the goal is the only one that is tried.
+    pub(super) goes_straight: bool,
     /// Depth up to which an overlap of faces is contact, median edges.
     pub(super) contact: f64,
     pub(super) watch: Watch<'a>,

@@ -45,6 +45,8 @@ pub enum TimeoutAt {
     JudgingKnot(usize),
     /// Looking for crossings.
     LookingForCrossings,
+    /// Looking for other ways to a goal on whose straight way faces cross.
+    LookingForOtherWays,
 }
 
 /// A question that a plan leaves open. `Display` makes a sentence of it.

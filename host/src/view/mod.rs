@@ -50,6 +50,8 @@ pub struct Scene {
     pub shapes: Vec<SceneShape>,
     /// The pair of faces that comes nearest to each other, or that passes through each other.
     pub worst_pair: Option<ScenePair>,
+    /// The planner's answer to a path that does not do all that was asked; `None` if it does, or the file has no answer.
+    pub shortfall: Option<SceneShortfall>,
     /// Numbers of the knots at which another phase of the motion begins.
     pub phases: Vec<usize>,
     /// Number of creases, without virtual edges.
@@ -113,6 +115,26 @@ pub struct ScenePair {
     pub crosses: bool,
 }
 
+/// What a path leaves undone, and what is in the way.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneShortfall {
+    /// The planner's answer, as in files.
+    pub outcome: String,
+    /// Part of the way to the goal that the path leads, 0 to 1.
+    pub reached: f64,
+    /// What the flat sheet tells is in the way, as `foldpath info` does.
+    pub causes: Vec<SceneCause>,
+}
+
+/// Something that keeps a part of the sheet from folding.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneCause {
+    /// The edges that cannot turn, or else those at the vertices that are to blame.
+    pub edges: Vec<u32>,
+    /// A sentence that names the place.
+    pub message: String,
+}
+
 /// Returns the page that shows `scene`.
 ///
 /// # Panics
@@ -174,6 +196,7 @@ mod tests {
                 clearance: None,
             }],
             worst_pair: None,
+            shortfall: None,
             phases: vec![],
             creases: 0,
             max_deformation: 0.0,

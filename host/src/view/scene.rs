@@ -3,12 +3,14 @@
 use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::{Scene, SceneMotion, ScenePair, SceneShape};
+use super::{Scene, SceneCause, SceneMotion, ScenePair, SceneShape, SceneShortfall};
 use crate::check::{MergedGroups, clearances_until_over, differing_hinge, measure};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
+use crate::planner::{Cause, Outcome, forecast};
 use crate::progress::{Progress, Watch};
+use crate::symmetry::CreaseGroups;
 
 impl Scene {
     /// Computes the scene of a path: its motion, and errors measured afresh instead of those that the file claims.
@@ -74,6 +76,7 @@ impl Scene {
                 distance: over_edge(pair.distance),
                 crosses: pair.crosses,
             }),
+            shortfall: shortfall(path, watch),
             phases: path.phases.clone(),
             creases: pattern.creases().len(),
             max_deformation: worst(|m| m.rigidity.deformation),
@@ -101,6 +104,38 @@ fn members(path: &Motion) -> Vec<Option<Membership>> {
     let groups = MergedGroups::of(path).groups;
     let edges = pattern.edges().iter();
     edges.map(|edge| Some(groups.of(edge.crease?))).collect()
+}
+
+/// Returns what the path leaves undone, if the planner said so.
+fn shortfall(path: &Motion, watch: Watch<'_>) -> Option<SceneShortfall> {
+    let answer = path.answer.as_ref()?;
+    if answer.outcome == Outcome::Planned.name() {
+        return None;
+    }
+    let pattern = &path.pattern;
+    let causes = forecast(pattern, &CreaseGroups::trivial(pattern), watch).causes;
+    let edges = |cause: &Cause| {
+        if !cause.edges.is_empty() {
+            return cause.edges.clone();
+        }
+        let mut edges: Vec<EdgeId> = (cause.vertices.iter())
+            .flat_map(|vertex| pattern.stars()[vertex.index()].to_vec())
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    };
+    Some(SceneShortfall {
+        outcome: answer.outcome.clone(),
+        reached: answer.reached,
+        causes: causes
+            .iter()
+            .map(|cause| SceneCause {
+                edges: edges(cause).iter().map(|edge| edge.0).collect(),
+                message: cause.to_string(),
+            })
+            .collect(),
+    })
 }
 
 /// Encodes a membership as one number, as in [`Scene::turns`].

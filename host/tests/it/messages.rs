@@ -61,6 +61,10 @@ fn reasons_are_sentences() {
             "out of time while looking for crossings".into(),
         ),
         (
+            Reason::OutOfTime(TimeoutAt::LookingForOtherWays),
+            "out of time while looking for other ways to the goal".into(),
+        ),
+        (
             Reason::GoalNotClosed {
                 goal: "the letters".into(),
                 nearest: None,

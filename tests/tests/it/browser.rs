@@ -13,8 +13,8 @@ use std::{
 };
 
 use foldpath::check::check;
-use foldpath::generate::Miura;
-use foldpath::pattern::CreasePattern;
+use foldpath::generate::{Letters, Miura, SquareTwist};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, PlanOptions, plan};
 use foldpath::read::fold::PatternFile;
 use foldpath::view::{Scene, page};
@@ -28,7 +28,7 @@ use headless_chrome::{
         Network, Page::CaptureScreenshotFormatOption::Png, Page::SetDownloadBehavior, types::Event,
     },
 };
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -416,6 +416,90 @@ fn faces_that_pass_through_each_other_are_named_and_shown() {
     view.click("#pair input");
     assert_ne!(view.drawn(), lit);
     assert!(view.run("foldpath.position()").as_f64().unwrap() > 0.5);
+    view.assert_quiet();
+}
+
+/// Plans a sheet to a fraction of half a turn along its letters, with panels that bend by this many radians.
+fn along_letters(drawing: Drawing, fraction: f64, bend: f64) -> Planned {
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let goal = Goal::of_letters(&pattern, fraction).unwrap();
+    let options = PlanOptions {
+        bend,
+        ..PlanOptions::default()
+    };
+    let plan = plan(&pattern, &goal, &options);
+    let title = "letters".to_owned();
+    let file = PatternFile { title, pattern };
+    Planned { file, plan }
+}
+
+/// A line from border to border turns beside two creases that are not in line, which cannot.
+#[test]
+fn what_is_in_the_way_of_a_path_that_falls_short_is_lit() {
+    let at = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [2.5, 0.0],
+        [4.0, 0.0],
+        [4.0, 2.0],
+        [2.5, 2.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+        [3.0, 1.0],
+    ];
+    let border = (0..8).map(|k| ([k, (k + 1) % 8], Letter::Boundary));
+    let creases = [[1, 6], [2, 8], [8, 5]].map(|ends| (ends, Letter::Valley));
+    let drawing = Drawing {
+        vertices: at.map(Vector2::from).to_vec(),
+        edges: border
+            .chain(creases)
+            .map(|(ends, letter)| DrawnEdge {
+                ends,
+                letter,
+                goal: None,
+            })
+            .collect(),
+        faces: None,
+    };
+    let planned = along_letters(drawing, 0.5, 0.0);
+    let scene = scene(&planned);
+    let shortfall = scene.shortfall.as_ref().unwrap();
+    assert_eq!(shortfall.outcome, "near_goal");
+    let [cause] = &shortfall.causes[..] else {
+        panic!("{:?}", shortfall.causes)
+    };
+    let view = View::open(&scene, &[]);
+    let text = view.text("#shortfall");
+    assert!(
+        text.contains("near goal") && text.contains(&cause.message),
+        "{text}"
+    );
+    let lit = view.drawn();
+    view.click("#shortfall button");
+    assert_ne!(view.drawn(), lit);
+    view.click("#shortfall button");
+    assert_eq!(view.drawn(), lit);
+    view.assert_quiet();
+}
+
+#[test]
+fn panels_that_bend_are_coloured_by_their_bend() {
+    let twist = SquareTwist {
+        rows: 1,
+        columns: 1,
+        angle: 0.5,
+        letters: Letters::Unfoldable,
+        fold: 1.0,
+    };
+    let planned = along_letters(twist.drawing().unwrap(), 0.4, 1.5);
+    let view = View::open(&scene(&planned), &[]);
+    let most = view.run("180 / Math.PI * largestBend").as_f64().unwrap();
+    view.run("foldpath.setPosition(0.5)");
+    let before = view.drawn();
+    view.key("5");
+    assert!(view.text("#lines").contains(&format!("{most:.1}°")));
+    let half = view.drawn();
+    assert_ne!(half, before);
     view.assert_quiet();
 }
 

@@ -427,7 +427,7 @@ fn the_oracle_agrees_with_panels_that_bend() {
 
 /// The largest bend of a locked twist along its plan, against the least that random steps find at a configuration which
 /// every path passes: each step is projected on closure by the Newton's method of this package. Crossings are not looked
-/// at. The plan bends panels by 8 % more.
+/// at. The plan bends panels by 7 to 8 % more, as the start of the random steps has it.
 #[test]
 fn panels_bend_little_more_than_they_must() {
     let twist = SquareTwist {
@@ -469,22 +469,30 @@ fn panels_bend_little_more_than_they_must() {
         let bends = bends.filter(|(_, edge)| edge.letter == Letter::Bend);
         bends.map(|(angle, _)| angle.abs()).fold(0.0, f64::max)
     };
-    // Every path to letters at half the fold comes by a configuration in which every lettered crease is turned its way,
-    // and that which is turned most by a right angle.
-    let is_goal = |angles: &[f64]| {
+    let turns = |angles: &[f64]| -> Vec<f64> {
         let turns = angles.iter().zip(edges);
-        let turns = turns.filter_map(|(angle, edge)| {
-            let sign = edge.letter.sign();
-            (sign.abs() > 0.0).then_some(angle * sign)
-        });
-        let most = turns.clone().fold(0.0, f64::max);
-        turns.into_iter().all(|turn| turn >= least) && (most - FRAC_PI_2).abs() <= 3.0 * least
+        let turns = turns.filter(|(_, edge)| edge.letter.sign().abs() > 0.0);
+        turns
+            .map(|(angle, edge)| angle * edge.letter.sign())
+            .collect()
+    };
+    let most_turned = |angles: &[f64]| turns(angles).into_iter().fold(0.0, f64::max);
+    // Every path to letters at half the fold comes by a configuration in which the crease that is turned most is turned
+    // by a right angle less the goal's tolerance of a degree.
+    let asked = FRAC_PI_2 - least;
+    let is_passed = |angles: &[f64]| {
+        let (turned, most) = (turns(angles), most_turned(angles));
+        turned.into_iter().all(|turn| turn >= least) && (most - asked).abs() <= least / 2.0
     };
     let last = motion.knots.len() - 1;
     let end: Vec<f64> = (0..edges.len())
         .map(|edge| motion.node(last, EdgeId::new(edge)).angle)
         .collect();
-    assert!(closure.error(&end) < 1e-9 && is_goal(&end));
+    assert!(closure.error(&end) < 1e-9 && most_turned(&end) >= asked);
+    let scale = asked / most_turned(&end);
+    let scaled: Vec<f64> = end.iter().map(|angle| angle * scale).collect();
+    let passed = closure.solve(&scaled).expect("a closed configuration");
+    assert!(is_passed(&passed), "{}", most_turned(&passed).to_degrees());
     let mut random = Random::new(1);
     let mut step = |from: &[f64], size: f64| {
         let turned = from.iter().zip(edges).map(|(angle, edge)| {
@@ -493,14 +501,14 @@ fn panels_bend_little_more_than_they_must() {
         });
         let found = closure.solve(&turned.collect::<Vec<_>>())?;
         let flat = |(angle, edge): (&f64, &Edge)| edge.crease.is_some() || angle.abs() < 1e-9;
-        (is_goal(&found) && found.iter().zip(edges).all(flat)).then_some(found)
+        (is_passed(&found) && found.iter().zip(edges).all(flat)).then_some(found)
     };
     let mut least_bend = f64::INFINITY;
-    // From the end of the plan, and from configurations far from it.
+    // From near the end of the plan, and from configurations far from there.
     for start in 0..20 {
-        let far = (0..1000).find_map(|_| step(&end, 1.0));
+        let far = (0..1000).find_map(|_| step(&passed, 1.0));
         let mut best = if start == 0 {
-            end.clone()
+            passed.clone()
         } else {
             far.expect("a start")
         };

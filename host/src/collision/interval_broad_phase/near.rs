@@ -35,33 +35,35 @@ impl IntervalBroadPhase {
         open.clear();
         open.extend(hierarchy.roots.iter().rev().map(|&root| [root, root]));
         if !parallel::is_shared(self.boxes.len(), TIME_PER_CLUSTER) {
-            while let Some((pair, _)) = self.next(hierarchy, &mut open, [touching, within], 1) {
+            self.split::<1>(hierarchy, &mut open, [touching, within], |pair, _| {
                 if let Some(tested) = test(self, pair) {
                     within = take(self, pair, tested);
                 }
-            }
+                Some(within)
+            });
             self.open = open;
             return;
         }
         // Rounds grow, because at first no distance is known that keeps them small.
         let mut round = 1;
         while !open.is_empty() {
-            let clusters = core::iter::from_fn(|| {
-                self.next(hierarchy, &mut open, [touching, within], PAIRS_PER_TASK)
+            let mut tasks = Vec::new();
+            self.split::<PAIRS_PER_TASK>(hierarchy, &mut open, [touching, within], |pair, _| {
+                tasks.push(pair);
+                (tasks.len() < round).then_some(within)
             });
-            let clusters: Vec<_> = clusters.take(round).collect();
             let near = parallel::map_with(
-                &clusters,
+                &tasks,
                 TIME_PER_TASK,
                 Vec::new,
-                |open: &mut Vec<_>, &(clusters, _)| {
+                |open: &mut Vec<_>, &clusters| {
                     open.push(clusters);
-                    let pairs =
-                        core::iter::from_fn(|| self.next(hierarchy, open, [touching, within], 1));
-                    let tested = pairs.filter_map(|(pair, gap)| {
-                        test(self, pair).map(|tested| (pair, gap, tested))
+                    let mut near = Vec::new();
+                    self.split::<1>(hierarchy, open, [touching, within], |pair, gap| {
+                        near.extend(test(self, pair).map(|tested| (pair, gap, tested)));
+                        Some(within)
                     });
-                    tested.collect::<Vec<_>>()
+                    near
                 },
             );
             // The distance has become smaller since. Boxes of clusters contain those of their parts, so that the pairs
@@ -83,47 +85,45 @@ impl IntervalBroadPhase {
         self.from > 0 && self.panels[a as usize].is_some_and(is_same)
     }
 
-    /// Takes pairs of clusters from `open` and splits them, up to one that contains no more than `pairs` pairs of pieces
-    /// and whose boxes are no farther apart than `touching` or nearer than `within`. Returns that pair with the distance
-    /// of its boxes. For the same order of pairs, all of its pairs have to be taken before the next.
+    /// Takes pairs of clusters from `open` and splits them. Calls `found` for each pair that contains no more than `PAIRS`
+    /// pairs of pieces and whose boxes are no farther apart than `touching` or nearer than `within`, with the distance of
+    /// the boxes. `found` returns the next value of `within`, or `None` to end the search for now.
     #[inline]
-    fn next(
+    fn split<const PAIRS: u64>(
         &self,
         hierarchy: &Hierarchy,
         open: &mut Vec<[u32; 2]>,
-        [touching, within]: [f64; 2],
-        pairs: u64,
-    ) -> Option<([u32; 2], f64)> {
+        [touching, mut within]: [f64; 2],
+        mut found: impl FnMut([u32; 2], f64) -> Option<f64>,
+    ) {
         while let Some([a, b]) = open.pop() {
             let gap = if a == b { 0.0 } else { self.gap(a, b) };
             if is_far(gap, [touching, within]) || self.is_panel(a, b) {
                 continue;
             }
             let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
-            let few = u64::from(first.pieces) * u64::from(second.pieces) <= pairs;
-            if a == b {
-                match first.children {
-                    Some(_) if few => return Some(([a, b], gap)),
-                    Some([left, right]) => {
-                        open.extend([[left, right], [left, left], [right, right]]);
-                    }
-                    None => {}
+            // A cluster with itself that is not split any more has to have parts.
+            let few = u64::from(first.pieces) * u64::from(second.pieces) <= PAIRS;
+            if few && (a != b || first.children.is_some()) {
+                let Some(next) = found([a, b], gap) else {
+                    return;
+                };
+                within = next;
+            } else if a == b {
+                if let Some([left, right]) = first.children {
+                    open.extend([[left, right], [left, left], [right, right]]);
                 }
-                continue;
-            }
-            if few {
-                return Some(([a, b], gap));
-            }
-            // Splits the larger cluster. If the larger one is a single piece, so is the other.
-            let (larger, other) = if first.pieces >= second.pieces {
-                (first, b)
             } else {
-                (second, a)
-            };
-            let parts = larger.children.into_iter().flatten();
-            open.extend(parts.map(|part| [part, other]));
+                // Splits the larger cluster. If the larger one is a single piece, so is the other.
+                let (larger, other) = if first.pieces >= second.pieces {
+                    (first, b)
+                } else {
+                    (second, a)
+                };
+                let parts = larger.children.into_iter().flatten();
+                open.extend(parts.map(|part| [part, other]));
+            }
         }
-        None
     }
 }
 

@@ -15,7 +15,7 @@ use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
-use crate::planner::reason::{GroupsDropped, Note, Reason};
+use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
 use crate::planner::{Goal, Judged, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
@@ -29,12 +29,12 @@ const FEW_CREASES: usize = 200;
 const MANY_CREASES: usize = 2000;
 
 /// Largest number of limits on the bend of panels that are tried after a plan is found.
-const MAX_BEND_HALVINGS: usize = 8;
+const MAX_BEND_HALVINGS: usize = 12;
 /// Largest bend that is tried to tell how far panels would have to bend, radians, and the number of smaller ones.
 const HINTED_BEND_RAD: f64 = core::f64::consts::FRAC_PI_2;
 const HINT_HALVINGS: usize = 3;
 /// Fraction of the largest bend to which the least one is looked for.
-const BEND_RATIO: f64 = 0.03;
+const BEND_RATIO: f64 = 0.01;
 
 /// A row of the table of strategies.
 struct Row {
@@ -260,6 +260,7 @@ fn plan_until_over(
         options,
         errors: ErrorModel::Exact,
         goes_near: false,
+        goes_straight: false,
         contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
         watch: watch.until(deadline),
     };
@@ -279,7 +280,11 @@ fn plan_until_over(
             best = bent;
         }
     } else if is_stuck(&asked, &best) {
-        let bent = with_least_bend(&asked, HINTED_BEND_RAD, HINT_HALVINGS, &mut Vec::new());
+        let quick = PlanningProblem {
+            goes_straight: true,
+            ..asked
+        };
+        let bent = with_least_bend(&quick, HINTED_BEND_RAD, HINT_HALVINGS, &mut Vec::new());
         let would_bend = bent.map(|bent| Note::WouldBend(bent.max_bend));
         best.notes.extend(would_bend);
     }
@@ -446,7 +451,7 @@ fn try_strategy(
         reason: plan.reason.clone(),
         seconds: start.elapsed().as_secs_f64(),
     });
-    if pass.ending != Ending::Obstructed {
+    if pass.ending != Ending::Obstructed || problem.goes_straight {
         return Some(plan);
     }
     let (splits, few) = (splits_phases(problem, &plan), has_few_creases(problem));
@@ -463,6 +468,10 @@ fn try_strategy(
         let found = fold();
         let (outcome, reason) = match &found {
             Some(found) => (found.outcome, found.reason.clone()),
+            None if problem.is_late() => (
+                Outcome::Timeout,
+                Some(Reason::OutOfTime(TimeoutAt::LookingForOtherWays)),
+            ),
             None => (Outcome::Partial, Some(none)),
         };
         attempts.push(Attempt {

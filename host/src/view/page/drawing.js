@@ -56,44 +56,54 @@ const LETTERS = [
 const letterOf = edge => LETTERS.find(({ letters }) => letters.includes(scene.letters[edge]));
 const edgeLetters = Array.from({ length: edges }, (_, edge) => letterOf(edge));
 
-/** Meanings that the colours of lines may have, in the order of the keys 1 to 4. */
-const COLOURS = ["paper", "groups", "letters", "deformation"];
+/** Edges about which panels bend, and the largest of their angles in any shape, radians. */
+const bends = Array.from({ length: edges }, (_, edge) => edge).filter(edge => scene.letters[edge] === "J" && scene.turns[edge]);
+const largestBend = bends.reduce((most, edge) => shapeTimes.reduce((most, time) =>
+  Math.max(most, Math.abs(groupAngle(Math.abs(scene.turns[edge]) - 1, find(knotTimes, time, {})))), most), 0);
+
+/** Meanings that the colours of lines may have, in the order of the keys 1 to 5; bends only where panels bend. */
+const COLOURS = ["paper", "groups", "letters", "deformation", ...largestBend > 0 ? ["bends"] : []];
+/** Colours that change along the path. */
+const CHANGING = ["deformation", "bends"];
 /** Powers of ten of the deformations that have the first and the last colour. */
 const STRAIN = [-9, -2];
 /** Width in pixels from which a line stands out: it keeps its width where other lines get thinner. */
 const STANDS_OUT = 3;
 
-const view = { colours: "letters", selected: -1, pair: true, worstEdge: -1 };
+/** `cause` is the number of the cause whose edges are lit, or -1. */
+const view = { colours: "letters", selected: -1, pair: true, worstEdge: -1, cause: scene.shortfall?.causes.length ? 0 : -1 };
 const groupOf = edge => Math.abs(scene.turns[edge]) - 1;
 const lineStyles = new Uint8Array(4 * edges); // red, green, blue, width in sixteenths of a pixel
 
 function paintLines() {
-  const palette = Object.fromEntries([...LETTERS.map(letter => letter.colour), "--selected", "--worst"].map(name => [name, rgb(name)]));
+  const palette = Object.fromEntries([...LETTERS.map(letter => letter.colour), "--selected", "--worst", "--crossing"].map(name => [name, rgb(name)]));
   const [cold, hot] = [rgb("--cold"), rgb("--hot")];
   const set = (edge, [r, g, b], width) => {
     const i = 4 * edge;
     lineStyles[i] = 255 * r; lineStyles[i + 1] = 255 * g; lineStyles[i + 2] = 255 * b; lineStyles[i + 3] = 16 * width;
   };
   const mixed = [0, 0, 0];
+  const mix = part => { for (let i = 0; i < 3; i++) mixed[i] = cold[i] + part * (hot[i] - cold[i]); return mixed; };
   let worst = 0;
   view.worstEdge = -1;
   for (let edge = 0; edge < edges; edge++) {
     const letter = edgeLetters[edge], group = groupOf(edge);
     if (view.colours === "deformation") {
       const value = deformation(edge), part = Math.min(1, Math.max(0, (Math.log10(value) - STRAIN[0]) / (STRAIN[1] - STRAIN[0])));
-      for (let i = 0; i < 3; i++) mixed[i] = cold[i] + part * (hot[i] - cold[i]);
-      set(edge, mixed, 2);
+      set(edge, mix(part), 2);
       if (value > worst) { worst = value; view.worstEdge = edge; }
     } else if (group < 0 || view.colours === "letters") set(edge, palette[letter.colour], letter.width);
     else if (view.colours === "groups") set(edge, groupColours[group], 2);
     else set(edge, palette["--flat"], 1);
   }
+  if (view.colours === "bends") for (const edge of bends) set(edge, mix(Math.abs(groupAngle(groupOf(edge), knotPlace)) / largestBend), 4);
+  if (view.cause >= 0) for (const edge of scene.shortfall.causes[view.cause].edges) set(edge, palette["--crossing"], 5);
   if (view.worstEdge >= 0) set(view.worstEdge, palette["--worst"], 5);
   if (view.selected >= 0) {
     const group = groupOf(view.selected);
     for (let edge = 0; edge < edges; edge++) {
       if (groupOf(edge) === group) set(edge, palette["--selected"], 3.5);
-      else if (groupOf(edge) >= 0 && view.colours !== "deformation") set(edge, palette["--flat"], 1);
+      else if (groupOf(edge) >= 0 && !CHANGING.includes(view.colours)) set(edge, palette["--flat"], 1);
     }
     set(view.selected, palette["--selected"], 7);
   }
@@ -235,7 +245,7 @@ function renderer(canvas) {
     const matrix = projection(aspect);
     texels.set(folded);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGB, gl.FLOAT, texels);
-    if (!painted || view.colours === "deformation") {
+    if (!painted || CHANGING.includes(view.colours)) {
       paintLines();
       gl.bufferSubData(gl.ARRAY_BUFFER, 0, lineStyles);
       painted = true;

@@ -42,6 +42,8 @@ function writeLines() {
     list.innerHTML = `<li>10<sup>${STRAIN[0]}</sup> <i class="ramp"></i> 10<sup>${STRAIN[1]}</sup> of the length</li><li>${sample("var(--worst)", null, 5)}worst: <span></span></li>`;
     const say = () => view.worstEdge < 0 ? "none" : `edge ${view.worstEdge}, ${short(deformation(view.worstEdge))}`;
     live.push({ node: list.querySelector("span"), say });
+  } else if (view.colours === "bends") {
+    list.innerHTML = `<li>0° <i class="ramp"></i> ${(DEGREE * largestBend).toFixed(1)}°, the largest bend of a panel</li>`;
   } else {
     const colour = letter => view.colours === "paper" && !"BC".includes(letter.letters[0]) ? "--flat" : letter.colour;
     list.innerHTML = used.map(letter => `<li>${sample(`var(${colour(letter)})`, dash(letter), letter.width)}${letter.name}</li>`).join("");
@@ -57,6 +59,32 @@ function writePair() {
   box.querySelector("span").textContent = `${what}, ${short(pair.distance)} edges ${pair.crosses ? "deep" : "apart"}, at ${pair.time.toFixed(2)} s`;
   box.querySelector("button").addEventListener("click", () => { setPlaying(false); setTime(pair.time); });
   box.querySelector("input").addEventListener("change", event => { view.pair = event.target.checked; redraw(); });
+}
+
+/** Writes what the path leaves undone, with a button for each cause that lights its edges. */
+function writeShortfall() {
+  const shortfall = scene.shortfall, box = element("shortfall");
+  box.hidden = !shortfall;
+  if (!shortfall) return;
+  box.querySelector("p").textContent = `${shortfall.outcome.replaceAll("_", " ")}: ${(100 * shortfall.reached).toFixed(1)} % of the way`;
+  const buttons = shortfall.causes.map((cause, i) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = cause.message;
+    button.addEventListener("click", () => light(view.cause === i ? -1 : i));
+    return button;
+  });
+  const light = cause => {
+    view.cause = cause;
+    buttons.forEach((button, i) => button.setAttribute("aria-pressed", i === cause));
+    repaint();
+  };
+  box.querySelector("ul").append(...buttons.map(button => {
+    const item = document.createElement("li");
+    item.append(button);
+    return item;
+  }));
+  light(view.cause);
 }
 
 function writeHinge() {
@@ -281,6 +309,7 @@ canvas.addEventListener("dblclick", resetView);
 if (!clearanceKnown) plots.pop().svg.closest("figure").remove();
 writeHeader();
 writePair();
+writeShortfall();
 picture = renderer(canvas);
 if (!picture) {
   for (const part of ["lines", "colours", "save"]) element(part).hidden = true;
