@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 
 use crate::waiting::{Threads, waiting};
 
-/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` is how
-/// to start it once more.
+/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` starts
+/// it once more.
 #[pyfunction]
 pub(crate) fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>) -> u8 {
     py.detach(|| embed::run(arguments, &program))

@@ -1,7 +1,7 @@
 //! The extension module of the Python package `foldpath`.
 //!
-//! It moves bytes and texts between Python and the library: arrays are bytes, options and answers are JSON. What people
-//! use is the Python code in `python/foldpath`, which makes arrays and dictionaries of them.
+//! It moves bytes and texts between Python and the library: arrays are bytes, options and answers are JSON. The Python
+//! code in `python/foldpath`, which people use, makes arrays and dictionaries of them.
 //!
 //! - `sheet.rs`: a crease pattern, with closure residuals and Jacobian.
 //! - `answer.rs`: plans.

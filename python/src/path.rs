@@ -123,6 +123,7 @@ impl Path {
     fn at<'py>(&self, py: Python<'py>, times: &[u8]) -> Bound<'py, PyByteArray> {
         let configurations = from_bytes(times).map(|time| self.motion.at(time));
         let angles = configurations.flat_map(|knot| self.angles(&knot).collect::<Vec<f64>>());
+        let angles: Vec<f64> = py.detach(|| angles.collect());
         numbers(py, angles)
     }
 
@@ -140,6 +141,7 @@ impl Path {
                 .flat_map(|vertex| [vertex.x, vertex.y, vertex.z])
                 .collect::<Vec<f64>>()
         });
+        let shapes: Vec<f64> = py.detach(|| shapes.collect());
         numbers(py, shapes)
     }
 

@@ -114,7 +114,7 @@ impl Sheet {
         self.read.name.display().to_string()
     }
 
-    /// What was repaired while reading, and what was assumed.
+    /// Repairs and assumptions made while reading, in sentences.
     #[getter]
     fn notes(&self) -> Vec<String> {
         let pattern = self.read.pattern();
@@ -212,7 +212,7 @@ impl Sheet {
         Ok(text)
     }
 
-    /// What makes the same pattern again: name, bytes and options of reading.
+    /// Name, bytes and options of reading, which make the same pattern again.
     fn source<'py>(&self, py: Python<'py>) -> (String, Bound<'py, PyBytes>, String) {
         let Read {
             name,

@@ -39,9 +39,13 @@ def test_answers_and_files_are_those_of_the_command(path: Path, command: Command
 
 
 def test_every_option_of_the_command_is_an_argument() -> None:
-    listed = set(fp.plan(fp.miura(2, 2)).to_dict()["options"])
-    arguments = set(inspect.signature(fp.plan).parameters) - {"pattern", "jobs"}
-    assert arguments == listed
+    listed = fp.plan(fp.miura(2, 2)).to_dict()["options"]
+    arguments = dict(inspect.signature(fp.plan).parameters)
+    del arguments["pattern"], arguments["jobs"]
+    assert set(arguments) == set(listed)
+    for name, argument in arguments.items():
+        if argument.default is not None:
+            assert argument.default == listed[name], name
 
 
 def test_options_do_what_they_do_on_the_command_line(command: Command, tmp_path: Path) -> None:

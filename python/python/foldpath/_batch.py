@@ -15,7 +15,7 @@ from . import _foldpath
 from ._convert import File, to_json
 from ._error import FoldpathError
 
-#: How to start the command line once more.
+#: The command that starts the command line once more.
 PROGRAM = [sys.executable, "-m", "foldpath"]
 
 Design = Union[Mapping[str, Any], str]

@@ -46,7 +46,7 @@ class Pattern:
 
     @property
     def notes(self) -> list[str]:
-        """What was repaired while reading, and what was assumed, in sentences."""
+        """Repairs and assumptions made while reading, in sentences."""
         return self._sheet.notes
 
     @property

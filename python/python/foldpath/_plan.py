@@ -115,8 +115,8 @@ def plan(
     The interpreter's lock is released, and Ctrl-C ends the plan. ``jobs`` threads share the work; by default one for each
     core, and one in a process that was forked.
 
-    Raises :class:`FoldpathError`, a ``ValueError`` with the text of the command line, for bad input or options. That no
-    motion is found is no error but an outcome.
+    Raises :class:`FoldpathError`, a ``ValueError`` with the text of the command line, for bad input or options. An answer
+    without a motion is an outcome, not an error.
     """
     given: dict[str, Any] = {
         "goal": goal,
