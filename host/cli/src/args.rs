@@ -15,7 +15,7 @@ use foldpath::generate::{self, defaults};
 use foldpath::planner::{Judged, Search, Solver, Symmetry, Timing, Vertices};
 use foldpath::read::{ColourLetters, Straighten};
 use foldpath::request::{
-    DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Reuse, Skip, Switch,
+    CheckRequest, DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Reuse, Skip, Switch,
 };
 
 /// An interpolation, or none in particular. Under this name clap takes it for one value.
@@ -721,6 +721,17 @@ pub(crate) struct Check {
     pub(crate) report: Report,
 }
 
+impl Check {
+    /// Returns the options by their names.
+    pub(crate) fn request(&self) -> CheckRequest {
+        CheckRequest {
+            bound: self.bound,
+            bend: self.bend,
+            contact: self.contact,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -1035,4 +1046,23 @@ fn pairs(text: &str) -> impl Iterator<Item = Result<(&str, &str), String>> {
 fn seed(value: &str) -> Result<u64, String> {
     let seed = value.parse();
     seed.map_err(|_| format!("seed: expected a number, found {value}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_library() {
+        let cli = Cli::try_parse_from(["foldpath", "plan", "miura.fold"]).unwrap();
+        let Command::Plan(plan) = cli.command else {
+            panic!("another command");
+        };
+        assert_eq!(plan.request(), PlanRequest::default());
+        let cli = Cli::try_parse_from(["foldpath", "check", "path.fold"]).unwrap();
+        let Command::Check(check) = cli.command else {
+            panic!("another command");
+        };
+        assert_eq!(check.request(), CheckRequest::default());
+    }
 }

@@ -6,19 +6,14 @@ use crate::report::outcome;
 use crate::standard::Input;
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::check::check_watched;
-use foldpath::request::{CheckJson, CheckRequest};
+use foldpath::request::CheckJson;
 
 fn sentences(findings: &[impl ToString]) -> Vec<String> {
     findings.iter().map(ToString::to_string).collect()
 }
 
 pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
-    let request = CheckRequest {
-        bound: args.bound,
-        bend: args.bend,
-        contact: args.contact,
-    };
-    let options = request.options()?;
+    let options = args.request().options()?;
     let (path, verdict) = watched(&args.report, quiet, |progress| {
         let path = Input::of(&args.path)?.motion()?;
         let verdict = check_watched(&path, &options, progress);

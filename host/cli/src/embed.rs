@@ -33,7 +33,7 @@ pub struct Refusal {
     pub line: Option<usize>,
     /// Column in the line, from 1.
     pub column: Option<usize>,
-    /// How to correct it, if that is known.
+    /// Advice on correcting it, if there is any.
     pub hint: Option<String>,
 }
 
@@ -199,8 +199,8 @@ pub fn plan_line(line: &str, timeout: f64, stable: bool, progress: &Progress) ->
     record(line, timeout, stable, progress)
 }
 
-/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` is how
-/// to start it once more.
+/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` starts
+/// it once more: a program and its first arguments.
 #[must_use]
 pub fn run(arguments: Vec<OsString>, program: &[OsString]) -> u8 {
     crate::run_command(arguments, program)

@@ -72,8 +72,8 @@ pub fn main() -> ExitCode {
     run_command(arguments, &program.unwrap_or_default()).into()
 }
 
-/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` is how
-/// to start the command once more: a program and its first arguments.
+/// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` starts
+/// the command once more: a program and its first arguments.
 fn run_command(arguments: Vec<OsString>, program: &[OsString]) -> u8 {
     let wants_json = arguments.iter().any(|argument| argument == "--json");
     let cli = match args::Cli::try_parse_from(arguments) {

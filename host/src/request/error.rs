@@ -15,7 +15,7 @@ pub enum RequestError {
     Goal {
         /// The file with the pattern.
         file: String,
-        /// What is wrong.
+        /// The reason.
         source: GoalError,
     },
     /// An option has a value that it cannot have, or options exclude each other.
@@ -24,7 +24,7 @@ pub enum RequestError {
     /// An option names an edge that is no hinge.
     #[error("{text}")]
     Hinge {
-        /// What is wrong.
+        /// The message.
         text: String,
         /// A hinge that may be meant.
         hint: Option<String>,

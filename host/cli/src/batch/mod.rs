@@ -29,7 +29,7 @@ use results::Results;
 
 pub(crate) use worker::record;
 
-/// Runs the command. `program` is how to start it once more, for the processes that plan.
+/// Runs the command. `program` starts it once more, for the processes that plan: a program and its first arguments.
 pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
     if args.worker {
         worker::run(args.timeout, args.stable);

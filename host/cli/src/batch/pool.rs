@@ -33,7 +33,7 @@ pub(super) struct Limits<'a> {
     pub(super) timeout: f64,
     /// Leaves out what depends on the clock.
     pub(super) stable: bool,
-    /// How to start the command: a program and its first arguments.
+    /// The command that starts foldpath once more: a program and its first arguments.
     pub(super) program: &'a [OsString],
 }
 

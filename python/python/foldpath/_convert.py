@@ -1,0 +1,93 @@
+"""Arrays, options and names on their way to the extension module and back."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._error import FoldpathError
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+File = Union[str, "os.PathLike[str]"]
+
+_PROCESS = os.getpid()
+
+
+def is_forked() -> bool:
+    """Return whether this process was forked after the package was imported."""
+    return os.getpid() != _PROCESS
+
+
+def floats(data: bytearray, *shape: int) -> Floats:
+    """Return numbers from the extension module as an array that owns its memory."""
+    return np.frombuffer(data, dtype=np.float64).reshape(shape)
+
+
+def integers(data: bytearray, *shape: int) -> Integers:
+    """Return integers from the extension module as an array that owns its memory."""
+    return np.frombuffer(data, dtype=np.int64).reshape(shape)
+
+
+def contiguous(values: ArrayLike, name: str) -> Floats:
+    """Return numbers of any type and order as contiguous 64-bit floats."""
+    try:
+        return np.asarray(values, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise FoldpathError(f"{name}: expected numbers: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """Return a value that JSON has: numbers of numpy and names of files are converted."""
+    if isinstance(value, bool) or value is None or isinstance(value, (int, str)):
+        return value
+    if isinstance(value, np.ndarray):
+        return [_plain(item) for item in value.tolist()]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float):
+        # JSON has no infinity and no nan; their texts are refused by name.
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [_plain(item) for item in value]
+    raise FoldpathError(f"expected a number, a text or a list, found {value!r}")
+
+
+def to_json(value: Any) -> str:
+    """Return the value as JSON in one line."""
+    return json.dumps(_plain(value), allow_nan=False, ensure_ascii=False)
+
+
+def options(given: Mapping[str, Any]) -> str:
+    """Return those options that are given as a JSON object."""
+    return to_json({name: value for name, value in given.items() if value is not None})
+
+
+def edges_with(
+    given: Mapping[int, Any] | Iterable[str] | str | None,
+) -> list[str] | None:
+    """Return texts such as ``4=-45`` and ``7=-30..60`` of a dictionary from edges to angles or ranges, in degrees."""
+    if given is None:
+        return None
+    if isinstance(given, str):
+        return [given]
+    if not isinstance(given, Mapping):
+        return [str(item) for item in given]
+    texts = []
+    for edge, angle in given.items():
+        if np.ndim(angle):
+            lower, upper = (float(end) for end in angle)
+            texts.append(f"{int(edge)}={lower!r}..{upper!r}")
+        else:
+            texts.append(f"{int(edge)}={float(angle)!r}")
+    return texts

@@ -1,0 +1,212 @@
+"""Motions: evaluating, judging, showing and exporting them."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from typing import Any, Literal, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _foldpath
+from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked
+from ._error import FoldpathError
+from ._pattern import Source, content
+
+Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "mjcf", "joint-trajectory"]
+
+
+class Motion:
+    """The motion of a sheet from flat to its goal.
+
+    ``K`` is the number of knots, which are stored configurations, ``E`` that of edges and ``V`` that of vertices. Times
+    are in seconds, fold angles in radians, valley positive.
+    """
+
+    __slots__ = ("_path",)
+    _path: _foldpath.Path
+
+    def __init__(self, path: _foldpath.Path) -> None:
+        self._path = path
+
+    @property
+    def title(self) -> str:
+        """The title."""
+        return self._path.title
+
+    @property
+    def times(self) -> Floats:
+        """Times of the knots: (K,)."""
+        return floats(self._path.times(), -1)
+
+    @property
+    def duration(self) -> float:
+        """Time of the last knot."""
+        return float(self.times[-1])
+
+    @property
+    def fold_angles(self) -> Floats:
+        """Fold angles of the edges at the knots: (K, E), nan for edges that are no hinge."""
+        return floats(self._path.fold_angles(), self._path.knots, self._path.edge_count)
+
+    @property
+    def edges(self) -> Integers:
+        """Vertices of the edges: (E, 2)."""
+        return integers(self._path.edges(), -1, 2)
+
+    @property
+    def faces(self) -> list[list[int]]:
+        """Vertices of each panel, counter-clockwise."""
+        return self._path.faces()
+
+    def at(self, t: ArrayLike) -> Floats:
+        """Return the fold angles at a time, (E,), or at times, (T, E); before the start and after the end it rests."""
+        times = contiguous(t, "t")
+        _check_times(times)
+        angles = self._path.at(times.tobytes())
+        return floats(angles, *times.shape, self._path.edge_count)
+
+    def vertices(self, t: ArrayLike) -> Floats:
+        """Return the positions of the vertices at a time, (V, 3), or at times, (T, V, 3).
+
+        A panel in the middle of the sheet stays where it is drawn.
+        """
+        times = contiguous(t, "t")
+        _check_times(times)
+        positions = self._path.vertices(times.tobytes())
+        return floats(positions, *times.shape, self._path.vertex_count, 3)
+
+    def save(self, file: File) -> None:
+        """Write the path file, a FOLD animation. It is written whole or not at all."""
+        self._path.save(file)
+
+    def page(self) -> str:
+        """Return the interactive page, in HTML that needs no network."""
+        return self._path.page()
+
+    def save_page(self, file: File) -> None:
+        """Write the interactive page."""
+        _foldpath.write_text(file, self.page())
+
+    def plot(self) -> str:
+        """Return a picture of the curves along the motion, as SVG: angles, deformation, gap and clearance."""
+        return self._path.plot()
+
+    def save_plot(self, file: File) -> None:
+        """Write the picture of the curves, an SVG file."""
+        _foldpath.write_text(file, self.plot())
+
+    def export(
+        self,
+        file: File,
+        to: Format,
+        *,
+        rate: float | None = None,
+        per: Literal["hinge", "group"] | None = None,
+        frames: int | None = None,
+        colour: Literal["letters", "groups", "deformation"] | None = None,
+    ) -> None:
+        """Export the motion, as ``foldpath export`` does.
+
+        ``to`` is the format: ``traj`` for a controller, ``csv``, ``rust`` constants, ``obj`` and ``glb`` for renderers,
+        ``svg`` for a drawing of the pattern, ``mjcf`` for physics engines, ``joint-trajectory`` for ROS. With ``obj`` and
+        ``mjcf``, ``file`` is a folder. ``rate`` (hertz) and ``per`` go with ``csv``, ``frames`` with ``obj`` and ``glb``,
+        ``colour`` with ``svg``.
+        """
+        arguments = [f"--to={to}", f"--output={os.fspath(file)}"]
+        given = {"rate": rate, "per": per, "frames": frames, "colour": colour}
+        arguments += [f"--{name}={value}" for name, value in given.items() if value is not None]
+        self._path.export(arguments)
+
+    def check(
+        self,
+        *,
+        bound: float = 0.01,
+        bend: float = 0.0,
+        contact: float | None = None,
+        jobs: int | None = None,
+    ) -> Verdict:
+        """Judge the motion; see :func:`check`."""
+        text = self._path.check(bound, bend, contact, jobs, is_forked())
+        return Verdict(json.loads(text))
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.page())
+        style = "width: 100%; height: 640px; border: 0"
+        return f'<iframe title="{html.escape(self.title)}" srcdoc="{page}" style="{style}"></iframe>'
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._path.file, self._path.text())
+
+    def __repr__(self) -> str:
+        return f"<foldpath.Motion {self.title!r}: {self._path.knots} knots, {self.duration:.3f} s>"
+
+
+def _check_times(times: Floats) -> None:
+    if times.ndim > 1:
+        raise FoldpathError(f"t: expected a time or one dimension of times, found {times.ndim}")
+    if not np.isfinite(times).all():
+        raise FoldpathError("t: expected finite times, found infinity or nan")
+
+
+def _again(name: str, text: str) -> Motion:
+    """Make a motion again that was pickled."""
+    return Motion(_foldpath.Path.parse(name, text.encode()))
+
+
+def load(source: Source) -> Motion:
+    """Read a motion from a path file, its bytes, an open binary file, or a dictionary in the form of FOLD."""
+    if isinstance(source, (str, os.PathLike)):
+        return Motion(_foldpath.Path.read(source))
+    return Motion(_foldpath.Path.parse("<bytes>", content(source)))
+
+
+class Verdict:
+    """A verdict on a motion."""
+
+    __slots__ = ("_told",)
+    _told: dict[str, Any]
+
+    def __init__(self, told: dict[str, Any]) -> None:
+        self._told = told
+
+    @property
+    def outcome(self) -> str:
+        """``holds``, ``fails`` or ``undecided``."""
+        outcome: str = self._told["outcome"]
+        return outcome
+
+    @property
+    def reason(self) -> str | None:
+        """Why it does not hold."""
+        reason: str | None = self._told["reason"]
+        return reason
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the object of ``foldpath check --json``."""
+        return dict(self._told)
+
+    def __repr__(self) -> str:
+        reason = f": {self.reason}" if self.reason else ""
+        return f"<foldpath.Verdict {self.outcome}{reason}>"
+
+
+def check(
+    motion: Union[Motion, Source],
+    *,
+    bound: float = 0.01,
+    bend: float = 0.0,
+    contact: float | None = None,
+    jobs: int | None = None,
+) -> Verdict:
+    """Judge a motion afresh, or a path file: rigidity, closure, signs and crossings, at the knots and between them.
+
+    ``bound`` is the largest deformation, gap and closure residual allowed, ``bend`` the angle in degrees by which panels
+    may bend, ``contact`` the depth up to which panels that touch may overlap, in median edges. ``jobs`` threads share
+    the work.
+    """
+    if not isinstance(motion, Motion):
+        motion = load(motion)
+    return motion.check(bound=bound, bend=bend, contact=contact, jobs=jobs)

@@ -1,0 +1,231 @@
+"""Crease patterns: reading, families, closure residuals."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+from numpy.typing import ArrayLike
+
+from . import _foldpath
+from ._convert import File, Floats, Integers, contiguous, floats, integers, options, to_json
+from ._error import FoldpathError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+Straighten = Literal["auto", "on", "off"]
+Source = Union[File, bytes, bytearray, memoryview, Mapping[str, Any], "io.IOBase"]
+
+
+class Pattern:
+    """A crease pattern: a flat sheet with its hinges and, if the file has one, a goal.
+
+    ``V`` is the number of vertices and ``E`` that of edges, in the order of the file. Vertices and edges that foldpath
+    adds, as where a cut parts the sheet, come after those of the file.
+    """
+
+    __slots__ = ("_sheet",)
+    _sheet: _foldpath.Sheet
+
+    def __init__(self, sheet: _foldpath.Sheet) -> None:
+        self._sheet = sheet
+
+    @property
+    def title(self) -> str:
+        """The title of the file, or else its name."""
+        return self._sheet.title
+
+    @property
+    def file(self) -> str:
+        """The name of the file."""
+        return self._sheet.file
+
+    @property
+    def notes(self) -> list[str]:
+        """Repairs and assumptions made while reading, in sentences."""
+        return self._sheet.notes
+
+    @property
+    def vertices(self) -> Floats:
+        """Positions of the vertices in the flat sheet: (V, 2)."""
+        return floats(self._sheet.vertices(), -1, 2)
+
+    @property
+    def edges(self) -> Integers:
+        """Vertices of the edges: (E, 2)."""
+        return integers(self._sheet.edges(), -1, 2)
+
+    @property
+    def faces(self) -> list[list[int]]:
+        """Vertices of each panel, counter-clockwise."""
+        return self._sheet.faces()
+
+    @property
+    def letters(self) -> list[str]:
+        """FOLD's letter of each edge: M, V, B, F, U, C or J."""
+        return list(self._sheet.letters)
+
+    @property
+    def hinges(self) -> Integers:
+        """Numbers of the edges that are hinges."""
+        return integers(self._sheet.hinges(), -1)
+
+    @property
+    def goal(self) -> Floats:
+        """Goal angle of each edge, radians, valley positive: (E,), nan where there is none."""
+        return floats(self._sheet.goal(), -1)
+
+    @property
+    def closure_vertices(self) -> Integers:
+        """Vertices of the first rows of :func:`closure`, in their order."""
+        return integers(self._sheet.closure_vertices(), -1)
+
+    def info(self, timeout: float | None = None) -> dict[str, Any]:
+        """Describe the pattern, and foresee whether it folds: the object of ``foldpath info --json``.
+
+        ``timeout`` (seconds) ends the search for crease groups and the forecast.
+        """
+        described: dict[str, Any] = json.loads(self._sheet.info(timeout))
+        return described
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, self._sheet.source()
+
+    def __repr__(self) -> str:
+        hinges = len(self.hinges)
+        return f"<foldpath.Pattern {self.title!r}: {len(self.faces)} panels, {hinges} hinges>"
+
+
+def _again(name: str, data: bytes, reading: str) -> Pattern:
+    """Make a pattern again that was pickled."""
+    return Pattern(_foldpath.Sheet.parse(name, data, reading))
+
+
+def read(
+    source: Source,
+    *,
+    tolerance: float | None = None,
+    straighten: Straighten = "auto",
+    colors: str | None = None,
+) -> Pattern:
+    """Read a crease pattern.
+
+    ``source`` is the name of a file (FOLD, SVG, CP, OPX or OBJ), its bytes, a binary file that is open, or a dictionary
+    in the form of FOLD. The options are those of the command line: ``tolerance`` is the distance within which lines of a
+    drawing are meant to meet, ``straighten`` moves vertices a little, and ``colors`` gives the letters of an SVG
+    drawing's colours, such as ``"red=V,blue=M"``.
+
+    Raises :class:`FoldpathError` if the source holds no crease pattern.
+    """
+    given = options({"tolerance": tolerance, "straighten": straighten, "colors": colors})
+    if isinstance(source, (str, os.PathLike)):
+        return Pattern(_foldpath.Sheet.read(source, given))
+    return Pattern(_foldpath.Sheet.parse("<bytes>", content(source), given))
+
+
+def content(source: Source) -> bytes:
+    """Return the bytes of a source that is no name of a file."""
+    if isinstance(source, Mapping):
+        return to_json(source).encode()
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        return bytes(source)
+    if hasattr(source, "read"):
+        data = source.read()
+        return data.encode() if isinstance(data, str) else bytes(data)
+    raise FoldpathError(f"expected a file, bytes or a dictionary, found {type(source).__name__}")
+
+
+def closure(pattern: Pattern, angles: ArrayLike) -> tuple[Floats, csr_matrix]:
+    """Return closure residuals at fold angles, and their Jacobian.
+
+    ``angles`` has the fold angle of each edge in radians, valley positive: (E,). Angles of edges that are no hinge count
+    for nothing and may be nan, as in :attr:`Motion.fold_angles`.
+
+    Residuals are (R, 3), zero exactly if the sheet closes: a row for each of ``pattern.closure_vertices``, and after
+    these two for each hole, of rotation and of translation over the hole's size. The residual of a vertex is the vector
+    part of the unit quaternion of the turn round it, doubled; near 0 its length is that turn in radians. The Jacobian is
+    a sparse matrix of scipy, (3 R, E): row 3 i + k belongs to residual (i, k).
+    """
+    from scipy.sparse import csr_matrix
+
+    values = contiguous(angles, "angles")
+    if values.ndim != 1:
+        raise FoldpathError(f"angles: expected one dimension, found {values.ndim}")
+    residuals, data, columns, ends = pattern._sheet.closure(values.tobytes())
+    rows = floats(residuals, -1, 3)
+    matrix = csr_matrix(
+        (floats(data, -1), integers(columns, -1), integers(ends, -1)),
+        shape=(rows.size, len(values)),
+    )
+    return rows, matrix
+
+
+def _family(family: str, **parameters: Any) -> Pattern:
+    given = {name: value for name, value in parameters.items() if value is not None}
+    return Pattern(_foldpath.Sheet.generate(to_json({"family": family, **given})))
+
+
+def miura(rows: int, columns: int, angle: float = 60.0, fold: float = 0.9) -> Pattern:
+    """Make a Miura fold of ``rows`` x ``columns`` parallelograms with sides of length 1.
+
+    ``angle`` is the sector angle in degrees, ``fold`` the goal: the angle of the zigzag creases as a fraction of 180
+    degrees.
+    """
+    return _family("miura", rows=rows, cols=columns, angle=angle, fold=fold)
+
+
+def waterbomb(rows: int, columns: int, fold: float = 0.5) -> Pattern:
+    """Make a waterbomb tessellation on ``rows`` x ``columns`` unit squares; rows are counted round the tube.
+
+    ``fold`` is the goal: the angle of the boundary lines as a fraction of 180 degrees.
+    """
+    return _family("waterbomb", rows=rows, cols=columns, fold=fold)
+
+
+def yoshimura(rows: int, columns: int, angle: float = 30.0, fold: float = 0.25) -> Pattern:
+    """Make a Yoshimura pattern on ``rows`` x ``columns`` cells with one diagonal each.
+
+    ``angle`` lies between diagonals and straight creases, in degrees; ``fold`` is the goal: the angle of the straight
+    creases as a fraction of 180 degrees.
+    """
+    return _family("yoshimura", rows=rows, cols=columns, angle=angle, fold=fold)
+
+
+def quad(rows: int = 24, columns: int = 24, fold: float = 0.0675) -> Pattern:
+    """Make slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold.
+
+    ``fold`` is the goal: the angle of the diagonals as a fraction of 180 degrees.
+    """
+    return _family("quad", rows=rows, cols=columns, fold=fold)
+
+
+def square_twist(
+    rows: int = 1,
+    columns: int = 1,
+    angle: float = 60.0,
+    letters: Literal["foldable", "unfoldable"] = "foldable",
+    fold: float = 0.5,
+) -> Pattern:
+    """Make square twists on ``rows`` x ``columns`` tiles; each tile mirrors its neighbours.
+
+    ``angle`` lies between the sides of a square and its pleats, in degrees. The sheet folds with ``letters``
+    ``"foldable"``; its goal is then ``fold``, the angle of the creases that turn most as a fraction of 180 degrees.
+    """
+    return _family("square-twist", rows=rows, cols=columns, angle=angle, letters=letters, fold=fold)
+
+
+def resch(rows: int = 3, columns: int = 3) -> Pattern:
+    """Make Ron Resch's triangular tessellation of ``rows`` x ``columns`` stars; its goal is closed to a plane."""
+    return _family("resch", rows=rows, cols=columns)
+
+
+def kresling(rows: int = 2, columns: int = 6) -> Pattern:
+    """Make a flat conical Kresling pattern: ``rows`` rings round a polygon of ``columns`` sides.
+
+    Its goal closes, but no motion leads to it.
+    """
+    return _family("kresling", rows=rows, cols=columns)

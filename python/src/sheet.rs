@@ -1,0 +1,334 @@
+//! A crease pattern that was read.
+
+use core::iter::once;
+use core::time::Duration;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use foldpath::generate::Family;
+use foldpath::pattern::CreasePattern;
+use foldpath::progress::Watch;
+use foldpath::read::fold::PatternFile;
+use foldpath::request::{InputJson, PatternInfo, ReadingRequest, timeout};
+use foldpath::symmetry::ReducedStars;
+use foldpath_cli::embed::{Refusal, Source};
+use foldpath_core::{HalfAngle, closure, hole};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes};
+use serde_json::{Map, Value};
+
+use crate::arrays::{from_bytes, indices, numbers};
+use crate::refusal::{error, usage};
+use crate::waiting::{Threads, waiting};
+
+/// A crease pattern that was read, with the bytes from which it was.
+pub(crate) struct Read {
+    pub(crate) name: PathBuf,
+    bytes: Vec<u8>,
+    pub(crate) reading: ReadingRequest,
+    pub(crate) file: PatternFile,
+    /// Time that reading took.
+    pub(crate) time: Duration,
+    input: OnceLock<InputJson>,
+    stars: OnceLock<ReducedStars>,
+}
+
+impl Read {
+    fn of(source: &Source, reading: ReadingRequest) -> Result<Self, Refusal> {
+        let start = Instant::now();
+        let bytes = source.pattern_bytes()?;
+        let file = source.pattern(&bytes, &reading)?;
+        Ok(Self {
+            name: source.name().to_path_buf(),
+            bytes,
+            reading,
+            file,
+            time: start.elapsed(),
+            input: OnceLock::new(),
+            stars: OnceLock::new(),
+        })
+    }
+
+    /// Returns name and digest of the file.
+    pub(crate) fn input(&self) -> &InputJson {
+        self.input
+            .get_or_init(|| InputJson::of(&self.name, &self.bytes))
+    }
+
+    fn pattern(&self) -> &CreasePattern {
+        &self.file.pattern
+    }
+
+    /// Returns stars and loops with every crease as an unknown.
+    fn stars(&self) -> &ReducedStars {
+        self.stars
+            .get_or_init(|| ReducedStars::of_creases(self.pattern()))
+    }
+}
+
+/// A crease pattern.
+#[pyclass(frozen, module = "foldpath._foldpath")]
+pub(crate) struct Sheet {
+    pub(crate) read: Arc<Read>,
+}
+
+/// Residuals and the rows of a Jacobian: values, columns, ends of rows.
+type ClosureBytes<'py> = [Bound<'py, PyByteArray>; 4];
+
+#[pymethods]
+impl Sheet {
+    /// Reads a file. `options` is a JSON object.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf, options: &str) -> PyResult<Self> {
+        let reading = reading(py, options)?;
+        Self::of(py, reading, move || Ok(Source::file(&path)))
+    }
+
+    /// Reads the bytes of a file whose format their content says.
+    #[staticmethod]
+    fn parse(py: Python<'_>, name: String, bytes: Vec<u8>, options: &str) -> PyResult<Self> {
+        let reading = reading(py, options)?;
+        Self::of(py, reading, move || Source::bytes(&name, &bytes))
+    }
+
+    /// Makes a pattern of a family, which is a JSON object.
+    #[staticmethod]
+    fn generate(py: Python<'_>, family: &str) -> PyResult<Self> {
+        let family: Family =
+            serde_json::from_str(family).map_err(|error| usage(py, error.to_string()))?;
+        Self::of(py, ReadingRequest::default(), move || {
+            Source::family(&family)
+        })
+    }
+
+    /// The title of the file, or else its name.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.read.file.title
+    }
+
+    /// The name of the file.
+    #[getter]
+    fn file(&self) -> String {
+        self.read.name.display().to_string()
+    }
+
+    /// Repairs and assumptions made while reading, in sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let pattern = self.read.pattern();
+        [pattern.repairs(), pattern.assumptions()].concat()
+    }
+
+    /// Positions of the vertices: (V, 2) numbers.
+    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        let vertices = self.read.pattern().vertices().iter();
+        numbers(py, vertices.flat_map(|vertex| [vertex.x, vertex.y]))
+    }
+
+    /// Vertices of the edges: (E, 2) integers.
+    fn edges<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        edges(py, self.read.pattern())
+    }
+
+    /// Vertices of the faces, counter-clockwise.
+    fn faces(&self) -> Vec<Vec<usize>> {
+        faces(self.read.pattern())
+    }
+
+    /// FOLD's letter of each edge.
+    #[getter]
+    fn letters(&self) -> String {
+        let edges = self.read.pattern().edges().iter();
+        edges.map(|edge| edge.letter.code()).collect()
+    }
+
+    /// Goal angle of each edge, radians: (E) numbers, nan where there is none.
+    fn goal<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        let edges = self.read.pattern().edges().iter();
+        numbers(
+            py,
+            edges.map(|edge| edge.crease.and(edge.goal).unwrap_or(f64::NAN)),
+        )
+    }
+
+    /// Numbers of the edges that are hinges.
+    fn hinges<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        let creases = self.read.pattern().creases().iter();
+        indices(py, creases.map(|edge| edge.index()))
+    }
+
+    /// Vertices whose conditions `closure` returns first, in their order.
+    fn closure_vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        let vertices = self.read.stars().vertices().iter();
+        indices(py, vertices.map(|vertex| vertex.index()))
+    }
+
+    /// Residuals at fold angles (radians, one for each edge), and their derivatives by the angle of each edge in
+    /// compressed rows.
+    fn closure<'py>(&self, py: Python<'py>, angles: &[u8]) -> PyResult<ClosureBytes<'py>> {
+        let pattern = self.read.pattern();
+        let angles: Vec<f64> = from_bytes(angles).collect();
+        if angles.len() != pattern.edges().len() {
+            let text = format!(
+                "angles: expected one for each of {} edges, found {}",
+                pattern.edges().len(),
+                angles.len()
+            );
+            return Err(usage(py, text));
+        }
+        let mut x = Vec::with_capacity(pattern.creases().len());
+        for edge in pattern.creases() {
+            let angle = angles[edge.index()];
+            if angle.is_nan() {
+                let text = format!("angles: expected a number for hinge {edge}, found nan");
+                return Err(usage(py, text));
+            }
+            x.push(angle);
+        }
+        let rows = py
+            .detach(|| jacobian(pattern, self.read.stars(), &x))
+            .ok_or_else(|| usage(py, "a defect of foldpath: a hinge is missing".into()))?;
+        Ok([
+            numbers(py, rows.residuals),
+            numbers(py, rows.values),
+            indices(py, rows.columns),
+            indices(py, rows.ends),
+        ])
+    }
+
+    /// The JSON of `foldpath info`.
+    #[pyo3(signature = (seconds=None))]
+    fn info(&self, py: Python<'_>, seconds: Option<f64>) -> PyResult<String> {
+        let timeout = timeout(seconds).map_err(|refused| error(py, refused))?;
+        let read = Arc::clone(&self.read);
+        let text = waiting(py, Threads::Some(1), move |progress| {
+            let deadline = timeout.and_then(|time| Instant::now().checked_add(time));
+            let watch = Watch::new(progress).until(deadline);
+            let info = PatternInfo::of(read.pattern(), watch);
+            serde_json::to_string(&info.json).unwrap_or_default()
+        })?;
+        Ok(text)
+    }
+
+    /// Name, bytes and options of reading, which make the same pattern again.
+    fn source<'py>(&self, py: Python<'py>) -> (String, Bound<'py, PyBytes>, String) {
+        let Read {
+            name,
+            bytes,
+            reading,
+            ..
+        } = &*self.read;
+        let options = serde_json::to_string(reading).unwrap_or_default();
+        (name.display().to_string(), PyBytes::new(py, bytes), options)
+    }
+}
+
+impl Sheet {
+    fn of(
+        py: Python<'_>,
+        reading: ReadingRequest,
+        source: impl FnOnce() -> Result<Source, Refusal> + Send,
+    ) -> PyResult<Self> {
+        let read = py.detach(|| Read::of(&source()?, reading));
+        let read = read.map_err(|refused| error(py, refused))?;
+        Ok(Self {
+            read: Arc::new(read),
+        })
+    }
+}
+
+/// Returns options of reading from a JSON object.
+fn reading(py: Python<'_>, options: &str) -> PyResult<ReadingRequest> {
+    let mut reading = ReadingRequest::default();
+    for (name, value) in &object(py, options)? {
+        reading
+            .set(name, value)
+            .map_err(|refused| error(py, refused))?;
+    }
+    Ok(reading)
+}
+
+/// Parses a JSON object.
+pub(crate) fn object(py: Python<'_>, text: &str) -> PyResult<Map<String, Value>> {
+    serde_json::from_str(text).map_err(|error| usage(py, error.to_string()))
+}
+
+/// Returns the vertices of the edges: (E, 2) integers.
+pub(crate) fn edges<'py>(py: Python<'py>, pattern: &CreasePattern) -> Bound<'py, PyByteArray> {
+    let edges = pattern.edges().iter();
+    indices(
+        py,
+        edges.flat_map(|edge| edge.ends.map(|vertex| vertex.index())),
+    )
+}
+
+/// Returns the vertices of the faces, counter-clockwise.
+pub(crate) fn faces(pattern: &CreasePattern) -> Vec<Vec<usize>> {
+    let faces = pattern.faces().iter();
+    let faces = faces.map(|face| face.iter().map(|vertex| vertex.index()).collect());
+    faces.collect()
+}
+
+/// Residuals, and their derivatives in compressed rows.
+struct Rows {
+    residuals: Vec<f64>,
+    values: Vec<f64>,
+    columns: Vec<usize>,
+    /// Number of values before each row, and of all values.
+    ends: Vec<usize>,
+}
+
+impl Rows {
+    /// Adds the three rows of a residual, with the derivative by each of its edges.
+    fn push<'a>(
+        &mut self,
+        residual: [f64; 3],
+        derivatives: impl Iterator<Item = (usize, &'a [f64; 3])> + Clone,
+    ) {
+        self.residuals.extend(residual);
+        for row in 0..3 {
+            for (edge, derivative) in derivatives.clone() {
+                self.columns.push(edge);
+                self.values.push(derivative[row]);
+            }
+            self.ends.push(self.values.len());
+        }
+    }
+}
+
+/// Returns the residuals of all stars, and two for each loop, at the angles of the creases (radians), with their derivatives
+/// by the angles of the edges.
+fn jacobian(pattern: &CreasePattern, stars: &ReducedStars, x: &[f64]) -> Option<Rows> {
+    let mut half_angles = vec![HalfAngle::default(); x.len()];
+    closure::half_angles(x, &mut half_angles);
+    let edge = |crease: usize| pattern.creases()[crease].index();
+    let mut rows = Rows {
+        residuals: Vec::new(),
+        values: Vec::new(),
+        columns: Vec::new(),
+        ends: once(0).collect(),
+    };
+    let mut columns = Vec::new();
+    for star in stars.view().iter() {
+        columns.clear();
+        columns.resize_with(star.spokes.len(), Default::default);
+        let residual = closure::residual_and_jacobian(star, &half_angles, &mut columns)?;
+        let derivatives: Vec<[f64; 3]> = columns.iter().map(|&column| column.into()).collect();
+        let edges = star.spokes.iter().map(|spoke| edge(spoke.group.index()));
+        rows.push(residual.into(), edges.zip(&derivatives));
+    }
+    for cycle in stars.loops().iter() {
+        columns.clear();
+        columns.resize_with(2 * cycle.spokes.len(), Default::default);
+        let residuals = hole::residuals_and_jacobian(cycle, &half_angles, &mut columns)?;
+        let derivatives: Vec<[f64; 3]> = columns.iter().map(|&column| column.into()).collect();
+        let parts = derivatives.chunks(cycle.spokes.len().max(1));
+        for (residual, derivatives) in residuals.into_iter().zip(parts) {
+            let edges = cycle.spokes.iter().map(|spoke| edge(spoke.group.index()));
+            rows.push(residual.into(), edges.zip(derivatives));
+        }
+    }
+    Some(rows)
+}

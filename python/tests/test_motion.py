@@ -1,0 +1,162 @@
+"""Motions: arrays, files, judging, showing and exporting."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import foldpath as fp
+import numpy as np
+import pytest
+from conftest import Command
+
+
+@pytest.fixture(scope="module")
+def motion() -> fp.Motion:
+    found = fp.plan(fp.miura(4, 5)).motion
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def loaded(motion: fp.Motion, tmp_path_factory: pytest.TempPathFactory) -> tuple[fp.Motion, Path]:
+    """Return a motion that was read from its file, and the file.
+
+    Angles are degrees in files, so that the last digit of radians may change when a motion is saved and read.
+    """
+    path = tmp_path_factory.mktemp("motion") / "path.fold"
+    motion.save(path)
+    return fp.load(path), path
+
+
+def test_arrays_are_those_of_the_path_file(motion: fp.Motion, tmp_path: Path) -> None:
+    path = tmp_path / "path.fold"
+    motion.save(path)
+    file = json.loads(path.read_text())
+    frames = [frame for frame in file["file_frames"] if "foldedForm" in frame["frame_classes"]]
+    assert len(frames) == len(motion.times)
+    assert motion.edges.tolist() == file["edges_vertices"]
+    assert motion.faces == file["faces_vertices"]
+    for knot, frame in enumerate(frames):
+        # Edges that are no hinge have angle 0 in the file.
+        ours = np.degrees(np.nan_to_num(motion.fold_angles[knot]))
+        assert np.allclose(ours, frame["edges_foldAngle"], atol=1e-12)
+        positions = motion.vertices(motion.times[knot])
+        assert np.allclose(positions, frame["vertices_coords"], atol=1e-12)
+
+
+def test_a_motion_is_evaluated_at_one_time_and_at_many(motion: fp.Motion) -> None:
+    times = np.linspace(-1, motion.duration + 1, 7)
+    many, shapes = motion.at(times), motion.vertices(times)
+    edges, vertices = len(motion.edges), shapes.shape[1]
+    assert many.shape == (7, edges) and shapes.shape == (7, vertices, 3)
+    for number, time in enumerate(times):
+        assert motion.at(time).shape == (edges,)
+        assert np.array_equal(motion.at(time), many[number], equal_nan=True)
+        assert np.array_equal(motion.vertices(float(time)), shapes[number])
+    assert np.array_equal(motion.at(motion.times), motion.fold_angles, equal_nan=True)
+    # At rest before the start and after the end.
+    assert np.array_equal(many[0], motion.fold_angles[0], equal_nan=True)
+    assert np.array_equal(many[-1], motion.fold_angles[-1], equal_nan=True)
+    # Panels stay rigid: no edge changes its length between knots.
+    a, b = motion.edges.T
+    lengths = np.linalg.norm(shapes[:, a] - shapes[:, b], axis=2)
+    assert np.abs(lengths / lengths[0] - 1).max() < 1e-12
+    for wrong in ([[0.0]], np.nan):
+        with pytest.raises(fp.FoldpathError):
+            motion.at(wrong)
+    assert motion.at([]).shape == (0, edges)
+    assert motion.at(np.float32(0.5)).shape == (edges,)
+
+
+def test_arrays_own_their_memory(motion: fp.Motion) -> None:
+    angles = motion.fold_angles
+    angles[:] = 0
+    assert np.nanmax(np.abs(motion.fold_angles)) > 1
+
+
+def test_a_motion_survives_saving_loading_and_pickling(
+    motion: fp.Motion, loaded: tuple[fp.Motion, Path], tmp_path: Path
+) -> None:
+    again, path = loaded
+    for same in (again, fp.load(path.read_bytes()), pickle.loads(pickle.dumps(motion))):
+        assert np.allclose(same.fold_angles, motion.fold_angles, rtol=0, atol=1e-15, equal_nan=True)
+        assert np.array_equal(same.fold_angles, again.fold_angles, equal_nan=True)
+        assert np.array_equal(same.times, motion.times)
+    with pytest.raises(fp.FoldpathError, match="no/such: "):
+        motion.save(tmp_path / "no/such")
+
+
+def test_the_verdict_is_that_of_the_command(
+    motion: fp.Motion, loaded: tuple[fp.Motion, Path], command: Command
+) -> None:
+    again, path = loaded
+    answer = command("check", path, "--json")
+    verdict = fp.check(again)
+    assert verdict.outcome == "holds" and verdict.reason is None
+    assert verdict.to_dict() == json.loads(answer.out)
+    assert motion.check().outcome == "holds"
+    assert fp.check(path, jobs=2).to_dict() == verdict.to_dict()
+    strict = fp.check(motion, bound=1e-16)
+    assert strict.outcome != "holds" and strict.reason
+    with pytest.raises(fp.FoldpathError, match="--bound: expected a number above 0, found -1"):
+        motion.check(bound=-1)
+
+
+def test_a_notebook_shows_the_interactive_page(
+    loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
+) -> None:
+    (motion, path), page = loaded, tmp_path / "page.html"
+    assert command("view", path, "-o", page).status == 0
+    assert motion.page() == page.read_text()
+    motion.save_page(tmp_path / "python.html")
+    assert (tmp_path / "python.html").read_bytes() == page.read_bytes()
+    shown = motion._repr_html_()
+    assert shown.startswith("<iframe") and "srcdoc=" in shown
+    # Nothing of the page ends the attribute.
+    srcdoc = shown.split('srcdoc="')[1]
+    assert srcdoc.index('"') == srcdoc.index('" style=')
+
+
+@pytest.mark.parametrize("to", ["traj", "csv", "rust", "glb", "svg", "joint-trajectory", "obj", "mjcf"])
+def test_exports_are_those_of_the_command(
+    to: str, motion: fp.Motion, loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
+) -> None:
+    again, path = loaded
+    if to != "svg":
+        # The drawing shows the goal, which a motion that was read has not. Other formats show the last digit of angles.
+        motion = again
+    files = [tmp_path / name for name in ("command", "python")]
+    several = to in ("obj", "mjcf")
+    for file in files:
+        if several:
+            file.mkdir()
+    assert command("export", path, "--to", to, "-o", files[0]).status == 0
+    motion.export(files[1], to)  # type: ignore[arg-type]
+    if several:
+        names = [sorted(found.name for found in file.iterdir()) for file in files]
+        assert names[0] == names[1] and names[0]
+        pairs = [(files[0] / name, files[1] / name) for name in names[0]]
+    else:
+        pairs = [(files[0], files[1])]
+    for theirs, ours in pairs:
+        assert theirs.read_bytes() == ours.read_bytes()
+
+
+def test_options_of_exports(motion: fp.Motion, tmp_path: Path) -> None:
+    file = tmp_path / "out.csv"
+    motion.export(file, "csv", rate=10, per="group")
+    assert file.read_text().startswith("t,group_0")
+    with pytest.raises(fp.FoldpathError, match="--rate: expected --to csv, which has rows"):
+        motion.export(file, "glb", rate=10)
+    with pytest.raises(fp.FoldpathError, match="invalid value 'stl'"):
+        motion.export(file, "stl")  # type: ignore[arg-type]
+
+
+def test_curves_are_those_of_the_command(
+    loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
+) -> None:
+    (motion, path), plot = loaded, tmp_path / "plot.svg"
+    assert command("plot", path, "-o", plot).status == 0
+    assert motion.plot() == plot.read_text()

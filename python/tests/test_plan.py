@@ -1,0 +1,130 @@
+"""Plans: every option by its name, errors with the text of the command line, the same bytes as the command."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import pickle
+from pathlib import Path
+
+import foldpath as fp
+import numpy as np
+import pytest
+from conftest import Command
+
+PATTERNS = sorted((Path(__file__).parents[2] / "patterns").glob("*.fold"))
+
+
+def without_times(told: dict) -> dict:
+    """Return an answer without what depends on the clock and on who read the file."""
+    told = json.loads(json.dumps(told))
+    del told["time"]
+    for attempt in told["attempts"]:
+        del attempt["seconds"]
+    return told
+
+
+@pytest.mark.parametrize("path", PATTERNS, ids=lambda path: path.stem)
+def test_answers_and_files_are_those_of_the_command(path: Path, command: Command, tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("command.fold", "python.fold")]
+    answer = command("plan", path, "--json", "--timeout", 100, "-o", files[0])
+    plan = fp.plan(fp.read(path), timeout=100)
+    assert without_times(plan.to_dict()) == without_times(json.loads(answer.out))
+    if plan.outcome != "planned":
+        assert not files[0].exists()
+        return
+    assert plan.motion is not None
+    plan.motion.save(files[1])
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_every_option_of_the_command_is_an_argument() -> None:
+    listed = fp.plan(fp.miura(2, 2)).to_dict()["options"]
+    arguments = dict(inspect.signature(fp.plan).parameters)
+    del arguments["pattern"], arguments["jobs"]
+    assert set(arguments) == set(listed)
+    for name, argument in arguments.items():
+        if argument.default is not None:
+            assert argument.default == listed[name], name
+
+
+def test_options_do_what_they_do_on_the_command_line(command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "miura.fold"
+    command("generate", "miura", "--rows", 3, "--cols", 3, "-o", path)
+    pattern = fp.read(path)
+    hinge = int(pattern.hinges[0])
+    half = tmp_path / "half.fold"
+    command("plan", path, "--fold", 0.5, "-o", half)
+    degrees = 20.0 if np.nan_to_num(pattern.goal)[hinge] > 0 else -20.0
+    cases: list[tuple[dict, list]] = [
+        ({"bound": np.float32(0.5), "seed": np.int64(3)}, ["--bound", 0.5, "--seed", 3]),
+        ({"fold": 0.5, "max_accel": 90}, ["--fold", 0.5, "--max-accel", 90]),
+        ({"crease": {hinge: degrees}}, ["--crease", f"{hinge}={degrees}"]),
+        ({"crease": f"{hinge}={degrees}"}, ["--crease", f"{hinge}={degrees}"]),
+        ({"limit": {hinge: (-170, 175.5)}}, ["--limit", f"{hinge}=-170..175.5"]),
+        ({"goal": half, "interpolation": "linear"}, ["--goal", half, "--interpolation", "linear"]),
+        ({"via": [half], "pace": "sparse"}, ["--via", half, "--pace", "sparse"]),
+        ({"via": half}, ["--via", half]),
+        ({"no_skip": ["motion", "edges"]}, ["--no-skip", "motion,edges"]),
+        ({"symmetry": "off", "vertices": "all", "reuse": "off", "collision": "off"}, ["--symmetry", "off", "--vertices", "all", "--reuse", "off", "--collision", "off"]),
+        ({"judge": "knots", "frames": "angles", "max_knots": 50}, ["--judge", "knots", "--frames", "angles", "--max-knots", 50]),
+        ({"solver": "gradient", "contact": 1e-5, "goal_tolerance": 2}, ["--solver", "gradient", "--contact", 1e-5, "--goal-tolerance", 2]),
+        ({"search": "random", "objective": "sum", "fold": 0.2, "bound": 0.05}, ["--search", "random", "--objective", "sum", "--fold", 0.2, "--bound", 0.05]),
+        ({"jobs": 2, "bend": 1, "max_speed": 30}, ["--jobs", 2, "--bend", 1, "--max-speed", 30]),
+    ]
+    for number, (options, arguments) in enumerate(cases):
+        files = [tmp_path / f"{number}-{name}.fold" for name in ("command", "python")]
+        answer = command("plan", path, "--json", "-o", files[0], *arguments)
+        plan = fp.plan(path, **options)
+        assert answer.out, answer.err
+        assert without_times(plan.to_dict()) == without_times(json.loads(answer.out)), options
+        assert files[0].exists() == (plan.outcome == "planned")
+        if plan.outcome == "planned" and plan.motion is not None:
+            plan.motion.save(files[1])
+            assert files[0].read_bytes() == files[1].read_bytes(), options
+
+
+def test_errors_have_the_text_of_the_command_line(command: Command, tmp_path: Path) -> None:
+    path = tmp_path / "miura.fold"
+    command("generate", "miura", "--rows", 2, "--cols", 2, "-o", path)
+    cases: list[tuple[dict, list]] = [
+        ({"bound": 0}, ["--bound", 0]),
+        ({"bound": float("nan")}, ["--bound", "nan"]),
+        ({"max_speed": float("inf")}, ["--max-speed", "inf"]),
+        ({"fold": 2}, ["--fold", 2]),
+        ({"crease": {0: 30}}, ["--crease", "0=30"]),
+        ({"limit": {999: (0, 1)}}, ["--limit", "999=0..1"]),
+        ({"goal": tmp_path / "missing.fold"}, ["--goal", tmp_path / "missing.fold"]),
+        ({"timeout": -1}, ["--timeout=-1"]),
+        ({"tolerance": -1}, ["--tolerance=-1"]),
+    ]
+    for options, arguments in cases:
+        with pytest.raises(fp.FoldpathError) as caught:
+            fp.plan(path, **options)
+        refused = command("plan", path, *arguments)
+        assert refused.status == 2
+        assert f"foldpath: {caught.value}" == refused.err.strip(), options
+    with pytest.raises(fp.FoldpathError, match="--symmetry: expected auto, off, found on"):
+        fp.plan(path, symmetry="on")  # type: ignore[arg-type]
+    with pytest.raises(fp.FoldpathError, match="--goal: expected without --fold"):
+        fp.plan(path, goal=path, fold=0.5)
+    with pytest.raises(fp.FoldpathError, match="expected when the pattern is read"):
+        fp.plan(fp.read(path), tolerance=0.1)
+    with pytest.raises(TypeError):
+        fp.plan(path, boud=1)  # type: ignore[call-arg]
+
+
+def test_a_plan_survives_pickling() -> None:
+    plan = fp.plan(fp.miura(2, 3))
+    again = pickle.loads(pickle.dumps(plan))
+    assert (again.outcome, again.reason) == (plan.outcome, plan.reason)
+    assert again.to_dict() == plan.to_dict()
+    assert plan.motion is not None and again.motion is not None
+    assert np.allclose(again.motion.fold_angles, plan.motion.fold_angles, atol=1e-14, equal_nan=True)
+
+
+def test_a_no_has_a_reason_and_the_path_as_far_as_it_goes() -> None:
+    plan = fp.plan(fp.square_twist(letters="unfoldable"), timeout=30)
+    assert plan.outcome != "planned" and plan.reason
+    assert plan.reason in repr(plan)
+    assert plan.to_dict()["reason"] == plan.reason
