@@ -83,6 +83,7 @@ async function answer() {
   if (waiting.size) end("superseded");
   const number = ++latest, file = opened, call = isPath(file) ? "check" : "plan";
   say(`${file.name}: working`);
+  element("answer").hidden = true;
   cancel.hidden = progress.hidden = false;
   progress.removeAttribute("value");
   const told = ({ stage, part }) => {
@@ -97,7 +98,6 @@ async function answer() {
   } catch (error) {
     if (number !== latest) return;
     say(error.message, true);
-    element("answer").hidden = true;
     file.reply?.({ outcome: null, error: error.message });
   } finally {
     if (number === latest) cancel.hidden = progress.hidden = true;
@@ -133,13 +133,13 @@ function show(file, json, page, call) {
   element("view").srcdoc = page;
 }
 
-function open(name, bytes, reply) {
+function openPattern(name, bytes, reply) {
   opened = { name, bytes, reply };
   return answer();
 }
 
 async function openFile(file) {
-  if (file) await open(file.name, new Uint8Array(await file.arrayBuffer()));
+  if (file) await openPattern(file.name, new Uint8Array(await file.arrayBuffer()));
 }
 
 // ---- Files, buttons and the form.
@@ -166,7 +166,7 @@ addEventListener("drop", event => {
   openFile(event.dataTransfer.files[0]);
 });
 element("file").addEventListener("change", event => openFile(event.target.files[0]));
-element("example").addEventListener("click", async () => open("miura-11x11.fold", new TextEncoder().encode(await ask("generate", { family: { family: "miura", rows: 11, cols: 11 } }))));
+element("example").addEventListener("click", async () => openPattern("miura-11x11.fold", new TextEncoder().encode(await ask("generate", { family: { family: "miura", rows: 11, cols: 11 } }))));
 element("files").addEventListener("click", event => { if (event.target.value) download(event.target.value); });
 options.addEventListener("change", answer);
 options.addEventListener("submit", event => event.preventDefault());
@@ -178,8 +178,8 @@ cancel.addEventListener("click", () => end("cancelled"));
 addEventListener("message", ({ data, source }) => {
   const reply = told => source?.postMessage({ from: "foldpath", ...told }, "*");
   const bytes = text => new TextEncoder().encode(text);
-  if (data?.op === "importFold" && data.fold) open(`${data.fold.file_title || "message"}.fold`, bytes(JSON.stringify(data.fold)), reply);
-  else if (data?.op === "importSVG" && data.svg) open(data.filename || "message.svg", bytes(data.svg), reply);
+  if (data?.op === "importFold" && data.fold) openPattern(`${data.fold.file_title || "message"}.fold`, bytes(JSON.stringify(data.fold)), reply);
+  else if (data?.op === "importSVG" && data.svg) openPattern(data.filename || "message.svg", bytes(data.svg), reply);
 });
 
 begin();

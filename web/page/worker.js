@@ -36,6 +36,8 @@ onmessage = async ({ data }) => {
     await ready;
     postMessage({ id, result: CALLS[call](data, (stage, part) => postMessage({ id, told: { stage, part } })) });
   } catch (error) {
+    // A module that has panicked, or has no more memory, is not called again: the page begins another worker.
+    if (error instanceof WebAssembly.RuntimeError) return setTimeout(() => { throw error; });
     postMessage({ id, error: String(error.message ?? error) });
   }
 };
