@@ -140,6 +140,9 @@ fn a_no_shows_its_place_and_bad_input_is_told() {
     );
     assert!(place.as_str().unwrap().contains("at (2.5, 1)"), "{place}");
     assert_eq!(in_picture(&view, "picture.foldpath.view.cause"), json!(0));
+    if let Some(path) = std::env::var_os("FOLDPATH_SCREENSHOT") {
+        std::fs::write(path, view.screenshot()).unwrap();
+    }
 
     drop_file(&view, "bad.fold", "{\"vertices_coords\": 3}");
     let told = answer(&view);
@@ -170,7 +173,7 @@ fn a_long_plan_is_cancelled_and_another_begins() {
         "ask('generate', { family: { family: 'miura', rows: 300, cols: 300 } }).then(text => { window.large = text; }); 0",
     );
     view.wait_for("window.large !== undefined");
-    view.run("open('large.fold', new TextEncoder().encode(window.large)); 0");
+    view.run("openPattern('large.fold', new TextEncoder().encode(window.large)); 0");
     view.wait_for("!cancel.hidden");
     view.run("new MutationObserver(() => { window.ended ??= performance.now(); }).observe(status, { childList: true });
          window.pressed = performance.now(); cancel.click(); 0");
