@@ -18,6 +18,7 @@ struct UnfoldJson {
     faces: usize,
     creases: usize,
     cuts: usize,
+    pieces: usize,
     max_angle_defect: f64,
     max_closure: Option<f64>,
 }
@@ -53,6 +54,7 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
             faces: unfolding.faces,
             creases: unfolding.creases,
             cuts: unfolding.cuts,
+            pieces: unfolding.pieces,
             max_angle_defect: unfolding.max_angle_defect.to_degrees(),
             max_closure: unfolding.max_closure,
         })?;

@@ -142,6 +142,8 @@ pub struct Unfolding {
     pub creases: usize,
     /// Number of edges between two faces along which the shape was cut.
     pub cuts: usize,
+    /// Number of separate pieces of the flat sheet; 0 if there is no flat sheet.
+    pub pieces: usize,
     /// Largest absolute angle defect (radians) of an interior vertex of the shape.
     pub max_angle_defect: f64,
     /// Largest closure residual of the pattern at the measured angles.
@@ -190,6 +192,7 @@ fn unfold_within(
         faces: surface.faces().len(),
         creases: creases.hinges(),
         cuts: 0,
+        pieces: 0,
         max_angle_defect: surface.max_defect(),
         max_closure: None,
         deviation: None,
@@ -222,6 +225,7 @@ fn unfold_within(
                 unfolding.outcome = Outcome::Unfolded;
                 unfolding.reason = None;
                 unfolding.cuts = layout.cuts(&surface);
+                unfolding.pieces = pattern.sheets();
                 unfolding.notes.extend(layout.notes(&surface));
                 unfolding.drawing = Some(drawing);
                 return Ok(unfolding);

@@ -782,8 +782,10 @@ fn the_cube_is_the_same_from_every_format() {
     ] {
         let answer = folder.done(&format!("unfold {name} -o net.fold --json"));
         let json = answer.json();
-        let expected = json!(["unfolded", null, 14, faces, 5, 7]);
-        let keys = ["outcome", "reason", "vertices", "faces", "creases", "cuts"];
+        let expected = json!(["unfolded", null, 14, faces, 5, 7, 1]);
+        let keys = [
+            "outcome", "reason", "vertices", "faces", "creases", "cuts", "pieces",
+        ];
         assert_eq!(json!(keys.map(|key| &json[key])), expected, "{name}");
         assert_eq!(json["max_angle_defect"], 90.0, "{name}");
         assert!(json["max_closure"].as_f64().unwrap() < 1e-12, "{name}");

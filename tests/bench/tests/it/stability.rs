@@ -23,6 +23,7 @@ fn worst([deformation, gap]: [f64; 2]) -> f64 {
 }
 
 #[test]
+#[ignore = "takes a minute and a half of one core; `tests/run full` runs it"]
 fn no_sheet_is_answered_wrongly() {
     let command = Path::new(env!("CARGO_BIN_EXE_foldpath-bench-command"));
     let Section { text, files, wrong } = section(command, true);
