@@ -51,12 +51,14 @@ impl Answer {
     }
 }
 
-/// Plans. `options` is a JSON object of options by their names.
+/// Plans. `options` is a JSON object of options by their names. Their `timeout` holds for reading the sheet as well if
+/// `reads` is `true`.
 #[pyfunction]
 pub(crate) fn plan(
     py: Python<'_>,
     sheet: &Sheet,
     options: &str,
+    reads: bool,
     jobs: Option<usize>,
     is_forked: bool,
 ) -> PyResult<Answer> {
@@ -74,6 +76,7 @@ pub(crate) fn plan(
     }
     request.reading = read.reading.clone();
     let task = task(&request, &read.name, &read.file).map_err(|refused| error(py, refused))?;
+    let task = task.after(if reads { read.time } else { Duration::ZERO });
     let shared = Arc::clone(&read);
     let planned = waiting(py, Threads::of(jobs, is_forked), move |progress| {
         task.run(&shared.file, progress)

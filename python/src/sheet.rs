@@ -181,8 +181,8 @@ impl Sheet {
         let mut x = Vec::with_capacity(pattern.creases().len());
         for edge in pattern.creases() {
             let angle = angles[edge.index()];
-            if angle.is_nan() {
-                let text = format!("angles: expected a number for hinge {edge}, found nan");
+            if !angle.is_finite() {
+                let text = format!("angles: expected a number for hinge {edge}, found {angle}");
                 return Err(usage(py, text));
             }
             x.push(angle);

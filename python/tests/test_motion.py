@@ -150,6 +150,8 @@ def test_options_of_exports(motion: fp.Motion, tmp_path: Path) -> None:
     assert file.read_text().startswith("t,group_0")
     with pytest.raises(fp.FoldpathError, match="--rate: expected --to csv, which has rows"):
         motion.export(file, "glb", rate=10)
+    with pytest.raises(fp.FoldpathError, match="expected a name that ends in .svg"):
+        motion.save_plot(tmp_path / "curves.png")
     with pytest.raises(fp.FoldpathError, match="invalid value 'stl'"):
         motion.export(file, "stl")  # type: ignore[arg-type]
 

@@ -161,6 +161,7 @@ def test_closure_takes_arrays_of_other_types_and_refuses_others() -> None:
     for wrong, text in [
         (angles[:-1], "expected one for each of 12 edges, found 11"),
         (angles * np.nan, "expected a number for hinge"),
+        (angles + np.inf, "expected a number for hinge"),
         (angles[None], "expected one dimension, found 2"),
         (["x"], "angles: expected numbers"),
     ]:

@@ -128,3 +128,21 @@ def test_a_no_has_a_reason_and_the_path_as_far_as_it_goes() -> None:
     assert plan.outcome != "planned" and plan.reason
     assert plan.reason in repr(plan)
     assert plan.to_dict()["reason"] == plan.reason
+
+
+def test_edges_and_numbers_of_threads_are_whole_numbers() -> None:
+    pattern = fp.miura(3, 3)
+    for crease in ({2.9: 30}, {"a": 1}, {4: "x"}):
+        with pytest.raises(fp.FoldpathError, match="expected the number of an edge with an angle"):
+            fp.plan(pattern, crease=crease)  # type: ignore[arg-type]
+    with pytest.raises(fp.FoldpathError, match="lower and an upper angle"):
+        fp.plan(pattern, limit={4: (1, 2, 3)})  # type: ignore[dict-item]
+    for jobs in (0, -1, 10**30, 2.5):
+        with pytest.raises(fp.FoldpathError, match="--jobs: expected a whole number from 1 to 1024"):
+            fp.plan(pattern, jobs=jobs)  # type: ignore[arg-type]
+
+
+def test_time_out_holds_for_reading_as_well() -> None:
+    _, source, _ = fp.miura(3, 3)._sheet.source()
+    # Reading takes longer than this.
+    assert fp.plan(source, timeout=1e-6).outcome == "timeout"

@@ -2,8 +2,8 @@
 export type Told = (stage: string, part: number | undefined) => void;
 /** Options of `foldpath plan` by their names, with numbers or text as values: `{ fold: 0.5, collision: "off" }`. */
 export type Options = Record<string, number | string | boolean | (number | string)[]>;
-/** Formats of a path: FOLD, a table of angles, an animation, for controllers, and drawings of the sheet and of curves. */
-export type Format = "fold" | "csv" | "glb" | "traj" | "pattern" | "curves";
+/** Formats of a path: FOLD, a table of angles, an animation, for controllers, and a drawing of the flat sheet. */
+export type Format = "fold" | "csv" | "glb" | "traj" | "pattern";
 
 /** The JSON of `foldpath plan --json`, which docs/schema/plan.json describes. */
 export interface Answer {
@@ -15,9 +15,11 @@ export interface Answer {
 
 export interface Planned {
   answer: Answer;
+  /** Whether a path was found, as far as it goes. */
+  hasPath: boolean;
   /** The page that `foldpath view` writes; without a path it shows the flat sheet and what is in the way. */
   page(): string;
-  /** The path as a file, as far as it goes. `fold` has the bytes that `foldpath plan --keep` writes. */
+  /** The path as a file, as far as it goes; throws if there is none. `fold` has the bytes that `foldpath plan --keep` writes. */
   file(format: Format): Uint8Array;
   /** Gives the memory back. */
   free(): void;
@@ -32,8 +34,8 @@ export function generate(family: { family: string; [parameter: string]: number |
 export function info(name: string, file: Uint8Array | string, options?: Options): Record<string, unknown>;
 /** Plans a pattern. Works on the calling thread: in a page, call it in a worker. Throws an Error if input is bad. */
 export function plan(name: string, file: Uint8Array | string, options?: Options, told?: Told): Planned;
-/** Judges a path as `foldpath check --json` does. */
-export function check(name: string, file: Uint8Array | string, told?: Told): Record<string, unknown>;
+/** Judges a path as `foldpath check --json` does, with its options `bound`, `bend` and `contact`. */
+export function check(name: string, file: Uint8Array | string, options?: Options, told?: Told): Record<string, unknown>;
 /** Lays a folded shape (OBJ, STL, FOLD) flat; returns the text of a FOLD file. */
 export function unfold(name: string, file: Uint8Array): string;
 /** Returns the page of a path, as `foldpath view` writes it. */

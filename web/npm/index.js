@@ -17,11 +17,11 @@ async function ownModule() {
 }
 
 export const generate = family => generateFile(JSON.stringify(family));
-export const info = (name, file, options = {}) => JSON.parse(describe(name, bytesOf(file), JSON.stringify(options)));
-export const check = (name, file, told) => JSON.parse(checkFile(name, bytesOf(file), told));
+export const info = (name, file, options = {}) => JSON.parse(describe(String(name), bytesOf(file), JSON.stringify(options)));
+export const check = (name, file, options = {}, told) => JSON.parse(checkFile(String(name), bytesOf(file), JSON.stringify(options), told));
 export { unfold, version, view };
 
 export function plan(name, file, options = {}, told) {
-  const planned = planFile(name, bytesOf(file), JSON.stringify(options), told);
-  return { answer: JSON.parse(planned.json), page: () => planned.page(), file: format => planned.file(format), free: () => planned.free() };
+  const planned = planFile(String(name), bytesOf(file), JSON.stringify(options), told);
+  return { answer: JSON.parse(planned.json), hasPath: planned.has_path, page: () => planned.page(), file: format => planned.file(format), free: () => planned.free() };
 }

@@ -13,17 +13,21 @@ let worker, calls = 0, waiting = new Map();
 /** The module, compiled once for all workers. */
 const compiled = inlined.module
   ? WebAssembly.compile(Uint8Array.from(atob(inlined.module.textContent.trim()), c => c.charCodeAt(0)))
-  : WebAssembly.compileStreaming(fetch("foldpath_bg.wasm"));
-compiled.catch(error => say(`The module does not load (${error.message}). From a disk, open foldpath.html.`, true));
+  : fetch("foldpath_bg.wasm").then(response => response.arrayBuffer()).then(bytes => WebAssembly.compile(bytes));
+const noModule = error => say(`The module does not load (${error.message}). From a disk, open foldpath.html.`, true);
+compiled.catch(noModule);
+
+const source = inlined.worker
+  ? URL.createObjectURL(new Blob([inlined.worker.textContent], { type: "text/javascript" }))
+  : "worker.js";
 
 function begin() {
-  const source = inlined.worker
-    ? URL.createObjectURL(new Blob([inlined.worker.textContent], { type: "text/javascript" }))
-    : "worker.js";
   worker = new Worker(source);
+  let answers = false;
   const begun = worker;
   compiled.then(module => begun.postMessage({ module }), () => {});
   worker.onmessage = ({ data: { id, told, result, error } }) => {
+    answers = true;
     const call = waiting.get(id);
     if (!call) return;
     if (told) return call.told?.(told);
@@ -31,19 +35,23 @@ function begin() {
     if (error === undefined) call.resolve(result); else call.reject(new Error(error));
   };
   // The module stops for good where it ends by itself.
-  worker.onerror = event => end(`The module has stopped: ${event.message}`);
+  worker.onerror = event => end(`The module has stopped: ${event.message ?? "it does not load"}`, answers);
 }
 
-/** Ends the worker, and every call that waits for it, and begins another. */
-function end(why) {
+/** Why a call has no answer: it was ended by the user, or by another call. */
+class Ended extends Error {}
+
+/** Ends the worker, and every call that waits for it, and begins another unless this one never answered. */
+function end(why, again = true) {
   worker.terminate();
   const ended = [...waiting.values()];
   waiting.clear();
-  begin();
-  ended.forEach(call => call.reject(new Error(why)));
+  if (again) begin(); else say(why, true);
+  ended.forEach(call => call.reject(new Ended(why)));
 }
 
-function ask(call, more = {}, told) {
+async function ask(call, more = {}, told) {
+  await compiled;
   return new Promise((resolve, reject) => {
     waiting.set(++calls, { resolve, reject, told });
     worker.postMessage({ id: calls, call, ...more });
@@ -57,9 +65,12 @@ let opened = null;
 /** Number of the plan that is asked for last: answers to others are late. */
 let latest = 0;
 
+/** Options of judging a path. */
+const CHECKED = ["bound", "bend"];
+
 /** The options of the form by their names on the command line, without those that are left as they are. */
-function chosen() {
-  const all = [...new FormData(options)].filter(([, value]) => value.trim() !== "");
+function chosen(call) {
+  const all = [...new FormData(options)].filter(([name, value]) => value.trim() !== "" && (call === "plan" || CHECKED.includes(name)));
   return Object.fromEntries(all.map(([name, value]) => [name, name === "crease" ? value.trim().split(/[\s,]+/) : value.trim()]));
 }
 
@@ -91,11 +102,12 @@ async function answer() {
     if (part === undefined) progress.removeAttribute("value"); else progress.value = part;
   };
   try {
-    const { json, page } = await ask(call, { name: file.name, bytes: file.bytes, options: call === "plan" ? chosen() : {} }, told);
+    const { json, page, hasPath } = await ask(call, { name: file.name, bytes: file.bytes, options: chosen(call) }, told);
     if (number !== latest) return;
-    show(file, JSON.parse(json), page, call);
+    show(file, JSON.parse(json), page, call === "plan" && hasPath);
     file.reply?.({ outcome: JSON.parse(json).outcome, answer: JSON.parse(json) });
   } catch (error) {
+    if (number !== latest && file !== opened) file.reply?.({ outcome: null, error: error.message });
     if (number !== latest) return;
     say(error.message, true);
     file.reply?.({ outcome: null, error: error.message });
@@ -106,7 +118,7 @@ async function answer() {
 
 const short = x => typeof x === "number" ? +x.toPrecision(4) : x;
 
-function show(file, json, page, call) {
+function show(file, json, page, hasPath) {
   const yes = ["planned", "holds"].includes(json.outcome);
   say(`${file.name}: ${json.outcome.replaceAll("_", " ")}${json.reason ? `: ${json.reason}` : ""}`, !yes);
   const rows = [
@@ -128,7 +140,7 @@ function show(file, json, page, call) {
     item.textContent = note;
     return item;
   }));
-  element("files").hidden = call !== "plan";
+  element("files").hidden = !hasPath;
   element("answer").hidden = false;
   element("view").srcdoc = page;
 }
@@ -139,12 +151,17 @@ function openPattern(name, bytes, reply) {
 }
 
 async function openFile(file) {
-  if (file) await openPattern(file.name, new Uint8Array(await file.arrayBuffer()));
+  if (!file) return;
+  try {
+    await openPattern(file.name, new Uint8Array(await file.arrayBuffer()));
+  } catch (error) {
+    say(`${file.name}: ${error.message}`, true); // a folder, for example
+  }
 }
 
 // ---- Files, buttons and the form.
 
-const ENDINGS = { fold: ".path.fold", glb: ".glb", csv: ".csv", traj: ".traj", pattern: ".svg", curves: ".curves.svg" };
+const ENDINGS = { fold: ".path.fold", glb: ".glb", csv: ".csv", traj: ".traj", pattern: ".svg" };
 
 async function download(format) {
   try {
@@ -154,7 +171,7 @@ async function download(format) {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
   } catch (error) {
-    say(error.message, true);
+    if (!(error instanceof Ended)) say(error.message, true);
   }
 }
 
@@ -165,21 +182,31 @@ addEventListener("drop", event => {
   document.body.classList.remove("over");
   openFile(event.dataTransfer.files[0]);
 });
-element("file").addEventListener("change", event => openFile(event.target.files[0]));
-element("example").addEventListener("click", async () => openPattern("miura-11x11.fold", new TextEncoder().encode(await ask("generate", { family: { family: "miura", rows: 11, cols: 11 } }))));
+element("file").addEventListener("change", event => {
+  openFile(event.target.files[0]);
+  event.target.value = ""; // so that the same file can be chosen again
+});
+element("example").addEventListener("click", async () => {
+  try {
+    const text = await ask("generate", { family: { family: "miura", rows: 11, cols: 11 } });
+    await openPattern("miura-11x11.fold", new TextEncoder().encode(text));
+  } catch (error) {
+    if (!(error instanceof Ended)) noModule(error);
+  }
+});
 element("files").addEventListener("click", event => { if (event.target.value) download(event.target.value); });
 options.addEventListener("change", answer);
 options.addEventListener("submit", event => event.preventDefault());
 cancel.addEventListener("click", () => end("cancelled"));
 
 // ---- Other windows. They send a pattern as to Origami Simulator, { op: "importFold", fold } or { op: "importSVG", svg,
-// filename }, and are told when this page is ready, and the answer.
+// filename }, and are told when this page is ready, and the answer with the `id` of the message, if it has one.
 
 addEventListener("message", ({ data, source }) => {
-  const reply = told => source?.postMessage({ from: "foldpath", ...told }, "*");
+  const reply = told => source?.postMessage({ from: "foldpath", id: data.id, ...told }, "*");
   const bytes = text => new TextEncoder().encode(text);
   if (data?.op === "importFold" && data.fold) openPattern(`${data.fold.file_title || "message"}.fold`, bytes(JSON.stringify(data.fold)), reply);
-  else if (data?.op === "importSVG" && data.svg) openPattern(data.filename || "message.svg", bytes(data.svg), reply);
+  else if (data?.op === "importSVG" && data.svg) openPattern(`${data.filename || "message"}`.replace(/(\.svg)?$/i, ".svg"), bytes(`${data.svg}`), reply);
 });
 
 begin();

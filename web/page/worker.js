@@ -20,9 +20,9 @@ const CALLS = {
     planned?.free();
     planned = undefined;
     planned = wasm_bindgen.plan(name, bytes, JSON.stringify(options), told);
-    return { json: planned.json, page: planned.page() };
+    return { json: planned.json, page: planned.page(), hasPath: planned.has_path };
   },
-  check: ({ name, bytes }, told) => ({ json: wasm_bindgen.check(name, bytes, told), page: wasm_bindgen.view(name, bytes) }),
+  check: ({ name, bytes, options }, told) => ({ json: wasm_bindgen.check(name, bytes, JSON.stringify(options), told), page: wasm_bindgen.view(name, bytes) }),
   file: ({ format }) => planned.file(format),
 };
 
@@ -36,8 +36,8 @@ onmessage = async ({ data }) => {
     await ready;
     postMessage({ id, result: CALLS[call](data, (stage, part) => postMessage({ id, told: { stage, part } })) });
   } catch (error) {
-    // A module that has panicked, or has no more memory, is not called again: the page begins another worker.
-    if (error instanceof WebAssembly.RuntimeError) return setTimeout(() => { throw error; });
+    // A module that has panicked, or has no more memory or stack, is not called again: the page begins another worker.
+    if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) return setTimeout(() => { throw error; });
     postMessage({ id, error: String(error.message ?? error) });
   }
 };

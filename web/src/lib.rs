@@ -10,18 +10,17 @@ use core::time::Duration;
 use std::path::Path;
 use std::sync::Arc;
 
-use foldpath::check::{CheckOptions, check_watched};
+use foldpath::check::check_watched;
 use foldpath::export::fold::{motion_text, pattern_text};
 use foldpath::export::traj::TrajFile;
 use foldpath::export::{csv, glb, svg_pattern};
 use foldpath::generate::Family;
 use foldpath::motion::{Motion, PlanAnswer};
-use foldpath::plot::{self, Curves};
 use foldpath::progress::Watch;
 use foldpath::read::fold::{PatternFile, parse_motion};
 use foldpath::read::{parse_pattern_with, parse_shape};
 use foldpath::request::{
-    CheckJson, InputJson, PatternInfo, PlanRequest, ReadingRequest, RequestError,
+    CheckJson, CheckRequest, InputJson, PatternInfo, PlanRequest, ReadingRequest, RequestError,
 };
 use foldpath::unfold::{UnfoldOptions, unfold as unfold_shape};
 use foldpath::view::{Scene, page};
@@ -81,16 +80,25 @@ pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
     }
 }
 
-/// Judges a path as `foldpath check --json` does, from the bytes of its file.
+/// Judges a path as `foldpath check --json` does, from the bytes of its file. `options` is a JSON object of the options
+/// `bound`, `bend` and `contact`.
 ///
 /// # Errors
-/// If the bytes hold no path.
+/// If the bytes hold no path, or an option cannot be met.
 #[wasm_bindgen]
-pub fn check(name: &str, bytes: &[u8], told: Option<Function>) -> Result<String, JsError> {
+pub fn check(
+    name: &str,
+    bytes: &[u8],
+    options: &str,
+    told: Option<Function>,
+) -> Result<String, JsError> {
+    let mut request = CheckRequest::default();
+    for (option, value) in &parsed(options)? {
+        request.set(option, value).map_err(refusal)?;
+    }
+    let options = request.options().map_err(refusal)?;
     let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
-    let verdict = told::with(told, |progress| {
-        check_watched(&motion, &CheckOptions::default(), progress)
-    });
+    let verdict = told::with(told, |progress| check_watched(&motion, &options, progress));
     serde_json::to_string(&CheckJson::of(&motion, &verdict)).map_err(refusal)
 }
 
@@ -139,24 +147,30 @@ pub fn plan(
     let json = json.with_times(read, Duration::ZERO, start.elapsed());
     let json = serde_json::to_string(&json).map_err(refusal)?;
     let plan = planned.plan;
-    let outcome = plan.outcome.name();
-    let motion = plan.motion.unwrap_or_else(|| Motion {
-        answer: Some(PlanAnswer {
-            outcome: outcome.into(),
-            reached: 0.0,
-            bound: request.bound,
-            bend: 0.0,
-        }),
+    let answer = PlanAnswer {
+        outcome: plan.outcome.name().into(),
+        reached: 0.0,
+        bound: request.bound,
+        bend: 0.0,
+    };
+    let flat = || Motion {
+        answer: Some(answer),
         ..Motion::flat(&file.title, Arc::new(file.pattern))
-    });
-    Ok(Planned { json, motion })
+    };
+    Ok(Planned {
+        json,
+        is_path: plan.motion.is_some(),
+        motion: plan.motion.unwrap_or_else(flat),
+    })
 }
 
 /// The answer to a plan.
 #[wasm_bindgen]
 pub struct Planned {
     json: String,
-    /// The motion as far as it goes.
+    /// `false` if no path was found.
+    is_path: bool,
+    /// The motion as far as it goes, or the flat sheet.
     motion: Motion,
 }
 
@@ -169,28 +183,37 @@ impl Planned {
         self.json.clone()
     }
 
+    /// `true` if there is a path, as far as it goes.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn has_path(&self) -> bool {
+        self.is_path
+    }
+
     /// Returns the page that shows the path, or the flat sheet with what is in the way.
     #[must_use]
     pub fn page(&self) -> String {
         page(&Scene::of_path(&self.motion))
     }
 
-    /// Returns the path as a file: `fold` (as `foldpath plan --keep` writes it), `csv`, `glb`, `traj`, `pattern` (an SVG
-    /// drawing of the flat sheet) or `curves` (an SVG drawing of angles and errors).
+    /// Returns the path as a file: `fold` (as `foldpath plan --keep` writes it), `csv`, `glb`, `traj`, or `pattern` (an SVG
+    /// drawing of the flat sheet, which needs no path).
     ///
     /// # Errors
-    /// If there is no such format, or the path has no such form.
+    /// If there is no such format or no path, or the path has no such form.
     pub fn file(&self, format: &str) -> Result<Vec<u8>, JsError> {
         let (motion, name) = (&self.motion, Path::new("path.fold"));
+        if !self.is_path && format != "pattern" {
+            return Err(JsError::new("no path was found"));
+        }
         Ok(match format {
             "fold" => motion_text(motion).into_bytes(),
             "csv" => csv::text(motion, name).map_err(refusal)?.into_bytes(),
             "glb" => glb::content(motion, name).map_err(refusal)?,
             "traj" => TrajFile::of(motion, name).map_err(refusal)?.bytes,
             "pattern" => svg_pattern::by_letters(&motion.title, &motion.pattern).into_bytes(),
-            "curves" => plot::svg(&Curves::of_path(motion)).into_bytes(),
             _ => {
-                let all = "fold, csv, glb, traj, pattern or curves";
+                let all = "fold, csv, glb, traj or pattern";
                 return Err(JsError::new(&format!("expected {all}, found {format}")));
             }
         })

@@ -16,25 +16,25 @@ thread_local! {
 
 /// Does the work and calls the function now and then with the stage and the part of it that is done.
 pub(crate) fn with<T>(listener: Option<Function>, work: impl FnOnce(&Progress) -> T) -> T {
-    LISTENER.set(listener.map(|listener| (listener, 0.0)));
+    // A listener may call the module itself.
+    let before = LISTENER.replace(listener.map(|listener| (listener, 0.0)));
     let result = work(&Progress::told_to(tell));
-    LISTENER.set(None);
+    LISTENER.set(before);
     result
 }
 
 fn tell(progress: &Progress) {
-    LISTENER.with_borrow_mut(|listener| {
-        let Some((listener, last)) = listener else {
-            return;
-        };
+    let due = LISTENER.with_borrow_mut(|listener| {
+        let (listener, last) = listener.as_mut()?;
         let now = Date::now();
-        if now < *last + PAUSE_MS {
-            return;
-        }
-        *last = now;
-        let (stage, part) = progress.now();
-        let part = part.map_or(JsValue::UNDEFINED, JsValue::from);
-        // What a listener throws is its own affair.
-        let _ = listener.call2(&JsValue::NULL, &stage.name().into(), &part);
+        (now >= *last + PAUSE_MS).then(|| {
+            *last = now;
+            listener.clone()
+        })
     });
+    let Some(listener) = due else { return };
+    let (stage, part) = progress.now();
+    let part = part.map_or(JsValue::UNDEFINED, JsValue::from);
+    // An exception of the listener does not end the call.
+    let _ = listener.call2(&JsValue::NULL, &stage.name().into(), &part);
 }

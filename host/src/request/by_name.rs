@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
+use super::check::CheckRequest;
 use super::error::RequestError;
 use super::names::{Named, value_of};
 use super::options::{PlanRequest, ReadingRequest};
@@ -58,6 +59,27 @@ impl PlanRequest {
     }
 }
 
+impl CheckRequest {
+    /// Sets the option `name`; see [`PlanRequest::set`].
+    ///
+    /// # Errors
+    /// As [`PlanRequest::set`].
+    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), RequestError> {
+        if value.is_null() {
+            return Ok(());
+        }
+        let name = name.replace('-', "_");
+        let given = Given { name: &name, value };
+        match &*name {
+            "bound" => self.bound = given.number()?,
+            "bend" => self.bend = given.number()?,
+            "contact" => self.contact = Some(given.number()?),
+            _ => return Err(given.unexpected()),
+        }
+        Ok(())
+    }
+}
+
 impl ReadingRequest {
     /// Sets the option `name`; see [`PlanRequest::set`].
     ///
@@ -82,10 +104,7 @@ impl ReadingRequest {
                     letters.map_err(|error| RequestError::Usage(format!("{flag}: {error}")))?;
                 self.colors = Some(letters);
             }
-            _ => {
-                let text = format!("unexpected argument '{}' found", given.flag());
-                return Err(RequestError::Usage(text));
-            }
+            _ => return Err(given.unexpected()),
         }
         Ok(())
     }
@@ -103,6 +122,10 @@ impl Given<'_> {
         format!("--{}", self.name.replace('_', "-"))
     }
 
+    fn unexpected(&self) -> RequestError {
+        RequestError::Usage(format!("unexpected argument '{}' found", self.flag()))
+    }
+
     fn expected<T>(&self, expected: impl Display, found: impl Display) -> Result<T, RequestError> {
         let flag = self.flag();
         Err(RequestError::Usage(format!(
@@ -114,10 +137,7 @@ impl Given<'_> {
         match value {
             Value::String(text) => Ok(text.clone()),
             Value::Number(number) => Ok(number.to_string()),
-            _ => Err(RequestError::Usage(format!(
-                "plan: {}: expected a number or text, found {value}",
-                self.name
-            ))),
+            _ => self.expected("a number or text", value),
         }
     }
 
@@ -245,7 +265,7 @@ mod tests {
             (
                 "collision",
                 json!(false),
-                "plan: collision: expected a number or text, found false",
+                "--collision: expected a number or text, found false",
             ),
             (
                 "limit",

@@ -115,14 +115,15 @@ pub struct ScenePair {
     pub crosses: bool,
 }
 
-/// What a path leaves undone, and what is in the way.
+/// The answer to a path that falls short of its goal, and the causes that are known.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneShortfall {
     /// The planner's answer, as in files.
     pub outcome: String,
     /// Part of the way to the goal that the path leads, 0 to 1.
     pub reached: f64,
-    /// What the flat sheet tells is in the way, as `foldpath info` does.
+    /// What keeps creases from turning along their letters, as `foldpath info` tells. A goal that does not follow the
+    /// letters may have other causes.
     pub causes: Vec<SceneCause>,
 }
 

@@ -113,7 +113,13 @@ fn shortfall(path: &Motion, watch: Watch<'_>) -> Option<SceneShortfall> {
         return None;
     }
     let pattern = &path.pattern;
-    let causes = forecast(pattern, &CreaseGroups::trivial(pattern), watch).causes;
+    // Where faces cross, the pair of faces is shown.
+    let short = [Outcome::Partial, Outcome::NearGoal, Outcome::GoalNotClosed];
+    let causes = if short.iter().any(|short| short.name() == answer.outcome) {
+        forecast(pattern, &CreaseGroups::trivial(pattern), watch).causes
+    } else {
+        Vec::new()
+    };
     let edges = |cause: &Cause| {
         if !cause.edges.is_empty() {
             return cause.edges.clone();

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -75,6 +77,8 @@ def _run(arguments: list[str], designs: Iterable[Design] | None) -> Iterator[dic
             stdin=subprocess.DEVNULL if designs is None else subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=errors,
+            # A group of its own, so that its workers end with it.
+            start_new_session=True,
         )
         feeder = _Feeder(designs or [], process.stdin)
         try:
@@ -86,7 +90,8 @@ def _run(arguments: list[str], designs: Iterable[Design] | None) -> Iterator[dic
             status = process.wait()
         finally:
             # The iterator may be left before its end, by Ctrl-C as well.
-            process.kill()
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             if process.stdout is not None:
                 process.stdout.close()

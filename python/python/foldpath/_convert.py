@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any, Union
@@ -18,6 +19,23 @@ Integers = NDArray[np.int64]
 File = Union[str, "os.PathLike[str]"]
 
 _PROCESS = os.getpid()
+
+
+#: Largest number of threads of a call.
+_MOST_JOBS = 1024
+
+
+def threads(jobs: int | None) -> int | None:
+    """Return the number of threads that a call was asked to use, if it is one that the command line takes."""
+    if jobs is None:
+        return None
+    try:
+        number = operator.index(jobs)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= _MOST_JOBS:
+        raise FoldpathError(f"--jobs: expected a whole number from 1 to {_MOST_JOBS}, found {jobs!r}")
+    return number
 
 
 def is_forked() -> bool:
@@ -85,9 +103,14 @@ def edges_with(
         return [str(item) for item in given]
     texts = []
     for edge, angle in given.items():
-        if np.ndim(angle):
-            lower, upper = (float(end) for end in angle)
-            texts.append(f"{int(edge)}={lower!r}..{upper!r}")
-        else:
-            texts.append(f"{int(edge)}={float(angle)!r}")
+        try:
+            number = operator.index(edge)
+            if np.ndim(angle):
+                lower, upper = (float(end) for end in angle)
+                texts.append(f"{number}={lower!r}..{upper!r}")
+            else:
+                texts.append(f"{number}={float(angle)!r}")
+        except (TypeError, ValueError):
+            text = "expected the number of an edge with an angle, or with a lower and an upper angle"
+            raise FoldpathError(f"{text}, found {edge!r}: {angle!r}") from None
     return texts

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
-from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked
+from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, threads
 from ._error import FoldpathError
 from ._pattern import Source, content
 
@@ -95,7 +95,9 @@ class Motion:
         return self._path.plot()
 
     def save_plot(self, file: File) -> None:
-        """Write the picture of the curves, an SVG file."""
+        """Write the picture of the curves, an SVG file; ``foldpath plot`` writes PNG files too."""
+        if not os.fsdecode(file).lower().endswith(".svg"):
+            raise FoldpathError(f"{os.fsdecode(file)}: expected a name that ends in .svg")
         _foldpath.write_text(file, self.plot())
 
     def export(
@@ -115,7 +117,7 @@ class Motion:
         ``mjcf``, ``file`` is a folder. ``rate`` (hertz) and ``per`` go with ``csv``, ``frames`` with ``obj`` and ``glb``,
         ``colour`` with ``svg``.
         """
-        arguments = [f"--to={to}", f"--output={os.fspath(file)}"]
+        arguments = [f"--to={to}", f"--output={os.fsdecode(file)}"]
         given = {"rate": rate, "per": per, "frames": frames, "colour": colour}
         arguments += [f"--{name}={value}" for name, value in given.items() if value is not None]
         self._path.export(arguments)
@@ -129,7 +131,7 @@ class Motion:
         jobs: int | None = None,
     ) -> Verdict:
         """Judge the motion; see :func:`check`."""
-        text = self._path.check(bound, bend, contact, jobs, is_forked())
+        text = self._path.check(bound, bend, contact, threads(jobs), is_forked())
         return Verdict(json.loads(text))
 
     def _repr_html_(self) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, Union
 
 from . import _foldpath
-from ._convert import File, edges_with, is_forked, options
+from ._convert import File, edges_with, is_forked, options, threads
 from ._motion import Motion
 from ._pattern import Pattern, Source, Straighten, read
 
@@ -147,13 +147,15 @@ def plan(
         "seed": seed,
         "timeout": timeout,
     }
+    reads = False
     reading = {"tolerance": tolerance, "straighten": straighten, "colors": colors}
     if isinstance(pattern, Pattern):
         given.update(reading)
     else:
         known: dict[str, Any] = {name: value for name, value in reading.items() if value is not None}
         pattern = read(pattern, **known)
-    answer = _foldpath.plan(pattern._sheet, options(given), jobs, is_forked())
+        reads = True
+    answer = _foldpath.plan(pattern._sheet, options(given), reads, threads(jobs), is_forked())
     path = answer.path()
     return Plan(answer.outcome, answer.reason, answer.json, None if path is None else Motion(path))
 

@@ -26,7 +26,7 @@ fn page() -> Option<View> {
 fn drop_file(view: &View, name: &str, content: &str) {
     let [name, content] = [name, content].map(|text| json!(text).to_string());
     view.run(&format!(
-        "(() => {{ const data = new DataTransfer(); data.items.add(new File([{content}], {name}));
+        "(() => {{ say('working'); const data = new DataTransfer(); data.items.add(new File([{content}], {name}));
          dispatchEvent(new DragEvent('drop', {{ dataTransfer: data, cancelable: true }})); }})()"
     ));
 }
@@ -80,6 +80,13 @@ fn a_dropped_file_of_each_format_is_planned_and_shown() {
             json!(creases.to_string()),
             "{name}"
         );
+        for format in ["fold", "csv", "glb", "traj", "pattern"] {
+            view.run(&format!(
+                "ask('file', {{ format: '{format}' }}).then(bytes => {{ window.size = bytes.length; }}); 0"
+            ));
+            view.wait_for("window.size > 0");
+            view.run("delete window.size");
+        }
         assert_eq!(
             in_picture(&view, "picture.foldpath.errors.length"),
             json!(0),
@@ -198,4 +205,25 @@ fn a_pattern_sent_by_another_window_is_answered() {
     view.wait_for("replies.length > 0");
     assert_eq!(view.run("replies[0].outcome"), json!("planned"));
     assert_eq!(view.run("replies[0].answer.groups"), json!(2));
+}
+
+/// A path of panels that bend holds with the bend of the form, and not without it.
+#[test]
+#[ignore = "needs the page that web/build builds"]
+fn a_dropped_path_is_judged_with_the_options_of_the_form() {
+    let Some(view) = page() else { return };
+    let options = PlanOptions {
+        bend: 12_f64.to_radians(),
+        ..PlanOptions::default()
+    };
+    let bent = Planned::new("kresling-2x6", &options);
+    assert!(bent.plan.max_bend > 0.0);
+    drop_file(&view, "bent.fold", &bent.text());
+    assert!(answer(&view).contains("fails"), "{}", answer(&view));
+    view.run(
+        "options.bend.value = '12'; say('working'); options.dispatchEvent(new Event('change')); 0",
+    );
+    let told = answer(&view);
+    assert!(told.ends_with(": holds"), "{told}");
+    assert_eq!(view.run("element('files').checkVisibility()"), json!(false));
 }

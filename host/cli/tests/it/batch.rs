@@ -289,7 +289,7 @@ fn every_line_has_a_result_whatever_is_in_it() {
         (
             "{\"id\": \"g\", \"pattern\": \"miura.fold\", \"plan\": {\"collision\": false}}",
             "g",
-            "plan: collision: expected a number or text",
+            "--collision: expected a number or text",
         ),
         (
             "{\"id\": \"h\", \"pattern\": \"-\"}",

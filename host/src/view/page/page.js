@@ -67,6 +67,7 @@ function writeShortfall() {
   box.hidden = !shortfall;
   if (!shortfall) return;
   box.querySelector("p").textContent = `${shortfall.outcome.replaceAll("_", " ")}: ${(100 * shortfall.reached).toFixed(1)} % of the way`;
+  box.querySelector("p + p").hidden = !shortfall.causes.length;
   const buttons = shortfall.causes.map((cause, i) => {
     const button = document.createElement("button");
     button.type = "button";
