@@ -41,6 +41,8 @@ def test_a_pool_of_processes_gives_the_same_bytes(tmp_path: Path) -> None:
 def test_a_run_that_cannot_begin_is_refused(tmp_path: Path) -> None:
     with pytest.raises(fp.FoldpathError, match="missing.jsonl: No such file"):
         list(fp.batch(tmp_path / "missing.jsonl"))
+    with pytest.raises(fp.FoldpathError, match="found one design"):
+        fp.batch({"id": "a", "generate": {"family": "miura"}})  # type: ignore[arg-type]
     with pytest.raises(fp.FoldpathError, match="--shard"):
         list(fp.batch([], shard="3/3"))
 

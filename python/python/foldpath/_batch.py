@@ -53,6 +53,8 @@ def batch(
 
     Raises :class:`FoldpathError` if the run cannot begin, or cannot go on.
     """
+    if isinstance(designs, Mapping):
+        raise FoldpathError("expected a file or an iterable of designs, found one design: put it in a list")
     is_file = isinstance(designs, (str, os.PathLike))
     arguments = [*PROGRAM, "batch", os.fspath(designs) if is_file else "-"]  # type: ignore[arg-type]
     arguments += ["-o", "-" if output is None else os.fspath(output)]
