@@ -122,7 +122,7 @@ pub struct SceneShortfall {
     pub outcome: String,
     /// Part of the way to the goal that the path leads, 0 to 1.
     pub reached: f64,
-    /// What keeps creases from turning along their letters, as `foldpath info` tells. A goal that does not follow the
+    /// The causes that keep creases from turning along their letters, as `foldpath info` tells. A goal that does not follow the
     /// letters may have other causes.
     pub causes: Vec<SceneCause>,
 }

@@ -113,7 +113,7 @@ fn shortfall(path: &Motion, watch: Watch<'_>) -> Option<SceneShortfall> {
         return None;
     }
     let pattern = &path.pattern;
-    // Where faces cross, the pair of faces is shown.
+    // A crossing is shown by its pair of faces.
     let short = [Outcome::Partial, Outcome::NearGoal, Outcome::GoalNotClosed];
     let causes = if short.iter().any(|short| short.name() == answer.outcome) {
         forecast(pattern, &CreaseGroups::trivial(pattern), watch).causes
