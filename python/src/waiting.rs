@@ -1,6 +1,5 @@
 //! Long calls: a thread works, Python's other threads go on, and Ctrl-C ends the call.
 
-use core::any::Any;
 use core::panic::AssertUnwindSafe;
 use core::time::Duration;
 use std::panic::catch_unwind;
@@ -10,6 +9,7 @@ use std::thread;
 
 use foldpath::progress::Progress;
 use foldpath::util::parallel::alone;
+use foldpath_cli::embed::panic_text;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -82,18 +82,15 @@ pub(crate) fn waiting<T: Send + 'static>(
         });
         receiver = back;
         match received {
-            Ok(result) => return result.map_err(|panic| defect(&*panic)),
+            Ok(result) => {
+                return result.map_err(|panic| PyRuntimeError::new_err(panic_text(&*panic)));
+            }
             Err(RecvTimeoutError::Timeout) => {
                 py.check_signals().inspect_err(|_| progress.cancel())?;
             }
-            Err(RecvTimeoutError::Disconnected) => return Err(defect(&"the thread ended")),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err(panic_text(&"the thread ended")));
+            }
         }
     }
-}
-
-/// Makes the exception of a panic.
-fn defect(panic: &(dyn Any + Send)) -> PyErr {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    PyRuntimeError::new_err(format!("a defect of foldpath: {}", text.unwrap_or("panic")))
 }

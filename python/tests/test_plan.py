@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import json
+import os
 import pickle
+import subprocess
 from pathlib import Path
 
 import foldpath as fp
@@ -142,7 +144,12 @@ def test_edges_and_numbers_of_threads_are_whole_numbers() -> None:
             fp.plan(pattern, jobs=jobs)  # type: ignore[arg-type]
 
 
-def test_time_out_holds_for_reading_as_well() -> None:
+def test_time_out_holds_for_reading_as_well(tmp_path: Path) -> None:
+    """A pattern arrives slowly, and is planned a hundred times faster than the timeout."""
     _, source, _ = fp.miura(3, 3)._sheet.source()
-    # Reading takes longer than this.
-    assert fp.plan(source, timeout=1e-6).outcome == "timeout"
+    (tmp_path / "ready.fold").write_bytes(source)
+    slow = tmp_path / "slow.fold"
+    os.mkfifo(slow)
+    with subprocess.Popen(["sh", "-c", "sleep 0.6; cat ready.fold > slow.fold"], cwd=tmp_path):
+        assert fp.plan(slow, timeout=0.5).outcome == "timeout"
+    assert fp.plan(tmp_path / "ready.fold", timeout=0.5).outcome == "planned"

@@ -60,7 +60,7 @@ async function ask(call, more = {}, told) {
 
 // ---- The pattern and its plan.
 
-/** The file that is open: { name, bytes }, and the window that sent it, if one did. */
+/** The file that is open: { name, bytes, call, reply }, what is done with it, and a way to answer who sent it. */
 let opened = null;
 /** Number of the plan that is asked for last: answers to others are late. */
 let latest = 0;
@@ -79,8 +79,8 @@ function say(text, isNo = false) {
   status.classList.toggle("no", isNo);
 }
 
-/** Says `true` of a FOLD file that has a path. */
-function isPath({ name, bytes }) {
+/** Returns `true` if a file is a FOLD file with a path. */
+function isPath(name, bytes) {
   if (!/\.fold$/i.test(name)) return false;
   try {
     return JSON.parse(new TextDecoder().decode(bytes)).file_classes?.includes("animation") ?? false;
@@ -92,7 +92,7 @@ function isPath({ name, bytes }) {
 async function answer() {
   if (!opened) return;
   if (waiting.size) end("superseded");
-  const number = ++latest, file = opened, call = isPath(file) ? "check" : "plan";
+  const number = ++latest, file = opened, call = file.call;
   say(`${file.name}: working`);
   element("answer").hidden = true;
   cancel.hidden = progress.hidden = false;
@@ -104,8 +104,9 @@ async function answer() {
   try {
     const { json, page, hasPath } = await ask(call, { name: file.name, bytes: file.bytes, options: chosen(call) }, told);
     if (number !== latest) return;
-    show(file, JSON.parse(json), page, call === "plan" && hasPath);
-    file.reply?.({ outcome: JSON.parse(json).outcome, answer: JSON.parse(json) });
+    const answer = JSON.parse(json);
+    show(file, answer, page, call === "plan" && hasPath);
+    file.reply?.({ outcome: answer.outcome, answer });
   } catch (error) {
     if (number !== latest && file !== opened) file.reply?.({ outcome: null, error: error.message });
     if (number !== latest) return;
@@ -146,7 +147,7 @@ function show(file, json, page, hasPath) {
 }
 
 function openPattern(name, bytes, reply) {
-  opened = { name, bytes, reply };
+  opened = { name, bytes, call: isPath(name, bytes) ? "check" : "plan", reply };
   return answer();
 }
 

@@ -1,4 +1,4 @@
-//! What stops a motion, how fast and how far? One command prints the table of the README:
+//! How fast and how far does a motion go on after each kind of stop? This command prints the table of the README:
 //! `cargo nextest run --release -p foldpath-firmware-sim what_stops --no-capture`.
 
 use foldpath_core::wire::driver::{Driver, Persistence};

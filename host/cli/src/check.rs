@@ -8,10 +8,6 @@ use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::check::check_watched;
 use foldpath::request::CheckJson;
 
-fn sentences(findings: &[impl ToString]) -> Vec<String> {
-    findings.iter().map(ToString::to_string).collect()
-}
-
 pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
     let options = args.request().options()?;
     let (path, verdict) = watched(&args.report, quiet, |progress| {
@@ -28,7 +24,7 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
     print_notes(quiet, path.pattern.assumptions());
     let outcome = outcome(holds, json.outcome);
     let mut text = format!("{}: {outcome}\n", path.title);
-    for failure in sentences(&verdict.failures) {
+    for failure in &verdict.failures {
         text += &format!("  fails: {failure}\n");
     }
     for question in &json.undecided {

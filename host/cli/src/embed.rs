@@ -9,6 +9,7 @@ use clap::Parser;
 use crate::args::{Cli, Command, Export};
 use crate::batch::record;
 use crate::output::{write_whole, write_whole_with};
+pub use crate::report::panic_text;
 use crate::report::{ErrorFields, plain_text};
 use crate::standard::Input;
 use crate::{CliError, export};
@@ -144,11 +145,7 @@ impl Source {
 /// # Errors
 /// If an option is out of its range, or a goal cannot be read.
 pub fn task(request: &PlanRequest, name: &Path, file: &PatternFile) -> Result<PlanTask, Refusal> {
-    let read_goal = |path: &Path, pattern: &CreasePattern| {
-        let input = Input::of_file(path);
-        let angles = input.goal(pattern)?;
-        Ok::<_, CliError>((input.name.display().to_string(), angles))
-    };
+    let read_goal = |path: &Path, pattern: &CreasePattern| Input::of_file(path).named_goal(pattern);
     Ok(request.task(name, file, true, read_goal)?)
 }
 

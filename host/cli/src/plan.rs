@@ -99,11 +99,7 @@ impl Job {
                 &source.name,
                 &file,
                 self.output.is_some(),
-                |path, pattern| {
-                    let input = Input::of(path)?;
-                    let angles = input.goal(pattern)?;
-                    Ok::<_, CliError>((input.name.display().to_string(), angles))
-                },
+                |path, pattern| Input::of(path)?.named_goal(pattern),
             )
             // A drawing whose creases were left out may have no goal.
             .inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;

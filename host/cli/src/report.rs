@@ -1,6 +1,7 @@
 //! Prints errors: one line with file, place and what was expected, then the line of the file with the place underlined,
 //! and a hint if there is one. Colours are used if stderr is a terminal that has them.
 
+use core::any::Any;
 use core::ops::Range;
 use std::borrow::Cow;
 use std::io::Write;
@@ -57,6 +58,14 @@ pub(crate) fn lost_lines(lost: &LostLines) -> String {
 pub(crate) fn tell(error: &CliError) {
     let text = text_of(error);
     let _gone = writeln!(anstream::stderr(), "{text}");
+}
+
+/// Returns a sentence about a panic.
+#[must_use]
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    format!("a defect of foldpath: {}", text.unwrap_or("panic"))
 }
 
 /// An error in the JSON of the command line.

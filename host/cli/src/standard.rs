@@ -159,6 +159,14 @@ impl Input {
         goal.map_err(|error| self.wrong(error))
     }
 
+    /// Reads the goal angles as [`goal`](Self::goal) does, and returns them with the name of this input.
+    pub(crate) fn named_goal(
+        &self,
+        pattern: &CreasePattern,
+    ) -> Result<(String, Vec<Option<f64>>), CliError> {
+        Ok((self.name.display().to_string(), self.goal(pattern)?))
+    }
+
     /// Reads a folded shape.
     pub(crate) fn shape(&self, frame: Option<usize>) -> Result<ShapeFile, CliError> {
         let shape = match &self.piped {

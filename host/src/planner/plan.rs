@@ -36,6 +36,9 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// The answers to paths that do not come to the goal, for want of a closed way or of a closed goal.
+    pub(crate) const FALLS_SHORT: [Self; 3] = [Self::Partial, Self::NearGoal, Self::GoalNotClosed];
+
     /// Returns the name of the outcome in files.
     #[must_use]
     pub fn name(self) -> &'static str {

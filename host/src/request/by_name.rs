@@ -20,12 +20,10 @@ impl PlanRequest {
     /// # Errors
     /// If there is no such option, or the value is of another kind. Ranges are judged by [`options`](Self::options).
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), RequestError> {
-        if value.is_null() {
+        let Some(given) = Given::of(name, value) else {
             return Ok(());
-        }
-        let name = name.replace('-', "_");
-        let given = Given { name: &name, value };
-        match &*name {
+        };
+        match &*given.name {
             "goal" => self.goal = Some(PathBuf::from(given.text()?)),
             "fold" => self.fold = Some(given.number()?),
             "crease" => self.crease = given.each()?,
@@ -65,12 +63,10 @@ impl CheckRequest {
     /// # Errors
     /// As [`PlanRequest::set`].
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), RequestError> {
-        if value.is_null() {
+        let Some(given) = Given::of(name, value) else {
             return Ok(());
-        }
-        let name = name.replace('-', "_");
-        let given = Given { name: &name, value };
-        match &*name {
+        };
+        match &*given.name {
             "bound" => self.bound = given.number()?,
             "bend" => self.bend = given.number()?,
             "contact" => self.contact = Some(given.number()?),
@@ -86,15 +82,11 @@ impl ReadingRequest {
     /// # Errors
     /// As [`PlanRequest::set`].
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), RequestError> {
-        let name = name.replace('-', "_");
-        if value.is_null() {
-            return Ok(());
-        }
-        self.set_given(&Given { name: &name, value })
+        Given::of(name, value).map_or(Ok(()), |given| self.set_given(&given))
     }
 
     fn set_given(&mut self, given: &Given<'_>) -> Result<(), RequestError> {
-        match given.name {
+        match &*given.name {
             "tolerance" => self.tolerance = Some(given.number()?),
             "straighten" => self.straighten = given.named()?,
             "colors" => {
@@ -112,11 +104,18 @@ impl ReadingRequest {
 
 /// An option's name and value.
 struct Given<'a> {
-    name: &'a str,
+    /// With `_` between its words.
+    name: String,
     value: &'a Value,
 }
 
-impl Given<'_> {
+impl<'a> Given<'a> {
+    /// Returns the option, unless its value is `null`.
+    fn of(name: &str, value: &'a Value) -> Option<Self> {
+        let name = name.replace('-', "_");
+        (!value.is_null()).then_some(Self { name, value })
+    }
+
     /// Returns the name on the command line.
     fn flag(&self) -> String {
         format!("--{}", self.name.replace('_', "-"))

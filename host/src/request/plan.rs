@@ -114,11 +114,7 @@ impl Planned {
 
 /// Returns what the flat sheet alone tells of the reasons for a no, in notes.
 fn in_the_way(pattern: &CreasePattern, outcome: Outcome, watch: Watch<'_>) -> Vec<String> {
-    let stops_short = matches!(
-        outcome,
-        Outcome::Partial | Outcome::NearGoal | Outcome::GoalNotClosed
-    );
-    if !stops_short {
+    if !Outcome::FALLS_SHORT.contains(&outcome) {
         return Vec::new();
     }
     let groups = CreaseGroups::find_until(pattern, watch);

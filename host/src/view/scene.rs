@@ -114,8 +114,10 @@ fn shortfall(path: &Motion, watch: Watch<'_>) -> Option<SceneShortfall> {
     }
     let pattern = &path.pattern;
     // A crossing is shown by its pair of faces.
-    let short = [Outcome::Partial, Outcome::NearGoal, Outcome::GoalNotClosed];
-    let causes = if short.iter().any(|short| short.name() == answer.outcome) {
+    let falls_short = Outcome::FALLS_SHORT
+        .map(Outcome::name)
+        .contains(&&*answer.outcome);
+    let causes = if falls_short {
         forecast(pattern, &CreaseGroups::trivial(pattern), watch).causes
     } else {
         Vec::new()

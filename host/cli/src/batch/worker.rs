@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::design::Design;
 use crate::CliError;
-use crate::report::ErrorFields;
+use crate::report::{ErrorFields, panic_text};
 use foldpath::planner::Outcome;
 use foldpath::progress::Progress;
 use foldpath::request::{InputJson, PlanRequest};
@@ -64,12 +64,7 @@ pub(crate) fn record(line: &str, timeout: f64, stable: bool, progress: &Progress
     match catch_unwind(work) {
         Ok(Ok(result)) => result,
         Ok(Err(error)) => failed(&design.id, ErrorFields::of(&error)),
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            let text = format!("a defect of foldpath: {}", text.unwrap_or("panic"));
-            failed(&design.id, ErrorFields::of_message(&text))
-        }
+        Err(panic) => failed(&design.id, ErrorFields::of_message(&panic_text(&*panic))),
     }
 }
 

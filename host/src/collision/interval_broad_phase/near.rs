@@ -102,7 +102,7 @@ impl IntervalBroadPhase {
                 continue;
             }
             let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
-            // A cluster with itself that is not split any more has to have parts.
+            // A single piece is no pair with itself.
             let few = u64::from(first.pieces) * u64::from(second.pieces) <= PAIRS;
             if few && (a != b || first.children.is_some()) {
                 let Some(next) = found([a, b], gap) else {

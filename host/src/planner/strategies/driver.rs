@@ -367,10 +367,7 @@ fn turned(plan: &Plan) -> f64 {
 
 /// Returns `true` if a small sheet hardly leaves flat with rigid panels.
 fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
-    let short = matches!(
-        plan.outcome,
-        Outcome::Partial | Outcome::NearGoal | Outcome::GoalNotClosed
-    );
+    let short = Outcome::FALLS_SHORT.contains(&plan.outcome);
     let few = problem.pattern.creases().len() <= FEW_CREASES;
     let path = problem.options.search != Search::Random && problem.options.judged == Judged::Motion;
     short && few && path && plan.reached < FARTHER_RATIO && !problem.is_late()
