@@ -174,7 +174,7 @@ fn stream(
     let items = items.ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, Options::default());
     let mut answers = cobs::Deframer::<256>::default();
-    let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::new(1, |_| ANY));
+    let mut device: Controller<2, HINGES, 4, 16> = Controller::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut ticks, mut setpoints, mut told) = ((0, 0), (0, 0), false);
     let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));

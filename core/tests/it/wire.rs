@@ -155,7 +155,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             item,
         })
     };
-    let (version, schema, id) = (2, 0x1234_5678, 5);
+    let (version, schema, id) = (3, 0x1234_5678, 5);
     let report = Report {
         next: 300,
         limit: 316,
@@ -191,7 +191,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 schema,
                 id,
             }),
-            "Hello: version 2, schema 12345678, id 5",
+            "Hello: version 3, schema 12345678, id 5",
         ),
         (
             item(Item::Sheet(head)),
@@ -226,12 +226,16 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (bytes(ToDevice::Alive), "Alive"),
         (
+            bytes(ToDevice::Pair(&[7; 16])),
+            "Pair: 16 bytes, all of them 7",
+        ),
+        (
             bytes(ToHost::Mismatch {
                 id,
                 version,
                 schema,
             }),
-            "Mismatch: id 5, version 2, schema 12345678",
+            "Mismatch: id 5, version 3, schema 12345678",
         ),
         (
             bytes(ToHost::Welcome {

@@ -1,0 +1,171 @@
+//! The controller's end of a link with or without a key: which frames are taken, and what follows each message?
+
+use core::fmt;
+
+use crate::wire::frame;
+use crate::wire::key::{Channel, Direction, Key, Nonces};
+
+/// Protection of the frames of a [`Receiver`](crate::wire::receiver::Receiver). Without a key it is [`Unkeyed`].
+pub trait Protection: Clone + fmt::Debug {
+    /// `true` if there is room for a key.
+    const KEYED: bool;
+
+    /// Creates the end of a link with this key. Without a key, or without room for one, it takes frames of any host.
+    fn with_key(key: Option<Key>) -> Self;
+
+    /// Returns the bytes of node, session and message of a frame of this session, if the frame may be taken.
+    fn take<'b>(&mut self, session: u32, frame: &'b [u8]) -> Option<&'b [u8]>;
+
+    /// Makes the keys of a session that is offered to the host `id` that has greeted last, by a controller of this
+    /// `nonce`. Returns `false` if no session can be offered any more.
+    fn offer(&mut self, id: u32, nonce: u64, session: u32) -> bool;
+
+    /// Notes that the session that was offered last has begun.
+    fn begin(&mut self);
+
+    /// Writes what follows a message behind the first `length` bytes of a frame of this session. Returns the length of the
+    /// whole; `None` if there is no room, or if the session can send no more.
+    fn close(&self, session: u32, buffer: &mut [u8], length: usize) -> Option<usize>;
+
+    /// Notes that a closed frame of this session is on its way.
+    fn advance(&mut self, session: u32);
+
+    /// Takes a key, if there is room for one and none is there yet. Returns `true` if it was taken; all sessions are over
+    /// then.
+    fn pair(&mut self, key: Key) -> bool;
+
+    /// Returns the key that was taken since the last call.
+    fn new_key(&mut self) -> Option<Key>;
+}
+
+/// Frames with a checksum: anybody may send them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unkeyed;
+
+impl Protection for Unkeyed {
+    const KEYED: bool = false;
+
+    fn with_key(_: Option<Key>) -> Self {
+        Self
+    }
+
+    fn take<'b>(&mut self, _: u32, frame: &'b [u8]) -> Option<&'b [u8]> {
+        frame::checked(frame)
+    }
+
+    fn offer(&mut self, _: u32, _: u64, _: u32) -> bool {
+        true
+    }
+
+    fn begin(&mut self) {}
+
+    fn close(&self, _: u32, buffer: &mut [u8], length: usize) -> Option<usize> {
+        frame::close(buffer, length)
+    }
+
+    fn advance(&mut self, _: u32) {}
+
+    fn pair(&mut self, _: Key) -> bool {
+        false
+    }
+
+    fn new_key(&mut self) -> Option<Key> {
+        None
+    }
+}
+
+/// Frames with a tag, once there is a key; before, frames with a checksum.
+#[derive(Clone, Debug, Default)]
+pub struct Keyed {
+    key: Option<Key>,
+    /// The key, until it was asked for.
+    new: Option<Key>,
+    /// Upper half of the nonce of the host that has greeted last; its lower half is the host's id.
+    greeted: u32,
+    /// Number of sessions that were offered. Their numbers begin anew after 2³² sessions, and with them their keys could.
+    offers: u32,
+    offered: Option<Channel>,
+    open: Option<Channel>,
+}
+
+impl Protection for Keyed {
+    const KEYED: bool = true;
+
+    fn with_key(key: Option<Key>) -> Self {
+        Self {
+            key,
+            ..Self::default()
+        }
+    }
+
+    fn take<'b>(&mut self, session: u32, frame: &'b [u8]) -> Option<&'b [u8]> {
+        let Some(key) = &self.key else {
+            return frame::checked(frame);
+        };
+        if session == 0 {
+            let key = key.of(Direction::ToDevice, Nonces::default(), 0);
+            let (upper, covered) = key.check(frame)?;
+            self.greeted = upper;
+            return Some(covered);
+        }
+        let channels = [&mut self.open, &mut self.offered].into_iter().flatten();
+        let channel = { channels }.find(|channel| channel.session() == session);
+        channel?.take(frame)
+    }
+
+    fn offer(&mut self, id: u32, nonce: u64, session: u32) -> bool {
+        let Some(key) = &self.key else {
+            return true;
+        };
+        let Some(offers) = self.offers.checked_add(1) else {
+            return false;
+        };
+        let nonces = Nonces {
+            host: u64::from(self.greeted) << 32 | u64::from(id),
+            device: nonce,
+        };
+        self.offers = offers;
+        self.offered = Some(Channel::new(key, Direction::ToHost, nonces, session, 0));
+        true
+    }
+
+    fn begin(&mut self) {
+        self.open = self.offered.take();
+    }
+
+    fn close(&self, session: u32, buffer: &mut [u8], length: usize) -> Option<usize> {
+        let Some(key) = &self.key else {
+            return frame::close(buffer, length);
+        };
+        if session == 0 {
+            let key = key.of(Direction::ToHost, Nonces::default(), 0);
+            return key.close(self.greeted, buffer, length);
+        }
+        let open = self.open.as_ref();
+        open.filter(|open| open.session() == session)?
+            .close(buffer, length)
+    }
+
+    fn advance(&mut self, session: u32) {
+        if let Some(open) = &mut self.open
+            && open.session() == session
+        {
+            open.advance();
+        }
+    }
+
+    fn pair(&mut self, key: Key) -> bool {
+        let new = self.key.is_none();
+        if new {
+            *self = Self {
+                new: Some(key),
+                ..Self::with_key(Some(key))
+            };
+        }
+        new
+    }
+
+    fn new_key(&mut self) -> Option<Key> {
+        self.new.take()
+    }
+}
