@@ -16,6 +16,9 @@ pub trait Protection: Clone + fmt::Debug {
     /// Returns the bytes of node, session and message of a frame of this session, if the frame may be taken.
     fn take<'b>(&mut self, session: u32, frame: &'b [u8]) -> Option<&'b [u8]>;
 
+    /// Returns `true` if this session was offered to the host that has greeted last, given that the ids agree.
+    fn knows(&self, session: u32) -> bool;
+
     /// Makes the keys of a session that is offered to the host `id` that has greeted last, by a controller of this
     /// `nonce`. Returns `false` if no session can be offered any more.
     fn offer(&mut self, id: u32, nonce: u64, session: u32) -> bool;
@@ -53,6 +56,10 @@ impl Protection for Unkeyed {
         frame::checked(frame)
     }
 
+    fn knows(&self, _: u32) -> bool {
+        true
+    }
+
     fn offer(&mut self, _: u32, _: u64, _: u32) -> bool {
         true
     }
@@ -84,8 +91,16 @@ pub struct Keyed {
     greeted: u32,
     /// Number of sessions that were offered. Their numbers begin anew after 2³² sessions, and with them their keys could.
     offers: u32,
-    offered: Option<Channel>,
-    open: Option<Channel>,
+    offered: Option<Offer>,
+    open: Option<Offer>,
+}
+
+/// A session that was offered.
+#[derive(Clone, Copy, Debug)]
+struct Offer {
+    /// Upper half of the nonce of the host.
+    greeted: u32,
+    channel: Channel,
 }
 
 impl Protection for Keyed {
@@ -108,9 +123,15 @@ impl Protection for Keyed {
             self.greeted = upper;
             return Some(covered);
         }
-        let channels = [&mut self.open, &mut self.offered].into_iter().flatten();
-        let channel = { channels }.find(|channel| channel.session() == session);
-        channel?.take(frame)
+        let offers = [&mut self.open, &mut self.offered].into_iter().flatten();
+        let offer = { offers }.find(|offer| offer.channel.session() == session);
+        offer?.channel.take(frame)
+    }
+
+    fn knows(&self, session: u32) -> bool {
+        let offers = [&self.open, &self.offered].into_iter().flatten();
+        let offer = { offers }.find(|offer| offer.channel.session() == session);
+        self.key.is_none() || offer.is_some_and(|offer| offer.greeted == self.greeted)
     }
 
     fn offer(&mut self, id: u32, nonce: u64, session: u32) -> bool {
@@ -125,7 +146,10 @@ impl Protection for Keyed {
             device: nonce,
         };
         self.offers = offers;
-        self.offered = Some(Channel::new(key, Direction::ToHost, nonces, session, 0));
+        self.offered = Some(Offer {
+            greeted: self.greeted,
+            channel: Channel::new(key, Direction::ToHost, nonces, session, 0),
+        });
         true
     }
 
@@ -141,16 +165,16 @@ impl Protection for Keyed {
             let key = key.of(Direction::ToHost, Nonces::default(), 0);
             return key.close(self.greeted, buffer, length);
         }
-        let open = self.open.as_ref();
-        open.filter(|open| open.session() == session)?
-            .close(buffer, length)
+        let open = self.open.as_ref().map(|offer| &offer.channel);
+        let open = open.filter(|open| open.session() == session);
+        open?.close(buffer, length)
     }
 
     fn advance(&mut self, session: u32) {
-        if let Some(open) = &mut self.open
-            && open.session() == session
+        if let Some(Offer { channel, .. }) = &mut self.open
+            && channel.session() == session
         {
-            open.advance();
+            channel.advance();
         }
     }
 

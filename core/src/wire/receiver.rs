@@ -190,7 +190,7 @@ impl<P: Protection> Receiver<P> {
         }
         // A repeated greeting gets the same session again.
         let known = [self.open, self.offered].into_iter().flatten();
-        let known = { known }.find(|peer| peer.id == id);
+        let known = { known }.find(|peer| peer.id == id && self.protection.knows(peer.session));
         if let Some(peer) = known.or_else(|| self.offer(id)) {
             self.due.welcome = Some(peer);
         }
