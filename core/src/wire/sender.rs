@@ -202,6 +202,12 @@ impl Sender {
         self.phase
     }
 
+    /// Returns the number of the session that was offered last; 0 if there is none.
+    #[must_use]
+    pub fn session(&self) -> u32 {
+        self.session
+    }
+
     /// Returns the number of items that have come.
     #[must_use]
     pub fn acknowledged(&self) -> u64 {

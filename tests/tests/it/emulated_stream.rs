@@ -42,6 +42,7 @@ fn session(
         resume,
         at_start: id == 1,
         id,
+        ..Options::default()
     };
     let (summary, heard) = session::session(link, &path, options, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
@@ -88,7 +89,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
         double: 0.05,
         ..Faults::default()
     };
-    let mut board = Faulty::new(Emulator::start(&image).unwrap(), faults, 7);
+    let mut board = Faulty::new(Emulator::start(&image, None).unwrap(), faults, 7);
     assert_eq!(emulators().len(), 1);
     let stop = |heard: &[Telemetry]| {
         if heard.len() < 50 {
@@ -112,7 +113,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     drop(board);
     assert!(emulators().is_empty());
 
-    let mut board = Emulator::start(&image).unwrap();
+    let mut board = Emulator::start(&image, None).unwrap();
     let quit = |heard: &[Telemetry]| {
         if heard.len() < 50 {
             Wish::Run
@@ -143,7 +144,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other");
     fs::write(&other, [0; 64]).unwrap();
-    let answer = Emulator::start(&other);
+    let answer = Emulator::start(&other, None);
     let silent = answer.map(|mut board| session(&mut board, &bytes, (4, false), &|_| Wish::Run).0);
     assert!(silent.is_err() || silent.is_ok_and(|s| s.outcome == Outcome::NoDevice));
     assert!(emulators().is_empty());
