@@ -1,8 +1,13 @@
 //! Links with a key: the tags of the reference, the keys of sessions, and counters.
 
+use foldpath_core::wire::frame;
 use foldpath_core::wire::key::{Channel, Direction, Key, Nonces};
+use foldpath_core::wire::message::{Capacity, Command, ToDevice, ToHost};
 use foldpath_test_support::Random;
 use rand_core::Rng;
+use serde::Serialize;
+
+use crate::wire::{documented, hex};
 
 /// The tags of the reference implementation of SipHash-2-4 (`vectors.h`) for the key 00 01 ... 0f and the messages of 0
 /// to 63 bytes 00 01 02 ...; the one of 15 bytes is the example of the paper's appendix.
@@ -122,7 +127,9 @@ fn each_changed_bit_is_noticed() {
 fn counters_do_not_wrap() {
     let [mut host, mut device] = ends(Nonces { host: 1, device: 2 }, 5, u32::MAX - 2);
     let early = closed(&mut ends(Nonces { host: 1, device: 2 }, 5, 0)[0], b"early").unwrap();
-    let frames: Vec<_> = core::iter::from_fn(|| closed(&mut host, b"frame")).collect();
+    let frames: Vec<_> = core::iter::from_fn(|| closed(&mut host, b"frame"))
+        .take(10)
+        .collect();
     assert_eq!(frames.len(), 2);
     assert!(frames[1][5..].starts_with(&[255; 4]));
     assert_eq!(device.take(&frames[1]), Some(&b"frame"[..]));
@@ -144,4 +151,77 @@ fn there_has_to_be_room_for_counter_and_tag() {
         let fits = length + 12 <= 64;
         assert_eq!(host.close(&mut buffer, length), fits.then_some(length + 12));
     }
+}
+
+/// Returns the bytes of a frame that ends with this counter and the tag of `key`. They are made from a frame without a key,
+/// which begins in the same way.
+fn tagged(session: u32, message: &impl Serialize, counter: u32, key: &Key) -> Vec<u8> {
+    let mut buffer = [0; 64];
+    let plain = frame::seal(session, message, &mut buffer).unwrap();
+    let mut bytes = plain[..plain.len() - 4].to_vec();
+    bytes.extend(counter.to_le_bytes());
+    let tag = key.tag(&bytes);
+    bytes.extend(tag.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn the_protocols_frames_with_a_key_are_as_they_are() {
+    let nonces = Nonces {
+        host: 0x0000_0009_0000_0005,
+        device: 300,
+    };
+    let [to_device, to_host] = [Direction::ToDevice, Direction::ToHost];
+    let greetings = [to_device, to_host].map(|way| key().of(way, Nonces::default(), 0));
+    let session = [to_device, to_host].map(|way| key().of(way, nonces, 6));
+    let (version, schema, id) = (3, 0x1234_5678, 5);
+    let hello = ToDevice::Hello {
+        version,
+        schema,
+        id,
+    };
+    let welcome = ToHost::Welcome {
+        id,
+        session: 6,
+        nonce: 300,
+        capacity: Capacity {
+            groups: 2,
+            hinges: 1104,
+            spokes: 16,
+            knots: 64,
+        },
+    };
+    let start = ToDevice::Command {
+        number: 1,
+        command: Command::Start,
+    };
+    let hello = tagged(0, &hello, 9, &greetings[0]);
+    let start = tagged(6, &start, 1, &session[0]);
+    let lines = [
+        (key().bytes().to_vec(), "shared key"),
+        (
+            greetings[0].bytes().to_vec(),
+            "key of greetings of the host",
+        ),
+        (hello, "Hello of the host of nonce 0000000900000005"),
+        (
+            greetings[1].bytes().to_vec(),
+            "key of greetings of the controller",
+        ),
+        (
+            tagged(0, &welcome, 9, &greetings[1]),
+            "Welcome of the controller of nonce 300, which offers session 6",
+        ),
+        (session[0].bytes().to_vec(), "key of session 6, of the host"),
+        (start.clone(), "Command 1, Start, with counter 1"),
+        (
+            session[1].bytes().to_vec(),
+            "key of session 6, of the controller",
+        ),
+    ];
+    let lines = lines.map(|(bytes, what)| format!("{}| {what}", hex(&bytes)));
+    assert_eq!(documented(2), lines, "\n{}\n", lines.join("\n"));
+
+    let mut end = Channel::new(&key(), to_host, nonces, 6, 0);
+    assert_eq!(end.take(&start), Some(&start[..start.len() - 12]));
 }

@@ -342,7 +342,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
 
 /// Returns the lines of the protocol's block of hexadecimal numbers number `block`, counted from behind the block of
 /// the file.
-fn documented(block: usize) -> Vec<&'static str> {
+pub(crate) fn documented(block: usize) -> Vec<&'static str> {
     let text = include_str!("../../../firmware-sim/PROTOCOL.md");
     let blocks = text.split("```hex\n").skip(2 + block);
     let block = blocks
@@ -351,7 +351,7 @@ fn documented(block: usize) -> Vec<&'static str> {
     block.unwrap_or_default().lines().collect()
 }
 
-fn hex(bytes: &[u8]) -> String {
+pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
 }
 
