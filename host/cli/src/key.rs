@@ -2,13 +2,16 @@
 
 use core::hash::{BuildHasher, Hasher};
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
 use foldpath_core::wire::key::Key;
 
 use crate::CliError;
 use crate::standard::is_standard;
+
+/// Largest number of bytes that are read from stdin; a key has 32 digits.
+const MAX_BYTES: u64 = 1024;
 
 /// Returns a number that other runs are unlikely to have had.
 pub(crate) fn nonce() -> u64 {
@@ -17,11 +20,16 @@ pub(crate) fn nonce() -> u64 {
     hasher.finish()
 }
 
-/// Reads the key in a file: 32 hexadecimal digits and white space.
+/// Reads the key in a file, or from stdin: 32 hexadecimal digits and white space.
 ///
 /// # Errors
 /// If the file cannot be read or holds something else.
 pub(crate) fn read(path: &Path) -> Result<Key, CliError> {
+    if is_standard(path) {
+        let mut bytes = Vec::new();
+        let read = io::stdin().lock().take(MAX_BYTES).read_to_end(&mut bytes);
+        return parse(path, read.map(|_| bytes));
+    }
     parse(path, fs::read(path))
 }
 

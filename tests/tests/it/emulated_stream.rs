@@ -12,6 +12,7 @@ use foldpath::stream::{Faulty, Link, Options, Outcome, StreamPath, Summary, Tele
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::wire::key::Key;
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_tests::Planned;
 
@@ -112,6 +113,23 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     assert!(summary.max_closure < 4e-6, "{summary:?}");
     drop(board);
     assert!(emulators().is_empty());
+
+    // A board with a key follows the owner of the key alone.
+    let key = Key::new(core::array::from_fn(|byte| u8::try_from(byte).unwrap()));
+    let with_key = image.with_file_name("foldpath-controller-keyed");
+    let mut board = Emulator::start(&with_key, Some(key)).unwrap();
+    for (id, key, outcome) in [(5, None, Outcome::NoDevice), (6, Some(key), Outcome::Done)] {
+        let path = StreamPath::read(&bytes, Path::new("path.traj")).unwrap();
+        let options = Options {
+            at_start: true,
+            id,
+            key,
+            ..Options::default()
+        };
+        let (summary, _) = session::session(&mut board, &path, options, &|_| Wish::Run);
+        assert_eq!(summary.outcome, outcome, "{summary:?}");
+    }
+    drop(board);
 
     let mut board = Emulator::start(&image, None).unwrap();
     let quit = |heard: &[Telemetry]| {

@@ -6,6 +6,7 @@ use foldpath_core::wire::frame;
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{ToDevice, ToHost};
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
+use foldpath_core::wire::receiver::{Identity, Receiver};
 use foldpath_core::wire::sender::{Failure, Phase};
 use foldpath_core::wire::{cobs, message};
 
@@ -119,6 +120,22 @@ fn a_sheet_that_moves_gets_no_key() {
     assert_eq!(machine.condition().state, State::Holding);
     assert!(pair(&mut machine, 9, KEY.bytes()));
     assert_eq!(machine.bench(|bench| bench.key), Some(KEY));
+}
+
+/// Not even the owner of the key replaces it over the line.
+#[test]
+fn a_controller_with_a_key_takes_no_other_one() {
+    let identity = Identity::default();
+    let mut receiver = Receiver::protected(identity, Keyed::with_key(Some(KEY)));
+    let before = format!("{receiver:?}");
+    assert!(!receiver.pair(OTHER) && receiver.new_key().is_none());
+    assert_eq!(format!("{receiver:?}"), before);
+    let mut receiver = Receiver::protected(identity, Keyed::with_key(None));
+    assert!(receiver.pair(OTHER) && !receiver.pair(KEY));
+    assert_eq!(
+        (receiver.new_key(), receiver.new_key()),
+        (Some(OTHER), None)
+    );
 }
 
 #[test]
