@@ -6,9 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::checksum::checksum;
 
-/// Number of bytes of a frame besides its message.
-pub const OVERHEAD: usize = 9;
-
 /// Writes a frame for the only controller of a line, node 0, into `buffer` and returns it; `None` if there is no room.
 pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
     seal_for(0, session, message, buffer)

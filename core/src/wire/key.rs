@@ -7,6 +7,9 @@ use core::fmt;
 
 use siphasher::sip::SipHasher24;
 
+/// Number of bytes of a counter and a tag.
+pub const TRAILER: usize = 12;
+
 /// A key of 128 bits.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Key([u8; Key::SIZE]);
@@ -50,10 +53,9 @@ impl Key {
     #[inline(never)]
     #[must_use]
     pub fn tag(&self, bytes: &[u8]) -> u64 {
-        let [low, high] = self.0.as_chunks::<8>().0 else {
-            return 0;
-        };
-        let [low, high] = [*low, *high].map(u64::from_le_bytes);
+        let [a, b, c, d, e, f, g, h, high @ ..] = self.0;
+        let low = [a, b, c, d, e, f, g, h];
+        let [low, high] = [low, high].map(u64::from_le_bytes);
         SipHasher24::new_with_keys(low, high).hash(bytes)
     }
 
@@ -85,7 +87,7 @@ impl Key {
         *rest.first_chunk_mut::<4>()? = counter.to_le_bytes();
         let (covered, rest) = buffer.split_at_mut_checked(length + 4)?;
         *rest.first_chunk_mut::<8>()? = self.tag(covered).to_le_bytes();
-        Some(length + 12)
+        Some(length + TRAILER)
     }
 
     /// Returns the counter of a frame and the bytes before it; `None` if the tag differs.
@@ -155,8 +157,8 @@ impl Channel {
         Some(covered)
     }
 
-    /// Closes a frame with the next counter, as [`Key::close`] does; `None` as well if there is no other counter left. The
-    /// counter is used up by [`advance`](Self::advance).
+    /// Writes the next counter and a tag behind the first `length` bytes of a frame, [`TRAILER`] bytes. Returns the length of
+    /// the whole; `None` if there is no room, or if no counter is left. The counter is used up by [`advance`](Self::advance).
     #[must_use]
     pub fn close(&self, buffer: &mut [u8], length: usize) -> Option<usize> {
         let counter = self.sent.checked_add(1)?;

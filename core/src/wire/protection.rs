@@ -1,4 +1,5 @@
-//! The controller's end of a link with or without a key: which frames are taken, and what follows each message?
+//! The controller's end of a link with or without a key: decides which frames are taken, and writes the checksum or the tag
+//! behind each message.
 
 use core::fmt;
 
@@ -16,7 +17,7 @@ pub trait Protection: Clone + fmt::Debug {
     /// Returns the bytes of node, session and message of a frame of this session, if the frame may be taken.
     fn take<'b>(&mut self, session: u32, frame: &'b [u8]) -> Option<&'b [u8]>;
 
-    /// Returns `true` if this session was offered to the host that has greeted last, given that the ids agree.
+    /// Returns `true` if this session was offered to the host that has greeted last. The caller compares the ids.
     fn knows(&self, session: u32) -> bool;
 
     /// Makes the keys of a session that is offered to the host `id` that has greeted last, by a controller of this
@@ -26,7 +27,7 @@ pub trait Protection: Clone + fmt::Debug {
     /// Notes that the session that was offered last has begun.
     fn begin(&mut self);
 
-    /// Writes what follows a message behind the first `length` bytes of a frame of this session. Returns the length of the
+    /// Writes a checksum, or a counter and a tag, behind the first `length` bytes of a frame of this session. Returns the length of the
     /// whole; `None` if there is no room, or if the session can send no more.
     fn close(&self, session: u32, buffer: &mut [u8], length: usize) -> Option<usize>;
 
@@ -89,7 +90,8 @@ pub struct Keyed {
     new: Option<Key>,
     /// Upper half of the nonce of the host that has greeted last; its lower half is the host's id.
     greeted: u32,
-    /// Number of sessions that were offered. Their numbers begin anew after 2³² sessions, and with them their keys could.
+    /// Number of sessions that were offered. The 2³²-nd offer is the last: after it the numbers of sessions would repeat,
+    /// and a number that repeats would give a host with the same nonce the same keys.
     offers: u32,
     offered: Option<Offer>,
     open: Option<Offer>,

@@ -488,7 +488,7 @@ fn offers_that_are_played_back_repeat_no_frame() {
     assert!(seen.windows(2).all(|pair| pair[0] != pair[1]));
 }
 
-/// What a host and its driver send with a key is what they send without one, in other frames.
+/// A frame with a key has the same message as one without a key, and differs at its end alone.
 #[test]
 fn a_key_changes_nothing_but_the_end_of_a_frame() {
     let path = crate::path::Path::miura();

@@ -153,7 +153,7 @@ fn a_fold_that_is_played_back_moves_nothing() {
             again.device.follower().position(),
             FollowerPosition::default()
         );
-        // The same controller follows its host.
+        // This controller still follows a host with the key.
         again.hosts[0] = with_key(Host::new(&path, 5), KEY, 9);
         again.finish(4);
     }

@@ -60,7 +60,10 @@ fn host(path: &Path, id: u32, key: Option<Key>) -> Driver<'_> {
     }
 }
 
-fn follows<P: Protection>(machine: &mut Machine<2, P>, mut host: Driver<'_>) -> bool {
+fn follows<const G: usize, P: Protection>(
+    machine: &mut Machine<G, P>,
+    mut host: Driver<'_>,
+) -> bool {
     machine.run(Some(&mut host), 6000);
     host.is_done()
 }
@@ -120,6 +123,19 @@ fn a_sheet_that_moves_gets_no_key() {
     assert_eq!(machine.condition().state, State::Holding);
     assert!(pair(&mut machine, 9, KEY.bytes()));
     assert_eq!(machine.bench(|bench| bench.key), Some(KEY));
+}
+
+/// The longest frames have room for counter and tag: those of a path of 94 groups.
+#[test]
+fn a_path_of_94_groups_goes_over_a_link_with_a_key() {
+    let path = Path::new(94);
+    let mut machine = Machine::<94, Keyed>::with_line(1, false);
+    machine.bench(|bench| bench.key = Some(KEY));
+    machine.reset();
+    assert!(follows(&mut machine, host(&path, 7, Some(KEY))));
+    let longest = machine.recorded.iter().map(|(_, bytes)| bytes.len()).max();
+    // A piece of a setpoint has 208 bytes of numbers.
+    assert!((225..=258).contains(&longest.unwrap()), "{longest:?}");
 }
 
 /// Not even the owner of the key replaces it over the line.

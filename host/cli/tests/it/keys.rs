@@ -26,7 +26,7 @@ fn a_controller_that_was_paired_is_moved_by_nobody_else() {
     )
     .unwrap();
     let mut sim = Sim::new();
-    let mut stream = |sim: &mut Sim, id, key| {
+    let stream = |sim: &mut Sim, id, key| {
         let options = Options {
             id,
             key,
@@ -35,7 +35,7 @@ fn a_controller_that_was_paired_is_moved_by_nobody_else() {
         session::session(sim, &path, options, &|_| Wish::Run).0
     };
     assert_eq!(pair(&mut sim, KEY, 1).unwrap(), Pairing::Paired);
-    // The same key once more is no harm; another one is not taken.
+    // A controller that is paired again keeps its key.
     assert_eq!(pair(&mut sim, KEY, 1 << 40).unwrap(), Pairing::Paired);
     assert_eq!(pair(&mut sim, OTHER, 2 << 40).unwrap(), Pairing::NoDevice);
     for key in [None, Some(OTHER)] {
