@@ -44,7 +44,8 @@ pub(crate) fn read_or_make(path: &Path) -> Result<(Key, bool), CliError> {
     }
     match fs::read(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            let key = make(path).map_err(|error| unusable(path, &error))?;
+            // The text of the error would name a temporary file.
+            let key = make(path).map_err(|error| unusable(path, &error.kind().into()))?;
             Ok((key, true))
         }
         bytes => Ok((parse(path, bytes)?, false)),
