@@ -42,7 +42,7 @@ pub trait Board {
     fn key(&mut self) -> Option<Key> {
         None
     }
-    /// Stores a key that a host has set in memory that keeps it without power. Called at rest, and only if
+    /// Stores the key that a host has set, in memory that keeps it without power. Called at rest, and only if
     /// [`Settings::pairs`] allows it.
     fn store_key(&mut self, _: &Key) {}
     /// Keeps the watchdog from resetting the board for a while longer.

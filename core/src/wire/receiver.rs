@@ -270,7 +270,7 @@ impl<P: Protection> Receiver<P> {
         self.denied = result.err();
     }
 
-    /// Takes a key, if the protection has room for one and has none yet, and ends the session. Returns `true` if the key was
+    /// Takes a key and ends the session, if there is room for a key and none is there yet. Returns `true` if the key was
     /// taken.
     pub fn pair(&mut self, key: Key) -> bool {
         let taken = self.protection.pair(key);

@@ -1,5 +1,5 @@
-//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them, with room for a
-//! key. It differs from the image `foldpath-controller` only by this room.
+//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them, with room for a key.
+//! It differs from the image `foldpath-controller` only by this room.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
